@@ -45,6 +45,9 @@ RAISED = {"coarse": 0.30, "standard": 0.13, "fine": 0.08}
 extrapolated from all three; letters and Braille have wider parts and err less (validation/friction,
 `mesh.py`)."""
 
+GRIPPING = 10.0
+"""Time of a step with friction over one without, of the cases of the bench `sliding`."""
+
 LAYERED_PRESSES = {"sphere-2": 2.0, "sphere-5": 5.0, "flat-30": float("inf")}
 """Objects under which `layered` was measured against `linear`, and their radii in mm."""
 
@@ -91,7 +94,7 @@ def _spent(report: str, mechanics: Candidate, case: Situation, bodies: float) ->
     seconds = partial(_seconds, report, replace(mechanics, resolution=case.mesh))
     setup, fields = seconds("setup"), seconds("fields")
     spent = bodies * (setup + fields if case.ask.fields else setup)
-    spent += len(case.times) * seconds("step")
+    spent += len(case.times) * seconds("step") * (GRIPPING if case.indenter.friction else 1.0)
     return spent + case.changes * seconds("area") if case.ask.pressure else spent
 
 
