@@ -185,3 +185,12 @@ def test_friction_finds_the_law_for_every_coefficient_from_rest_and_from_before(
             assert (np.hypot(*t) - mu * p).max() < 1e-8
             lost = -np.sum(t * s, axis=0)
             assert lost == pytest.approx(mu * p * np.hypot(*s), abs=1e-7)
+
+
+def test_a_flexibility_without_an_inverse_ends_in_a_failure_not_in_an_exception():
+    flat = np.zeros((6, 6))
+    flat[:2, :2] = 1.0  # two vertices that move as one, and not along the plane
+    state = friction_compiled.friction_state(flat, 0.3)
+    offset = np.array([-1.0, -2.0, 0.0, 0.0, 0.0, 0.0])
+    outcome = friction_compiled.solve(state, offset, 1e-10)
+    assert outcome != DONE or (flat @ state.x + offset)[:2].min() > -1e-9

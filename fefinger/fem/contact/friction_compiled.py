@@ -297,8 +297,9 @@ def _matrix(s: FrictionState, q: int) -> Array:
 def _newton(s: FrictionState) -> int:
     """Solve for the iterate at which all projections are as at this one, into `start`.
 
-    Return how many unknowns there are. Where they are the same as the last time, the inverse of
-    that matrix is used again, which is out of date by the turn of the slip.
+    Return how many unknowns there are, 0 where they cannot be solved for. Where they are the same
+    as the last time, the inverse of that matrix is used again, which is out of date by the turn of
+    the slip.
     """
     q = _unknowns(s)
     if q == 0:
@@ -309,7 +310,11 @@ def _newton(s: FrictionState) -> int:
     values = np.empty(q)
     if same:
         if s.counts[INVERTED] == 0:
-            s.inverse[:q, :q] = np.linalg.inv(_matrix(s, q))
+            try:
+                s.inverse[:q, :q] = np.linalg.inv(_matrix(s, q))
+            except Exception:
+                s.counts[KEPT] = 0
+                return 0
             s.counts[INVERTED] = 1
         _correct(s, values)
     else:
@@ -323,7 +328,11 @@ def _newton(s: FrictionState) -> int:
                 + s.row[a, 1] * s.constant[i + 1]
                 + s.row[a, 2] * s.constant[i + 2]
             )
-        values[:] = np.linalg.solve(_matrix(s, q), right)
+        try:
+            values[:] = np.linalg.solve(_matrix(s, q), right)
+        except Exception:  # numba knows no other; a singular matrix
+            s.counts[KEPT] = 0
+            return 0
     s.start[: 3 * s.counts[K]] = 0.0
     for a in range(q):
         for c in range(3):
@@ -387,7 +396,7 @@ def _settle(s: FrictionState, offset: Array) -> bool:
         s.before[: 3 * k] = s.compressed[: 3 * k]
         if not np.isfinite(now):
             return False
-        if _newton(s) == 0:  # nothing is in contact: sweeps take the rest of the pressure off
+        if _newton(s) == 0:  # nothing is in contact, or the matrix is singular: sweeps go on
             inverse = False
             continue
         s.counts[SOLVED] += 1
