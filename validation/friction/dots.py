@@ -5,6 +5,7 @@ are: nothing here is fitted. `data/dots_scanned.csv` says where the recorded rat
 """
 
 import csv
+from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
@@ -68,12 +69,29 @@ def scanned(spacing: float) -> dict[str, float]:
     return {kind: float(counts[types == kind].mean() / seconds) for kind in scene.ask.spikes}
 
 
-def against_recorded(kind: str) -> tuple[float, float, float]:
-    """Return the median ratio of computed to recorded rates, their correlation, and a spacing.
+@dataclass(frozen=True)
+class Comparison:
+    """Computed rates against recorded ones: their median ratio, their correlation over spacing.
 
-    The recorded rates are read between their spacings; the spacing in mm is that of most spikes.
+    modulation: the range of the computed rates over their mean, over the same of the recorded ones;
+    best: the spacing in mm with most spikes.
     """
+
+    ratio: float
+    correlation: float
+    modulation: float
+    best: float
+
+
+def against_recorded(kind: str) -> Comparison:
+    """Return how the rates of a type compare, the recorded ones read between their spacings."""
     places, rates = recorded()[kind]
     known, found = np.interp(SPACINGS, places, rates), computed()[kind]
     both = np.corrcoef(known, found)[0, 1] if np.ptp(found) > 0 else 0.0
-    return float(np.median(found / known)), float(both), SPACINGS[int(np.argmax(found))]
+    ranges = [np.ptp(each) / each.mean() for each in (found, known)]
+    return Comparison(
+        ratio=float(np.median(found / known)),
+        correlation=float(both),
+        modulation=float(ranges[0] / ranges[1]),
+        best=SPACINGS[int(np.argmax(found))],
+    )

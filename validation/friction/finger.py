@@ -220,7 +220,7 @@ def stick_curve(finger: Finger) -> tuple[Array, Array]:
     assert one.stick_area is not None
     assert response.pad is not None
     assert response.pressure is not None
-    moved = response.time > 2.2
+    moved = (response.time > 2.2) & (response.time < response.time[-1] - 0.02)  # not its stop
     areas = (response.pressure > 0) @ response.pad.areas
     q = np.abs(one.force[moved, 0]) / np.abs(one.force[moved, 0]).max()
     return q, one.stick_area[moved] / areas[moved]
