@@ -9,9 +9,9 @@ from pathlib import Path
 # Two agents of one build share its cores: numerical libraries keep to one thread.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import matplotlib as mpl  # noqa: E402
+import matplotlib as mpl
 
-import fefinger  # noqa: E402
+import fefinger
 
 
 HERE = Path(__file__).parent

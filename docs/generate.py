@@ -98,7 +98,7 @@ def forms(part) -> Iterator[str]:
     for form in part["oneOf"]:
         yield ""
         from_file = " from a file" if "file" in form["properties"] else ""
-        yield f"### `kind = \"{form['title']}\"`{from_file}"
+        yield f'### `kind = "{form["title"]}"`{from_file}'
         yield "" if from_file else form["description"]
         named = {name: key for name, key in form["properties"].items() if name != "kind"}
         yield from rows(named, form.get("required", ()))
@@ -139,7 +139,12 @@ def value(key):
         "exclusiveMaximum": "< {:g}",
         "maximum": "≤ {:g}",
     }
-    words = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
+    words = {
+        "number": "number",
+        "integer": "whole number",
+        "string": "text",
+        "boolean": "true or false",
+    }
     bounds = ", ".join(text.format(key[name]) for name, text in limits.items() if name in key)
     return " ".join(filter(None, (words[key["type"]], bounds)))
 
@@ -172,9 +177,7 @@ def commands() -> Iterator[str]:
             for option in command.params
             if option.get_help_record(context)
         ]
-        yield from table(
-            ("option", "meaning"), ((f"`{flags}`", text) for flags, text in options)
-        )
+        yield from table(("option", "meaning"), ((f"`{flags}`", text) for flags, text in options))
 
 
 # Reports

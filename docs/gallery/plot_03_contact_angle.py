@@ -2,16 +2,15 @@
 The contact angle
 =================
 
-How the angle of a plate moves the load between the tip and the pad. Solving this study takes an hour; here its table
-is read from ``reports/contact-angle.csv``.
+How the angle of a plate moves the load between the tip and the pad. Solving this study takes an
+hour; here its table is read from ``reports/contact-angle.csv``.
 """
 
 from pathlib import Path
 
+import fefinger.reports
 import matplotlib.pyplot as plt
 import pandas as pd
-
-import fefinger.reports
 
 
 table = pd.read_csv(Path(fefinger.reports.__path__[0]) / "contact-angle.csv")

@@ -12,5 +12,12 @@ from fefinger.scene import builtin
 scene = builtin.load("pin-hold", {"finger.resolution": "coarse", "motion.hold": 0.3})
 field = ff.receptive_field(scene, ("SAI", "FAI"), reach=2, spacing=1)
 for kind in field.kinds:
-    print(kind, "at most", field.of(kind).max(), "impulses; half of them within", field.area(kind), "mm²")
+    print(
+        kind,
+        "at most",
+        field.of(kind).max(),
+        "impulses; half of them within",
+        field.area(kind),
+        "mm²",
+    )
 drawn = field.figure()

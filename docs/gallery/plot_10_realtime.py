@@ -2,8 +2,8 @@
 A finger in a real-time loop
 ============================
 
-A finger at finite strain and its afferents, driven step by step by a loop of your own: here by a hand that
-trembles at 8 Hz.
+A finger at finite strain and its afferents, driven step by step by a loop of your own: here by a
+hand that trembles at 8 Hz.
 """
 
 import time

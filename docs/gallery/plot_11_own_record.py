@@ -2,9 +2,9 @@
 Fit your own record
 ===================
 
-A ramp and hold in a CSV file (time, position, force) identifies the lumped finger, with uncertainties. Here the record
-is made by the law itself, with noise, so that the truth is known. ``fefinger calibrate`` fits a finite-element finger
-to the same file, which takes minutes.
+A ramp and hold in a CSV file (time, position, force) identifies the lumped finger, with
+uncertainties. Here the record is made by the law itself, with noise, so that the truth is known.
+``fefinger calibrate`` fits a finite-element finger to the same file, which takes minutes.
 """
 
 import tempfile

@@ -2,8 +2,8 @@
 A scan of a fingertip
 =====================
 
-A closed surface becomes a finger. Yours comes from a scanner (mm, x distal, z dorsal); here one is made on the spot:
-the skin of a shipped finger, stretched by 6 % across, as an STL file.
+A closed surface becomes a finger. Yours comes from a scanner (mm, x distal, z dorsal); here one
+is made on the spot: the skin of a shipped finger, stretched by 6 % across, as an STL file.
 """
 
 import tempfile
@@ -39,9 +39,13 @@ print(f"{finger.width:.1f} mm wide, {finger.thickness:.1f} mm thick")
 
 scanned = ff.run(replace(press, finger=finger), mechanics="linear")
 fig, axes = plt.subplots(1, 2, figsize=(8.5, 3.4), sharey=True, layout="constrained")
-for axis, (name, result) in zip(axes, {"shipped": shipped, "scanned": scanned}.items(), strict=True):
+for axis, (name, result) in zip(
+    axes, {"shipped": shipped, "scanned": scanned}.items(), strict=True
+):
     pad = result.pad
-    shown = axis.tripcolor(*pad.points[:, :2].T, pad.triangles, result.pressure[-1], shading="gouraud")
+    shown = axis.tripcolor(
+        *pad.points[:, :2].T, pad.triangles, result.pressure[-1], shading="gouraud"
+    )
     fig.colorbar(shown, ax=axis, label="pressure / kPa")
     axis.set(title=f"{name}: {result.force[-1]:.2f} N", xlabel="x / mm", aspect="equal")
 axes[0].set_ylabel("y / mm")

@@ -2,7 +2,8 @@
 A study on two workers
 ======================
 
-A grid of scenes in parallel. With ``scheduler="tcp://host:8786"`` in place of ``workers`` the same runs on a Dask cluster.
+A grid of scenes in parallel. With ``scheduler="tcp://host:8786"`` in place of ``workers`` the
+same runs on a Dask cluster.
 """
 
 import matplotlib.pyplot as plt

@@ -2,7 +2,8 @@
 A file for ParaView
 ===================
 
-``result.vtkhdf`` holds displacement, strain and pressure on the mesh through time. ParaView and PyVista open it.
+``result.vtkhdf`` holds displacement, strain and pressure on the mesh through time. ParaView and
+PyVista open it.
 """
 
 import tempfile

@@ -8,11 +8,11 @@ The measured front: true errors on held-out scenes, from ``reports/tradeoff.json
 import json
 from pathlib import Path
 
+import fefinger.reports
 import matplotlib.pyplot as plt
 import numpy as np
 
 import fefinger as ff
-import fefinger.reports
 
 
 report = json.loads((Path(fefinger.reports.__path__[0]) / "tradeoff.json").read_text())

@@ -2,7 +2,8 @@
 A vibrating probe
 =================
 
-A pin on the fingertip of a macaque vibrates: rates of the three types, and whether their spikes lock to it.
+A pin on the fingertip of a macaque vibrates: rates of the three types, and whether their spikes
+lock to it.
 """
 
 import matplotlib.pyplot as plt

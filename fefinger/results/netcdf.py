@@ -51,6 +51,25 @@ LAYOUT: dict[tuple[str, str], Variable] = {
     ("Response", "strain"): Variable(
         "strain", ("time", "site", "axis", "axis_2"), "1", "strain tensor, positive in tension"
     ),
+    ("Lateral", "shift"): Variable(
+        "shift", ("time", "lateral_axis"), "mm", "place of the indenter across its normal"
+    ),
+    ("Lateral", "force"): Variable(
+        "lateral_force", ("time", "lateral_axis"), "N", "force on the finger across the normal"
+    ),
+    ("Lateral", "torque"): Variable(
+        "torque", ("time",), "N mm", "torque on the finger about the normal, of friction"
+    ),
+    ("Lateral", "stick_area"): Variable(
+        "stick_area", ("time",), "mm2", "area of the contact that does not slip"
+    ),
+    ("Lateral", "traction"): Variable(
+        "traction", ("time", "pad", "lateral_axis"), "kPa", "friction on the skin"
+    ),
+    ("Lateral", "slip"): Variable(
+        "slip", ("time", "pad", "lateral_axis"), "mm", "slip of the skin over the indenter"
+    ),
+    ("Lateral", "work"): Variable("friction_work", ("time",), "mJ", "work lost in friction"),
     ("Pad", "points"): Variable("pad_points", ("pad", "axis"), "mm", "points on the pad"),
     ("Pad", "areas"): Variable("pad_areas", ("pad",), "mm2", "area that each pad point stands for"),
     ("Pad", "normals"): Variable("pad_normals", ("pad", "axis"), "1", "outward normals of the pad"),
@@ -118,6 +137,7 @@ COORDINATES = {
     "axis": ("x", "y", "z"),
     "axis_2": ("x", "y", "z"),
     "plane_axis": ("x", "y"),
+    "lateral_axis": ("distal", "radial"),
     "component": ("xx", "yy", "zz", "xy", "yz", "xz"),
 }
 RECORDS = {"Result": records.ResultRecord} | {
@@ -128,6 +148,7 @@ RECORDS = {"Result": records.ResultRecord} | {
         records.Settings,
         records.Refusal,
         records.Response,
+        records.Lateral,
         records.Pad,
         records.Sites,
         Reference,

@@ -19,6 +19,7 @@ from fefinger.scene.indenters import INDENTERS, Flat
 from fefinger.scene.key_texts import TEXTS
 from fefinger.scene.motion import LIMITS, Motion
 from fefinger.scene.motions import MOTIONS
+from fefinger.scene.patterns import ARRANGEMENTS
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.scene.toml import FROM_FILE, SUBJECT
@@ -40,6 +41,7 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "finger.cut": CUTS,
     "finger.resolution": (AUTO, *RESOLUTIONS),
     "tissue.law": tuple(SHARES),
+    "indenter.arrangement": ARRANGEMENTS,
 }
 """Values of the keys that are words."""
 

@@ -25,6 +25,8 @@ SCHEMA = schema()
 VALIDATOR = jsonschema.Draft7Validator(SCHEMA)
 KINDS = {"indenter": INDENTERS, "motion": MOTIONS, "ask.population": LAYOUTS}
 
+DOTS = {"indenter.kind": "dots", "indenter.spacing": 3.0}
+
 MINIMAL = {"finger": {"subject": "a.h."}, "motion": {"kind": "ramp", "speed": 10, "depth": 1}}
 
 
@@ -153,14 +155,14 @@ def test_accepts_what_the_reader_accepts(overrides):
 def test_words_are_those_of_the_reader(path, words):
     """The reader lists all of them where it refuses another word."""
     table = path.replace("tissue", "finger.skin")
-    spikes = {"ask.spikes": ["SAI"]} if path.startswith("ask") else {}
-    tables = builtin.changed(MINIMAL, {table: "neither", **spikes})
+    others = {"ask": {"ask.spikes": ["SAI"]}, "indenter": DOTS}.get(path.partition(".")[0], {})
+    tables = builtin.changed(MINIMAL, {table: "neither", **others})
     listed = ", ".join(map(repr, words))
     with pytest.raises(InputError, match=re.escape(f"expected one of {listed}, received")):
         Scene.from_dict(tables, folder=Path())
     assert not VALIDATOR.is_valid(tables)
     for word in words:
-        VALIDATOR.validate(builtin.changed(MINIMAL, {table: word, **spikes}))
+        VALIDATOR.validate(builtin.changed(MINIMAL, {table: word, **others}))
 
 
 @pytest.mark.parametrize("name", ["speed", "depth"])

@@ -8,13 +8,13 @@ from collections.abc import Callable
 import numpy as np
 
 from fefinger.fem.body import Body, Reduced, body, reduce
-from fefinger.fem.contact.patch import patch
+from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.step_compiled import march
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import limits, placement, problem
+from fefinger.mechanics.press import limits, placement, problem, sliding
 from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.hard_parts import fixed_facets, with_nail
@@ -95,7 +95,7 @@ def _contact(press: Press, stages: Stages) -> tuple[Reduced, History]:
 
     Beside an edge the gap grows within a facet to any reach: each time there is one ring more.
     """
-    body, motion, method = press.body, press.motion, press.method
+    body, motion = press.body, press.motion
     where = press.sites.points if press.sites else np.empty((0, 3))
     where = mirror.to_half(where) if body.half else where
     probe = recovered_strain_at(body.space, where, body.planes)
@@ -104,22 +104,15 @@ def _contact(press: Press, stages: Stages) -> tuple[Reduced, History]:
     prony = press.finger.prony
     reach = problem.REACH * press.expected_depth
     for rings in range(problem.ATTEMPTS):
-        candidates = patch(body.space, body.pad, body.normals, press.obstacle, reach, rings)
+        candidates = _candidates(press, reach, rings)
         limits.check_under(motion, len(candidates.vertices))
         with stages.stage("unit loads") as report:
-            reduced = method.reduce(body, candidates, probe, report)
+            reduced = sliding.reduced_to(press, candidates, where, probe, report)
         relaxation = Relaxation(
             np.array(prony.weights), np.array(prony.v), len(candidates.vertices)
         )
         with stages.stage("contact") as report:
-            history = march(
-                reduced.flexibility,
-                candidates.gap,
-                candidates.projected,
-                relaxation,
-                prescribed,
-                report,
-            )
+            history = _solved(press, reduced, relaxation, prescribed, report)
         deepest = float(history.depth.max())
         limits.check_reached(motion, press.finger.pulp, deepest)
         pressed = (history.pressure > 0).any(axis=0)
@@ -132,3 +125,27 @@ def _contact(press: Press, stages: Stages) -> tuple[Reduced, History]:
             return reduced, history
         reach *= problem.GROW
     raise ConvergenceError(limits.spread_beyond(reach))
+
+
+def _candidates(press: Press, reach: float, rings: int) -> Patch:
+    """Return the patch of a press, with `rings` of vertices around those within the reach in mm."""
+    body, obstacle = press.body, press.obstacle
+    if not press.slides:
+        return patch(body.space, body.pad, body.normals, obstacle, reach, rings)
+    return sliding.candidates(
+        body, obstacle, press.motion.shift(press.time), reach / problem.REACH, rings
+    )
+
+
+def _solved(
+    press: Press,
+    reduced: Reduced,
+    relaxation: Relaxation,
+    prescribed: Prescribed,
+    report: Callable[[float], None],
+) -> History:
+    """Solve the contact of a reduced body at all times."""
+    if press.slides:
+        return sliding.solved(press, reduced, relaxation, prescribed, report)
+    on = reduced.patch
+    return march(reduced.flexibility, on.gap, on.projected, relaxation, prescribed, report)
