@@ -139,12 +139,8 @@ def value(key):
         "exclusiveMaximum": "< {:g}",
         "maximum": "≤ {:g}",
     }
-    words = {
-        "number": "number",
-        "integer": "whole number",
-        "string": "text",
-        "boolean": "true or false",
-    }
+    words = {"number": "number", "integer": "whole number", "string": "text"}
+    words["boolean"] = "true or false"
     bounds = ", ".join(text.format(key[name]) for name, text in limits.items() if name in key)
     return " ".join(filter(None, (words[key["type"]], bounds)))
 
@@ -229,7 +225,7 @@ def front() -> Iterator[str]:
                 *(
                     percent(median(one["actual"][q] for one in each if q in one["actual"]))
                     if any(q in one["actual"] for one in each)
-                    else "–"
+                    else "-"
                     for q in QUANTITIES
                 ),
             )

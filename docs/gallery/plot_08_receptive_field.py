@@ -12,12 +12,6 @@ from fefinger.scene import builtin
 scene = builtin.load("pin-hold", {"finger.resolution": "coarse", "motion.hold": 0.3})
 field = ff.receptive_field(scene, ("SAI", "FAI"), reach=2, spacing=1)
 for kind in field.kinds:
-    print(
-        kind,
-        "at most",
-        field.of(kind).max(),
-        "impulses; half of them within",
-        field.area(kind),
-        "mm²",
-    )
+    most, area = field.of(kind).max(), field.area(kind)
+    print(f"{kind}: at most {most} impulses, half of them within {area:g} mm²")
 drawn = field.figure()

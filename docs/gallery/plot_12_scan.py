@@ -39,13 +39,12 @@ print(f"{finger.width:.1f} mm wide, {finger.thickness:.1f} mm thick")
 
 scanned = ff.run(replace(press, finger=finger), mechanics="linear")
 fig, axes = plt.subplots(1, 2, figsize=(8.5, 3.4), sharey=True, layout="constrained")
-for axis, (name, result) in zip(
-    axes, {"shipped": shipped, "scanned": scanned}.items(), strict=True
-):
+fingers = {"shipped": shipped, "scanned": scanned}
+fingers = {"shipped": shipped, "scanned": scanned}
+for axis, (name, result) in zip(axes, fingers.items(), strict=True):
     pad = result.pad
-    shown = axis.tripcolor(
-        *pad.points[:, :2].T, pad.triangles, result.pressure[-1], shading="gouraud"
-    )
+    x, y, _ = pad.points.T
+    shown = axis.tripcolor(x, y, pad.triangles, result.pressure[-1], shading="gouraud")
     fig.colorbar(shown, ax=axis, label="pressure / kPa")
     axis.set(title=f"{name}: {result.force[-1]:.2f} N", xlabel="x / mm", aspect="equal")
 axes[0].set_ylabel("y / mm")

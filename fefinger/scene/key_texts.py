@@ -31,7 +31,7 @@ TEXTS = {
     "heights": "Heights in mm towards the finger, one row for each x",
     "friction": "Coulomb's coefficient of friction with the skin; 0 is frictionless",
     "edge": "Radius in mm of the crests",
-    "indenter.height": "Height in mm of what is raised; of an image, that of its lightest gray",
+    "indenter.height": "Height in mm of what is raised; of an image, from black to white",
     "diameter": "Diameter in mm of a dot at half its height",
     "arrangement": "Order of the dots",
     "indenter.seed": "Seed of random places",

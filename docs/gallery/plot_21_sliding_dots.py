@@ -1,0 +1,29 @@
+"""
+Dots that slide under the pad
+=============================
+
+A plate of raised dots is scanned at 60 mm/s. Each spike is drawn at the place on the plate that was
+over the unit then: a spatial event plot.
+"""
+
+import fefinger as ff
+from fefinger.scene import builtin
+from fefinger.view import event_plots
+
+
+scene = builtin.load(
+    "slide-dots",
+    {
+        "finger.resolution": "coarse",
+        "ask.rel_error": 0.9,
+        "ask.population.radius": 2,
+        "motion.distance": 18,
+    },
+)
+result = ff.run(scene)
+print(result.spikes.summary())
+events = event_plots.events(result)
+
+# %%
+# Mean rates along the plate.
+lines = event_plots.scan_lines(result)
