@@ -8,6 +8,8 @@ A result and its spikes in the formats of other programs.
 import tempfile
 from pathlib import Path
 
+import matplotlib.pyplot as plt
+
 import fefinger as ff
 
 
@@ -21,7 +23,13 @@ print(data[["force", "depth"]])
 
 # %%
 # pandas: one row per spike.
-print(result.spikes.to_pandas().head())
+table = result.spikes.to_pandas()
+print(table.head())
+
+fig, axis = plt.subplots(figsize=(6, 2.4), layout="constrained")
+axis.eventplot([rows["time_s"] for _, rows in table.groupby("type")], linelengths=0.8)
+axis.set(xlabel="time / s", yticks=range(4), yticklabels=sorted(table["type"].unique()))
+plt.show()
 
 # %%
 # NWB: units with their spike times, for the tools of electrophysiology.

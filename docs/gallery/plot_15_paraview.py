@@ -31,10 +31,12 @@ print(mesh.array_names, mesh.n_cells, "tetrahedra")
 
 # %%
 # A cut at x = 0 with PyVista, drawn by matplotlib.
-cut = mesh.slice(normal="x", origin=(0, 0, 0))
+cut = mesh.slice(normal="x", origin=(0, 0, 0)).triangulate()
+triangles = cut.faces.reshape(-1, 4)[:, 1:]
 shown = np.linalg.norm(cut["displacement"], axis=1)
 fig, axis = plt.subplots(figsize=(4.6, 3.6), layout="constrained")
-drawn = axis.scatter(cut.points[:, 1], cut.points[:, 2], c=shown, s=6)
+_, y, z = cut.points.T
+drawn = axis.tripcolor(y, z, triangles, shown, shading="gouraud")
 fig.colorbar(drawn, label="displacement / mm")
 axis.set(xlabel="y / mm", ylabel="z / mm", aspect="equal")
 plt.show()

@@ -9,6 +9,7 @@ import json
 from pathlib import Path
 
 import fefinger.reports
+from fefinger.results.candidate import MECHANICS
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -24,10 +25,12 @@ for scene in report["held_out"].values():
 fig, axis = plt.subplots(figsize=(7, 4), layout="constrained")
 for name, rows in measured.items():
     seconds, error = np.median(rows, axis=0)
-    axis.loglog(seconds, 100 * error, "o")
-    axis.annotate(f" {name}", (seconds, 100 * error), fontsize=8)
+    mechanics, _, mesh = name.partition(" ")
+    mark = {"coarse": "v", "standard": "o", "fine": "^"}.get(mesh, "s")
+    color = f"C{list(MECHANICS).index(mechanics)}"
+    axis.loglog(seconds, 100 * error, mark, color=color, label=name)
 axis.set(xlabel="time of a first answer / s (median)", ylabel="error of the force / % (median)")
-axis.margins(0.2)
+axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
 plt.show()
 
 # %%

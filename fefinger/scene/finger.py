@@ -235,9 +235,10 @@ def origin_notes(finger: Finger) -> tuple[str, ...]:
     given = [layer for layer in LAYERS if getattr(finger, layer) != getattr(tissues, layer)]
     notes = []
     if source != finger.subject_name and len(given) < len(LAYERS):
-        notes.append(
-            f"The tissue was fitted to subject {source}, another finger ({finger.tissue})."
-        )
+        whose = f"subject {source}, another finger"
+        if source == library.MEANS:
+            whose = "the mean curves of the subjects, not to this finger"
+        notes.append(f"The tissue was fitted to {whose} ({finger.tissue}).")
     if given:
         layers = " and ".join(f"finger.{layer}" for layer in given)
         notes.append(f"The tissue differs from {finger.tissue}: {layers} as given in the scene.")
