@@ -9,11 +9,11 @@ import json
 from pathlib import Path
 
 import fefinger.reports
-from fefinger.results.candidate import MECHANICS
 import matplotlib.pyplot as plt
 import numpy as np
 
 import fefinger as ff
+from fefinger.results.candidate import MECHANICS
 
 
 report = json.loads((Path(fefinger.reports.__path__[0]) / "tradeoff.json").read_text())
