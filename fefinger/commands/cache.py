@@ -17,8 +17,8 @@ def cache(days: float | None, as_json: bool) -> None:
     """List and prune the cache.
 
     The cache holds meshes, operators of condensed fingers (a few hundred MB each), patches (one
-    per indenter and set of end organs) and presses of a calibration (small). Beyond 10 GB of
-    operators and 2 GB of patches the least recently used are removed automatically. Entries are
+    per indenter and set of end organs), modes of vibration (100 MB per finger) and presses of a
+    calibration (small). Beyond 10 GB of operators and 2 GB of patches or modes the least recently used are removed automatically. Entries are
     built again when they are needed; `--prune 0` removes everything.
     """
     from fefinger.support import cache as store

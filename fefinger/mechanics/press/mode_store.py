@@ -1,0 +1,181 @@
+"""Modes of vibration of a finger, from the files of the cache or computed and put there.
+
+They depend on the ratios of moduli and densities only: they are computed for a skin of 1 kPa and
+1 kg/mm³, and scaled.
+"""
+
+import hashlib
+import json
+import os
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from fefinger.fem.condensation import Operator, Part
+from fefinger.fem.elements.mass import mass
+from fefinger.fem.elements.spaces import Array
+from fefinger.fem.modes import Modes, modes_of
+from fefinger.mechanics.press.operator_cache import parities
+from fefinger.scene.finger import Finger
+from fefinger.support import cache
+from fefinger.support.checks import ConvergenceError, InputError
+
+
+FORMAT = 1
+"""Raised when the mass matrix, the solver or the files change, so that modes are computed again."""
+
+COUNT = 300
+"""Modes that are computed and kept of each parity: those of half a finger of 34 kPa below some
+1400 Hz, with relaxed tissue."""
+
+PER_CUBIC_METER = 1e-9
+"""kg/m³ in kg/mm³."""
+
+NAMES = ("squares", "shapes", "residual")
+
+
+@dataclass(frozen=True)
+class FingerModes:
+    """Modes of a finger or of half of it, lowest first, with unit modal mass of what is meshed.
+
+    squares (n,) of the relaxed angular frequencies in 1/s²; parts: for each parity the numbers of
+    its modes here and their shapes (n_displacements of the half, n) in mm/sqrt(kg); unfold: from a
+    field of the half to one of the body; complete: the frequency in Hz below which no mode lacks.
+    """
+
+    squares: Array
+    parts: tuple[tuple[Array, Array, sparse.csr_matrix], ...]
+    complete: float
+
+    @property
+    def frequencies(self) -> Array:
+        """Relaxed frequencies (n,) in Hz."""
+        return np.asarray(np.sqrt(self.squares) / (2 * np.pi))
+
+    def read(self, rows: sparse.csr_matrix) -> Array:
+        """`rows` (n_rows, n_unknowns) @ the displacement of each mode: (n_rows, n)."""
+        values = np.empty((rows.shape[0], len(self.squares)))
+        for numbers, shapes, unfold in self.parts:
+            there = (rows @ unfold).tocsr()[:, : shapes.shape[0]]
+            values[:, numbers] = there @ shapes
+        return values
+
+    def shape(self, number: int, size: int) -> Array:
+        """Displacement (size,) of a mode on the unknowns of the body, without the mean stress."""
+        for numbers, shapes, unfold in self.parts:
+            place = np.flatnonzero(numbers == number)
+            if len(place):
+                half = np.zeros(unfold.shape[1])
+                half[: len(shapes)] = shapes[:, place[0]]
+                return np.asarray((unfold @ half)[:size])
+        message = f"mode: expected a number below {len(self.squares)}, received {number}"
+        raise InputError(message)
+
+
+def finger_modes(
+    finger: Finger,
+    solid: Operator,
+    progress: Callable[[float], None] = lambda fraction: None,
+) -> FingerModes:
+    """Return the modes of a finger on its operator, from the cache or computed and put there.
+
+    Raises
+    ------
+    ConvergenceError
+        If the modes do not converge.
+    """
+    sets = []
+    for number, part in enumerate(solid.parts):
+
+        def report(fraction: float, done: int = number) -> None:
+            progress((done + fraction) / len(solid.parts))
+
+        sets.append(_part(finger, solid, part, number, report))
+    light = finger.skin.density * PER_CUBIC_METER
+    scale = finger.skin.modulus / light
+    squares = np.concatenate([each.squares for each in sets]) * scale
+    order = np.argsort(squares, kind="stable")
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    split = np.split(place, np.cumsum([len(each.squares) for each in sets])[:-1])
+    norm = 1.0 / np.sqrt(light * len(sets))
+    parts = tuple(
+        (numbers, each.shapes * np.float32(norm), part.unfold)
+        for numbers, each, part in zip(split, sets, solid.parts, strict=True)
+    )
+    highest = min(float(each.squares[-1]) for each in sets) * scale
+    return FingerModes(squares[order], parts, float(np.sqrt(highest) / (2 * np.pi)))
+
+
+def at_hand(finger: Finger, solid_identities: tuple[dict[str, Any] | None, ...]) -> bool:
+    """Return whether the modes on operators of these identities are in the cache."""
+    return all(
+        each is not None and os.path.isdir(_folder(finger, each)) for each in solid_identities
+    )
+
+
+def cached(finger: Finger, *, half: bool, continued: bool = False) -> bool:
+    """Return whether the modes of a finger are in the cache and need not be computed."""
+    from fefinger.mechanics.press.operator_cache import identity
+
+    try:
+        keys = tuple(identity(finger, odd=odd, continued=continued) for odd in parities(half=half))
+    except InputError:  # no mesh can be made for a finger of this size
+        return False
+    return at_hand(finger, keys)
+
+
+def _part(
+    finger: Finger,
+    solid: Operator,
+    part: Part,
+    number: int,
+    progress: Callable[[float], None],
+) -> Modes:
+    """Modes of one parity, for a skin of 1 kPa and 1 kg/mm³."""
+    identity = solid.identities[number]
+    place = None if identity is None else _folder(finger, identity)
+    if place is not None:
+        cache.touch(place)
+        with suppress(OSError, ValueError, EOFError):
+            squares, shapes, residual = (
+                np.load(place / f"{name}.npy", mmap_mode="r") for name in NAMES
+            )
+            if shapes.shape[1] == len(squares):
+                return Modes(np.array(squares), shapes, float(residual))
+    heavy = mass(solid.space, {1: 1.0, 2: finger.subcutaneous.density / finger.skin.density})
+    unfold = part.unfold[: heavy.shape[0]]
+    unfold = unfold[:, np.flatnonzero(unfold.getnnz(axis=0))]
+    heavy = (unfold.T @ heavy @ unfold).tocsr() / len(solid.parts)
+    computed = modes_of(part.compliance, heavy, min(COUNT, heavy.shape[0] // 8), progress)
+    if not computed.squares[0] > 0:
+        message = (
+            f"modes: expected frequencies above 0, received a square of {computed.squares[0]:g}; "
+            "check the held facets of the finger"
+        )
+        raise ConvergenceError(message)
+    # Single precision for shapes: the flexibility that modes leave over makes up for its rounding.
+    kept = Modes(computed.squares, computed.shapes.astype(np.float32), computed.residual)
+    if place is not None and identity is not None:
+        with suppress(OSError), cache.appearing(place) as new:
+            about = json.dumps(_identity(finger, identity), indent=1)
+            (new / "identity.json").write_text(about, encoding="utf-8")
+            for name in NAMES:
+                np.save(new / f"{name}.npy", getattr(kept, name))
+        cache.limit("modes")
+    return kept
+
+
+def _identity(finger: Finger, operator: dict[str, Any]) -> dict[str, Any]:
+    ratio = finger.subcutaneous.density / finger.skin.density
+    return operator | {"modes": COUNT, "modes_format": FORMAT, "density_ratio": ratio}
+
+
+def _folder(finger: Finger, operator: dict[str, Any]) -> Path:
+    key = json.dumps(_identity(finger, operator), sort_keys=True)
+    return cache.root() / "modes" / hashlib.sha256(key.encode()).hexdigest()[:16]
