@@ -17,6 +17,7 @@ MECHANICS = {
     "layered": Traits(meshed=False, finite=False),
     "condensed": Traits(meshed=True, finite=False),
     "pressed": Traits(meshed=True, finite=True),
+    "modal": Traits(meshed=True, finite=False),
     "linear": Traits(meshed=True, finite=False),
     "solid": Traits(meshed=True, finite=True),
 }

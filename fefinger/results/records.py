@@ -202,8 +202,11 @@ class Response:
 
     @property
     def finite(self) -> bool:
-        """Whether the strain is finite (logarithmic) instead of small strain."""
-        return MECHANICS[self.mechanics].finite
+        """Whether the strain is finite (logarithmic) instead of small strain.
+
+        A mechanics that has both says which in its `numbers`.
+        """
+        return bool(self.numbers.get("finite_strain", MECHANICS[self.mechanics].finite))
 
 
 @dataclass(frozen=True)

@@ -101,6 +101,16 @@ class Motion(ABC):
         return None if wave is None else wave.frequency
 
     @property
+    def highest_frequency(self) -> float | None:
+        """Highest frequency in Hz of an oscillation in the motion; None without one."""
+        return self.wave_frequency
+
+    @property
+    def steady_level(self) -> float:
+        """Depth in mm or force in N about which the motion vibrates, or else its largest."""
+        return self.peak
+
+    @property
     def duration(self) -> float:
         """Length of the motion in s."""
         return self.trajectory.duration
@@ -224,6 +234,11 @@ class RampSinusoidMotion(RampMotion):
     settle: float
 
     @property
+    def steady_level(self) -> float:
+        """The level of the ramp."""
+        return self.level
+
+    @property
     def rest(self) -> float:
         """Length of the rest in s."""
         return self.settle
@@ -266,6 +281,11 @@ class SinusoidMotion(Motion):
     frequency: float
     cycles: int
 
+    @property
+    def steady_level(self) -> float:
+        """The mean: one amplitude."""
+        return self.amplitude
+
     @cached_property
     def trajectory(self) -> Trajectory:
         """The sine."""
@@ -278,6 +298,12 @@ class SampledMotion(Motion):
 
     time: tuple[float, ...]
     corner: float
+
+    @property
+    def steady_level(self) -> float:
+        """The mean of the samples where they are above 0."""
+        values = np.array(getattr(self, self.control))
+        return float(values[values > 0].mean())
 
     @cached_property
     def trajectory(self) -> Trajectory:

@@ -34,7 +34,9 @@ class ModalBody:
 
     static: the response without inertia; oscillators: the modes; shares (n, n_pad): work of each
     unit load on each mode; rest (n_pad, n_pad) the flexibility less that of the modes; strain
-    (n_rows, n) and normal_displacement (n_near, n) of each mode, as those of `static`.
+    (n_rows, n) and normal_displacement (n_near, n) of each mode, as those of `static`; carriers
+    (n_pad, n): pressures whose static displacement, less that of the free modes, is the mode; zero
+    for a free mode.
     """
 
     static: Reduced
@@ -43,6 +45,7 @@ class ModalBody:
     rest: Array
     strain: Array
     normal_displacement: Array
+    carriers: Array
 
     @property
     def complete(self) -> Reduced:
@@ -69,16 +72,36 @@ class ModalBody:
             self.shares[chosen],
             self.strain[:, chosen],
             self.normal_displacement[:, chosen],
+            self.carriers[:, chosen],
         )
+
+    def pressures(self, elastic: Array) -> tuple[Array, Array]:
+        """Pressures (n_t, n_pad) and amplitudes (n_t, n) whose fields make the displacement.
+
+        elastic (n_t, n_pad + n): as for `complete`. The displacement is that of statics under the
+        pressures, and of the free modes of the amplitudes; those of other modes are zero.
+        """
+        count = self.shares.shape[1]
+        rest, amplitude = elastic[:, :count], elastic[:, count:]
+        over = amplitude - rest @ self.shares.T / self.oscillators.squares
+        free = ~self.carriers.any(axis=0)
+        carried = rest + np.where(free, 0.0, over) @ self.carriers.T
+        left = amplitude - carried @ self.shares.T / self.oscillators.squares
+        return carried, np.where(free, left, 0.0)
 
 
 @one_thread
 def modal(
-    static: Reduced, oscillators: Oscillators, shares: Array, strain: Array, normal: Array
+    static: Reduced,
+    oscillators: Oscillators,
+    shares: Array,
+    strain: Array,
+    normal: Array,
+    carriers: Array,
 ) -> ModalBody:
     """Take the flexibility of the modes from the static one, and keep the rest."""
     rest = static.flexibility - (shares.T / oscillators.squares) @ shares
-    return ModalBody(static, oscillators, shares, (rest + rest.T) / 2, strain, normal)
+    return ModalBody(static, oscillators, shares, (rest + rest.T) / 2, strain, normal, carriers)
 
 
 def body_of_modes(
@@ -98,7 +121,8 @@ def body_of_modes(
     oscillators = Oscillators.of(modes.squares * stiffening, weights, np.array(prony.v))
     shares = modes.read(static.patch.loads.T.tocsr()).T
     normal = modes.read(static.patch.places.T.tocsr())
-    return modal(static, oscillators, np.ascontiguousarray(shares), modes.read(probe()), normal)
+    strain, none = modes.read(probe()), np.zeros((shares.shape[1], len(shares)))
+    return modal(static, oscillators, np.ascontiguousarray(shares), strain, normal, none)
 
 
 def stiffened(static: Reduced, factor: float) -> Reduced:
@@ -112,24 +136,28 @@ def stiffened(static: Reduced, factor: float) -> Reduced:
 
 
 @one_thread
-def rest_inertia(finger: Finger, solid: Operator, body: ModalBody, patterns: Array) -> Array:
+def rest_inertia(
+    finger: Finger, solid: Operator, body: ModalBody, patterns: Array, stiffening: float = 1.0
+) -> Array:
     """Second static term (k, k): mass of the displacement that modes leave over.
 
     The integral of density times the product of the rest's displacements under two of the pressures
-    `patterns` (n_pad, k): K^-1 M K^-1 less phi phi' / w^4, in kg mm²/mN²; for relaxed tissue of the
-    moduli of `finger`.
+    `patterns` (n_pad, k): K^-1 M K^-1 less phi phi' / w^4, in kg mm²/mN²; for relaxed tissue with
+    the moduli of `finger` times `stiffening`.
     """
     size = solid.space.n_displacements
     densities = {1: finger.skin.density, 2: finger.subcutaneous.density}
     heavy = mass(solid.space, {k: value * PER_CUBIC_METER for k, value in densities.items()})
-    moved = displaced(solid, body.static.patch.loads @ patterns)[:size]
+    moved = displaced(solid, body.static.patch.loads @ patterns)[:size] / stiffening
     work = body.shares @ patterns
     total = moved.T @ (heavy @ moved) - (work.T / body.oscillators.squares**2) @ work
     return np.asarray((total + total.T) / 2)
 
 
 @one_thread
-def with_contact_modes(finger: Finger, solid: Operator, body: ModalBody, deepest: float) -> ModalBody:
+def with_contact_modes(
+    finger: Finger, solid: Operator, body: ModalBody, deepest: float, stiffening: float = 1.0
+) -> ModalBody:
     """Add modes of what the free modes leave over: motions with the indenter at some depths.
 
     Free modes carry no pressure on the pad, and represent the tissue that moves with an indenter
@@ -139,7 +167,7 @@ def with_contact_modes(finger: Finger, solid: Operator, body: ModalBody, deepest
     """
     patterns = _patterns(body.static, deepest)
     stiffness = patterns.T @ body.rest @ patterns
-    inertia = rest_inertia(finger, solid, body, patterns)
+    inertia = rest_inertia(finger, solid, body, patterns, stiffening)
     scale = np.sqrt(np.diag(stiffness))
     chosen, _ = _independent(stiffness / np.outer(scale, scale))
     turn = (chosen.T / scale).T
@@ -159,6 +187,7 @@ def with_contact_modes(finger: Finger, solid: Operator, body: ModalBody, deepest
                 (body.static.normal_displacement - body.normal_displacement @ part.T) @ pressures,
             ]
         ),
+        np.hstack([body.carriers, pressures]),
     )
 
 

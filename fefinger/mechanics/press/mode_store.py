@@ -65,6 +65,17 @@ class FingerModes:
             values[:, numbers] = there @ shapes
         return values
 
+    def combined(self, size: int, numbers: Array, amplitudes: Array) -> Array:
+        """Displacement (size, n_frames) of the sum of modes `numbers` (k,), amplitudes (n_f, k)."""
+        total = np.zeros((size, len(amplitudes)))
+        for members, shapes, unfold in self.parts:
+            chosen, here, there = np.intersect1d(members, numbers, return_indices=True)
+            half = np.zeros((unfold.shape[1], len(amplitudes)))
+            if len(chosen):
+                half[: len(shapes)] = shapes[:, here] @ amplitudes[:, there].T
+            total += (unfold @ half)[:size]
+        return total
+
     def shape(self, number: int, size: int) -> Array:
         """Displacement (size,) of a mode on the unknowns of the body, without the mean stress."""
         for numbers, shapes, unfold in self.parts:

@@ -1,0 +1,245 @@
+"""The Response of a press with inertia: of tissue that does not stiffen, and of tissue that does.
+
+Tissue that stiffens with strain is taken as linear about the depth at which the motion vibrates:
+its moduli are multiplied such that the static stiffness there is that of the tabulated press of
+finite strain (`carried`). What inertia changes in that linear finger, the difference of its
+answers with and without, is added to the quasi-static answer at finite strain.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from fefinger.fem.body import Reduced
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.modal_march import Grid
+from fefinger.fem.contact.patch import patch
+from fefinger.fem.contact.step_compiled import march
+from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
+from fefinger.fem.elements.probe import tensors
+from fefinger.geometry import mirror
+from fefinger.mechanics.press import carried, operator, problem
+from fefinger.mechanics.press.carried import CarriedPress, carried_response, table_of
+from fefinger.mechanics.press.history import SmallStrainHistory
+from fefinger.mechanics.press.modal_body import stiffened
+from fefinger.mechanics.press.modal_press import (
+    ModalHistory,
+    at_stored,
+    displacements,
+    modal_fields,
+    operator_of,
+    probe_of,
+    solve_modal,
+)
+from fefinger.mechanics.press.modal_steps import modal_grid
+from fefinger.mechanics.press.notes import stiffens
+from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.reference import reference_of
+from fefinger.mechanics.press.response import small_strain_response
+from fefinger.mechanics.press.small_strain import touched
+from fefinger.results.records import Fields, Response
+from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
+from fefinger.support.progress import Progress, Stages
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
+
+
+def respond(
+    scene: Scene, progress: Progress | None = None, *, mechanics: str, notes: tuple[str, ...]
+) -> Response:
+    """Answer the scene with inertia.
+
+    Raises
+    ------
+    InputError
+        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
+    ConvergenceError
+        If a contact, the modes, or an equilibrium of an elastic press is not reached.
+    """
+    stages = Stages(progress)
+    grid = modal_grid(scene.motion, fast="FAII" in scene.ask.spikes)
+    if stiffens(scene.finger):
+        return _corrected(scene, grid, stages, mechanics, notes)
+    press = Press.of(scene, operator.METHOD, stages, mechanics=mechanics, notes=notes)
+    history = solve_modal(press, grid, stages)
+    press = at_stored(press, grid)
+    with stages.stage("reference"):
+        reference = reference_of(
+            press, history.without_inertia, float(history.contact.depth.max())
+        )
+    small = replace(history.small_strain(), reference=reference)
+    answer = small_strain_response(replace(press, fields=False), small, stages)
+    with stages.stage("fields"):
+        fields = modal_fields(press, history) if press.fields else None
+    return _with_modes(replace(answer, fields=fields), history, grid)
+
+
+def _corrected(
+    scene: Scene, grid: Grid, stages: Stages, mechanics: str, notes: tuple[str, ...]
+) -> Response:
+    """Answer at finite strain, with what inertia changes in a linear finger of its stiffness."""
+    slow = Press.of(scene, carried.METHOD, stages, mechanics=mechanics, notes=notes)
+    slow = at_stored(slow, grid)
+    table = CarriedPress.of(slow, table_of(slow, scene.indenter, stages))
+    with stages.stage("motion"):
+        shares = table.along(slow.time)
+    answer = carried_response(table, shares, stages)
+    press = Press.of(scene, operator.METHOD, stages, mechanics=mechanics, notes=notes)
+    press = replace(press, sites=answer.sites)
+    depth = working_depth(scene, table)
+    factor = stiffening(press, table, depth)
+    history = solve_modal(press, grid, stages, factor)
+    press = at_stored(press, grid)
+    still = _still(press, factor, stages)
+    return _added(answer, press, history, still, grid, factor, depth)
+
+
+def working_depth(scene: Scene, table: CarriedPress) -> float:
+    """Depth in mm about which a motion vibrates, or else its largest; relaxed, under a force."""
+    level = float(scene.motion.steady_level)
+    if scene.motion.control == "depth":
+        return min(level, table.table.deepest)
+    return float(np.interp(level, table.force, table.table.nodes))
+
+
+def stiffening(press: Press, table: CarriedPress, depth: float) -> float:
+    """Ratio of the static stiffness at a depth in mm to that of the small-strain finger."""
+    nodes, force = table.table.nodes, table.force
+    step = 0.05 * depth
+    ends = np.interp([depth - step, depth + step], nodes, force)
+    reach = min(depth + step, nodes[-1])
+    finite = (ends[1] - ends[0]) / (reach - depth + step)
+    body = press.body
+    on_pad = patch(body.space, body.pad, body.normals, press.obstacle, problem.REACH * depth)
+    reduced = press.method.reduce(body, on_pad, probe_of(replace(press, sites=None)))
+    active = np.flatnonzero(
+        Complementarity(reduced.flexibility).solve(on_pad.gap - depth * on_pad.projected) > 0
+    )
+    projected = on_pad.projected[active]
+    block = reduced.flexibility[np.ix_(active, active)]
+    linear = press.sides * NEWTON_PER_MILLINEWTON * projected @ np.linalg.solve(block, projected)
+    return float(finite / linear)
+
+
+def _still(press: Press, factor: float, stages: Stages) -> SmallStrainHistory:
+    """The linear finger without inertia, at the times of the press."""
+
+    def advance(
+        press: Press, reduced: Reduced, prescribed: Prescribed, report: Callable[[float], None]
+    ) -> History:
+        prony, on_pad = press.finger.prony, reduced.patch
+        relaxation = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
+        flexibility = reduced.flexibility / factor
+        return march(flexibility, on_pad.gap, on_pad.projected, relaxation, prescribed, report)
+
+    reduced, contact = touched(press, stages, advance)
+    return SmallStrainHistory(stiffened(reduced, factor), contact, None)
+
+
+def _added(
+    answer: Response,
+    press: Press,
+    history: ModalHistory,
+    still: SmallStrainHistory,
+    grid: Grid,
+    factor: float,
+    depth: float,
+) -> Response:
+    """Add what inertia changes in the linear finger to the answer at finite strain."""
+    unit = press.sides * NEWTON_PER_MILLINEWTON
+    moving = unit * history.contact.pressure @ history.body.static.patch.projected
+    resting = unit * still.contact.pressure @ still.reduced.patch.projected
+    by_force = press.motion.control == "force"
+    force = answer.force if by_force else answer.force + moving - resting
+    pulls = force < 0
+    force = np.maximum(force, 0.0)
+    share = np.divide(force, answer.force, out=np.zeros_like(force), where=answer.force > 0)
+    more = history.contact.depth - still.contact.depth if by_force else np.zeros_like(force)
+    strain = answer.strain
+    if strain is not None and press.sites is not None:
+        complete = history.body.complete
+        change = history.contact.elastic @ complete.strain.T
+        change -= still.contact.elastic @ still.reduced.strain.T
+        added = tensors(change.reshape(len(force), -1, 6))
+        half = press.body.half
+        strain = strain + (mirror.from_half(added, press.sites.points) if half else added)
+    notes = (
+        *answer.notes,
+        f"Tissue stiffens with strain: inertia is that of a linear finger with {factor:.3g} times "
+        f"the moduli, of the static stiffness at {depth:.3g} mm; its change of force, strain and "
+        "displacement is added to the answer of `pressed`, and pressures are scaled to the force.",
+    )
+    if pulls.any():
+        notes = (*notes, f"The contact would pull at {int(pulls.sum())} times: there it is open.")
+    changed = replace(
+        answer,
+        depth=answer.depth + more,
+        force=force,
+        pressure=None if answer.pressure is None else share[:, None] * answer.pressure,
+        moment=None if answer.moment is None else share[:, None] * answer.moment,
+        contact_area=_open(answer.contact_area, force),
+        centroid=_open(answer.centroid, force, np.nan),
+        strain=strain,
+        fields=_fields(answer, press, history, still, factor),
+        notes=notes,
+        numbers=answer.numbers | {"finite_strain": 1.0, "stiffening": factor},
+    )
+    return _with_modes(changed, history, grid)
+
+
+def _open(values: Array | None, force: Array, empty: float = 0.0) -> Array | None:
+    """Values (n_t, ...) of a contact, `empty` where it bears no force."""
+    if values is None:
+        return None
+    closed = (force > 0).reshape(-1, *[1] * (values.ndim - 1))
+    return np.where(closed, values, empty)
+
+
+def _fields(
+    answer: Response, press: Press, history: ModalHistory, still: SmallStrainHistory, factor: float
+) -> Fields | None:
+    """Fields at finite strain with the displacement that inertia adds, where meshes are the same.
+
+    Elsewhere those without inertia.
+    """
+    fields = answer.fields
+    if fields is None or len(press.mesh.points) != len(fields.points):
+        return fields
+    frames = np.searchsorted(press.time, fields.times)
+    added = displacements(press, history, frames, factor)
+    loads = still.reduced.patch.loads @ still.contact.elastic[frames].T
+    added -= operator.METHOD.unknowns(operator_of(press), np.asarray(loads)) / factor
+    original = press.body.original
+    moved = fields.displacement.copy()
+    moved[:, original] += added[: 3 * len(original)].T.reshape(len(frames), -1, 3)
+    return replace(fields, displacement=moved)
+
+
+def _with_modes(answer: Response, history: ModalHistory, grid: Grid) -> Response:
+    """Add to an answer which modes had inertia, and whether contact was lost on the way."""
+    oscillators = history.body.oscillators
+    count = len(oscillators.squares)
+    highest = float(oscillators.glassy.max(initial=0.0) / (2 * np.pi))
+    notes = (
+        *answer.notes,
+        f"Inertia: {count} modes up to {highest:.3g} Hz (in sudden strain) in steps of "
+        f"{1e3 * grid.longest:.3g} ms; what they leave out deforms as in statics.",
+        *_lost(answer),
+    )
+    numbers = answer.numbers | {"modes": count, "highest_mode_hz": highest}
+    return replace(answer, notes=notes, numbers=numbers)
+
+
+def _lost(answer: Response) -> tuple[str, ...]:
+    """Note on a contact that opens while the indenter is below first touch."""
+    touched_at = np.flatnonzero(answer.force > 0)
+    if not len(touched_at):
+        return ()
+    within = slice(touched_at[0], touched_at[-1] + 1)
+    closed = answer.force[within] > 0
+    times = int(np.count_nonzero(closed[:-1] & ~closed[1:]))
+    if not times:
+        return ()
+    plural = "s" if times > 1 else ""
+    return (f"Contact is lost {times} time{plural} before its end, and taken up again.",)
