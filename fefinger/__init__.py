@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from fefinger.calibration.calibrate import calibrate as calibrate
     from fefinger.calibration.record import Calibration as Calibration
     from fefinger.mechanics.realtime.condensed import Condensed as Condensed
+    from fefinger.mechanics.realtime.modal import Modal as Modal
     from fefinger.mechanics.realtime.pressed import Pressed as Pressed
     from fefinger.mechanics.realtime.rolling import Rolling as Rolling
     from fefinger.mechanics.realtime.stiffening import Stiffening as Stiffening
@@ -83,6 +84,7 @@ _HOMES = {
     "plan": ("choose", "explain"),
     "mechanics.realtime.condensed": ("Condensed",),
     "results.records": ("Plan",),
+    "mechanics.realtime.modal": ("Modal",),
     "mechanics.realtime.pressed": ("Pressed",),
     "mechanics.realtime.rolling": ("Rolling",),
     "scene.scene": ("Scene",),

@@ -56,7 +56,7 @@ class Modes:
 
 
 def static(compliance: Compliance, free: Integers) -> Solves:
-    """Static solution of a condensed body for loads anywhere on its free displacements.
+    """Return static solution of a condensed body for loads anywhere on its free displacements.
 
     free (n,): the numbers of the unknowns that loads and displacements belong to.
     """

@@ -8,6 +8,7 @@ answer without inertia is that of `pressed` (`press/modal_response.py`).
 
 import math
 from dataclasses import replace
+from types import ModuleType
 
 from fefinger.mechanics import condensed, pressed
 from fefinger.mechanics.evidence import vibration
@@ -40,8 +41,8 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     return refusals(name, "ability", unable) + shared + refusals(name, "accuracy", _doubts(case))
 
 
-def _base(finger: Finger):  # type: ignore[no-untyped-def]
-    """The mechanics that answers without inertia."""
+def _base(finger: Finger) -> ModuleType:
+    """Return the mechanics that answers without inertia."""
     return pressed if stiffens(finger) else condensed
 
 
@@ -86,6 +87,4 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     from fefinger.mechanics.press import modal_response
 
     notes = tuple(note for note in _base(scene.finger).NOTES if note != QUASISTATIC)
-    return modal_response.respond(
-        scene, progress, mechanics=name, notes=(*notes, *INERTIA)
-    )
+    return modal_response.respond(scene, progress, mechanics=name, notes=(*notes, *INERTIA))

@@ -15,7 +15,6 @@ from fefinger.neural.train_record import FEW
 from fefinger.pages import page
 from fefinger.results.pressure import highest
 from fefinger.results.records import ResultRecord
-from fefinger.scene.inertia import quasistatic
 from fefinger.support.atomic_write import temporary_folder
 from fefinger.view import figures, frames, quantities, renderer, section_figure, unit_figures
 
@@ -42,7 +41,7 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
         touch=_touch(result),
         tiles=list(_tiles(result)),
         files=list(_files(result)),
-        warnings=[*quasistatic(result.scene, result.time, result.depth), *_blocked(result)],
+        warnings=[*result.too_fast, *_blocked(result)],
         parts=list(_parts(result)),
         units=list(_units(result)),
         plan=result.plan,

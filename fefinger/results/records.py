@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.results.candidate import MECHANICS, Candidate
+from fefinger.scene.inertia import quasistatic
 from fefinger.scene.scene import Scene
 
 
@@ -201,6 +202,11 @@ class Response:
     moment: Array | None = None
 
     @property
+    def inertia(self) -> bool:
+        """Whether inertia is part of the answer."""
+        return MECHANICS[self.mechanics].inertia
+
+    @property
     def finite(self) -> bool:
         """Whether the strain is finite (logarithmic) instead of small strain.
 
@@ -285,6 +291,13 @@ class ResultRecord:
     def fields(self) -> Fields | None:
         """Fields on the mesh; None unless requested."""
         return self.response.fields
+
+    @property
+    def too_fast(self) -> tuple[str, ...]:
+        """Warning that the motion is too fast for an answer without inertia, if it is."""
+        if self.response.inertia:
+            return ()
+        return quasistatic(self.scene, self.time, self.depth)
 
     @property
     def notes(self) -> tuple[str, ...]:

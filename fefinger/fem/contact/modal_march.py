@@ -16,7 +16,7 @@ from fefinger.fem.contact.modal_step import (
 from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.contact.step_compiled import PadState, check, pad_state
 from fefinger.fem.contact.viscoelastic import History, Prescribed
-from fefinger.fem.elements.spaces import Array
+from fefinger.fem.elements.spaces import Array, Integers
 from fefinger.fem.linalg.threads import one_thread
 
 
@@ -29,7 +29,7 @@ class ModalContact:
 
     shares (n, n_pad) and rest (n_pad, n_pad) as in `modal_step`; gap (n_pad,) mm³ and projected
     (n_pad,) mm² of the patch; longest: length in s of a step beyond which modes deform as in
-    statics.
+    statics; limits (n_pad,): outcome of contact at a vertex, DONE by default.
     """
 
     def __init__(
@@ -40,8 +40,10 @@ class ModalContact:
         gap: Array,
         projected: Array,
         longest: float,
+        limits: Integers | None = None,
     ) -> None:
         self.oscillators, self.longest = oscillators, longest
+        self.limits = np.zeros(len(gap), dtype=np.int64) if limits is None else limits
         self.lcp = lcp_compiled.lcp_state(rest)
         self.pad: PadState = pad_state(gap, projected, oscillators.weights, oscillators.rates)
         self.modes: ModalState = modal_state(oscillators, shares, rest)
@@ -66,7 +68,8 @@ class ModalContact:
     def step(self, dt: float, target: float, *, by_force: bool) -> int:
         """Advance by `dt` s to a depth in mm or a force in mN; return the outcome."""
         factors = self.factors(dt)
-        return int(modal_step(self.lcp, self.pad, self.modes, factors, dt, target, by_force))
+        lcp, pad, modes = self.lcp, self.pad, self.modes
+        return int(modal_step(lcp, pad, modes, factors, dt, target, by_force, self.limits))
 
 
 @dataclass(frozen=True)

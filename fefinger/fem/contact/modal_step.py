@@ -18,9 +18,15 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.fem.contact import lcp_compiled as contact
-from fefinger.fem.contact.lcp_compiled import CORRECTIONS, DONE, MISSED, LcpState
+from fefinger.fem.contact.lcp_compiled import CORRECTIONS, DONE, MISSED, Floats, LcpState
 from fefinger.fem.contact.oscillators import Complex, Oscillators
-from fefinger.fem.contact.step_compiled import PadState, load_history, store_history
+from fefinger.fem.contact.step_compiled import (
+    Output,
+    PadState,
+    load_history,
+    reset,
+    store_history,
+)
 from fefinger.fem.elements.spaces import Array
 from fefinger.support.tolerances import FORCE_MATCH, SMALL_FORCE
 
@@ -29,9 +35,10 @@ class ModalState(NamedTuple):
     """State of the modes and the factors of a step.
 
     shares (n, n_pad): work of each unit load on each mode; rest R (n_pad, n_pad); residues (n, s);
-    filtered (n, s): the force of each mode, filtered by each of its poles; force, earlier,
-    amplitude, known (n,): at the end of the last step and the one before, and what the past leaves of the amplitude; moved (n_pad,):
-    R p; pressed, factor (n_pad,): work, the loaded vertices and their pressures.
+    filtered (n, s): the force of each mode, filtered by each of its poles; force, earlier (n,):
+    at the end of the last step and of the one before; amplitude, known (n,): at the end, and what
+    the past leaves of it; moved (n_pad,): R p; pressed, factor (n_pad,): work, the loaded vertices
+    and their pressures.
     """
 
     shares: Array
@@ -50,8 +57,8 @@ class ModalState(NamedTuple):
 class StepFactors(NamedTuple):
     """What the length of a step decides: decay, earlier, before, after (n, s) of the filters.
 
-    gains (n,): amplitude at the end of the step per force at its end; flexibility F (n_pad, n_pad) of
-    the end of the step; static: whether modes deform as in statics.
+    gains (n,): amplitude at the end of the step per force at its end; flexibility F (n_pad, n_pad)
+    of the end of the step; static: whether modes deform as in statics.
     """
 
     decay: Complex
@@ -113,12 +120,15 @@ def modal_step(
     dt: float,
     target: float,
     by_force: bool,
+    limits: NDArray[np.int64],
 ) -> int:
     """Advance by `dt` s to a depth in mm or a force in mN; return DONE or a failure.
 
     The contact pressure is then in s.x, the elastic one in m.elastic, the amplitudes in
-    o.amplitude. A step that fails leaves the modes and the history as they were.
+    o.amplitude. limits (n_pad,): outcome of contact at a vertex, as in `step_compiled`. A step that
+    fails leaves all as it was.
     """
+    active, depth, peak = contact.save(s), m.depth[0], m.peak[0]
     g = load_history(m, dt)
     _known(m, o, f, g)
     for j in range(len(m.gap)):
@@ -129,9 +139,31 @@ def modal_step(
         for j in range(len(m.gap)):
             m.offset[j] += a * row[j]
     failed = _solve(s, m, target, by_force)
+    for j in range(len(s.x)):
+        if failed == DONE and s.x[j] > 0.0:
+            failed = limits[j]
     if failed == DONE:
         _store(s, m, o, f, dt, g)
+    else:
+        contact.restore(s, active)
+        m.depth[0], m.peak[0] = depth, peak
     return failed
+
+
+@njit(cache=True)
+def release(s: LcpState, m: PadState, o: ModalState) -> None:
+    """Reset pad and modes to rest: no contact and no history."""
+    reset(s, m)
+    o.filtered[:] = 0.0
+    for row in (o.force, o.earlier, o.amplitude):
+        row[:] = 0.0
+
+
+@njit(cache=True)
+def add_strain(out: Output, rows: Floats, amplitude: Floats) -> None:
+    """Add the strain of modes to that of the pressures in an output; rows (n, n_strains)."""
+    count = len(amplitude)
+    contact.accumulate(out.strain, rows, np.arange(count), amplitude, count)
 
 
 @njit(cache=True)

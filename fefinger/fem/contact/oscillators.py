@@ -3,9 +3,10 @@
 A mode of the relaxed square w² obeys a'' + w² (G * a') = f with the relaxation function G of the
 body, 1 at long times. Its answer to a force is a sum over the m + 2 poles of 1 / (s² + w² G(s)),
 where G(s) = 1 + sum of g_j s / (s + v_j); each pole is a first-order filter, which a step of any
-length solves exactly. A force that is linear in the step suits what creeps. Where contact prescribes
-the motion of a mass it would let errors grow from step to step: poles that swing take the mean of
-the forces at both ends and, so that what alternates dies out, a share of their second difference.
+length solves exactly. A force that is linear in the step suits what creeps. Where contact
+prescribes the motion of a mass it would let errors grow from step to step: poles that swing take
+the mean of the forces at both ends and, so that what alternates dies out, a share of their second
+difference.
 """
 
 from dataclasses import dataclass, replace
@@ -49,7 +50,7 @@ class Oscillators:
         return np.asarray(pairs | ~pairs.any(axis=1, keepdims=True))
 
     def only(self, chosen: Integers) -> "Oscillators":
-        """Some of the modes."""
+        """Return some of the modes."""
         return replace(
             self,
             squares=self.squares[chosen],
@@ -58,7 +59,7 @@ class Oscillators:
         )
 
     def followed_by(self, more: "Oscillators") -> "Oscillators":
-        """These modes and those of `more`, of the same relaxation."""
+        """Return these modes and those of `more`, of the same relaxation."""
         return replace(
             self,
             squares=np.concatenate([self.squares, more.squares]),
@@ -120,7 +121,10 @@ class Oscillators:
         return np.exp(x), dt * share * first, dt * before, dt * after
 
     def energies(self, filtered: Complex) -> tuple[float, float, float]:
-        """Stored and kinetic energy in nJ and lost power in nW of filtered forces (n, m + 2)."""
+        """Return stored and kinetic energy in nJ and lost power in nW.
+
+        filtered (n, m + 2): the force of each mode, filtered by each of its poles.
+        """
         each = self.residues * filtered
         amplitude = each.sum(axis=1).real
         speed = (each * self.poles).sum(axis=1).real

@@ -57,7 +57,7 @@ class ModalBody:
         return replace(self.static, strain=strain, normal_displacement=moved)
 
     def below(self, glassy: float) -> "ModalBody":
-        """The same body with the modes below a frequency in Hz that they have in sudden strain.
+        """Return the same body with the modes that are below a frequency in Hz in sudden strain.
 
         The others deform as in statics.
         """
@@ -65,7 +65,7 @@ class ModalBody:
         return self.only(chosen)
 
     def only(self, chosen: Integers) -> "ModalBody":
-        """The same body with some of its modes; the others deform as in statics."""
+        """Return the same body with some of its modes; the others deform as in statics."""
         return modal(
             self.static,
             self.oscillators.only(chosen),
@@ -126,7 +126,7 @@ def body_of_modes(
 
 
 def stiffened(static: Reduced, factor: float) -> Reduced:
-    """The response of a body with moduli that are `factor` times as large."""
+    """Return the response of a body with moduli that are `factor` times as large."""
     return replace(
         static,
         flexibility=static.flexibility / factor,
@@ -206,7 +206,7 @@ def _patterns(static: Reduced, deepest: float) -> Array:
 
 
 def _independent(gram: Array) -> tuple[Array, Array]:
-    """Combinations (k, r) of patterns that are independent, and their weights."""
+    """Return combinations (k, r) of patterns that are independent, and their weights."""
     values, vectors = np.linalg.eigh(gram)
     kept = values > INDEPENDENT * values.max(initial=0.0)
     return vectors[:, kept] / np.sqrt(values[kept]), values[kept]

@@ -48,7 +48,7 @@ class ModalHistory:
         return self.body.static
 
     def small_strain(self) -> SmallStrainHistory:
-        """The history as of a press without inertia, of the rest and the modes side by side."""
+        """Return the history as of a press without inertia: rest and modes side by side."""
         return SmallStrainHistory(self.body.complete, self.contact, None)
 
 
@@ -82,7 +82,10 @@ def solve_modal(press: Press, grid: Grid, stages: Stages, stiffening: float = 1.
 def swinging(
     press: Press, modes: FingerModes, reduced: Reduced, longest: float, stiffening: float
 ) -> ModalBody:
-    """The body on the candidates of a press, with the modes that steps of `longest` s resolve."""
+    """Return the body on the candidates of a press, with the modes that its steps resolve.
+
+    longest: the longest of the steps in s; stiffening: factor on the moduli.
+    """
     finger, solid = press.finger, operator_of(press)
     static = stiffened(reduced, stiffening)
     probe = partial(probe_of, press)
@@ -100,7 +103,7 @@ def probe_of(press: Press) -> "Array":
 
 
 def contact_of(body: ModalBody, longest: float) -> ModalContact:
-    """The contact of a body at rest."""
+    """Return the contact of a body at rest."""
     on_pad = body.static.patch
     return ModalContact(
         body.oscillators, body.shares, body.rest, on_pad.gap, on_pad.projected, longest
@@ -108,7 +111,7 @@ def contact_of(body: ModalBody, longest: float) -> ModalContact:
 
 
 def operator_of(press: Press) -> Operator:
-    """The operator that a press is solved with."""
+    """Return the operator that a press is solved with."""
     if not isinstance(press.body, Operator):
         message = f"press: expected an Operator, received {type(press.body).__name__}"
         raise TypeError(message)
@@ -143,5 +146,5 @@ def modal_fields(press: Press, history: ModalHistory) -> Fields:
 
 
 def at_stored(press: Press, grid: Grid) -> Press:
-    """The press at the stored times of a grid."""
+    """Return the press at the stored times of a grid."""
     return replace(press, time=grid.time[grid.stored])

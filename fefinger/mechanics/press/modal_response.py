@@ -65,9 +65,7 @@ def respond(
     history = solve_modal(press, grid, stages)
     press = at_stored(press, grid)
     with stages.stage("reference"):
-        reference = reference_of(
-            press, history.without_inertia, float(history.contact.depth.max())
-        )
+        reference = reference_of(press, history.without_inertia, float(history.contact.depth.max()))
     small = replace(history.small_strain(), reference=reference)
     answer = small_strain_response(replace(press, fields=False), small, stages)
     with stages.stage("fields"):
@@ -123,7 +121,7 @@ def stiffening(press: Press, table: CarriedPress, depth: float) -> float:
 
 
 def _still(press: Press, factor: float, stages: Stages) -> SmallStrainHistory:
-    """The linear finger without inertia, at the times of the press."""
+    """Return the linear finger without inertia, at the times of the press."""
 
     def advance(
         press: Press, reduced: Reduced, prescribed: Prescribed, report: Callable[[float], None]

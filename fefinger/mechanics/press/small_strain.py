@@ -141,6 +141,4 @@ def _quasistatic(
 ) -> History:
     prony, on_pad = press.finger.prony, reduced.patch
     relaxation = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
-    return march(
-        reduced.flexibility, on_pad.gap, on_pad.projected, relaxation, prescribed, report
-    )
+    return march(reduced.flexibility, on_pad.gap, on_pad.projected, relaxation, prescribed, report)
