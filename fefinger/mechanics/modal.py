@@ -11,7 +11,7 @@ from dataclasses import replace
 from types import ModuleType
 
 from fefinger.mechanics import condensed, pressed
-from fefinger.mechanics.evidence import vibration
+from fefinger.mechanics.evidence import reports, vibration
 from fefinger.mechanics.press.notes import stiffens, yielding
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
@@ -53,12 +53,17 @@ def _doubts(case: Situation) -> list[Doubt]:
 
 def cost(case: Situation) -> float:
     """Return the expected wall time in s, less where modes and operator are in the cache."""
-    return _base(case.finger).cost(case) + vibration.seconds(case)
+    return _base(case.finger).cost(case) + _operator(case) + vibration.seconds(case)
 
 
 def once(case: Situation) -> float:
     """Return the time in s of building what is kept for the next run; 0 where at hand."""
-    return _base(case.finger).once(case) + vibration.once(case)
+    return _base(case.finger).once(case) + _operator(case) + vibration.once(case)
+
+
+def _operator(case: Situation) -> float:
+    """Return the time in s of building an operator that the mechanics without inertia lacks."""
+    return reports.condensed_once(case) if stiffens(case.finger) else 0.0
 
 
 def error(case: Situation) -> tuple[float, str]:

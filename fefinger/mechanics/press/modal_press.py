@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from scipy import sparse
 
 from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Operator, displaced
@@ -19,7 +20,6 @@ from fefinger.mechanics.press.modal_body import (
     ModalBody,
     body_of_modes,
     stiffened,
-    with_contact_modes,
 )
 from fefinger.mechanics.press.modal_steps import RESOLVED
 from fefinger.mechanics.press.mode_store import FingerModes, finger_modes
@@ -86,16 +86,15 @@ def swinging(
 
     longest: the longest of the steps in s; stiffening: factor on the moduli.
     """
-    finger, solid = press.finger, operator_of(press)
+    finger = press.finger
     static = stiffened(reduced, stiffening)
     probe = partial(probe_of, press)
     body = body_of_modes(finger, modes, static, probe, stiffening)
-    body = with_contact_modes(finger, solid, body, press.expected_depth, stiffening)
     return body.below(RESOLVED / longest)
 
 
-def probe_of(press: Press) -> "Array":
-    """Strain at the sites of a press from its unknowns, as a sparse matrix."""
+def probe_of(press: Press) -> sparse.csr_matrix:
+    """Return the strain at the sites of a press from its unknowns, as a sparse matrix."""
     body = press.body
     where = press.sites.points if press.sites else np.empty((0, 3))
     where = mirror.to_half(where) if body.half else where
@@ -124,11 +123,12 @@ def displacements(press: Press, history: ModalHistory, frames: Array, scale: flo
     scale: factor on the moduli, by which the displacement under a pressure is smaller.
     """
     on_pad = history.body.static.patch
-    pressures, amplitudes = history.body.pressures(history.contact.elastic[frames])
-    unknowns = displaced(operator_of(press), np.asarray(on_pad.loads @ pressures.T)) / scale
-    size = press.body.space.n_displacements
-    free = np.flatnonzero(~history.body.carriers.any(axis=0))
-    unknowns[:size] += history.modes.combined(size, free, amplitudes[:, free])
+    elastic = history.contact.elastic[frames]
+    loads = on_pad.loads @ elastic[:, : len(on_pad.gap)].T
+    unknowns = displaced(operator_of(press), np.asarray(loads)) / scale
+    size, amplitudes = press.body.space.n_displacements, history.body.amplitudes(elastic)
+    numbers = np.arange(amplitudes.shape[1])
+    unknowns[:size] += history.modes.combined(size, numbers, amplitudes)
     return unknowns
 
 

@@ -26,7 +26,7 @@ from fefinger.support import cache
 from fefinger.support.checks import ConvergenceError, InputError
 
 
-FORMAT = 1
+FORMAT = 2
 """Raised when the mass matrix, the solver or the files change, so that modes are computed again."""
 
 COUNT = 300

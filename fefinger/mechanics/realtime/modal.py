@@ -22,7 +22,7 @@ from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.mechanics.press import limits
 from fefinger.mechanics.press.harmonic import Vibrating
-from fefinger.mechanics.press.modal_body import body_of_modes, with_contact_modes
+from fefinger.mechanics.press.modal_body import body_of_modes
 from fefinger.mechanics.press.modal_steps import RESOLVED
 from fefinger.mechanics.press.mode_store import finger_modes
 from fefinger.mechanics.realtime.condensed import Condensed, unfolded
@@ -86,7 +86,6 @@ class Modal:
         where = mirror.to_half(points) if half else points
         probe = partial(recovered_strain_at, still.solid.space, where, still.solid.planes)
         body = body_of_modes(finger, self.modes, still.reduced, probe)
-        body = with_contact_modes(finger, still.solid, body, self.deepest)
         self.body = body.below(RESOLVED / self.dt)
         on_pad = still.patch
         self._contact = ModalContact(
