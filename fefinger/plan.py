@@ -116,7 +116,7 @@ def _inertia(case: Situation) -> tuple[float, str]:
     Else 0: a motion that is too fast is then answered with a warning.
     """
     error, reason = vibration.statics_error(case)
-    if error <= case.ask.rel_error:
+    if error <= case.ask.rel_error or MODAL not in ladder.names():
         return 0.0, ""
     refusals = ladder.get(MODAL).refuse(case.meshes[0])
     if any(refusal.about == "ability" for refusal in refusals):

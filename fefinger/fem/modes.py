@@ -25,7 +25,7 @@ BLOCK = 24  # vectors per block: two solutions in the time of 24 on the standard
 TOLERANCE = 1e-10  # of the residual of a mode, over its share 1 / w² of the flexibility
 CHECK = 4  # blocks between looks at the residuals
 SLACK = 6.0  # longest basis over the number of modes wanted
-LEAST = 600  # vectors that a basis may always have
+LEAST = 600  # vectors that a basis may always have; smaller bodies are solved as dense ones
 SEED = 27
 
 
@@ -119,7 +119,9 @@ def lowest(
     if count > size:
         message = f"modes: expected at most {size}, the unknowns of the body, received {count}"
         raise InputError(message)
-    block = min(BLOCK, size)
+    if size <= LEAST:
+        return _dense(solve, mass, count)
+    block = BLOCK
     longest = min(size, max(LEAST, int(SLACK * count)))
     basis = np.empty((size, longest + block), order="F")
     projected = np.zeros((longest + block, longest + block))
@@ -152,6 +154,21 @@ def lowest(
             raise ConvergenceError(message)
         basis[:, used : used + block] = following
         used += block
+
+
+def _dense(solve: Solves, mass: sparse.csr_matrix, count: int) -> Modes:
+    """Compute the modes of a small body from its whole flexibility."""
+    heavy = mass.toarray()
+    flexible = heavy @ solve(heavy)
+    low = len(heavy) - count
+    values, vectors = linalg.eigh(
+        (flexible + flexible.T) / 2, heavy, subset_by_index=(low, len(heavy) - 1)
+    )
+    left = solve(heavy @ vectors) - vectors * values
+    residual = float(
+        np.max(np.linalg.norm(left, axis=0) / np.linalg.norm(vectors * values, axis=0))
+    )
+    return Modes(1.0 / values[::-1], vectors[:, ::-1], residual)
 
 
 def _ritz(projected: Array, count: int) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.table import read
-from fefinger.mechanics.press.mode_store import cached
+from fefinger.mechanics.press.mode_cache import at_hand
 from fefinger.mechanics.press.operator_cache import parities
 from fefinger.mechanics.refusals import Doubt
 from fefinger.mechanics.situation import Situation
@@ -26,7 +26,7 @@ from fefinger.support.text import percent
 REPORT = "modal.json"
 
 STEPS = 0.003
-"""Error of 60 steps per cycle, by the order of the steps (`press/modal_steps.py`)."""
+"""Error of 60 steps per cycle, by the order of the steps (`mechanics/press/modal_steps.py`)."""
 
 FINE = 2.5
 """Cost on the fine mesh over that on the standard one, as their unknowns; not measured."""
@@ -94,7 +94,7 @@ def seconds(case: Situation) -> float:
 
 def once(case: Situation) -> float:
     """Return the time in s of computing the modes, which are kept; 0 where at hand."""
-    if cached(case.finger, half=case.half):
+    if at_hand(case.finger, half=case.half):
         return 0.0
     record = read(REPORT)
     mesh = "standard" if case.mesh == "fine" else case.mesh
@@ -107,7 +107,7 @@ def _speed(case: Situation) -> float:
     """Largest speed in mm/s of a motion that prescribes the depth, without its vibration."""
     if case.motion.control == "force" or case.motion.highest_frequency is not None:
         return 0.0
-    return float(np.abs(case.motion.rate(case.times)).max())
+    return float(np.abs(case.motion.rate(case.meshes[0].times)).max())
 
 
 def _stiffer(case: Situation, frequency: float) -> float:

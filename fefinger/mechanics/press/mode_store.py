@@ -4,14 +4,10 @@ They depend on the ratios of moduli and densities only: they are computed for a 
 1 kg/mm³, and scaled.
 """
 
-import hashlib
 import json
-import os
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -20,18 +16,11 @@ from fefinger.fem.condensation import Operator, Part
 from fefinger.fem.elements.mass import mass
 from fefinger.fem.elements.spaces import Array
 from fefinger.fem.modes import Modes, modes_of
-from fefinger.mechanics.press.operator_cache import parities
+from fefinger.mechanics.press.mode_cache import COUNT, folder, identity_of
 from fefinger.scene.finger import Finger
 from fefinger.support import cache
 from fefinger.support.checks import ConvergenceError, InputError
 
-
-FORMAT = 2
-"""Raised when the mass matrix, the solver or the files change, so that modes are computed again."""
-
-COUNT = 300
-"""Modes that are computed and kept of each parity: those of half a finger of 34 kPa below some
-1400 Hz, with relaxed tissue."""
 
 PER_CUBIC_METER = 1e-9
 """kg/m³ in kg/mm³."""
@@ -123,24 +112,6 @@ def finger_modes(
     return FingerModes(squares[order], parts, float(np.sqrt(highest) / (2 * np.pi)))
 
 
-def at_hand(finger: Finger, solid_identities: tuple[dict[str, Any] | None, ...]) -> bool:
-    """Return whether the modes on operators of these identities are in the cache."""
-    return all(
-        each is not None and os.path.isdir(_folder(finger, each)) for each in solid_identities
-    )
-
-
-def cached(finger: Finger, *, half: bool, continued: bool = False) -> bool:
-    """Return whether the modes of a finger are in the cache and need not be computed."""
-    from fefinger.mechanics.press.operator_cache import identity
-
-    try:
-        keys = tuple(identity(finger, odd=odd, continued=continued) for odd in parities(half=half))
-    except InputError:  # no mesh can be made for a finger of this size
-        return False
-    return at_hand(finger, keys)
-
-
 def _part(
     finger: Finger,
     solid: Operator,
@@ -150,7 +121,7 @@ def _part(
 ) -> Modes:
     """Modes of one parity, for a skin of 1 kPa and 1 kg/mm³."""
     identity = solid.identities[number]
-    place = None if identity is None else _folder(finger, identity)
+    place = None if identity is None else folder(finger, identity)
     if place is not None:
         cache.touch(place)
         with suppress(OSError, ValueError, EOFError):
@@ -174,19 +145,9 @@ def _part(
     kept = Modes(computed.squares, computed.shapes.astype(np.float32), computed.residual)
     if place is not None and identity is not None:
         with suppress(OSError), cache.appearing(place) as new:
-            about = json.dumps(_identity(finger, identity), indent=1)
+            about = json.dumps(identity_of(finger, identity), indent=1)
             (new / "identity.json").write_text(about, encoding="utf-8")
             for name in NAMES:
                 np.save(new / f"{name}.npy", getattr(kept, name))
         cache.limit("modes")
     return kept
-
-
-def _identity(finger: Finger, operator: dict[str, Any]) -> dict[str, Any]:
-    ratio = finger.subcutaneous.density / finger.skin.density
-    return operator | {"modes": COUNT, "modes_format": FORMAT, "density_ratio": ratio}
-
-
-def _folder(finger: Finger, operator: dict[str, Any]) -> Path:
-    key = json.dumps(_identity(finger, operator), sort_keys=True)
-    return cache.root() / "modes" / hashlib.sha256(key.encode()).hexdigest()[:16]
