@@ -40,7 +40,9 @@ if TYPE_CHECKING:
     from fefinger.scene.motions import ForceRampSinusoid as ForceRampSinusoid
     from fefinger.scene.motions import ForceSampled as ForceSampled
     from fefinger.scene.motions import ForceSinusoid as ForceSinusoid
+    from fefinger.scene.motions import ForceSweep as ForceSweep
     from fefinger.scene.motions import ForceTrapezoid as ForceTrapezoid
+    from fefinger.scene.motions import FrequencySweep as FrequencySweep
     from fefinger.scene.motions import Ramp as Ramp
     from fefinger.scene.motions import RampHold as RampHold
     from fefinger.scene.motions import RampSinusoid as RampSinusoid
@@ -78,7 +80,7 @@ _HOMES = {
     "scene.motions": (
         *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Vibration", "Sampled"),
         *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceSinusoid", "ForceTrapezoid"),
-        "ForceSampled",
+        *("ForceSampled", "ForceSweep", "FrequencySweep"),
     ),
     "pipeline": ("run",),
     "plan": ("choose", "explain"),

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.results.candidate import MECHANICS, Candidate
+from fefinger.results.harmonic import Harmonic
 from fefinger.scene.inertia import quasistatic
 from fefinger.scene.scene import Scene
 
@@ -178,7 +179,8 @@ class Response:
     `seconds`: wall time of each stage; `notes`: simplifications that a reader of the result must
     know; `status`: one sentence on the convergence of the solution; `numbers`: sizes of the
     problem and, on a mesh, the largest penetration of a vertex at the solved times
-    (`penetration_mm`); `sources`: inputs such as the mesh and its hash.
+    (`penetration_mm`); `sources`: inputs such as the mesh and its hash; `harmonic`: the answer
+    about the preload to small oscillations, where the motion is a sweep.
     """
 
     mechanics: str
@@ -200,6 +202,7 @@ class Response:
     sources: dict[str, str] = field(default_factory=dict)
     gap: Array | None = None
     moment: Array | None = None
+    harmonic: Harmonic | None = None
 
     @property
     def inertia(self) -> bool:
@@ -266,6 +269,11 @@ class ResultRecord:
     def sites(self) -> Sites | None:
         """The end-organ sites."""
         return self.response.sites
+
+    @property
+    def harmonic(self) -> Harmonic | None:
+        """Answer about the preload to small oscillations; None unless the motion is a sweep."""
+        return self.response.harmonic
 
     @property
     def strain(self) -> Array | None:

@@ -32,10 +32,13 @@ class FileReader(NamedTuple):
     keys: tuple[str, ...]
 
 
+SAMPLES = ("corner", "amplitude", "preload", "settle")
+"""Other keys of a motion from a file: the first of CSV, the others of WAV."""
+
 FROM_FILE = {
     Relief.kind: FileReader(Relief.from_file, "CSV or NPZ", ("angle", "tilt", "roll")),
-    Sampled.kind: FileReader(Sampled.from_csv, "CSV", ("corner",)),
-    ForceSampled.kind: FileReader(ForceSampled.from_csv, "CSV", ("corner",)),
+    Sampled.kind: FileReader(Sampled.from_file, "CSV or WAV", SAMPLES),
+    ForceSampled.kind: FileReader(ForceSampled.from_file, "CSV or WAV", SAMPLES),
 }
 """Kinds of indenters and motions that can be read from the `file` of their table."""
 

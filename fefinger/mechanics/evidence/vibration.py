@@ -31,6 +31,9 @@ STEPS = 0.003
 FINE = 2.5
 """Cost on the fine mesh over that on the standard one, as their unknowns; not measured."""
 
+SAMPLED = 10.0
+"""Samples per cycle below which straight lines between them change the force by more than 2 %."""
+
 BEYOND = 0.3
 """Frequency over that of the last mode beyond which the answer through time is not trusted."""
 
@@ -70,8 +73,17 @@ def sentence(left: float) -> str:
 
 def doubts(case: Situation) -> list[Doubt]:
     """Return the doubt that a motion has frequencies which the modes do not reach."""
-    frequency = case.motion.highest_frequency
-    if frequency is None or _ratio(case, frequency) <= BEYOND:
+    frequency, rate = case.motion.highest_frequency, case.motion.sample_rate
+    if frequency is None:
+        return []
+    if rate is not None and rate < SAMPLED * frequency:
+        reason = (
+            f"samples per s / highest frequency = {rate:.4g} / {frequency:.3g} Hz = "
+            f"{rate / frequency:.2g} < {SAMPLED:g}: straight lines between the samples distort it; "
+            "sample the motion more finely"
+        )
+        return [Doubt("motion.time", reason)]
+    if _ratio(case, frequency) <= BEYOND:
         return []
     reason = (
         f"frequency / frequency of the last mode = {_ratio(case, frequency):.2g} > {BEYOND:g}: "

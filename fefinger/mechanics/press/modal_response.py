@@ -21,6 +21,7 @@ from fefinger.fem.elements.probe import tensors
 from fefinger.geometry import mirror
 from fefinger.mechanics.press import carried, operator, problem
 from fefinger.mechanics.press.carried import CarriedPress, carried_response, table_of
+from fefinger.mechanics.press.harmonic import Vibrating
 from fefinger.mechanics.press.history import SmallStrainHistory
 from fefinger.mechanics.press.modal_body import stiffened
 from fefinger.mechanics.press.modal_press import (
@@ -38,11 +39,17 @@ from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
 from fefinger.mechanics.press.small_strain import touched
+from fefinger.results.harmonic import Harmonic
 from fefinger.results.records import Fields, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
+
+
+SHALLOW = 0.12
+"""First guess of the depth that a force reaches, over the thickness: the operator ends at the sides
+of the finger, which a larger guess may reach for nothing."""
 
 
 def respond(
@@ -62,6 +69,7 @@ def respond(
     if stiffens(scene.finger):
         return _corrected(scene, grid, stages, mechanics, notes)
     press = Press.of(scene, operator.METHOD, stages, mechanics=mechanics, notes=notes)
+    press = replace(press, foreseen=SHALLOW * press.finger.thickness)
     history = solve_modal(press, grid, stages)
     press = at_stored(press, grid)
     with stages.stage("reference"):
@@ -70,7 +78,8 @@ def respond(
     answer = small_strain_response(replace(press, fields=False), small, stages)
     with stages.stage("fields"):
         fields = modal_fields(press, history) if press.fields else None
-    return _with_modes(replace(answer, fields=fields), history, grid)
+    answer = _with_modes(replace(answer, fields=fields), history, grid)
+    return _swept(answer, scene, press, history, 1.0, stages)
 
 
 def _corrected(
@@ -84,13 +93,68 @@ def _corrected(
         shares = table.along(slow.time)
     answer = carried_response(table, shares, stages)
     press = Press.of(scene, operator.METHOD, stages, mechanics=mechanics, notes=notes)
-    press = replace(press, sites=answer.sites)
+    press = replace(press, sites=answer.sites, foreseen=float(answer.depth.max()))
     depth = working_depth(scene, table)
     factor = stiffening(press, table, depth)
     history = solve_modal(press, grid, stages, factor)
     press = at_stored(press, grid)
     still = _still(press, factor, stages)
-    return _added(answer, press, history, still, grid, factor, depth)
+    answer = _added(answer, press, history, still, grid, factor, depth)
+    answer = _swept(answer, scene, press, history, factor, stages, depth)
+    if answer.harmonic is None:
+        return answer
+    preload = float(np.interp(depth, table.table.nodes, table.force))
+    return replace(answer, harmonic=replace(answer.harmonic, preload_force=preload))
+
+
+def _swept(
+    answer: Response,
+    scene: Scene,
+    press: Press,
+    history: ModalHistory,
+    factor: float,
+    stages: Stages,
+    depth: float | None = None,
+) -> Response:
+    """Add the harmonic answer about the preload, where the motion is a sweep.
+
+    factor: on the moduli; depth in mm of the preload, where it is not that of the linear finger.
+    """
+    motion = scene.motion
+    if motion.frequencies is None:
+        return answer
+    level = motion.steady_level
+    deepest = 1.2 * float(answer.depth.max())
+    with stages.stage("harmonic"):
+        vibrating = Vibrating.of(
+            *(press.finger, operator_of(press), history.modes, press.obstacle),
+            deepest,
+            answer.sites,
+            factor,
+        )
+        if depth is None and motion.control == "force":
+            found = vibrating.harmonic(motion.frequencies, force=level)
+        else:
+            found = vibrating.harmonic(motion.frequencies, depth=depth or level)
+    return replace(
+        answer, harmonic=found, notes=(*answer.notes, *found.notes, *_loses(found, scene))
+    )
+
+
+def _loses(found: Harmonic, scene: Scene) -> tuple[str, ...]:
+    """Return the note that the contact of a preload opens within a cycle, if it does."""
+    amplitude = float(getattr(scene.motion, "amplitude", 0.0))
+    if scene.motion.control == "force":
+        return ()
+    swing = amplitude * np.abs(found.stiffness)
+    lost = swing > found.preload_force
+    if not lost.any():
+        return ()
+    return (
+        f"From {found.frequency[lost].min():.3g} to {found.frequency[lost].max():.3g} Hz the force "
+        f"of {amplitude:g} mm exceeds the preload of {found.preload_force:.3g} N: contact opens in "
+        "mid-cycle, which the answer through time follows and the harmonic one does not.",
+    )
 
 
 def working_depth(scene: Scene, table: CarriedPress) -> float:
