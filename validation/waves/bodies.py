@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
 from fefinger.validation.problems.grids import box, octant, quarter
-from scipy import integrate, optimize, sparse, special
+from scipy import optimize, sparse, special
 
 from fefinger.fem.contact.oscillators import Oscillators, complex_modulus
 from fefinger.fem.elements.forms import Elastic, stiffness
@@ -41,19 +40,22 @@ class Vibrating:
         full[self.free] = loads
         return np.asarray(self.system.solve(full)[self.free])
 
-    def receptance(self, load: Array, frequency: Array, terms: int = 2) -> Array:
+    def receptance(
+        self, load: Array, frequency: Array, relaxation: tuple[Array, Array] | None = None
+    ) -> Array:
         """Work (n_f,) of a load (n_free,) on the displacement that it causes at frequencies in Hz.
 
-        `terms`: static terms that stand for the modes that are left out, 1 or 2.
+        Two static terms stand for the modes that are left out. relaxation: weights and rates of the
+        Prony terms, WEIGHTS and RATES by default.
         """
         work, squares = self.modes.shapes.T @ load, self.modes.squares
         moved = self.static(load[:, None])[:, 0]
         first = load @ moved - work**2 @ (1 / squares)
         second = moved @ (self.mass @ moved) - work**2 @ (1 / squares**2)
-        modulus = complex_modulus(WEIGHTS, RATES, frequency)
+        modulus = complex_modulus(*(relaxation or (WEIGHTS, RATES)), frequency)
         omega = 2 * np.pi * frequency
         swing = 1 / (np.multiply.outer(modulus, squares) - omega[:, None] ** 2)
-        rest = first / modulus + (terms - 1) * second * omega**2 / modulus**2
+        rest = first / modulus + second * omega**2 / modulus**2
         return np.asarray(swing @ work**2 + rest)
 
 
@@ -166,27 +168,34 @@ def spheroidal_root() -> float:
 DISC = 1.0
 """Radius in mm of the loaded disc on the half-space."""
 
-FAR = 12.0
+SECTORS = 5
+"""Prisms around the quarter."""
+
+FAR = 24.0
 """Radius and depth in mm of the body that stands for the half-space, held at its far faces."""
 
 
+LOSSY = np.array([20.0]), np.array([6283.0])
+"""Relaxation of the half-space: waves of 1 kHz die out within a few mm."""
+
+
 @cache
-def half_space(edge: float, count: int = 60) -> tuple[Vibrating, Array]:
+def half_space(edge: float, count: int = 150) -> tuple[Vibrating, Array]:
     """Return a quarter of a cylinder that stands for a half-space, and 1 kPa on its disc."""
-    r = np.concatenate([np.linspace(0, DISC, 3), np.geomspace(1.5 * DISC, FAR, 6)])
-    z = np.concatenate([np.linspace(0, DISC, 3), np.geomspace(1.5 * DISC, FAR, 6)])
+    r = np.concatenate([np.linspace(0, DISC, 3), np.geomspace(1.5 * DISC, FAR, 8)])
+    z = np.concatenate([np.linspace(0, DISC, 3), np.geomspace(1.5 * DISC, FAR, 8)])
 
     def size(radius: Array, depth: Array) -> Array:
         # Smallest at the edge of the disc, where the shear strain is singular.
-        return np.maximum(edge, 0.3 * np.hypot(radius - DISC, depth))
+        return np.maximum(edge, 0.5 * np.hypot(radius - DISC, depth))
 
-    space = quarter(r, z, size, 6)
+    space = quarter(r, z, size, SECTORS)
     points = space.node_points
     away = (np.hypot(points[:, 0], points[:, 1]) > FAR * 0.985) | (points[:, 2] > FAR - 1e-6)
     held = np.flatnonzero(away)
     planes = [3 * np.flatnonzero(points[:, axis] < 1e-9) + axis for axis in (0, 1)]
     fixed = np.concatenate([(3 * held[:, None] + np.arange(3)).ravel(), *planes])
-    body = vibrating(space, INCOMPRESSIBLE, np.unique(fixed), count)
+    body = vibrating(space, PULP, np.unique(fixed), count)
     return body, _disc_load(space)[body.free]
 
 
@@ -204,31 +213,26 @@ def _disc_load(space: Space) -> Array:
 
 
 def half_space_exact(frequency: float) -> complex:
-    """Mean displacement in mm of a disc under 1 kPa on an incompressible viscoelastic half-space.
+    """Mean displacement in mm of a disc under 1 kPa on a viscoelastic half-space.
 
     Lamb's integral with the complex modulus (Miller and Pursey, Proc. R. Soc. A 223:521, 1954): no
     pole lies on the axis.
     """
-    modulus = complex(complex_modulus(WEIGHTS, RATES, np.array([frequency]))[0])
-    shear = INCOMPRESSIBLE.shear * modulus
+    modulus = complex(complex_modulus(*LOSSY, np.array([frequency]))[0])
+    shear = PULP.shear * modulus
     k2 = (2 * np.pi * frequency) ** 2 * DENSITY / shear
+    ratio = (1 - 2 * PULP.poisson) / (2 - 2 * PULP.poisson)  # of the squared wave numbers
 
-    def kernel(x: float) -> complex:
-        if x == 0.0:
-            return 0j
-        root = np.sqrt(x * x - k2 + 0j)
-        rayleigh = (2 * x * x - k2) ** 2 - 4 * x**3 * root
-        return complex(-k2 / rayleigh * special.j1(x * DISC) ** 2)
-
-    total = 0j
-    edges = [0.0, *np.geomspace(0.02, 400.0, 120)]
-    for low, high in pairwise(edges):
-        for part in (0, 1):
-            value, _ = integrate.quad(
-                lambda x, p=part: (kernel(x).real, kernel(x).imag)[p], low, high, limit=200
-            )
-            total += value * (1j if part else 1)
-    tail = 1 / (2 * np.pi * DISC * edges[-1] ** 2) / 2  # static kernel, mean of j1²
+    edges = np.concatenate([[0.0], np.geomspace(0.02, 400.0, 200)])
+    nodes, weights = np.polynomial.legendre.leggauss(16)
+    half = np.diff(edges)[:, None] / 2
+    x = (edges[:-1, None] + half * (1 + nodes)).ravel()
+    shear_root, pressure_root = np.sqrt(x * x - k2 + 0j), np.sqrt(x * x - ratio * k2 + 0j)
+    rayleigh = (2 * x * x - k2) ** 2 - 4 * x * x * pressure_root * shear_root
+    kernel = -k2 * pressure_root / rayleigh * special.j1(x * DISC) ** 2 / x
+    total = kernel @ (half * weights).ravel()
+    # Beyond, the kernel is static, (1 - nu) / x, and j1² is 1 / (pi x) on the mean.
+    tail = (1 - PULP.poisson) / (2 * np.pi * DISC * edges[-1] ** 2)
     return complex(2 / shear * (total + tail))
 
 

@@ -193,8 +193,9 @@ class Vibrating:
 
 
 def skin_line(solid: Operator) -> Integers:
-    """Vertices of the pad in the medial plane, from proximal to distal."""
+    """Return palmar vertices of the pad in the medial plane, from proximal to distal."""
     vertices = np.unique(solid.pad)
+    vertices = vertices[solid.normals[vertices, 2] < 0]
     points = solid.space.points[vertices]
     near = np.abs(points[:, 1]) < mirror.ROUNDING * np.ptp(points)
     chosen = vertices[near]

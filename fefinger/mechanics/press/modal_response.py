@@ -14,6 +14,7 @@ import numpy as np
 from fefinger.fem.body import Reduced
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.modal_march import Grid
+from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.step_compiled import march
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
@@ -46,6 +47,10 @@ from fefinger.support.arrays import Array
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
+
+DAMPED = 300.0
+"""Frequency in Hz of the fastest relaxation, below which a result notes that vibrations hardly
+damp."""
 
 SHALLOW = 0.12
 """First guess of the depth that a force reaches, over the thickness: the operator ends at the sides
@@ -287,10 +292,24 @@ def _with_modes(answer: Response, history: ModalHistory, grid: Grid) -> Response
         *answer.notes,
         f"Inertia: {count} modes up to {highest:.3g} Hz (in sudden strain) in steps of "
         f"{1e3 * grid.longest:.3g} ms; what they leave out deforms as in statics.",
+        *_lossless(oscillators),
         *_lost(answer),
     )
     numbers = answer.numbers | {"modes": count, "highest_mode_hz": highest}
     return replace(answer, notes=notes, numbers=numbers)
+
+
+def _lossless(oscillators: Oscillators) -> tuple[str, ...]:
+    """Return the note that tissue hardly damps vibrations, if its relaxation ends early."""
+    fastest = float(oscillators.rates.max(initial=0.0)) / (2 * np.pi)
+    if fastest > DAMPED:
+        return ()
+    return (
+        f"The fastest relaxation of this tissue lies at {fastest:.3g} Hz: above it hardly anything "
+        "is lost, where fingertips are reported to lose most, and resonances are too sharp. No "
+        "number for that was found that could be trusted; the tissue 'maeno1998_viscous' has a "
+        "faster branch, of low confidence.",
+    )
 
 
 def _lost(answer: Response) -> tuple[str, ...]:
