@@ -3,10 +3,10 @@
 A mode of the relaxed square w² obeys a'' + w² (G * a') = f with the relaxation function G of the
 body, 1 at long times. Its answer to a force is a sum over the m + 2 poles of 1 / (s² + w² G(s)),
 where G(s) = 1 + sum of g_j s / (s + v_j); each pole is a first-order filter, which a step of any
-length solves exactly. A force that is linear in the step suits what creeps. Where contact
-prescribes the motion of a mass it would let errors grow from step to step: poles that swing take
-the mean of the forces at both ends and, so that what alternates dies out, a share of their second
-difference.
+length solves exactly. In statics a force is linear in the step. With inertia that would let errors
+grow from step to step, where contact prescribes the motion of a mass: then a step takes the mean of
+the forces at both ends and, so that what alternates dies out, a share of their second difference.
+Both are exact to the second order of the step.
 """
 
 from dataclasses import dataclass, replace
@@ -42,12 +42,6 @@ class Oscillators:
     rates: Array
     poles: Complex
     residues: Complex
-
-    @property
-    def swinging(self) -> NDArray[np.bool_]:
-        """Whether each pole (n, m + 2) is one of inertia: all of a mode that is overdamped."""
-        pairs = self.poles.imag != 0
-        return np.asarray(pairs | ~pairs.any(axis=1, keepdims=True))
 
     def only(self, chosen: Integers) -> "Oscillators":
         """Return some of the modes."""
@@ -108,17 +102,18 @@ class Oscillators:
     def filters(self, dt: float, *, swing: bool) -> tuple[Complex, Complex, Complex, Complex]:
         """Factors (n, m + 2) of a step: decay, and shares of forces a step ago, now and at its end.
 
-        `swing`: poles of inertia take them as the head of this file says, else all poles a force
-        that is linear in the step.
+        `swing`: a step with inertia, which takes the forces as the head of this file says; else a
+        force that is linear in the step.
         """
         x = self.poles * dt
         safe = np.where(np.abs(x) < SMALL, 1.0, x)
         second = np.where(np.abs(x) < SMALL, _series(x), (np.exp(safe) - 1 - safe) / safe**2)
         first = 1 + x * second  # (e^x - 1) / x
-        share = np.where(self.swinging, DAMPING, 0.0) if swing else np.zeros(x.shape)
-        after = np.where(share > 0, (0.5 + share) * first, second)
-        before = np.where(share > 0, (0.5 - 2 * share) * first, first - second)
-        return np.exp(x), dt * share * first, dt * before, dt * after
+        if not swing:
+            return np.exp(x), 0.0 * x, dt * (first - second), dt * second
+        shares = (DAMPING, 0.5 - 2 * DAMPING, 0.5 + DAMPING)
+        earlier, before, after = (dt * share * first for share in shares)
+        return np.exp(x), earlier, before, after
 
     def energies(self, filtered: Complex) -> tuple[float, float, float]:
         """Return stored and kinetic energy in nJ and lost power in nW.
