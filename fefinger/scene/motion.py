@@ -60,7 +60,7 @@ FEWEST_SAMPLES = 64
 UNEVEN = 1e-3
 """Relative difference of the times between samples that counts as none."""
 
-LEFT_OUT = 1e-3
+LEFT_OUT = 1e-2
 """Share of the power of the speed beyond the highest frequency of samples."""
 
 SETTLE = 0.2
@@ -389,7 +389,7 @@ class SampledMotion(Motion):
 
     @cached_property
     def highest_frequency(self) -> float | None:
-        """Frequency in Hz below which lies all but a thousandth of the power of the speed."""
+        """Frequency in Hz below which lies all but a hundredth of the power of the speed."""
         rate = self.sample_rate
         if rate is None:
             return None
@@ -480,7 +480,8 @@ class SampledMotion(Motion):
         settle = number("motion.settle", settle, above=0, unit="s")
         rate, wave = read_wave("motion.file", Path(file))
         ramp = int(np.ceil(settle * rate))
-        approach = preload * np.minimum(np.arange(2 * ramp) / ramp, 1.0)
+        way = np.minimum(np.arange(2 * ramp) / ramp, 1.0)
+        approach = preload * (1 - np.cos(np.pi * way)) / 2
         values = np.concatenate([approach, preload + amplitude * wave])
         times = np.arange(len(values)) / rate
         given: dict[str, Any] = {"time": tuple(times.tolist()), cls.control: tuple(values.tolist())}
