@@ -130,6 +130,17 @@ def test_a_harmonic_answer_that_cannot_be_given_is_a_sentence(
         loop.harmonic(frequency, **preload)
 
 
+def test_a_mode_is_one_cycle_of_its_frequency_on_the_mesh(loop: ff.Modal, tmp_path: Path) -> None:
+    fields = loop.shape(2, frames=8)
+    assert fields.times[-1] == pytest.approx(7 / 8 / loop.frequencies[2])
+    assert np.linalg.norm(fields.displacement[0], axis=1).max() <= 1.0
+    np.testing.assert_allclose(fields.displacement[4], -fields.displacement[0], atol=1e-12)
+    loop.save_shape(tmp_path / "mode.vtkhdf", 0)
+    assert (tmp_path / "mode.vtkhdf").stat().st_size > 1000
+    with pytest.raises(InputError, match="expected a number from 0 to 299"):
+        loop.shape(300)
+
+
 def test_delays_are_those_of_the_phase(loop: ff.Modal) -> None:
     found = loop.harmonic(np.geomspace(1.0, 100.0, 60), depth=0.8)
     assert found.site_delay().shape == (60, len(loop.sites.points))

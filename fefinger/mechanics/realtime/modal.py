@@ -10,6 +10,7 @@ once and kept.
 """
 
 from functools import cached_property, partial
+from os import PathLike
 from typing import Literal
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.modal_march import ModalContact
 from fefinger.fem.contact.modal_step import add_strain, release
+from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.mechanics.press import limits
@@ -27,8 +29,10 @@ from fefinger.mechanics.press.modal_steps import RESOLVED
 from fefinger.mechanics.press.mode_store import finger_modes
 from fefinger.mechanics.realtime.condensed import Condensed, unfolded
 from fefinger.mechanics.realtime.step import Step
+from fefinger.mesh.store import load_or_build
+from fefinger.results import vtkhdf
 from fefinger.results.harmonic import Harmonic
-from fefinger.results.records import Sites
+from fefinger.results.records import Fields, Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
@@ -180,6 +184,51 @@ class Modal:
         return self.vibrating.harmonic(
             np.atleast_1d(np.asarray(frequency, dtype=np.float64)), depth=depth, force=force
         )
+
+    def shape(self, which: int, *, frames: int = 24) -> Fields:
+        """Return one cycle of a free mode on the mesh, with a largest displacement of 1 mm.
+
+        `which` counts from 0, the lowest; the cycle is that of relaxed tissue without damping.
+
+        Raises
+        ------
+        InputError
+            If there is no such mode, or a cycle has no frames.
+        """
+        last = len(self.modes.squares) - 1
+        if which not in range(last + 1):
+            message = f"mode: expected a number from 0 to {last}, received {which!r}"
+            raise InputError(message)
+        frames = int(number("frames", frames, at_least=1))
+        solid, mesh = self._still.solid, load_or_build(self.finger, half=self._still.solid.half)
+        moved = np.zeros(solid.space.n_unknowns)
+        moved[: solid.space.n_displacements] = self.modes.shape(which, solid.space.n_displacements)
+        moved /= np.linalg.norm(moved[: solid.space.n_displacements].reshape(-1, 3), axis=1).max()
+        swing = np.cos(2 * np.pi * np.arange(frames) / frames)
+        strain = (strain_at_vertices(solid.space) @ moved).reshape(-1, 6)
+        shown = moved[: 3 * len(solid.original)].reshape(-1, 3)
+        fields = Fields(
+            mesh.points,
+            mesh.cells,
+            mesh.region,
+            np.arange(frames) / frames / self.frequencies[which],
+            displacement=np.zeros((frames, len(mesh.points), 3)),
+            strain=np.zeros((frames, len(mesh.points), 6)),
+            pressure=np.zeros((frames, len(mesh.points))),
+        )
+        fields.displacement[:, solid.original] = swing[:, None, None] * shown
+        fields.strain[:, solid.original] = swing[:, None, None] * strain
+        return fields
+
+    def save_shape(self, path: str | PathLike[str], which: int) -> None:
+        """Write one cycle of a free mode as a VTK time series, for ParaView and PyVista.
+
+        Raises
+        ------
+        InputError
+            As `shape`.
+        """
+        vtkhdf.write(self.shape(which), path)
 
     @cached_property
     def vibrating(self) -> Vibrating:
