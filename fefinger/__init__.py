@@ -59,6 +59,8 @@ if TYPE_CHECKING:
     from fefinger.scene.textured import Relief as Relief
     from fefinger.scene.tissue import Hard as Hard
     from fefinger.scene.tissue import Tissue as Tissue
+    from fefinger.studies.receptive_field import ReceptiveField as ReceptiveField
+    from fefinger.studies.receptive_field import receptive_field as receptive_field
     from fefinger.studies.study import study as study
     from fefinger.support.checks import ConvergenceError as ConvergenceError
     from fefinger.support.checks import InputError as InputError
@@ -90,6 +92,7 @@ _HOMES = {
     "mechanics.realtime.pressed": ("Pressed",),
     "mechanics.realtime.rolling": ("Rolling",),
     "scene.scene": ("Scene",),
+    "studies.receptive_field": ("ReceptiveField", "receptive_field"),
     "studies.study": ("study",),
     "theory.relaxation": ("Prony",),
     "mechanics.realtime.stiffening": ("Stiffening",),

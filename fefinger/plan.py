@@ -7,7 +7,8 @@ from pathlib import Path
 
 from fefinger import mechanics as ladder
 from fefinger.mechanics.evidence import force_control, machine, vibration
-from fefinger.mechanics.evidence.stated_errors import others, spikes
+from fefinger.mechanics.evidence.stated_errors import spikes
+from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, MESHED, Candidate
 from fefinger.results.plan_text import ladder as written
@@ -167,7 +168,8 @@ def _rung(
     if ask.seconds is not None and seconds > ask.seconds:
         reason = f"expected time = {beyond(seconds, ask.seconds, ' s')} ({SECONDS})"
         refusals = (*refusals, Refusal(name, "time", reason, SECONDS))
-    errors = others(candidate, case)
+    errors = {what: mechanics.error(case, what)[0] for what in STATED[1:]}
+    errors = {what: each for what, each in errors.items() if math.isfinite(each)}
     if case.motion.control == "force" and math.isfinite(error):
         errors = force_control.errors(errors, error, case)
     # Errors of spikes were measured with the membranes of the family `thesis`.

@@ -19,6 +19,7 @@ ABOUT = {
     "calibration": "Twins that calibration finds again, and the subjects that were calibrated.",
     "neural": "Membranes, filters, end organs and spikes against adaptive and closed solutions.",
     "afferents": "The afferents of the family recorded against published recordings.",
+    "human": "The default finger against what was measured on people.",
     "thesis": "Every table, figure and claim of the source thesis that can be computed again.",
     "tradeoff": "Error and cost of every mechanics and setting, from which the planner chooses.",
     "extremes": "Scenes at the edges: each ends as a checked answer or as a refusal.",

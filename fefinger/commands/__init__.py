@@ -4,6 +4,7 @@ from fefinger.commands.bench import bench
 from fefinger.commands.cache import cache
 from fefinger.commands.calibrate import calibrate
 from fefinger.commands.explain import explain
+from fefinger.commands.field import field
 from fefinger.commands.fit import fit
 from fefinger.commands.live import live
 from fefinger.commands.mesh import mesh
@@ -16,7 +17,7 @@ from fefinger.commands.view import view
 
 
 COMMANDS = (
-    *(run, explain, scenes, study, mesh, spikes, view, live, fit, calibrate, validate, bench),
-    cache,
+    *(run, explain, scenes, study, mesh, spikes, field, view, live, fit, calibrate, validate),
+    *(bench, cache),
 )
 """All commands, in the order of the help text."""

@@ -20,7 +20,7 @@ Heights = tuple[Array, Array, Array]
 """h (...,) mm, its slope (..., 2) and its curvature (..., 2, 2) in 1/mm."""
 
 FLANK = 75.0
-"""Slope in degrees of the sides of a bar: a height field cannot represent vertical ones."""
+"""Slope in degrees of the sides of a bar or ball: a height field cannot represent vertical ones."""
 
 
 class Profile(ABC):
@@ -38,6 +38,10 @@ class Profile(ABC):
         """Half axes in mm of an ellipsoid or, with an infinite one, of a cylinder; else None."""
         return None
 
+    def beyond(self, across: Array) -> NDArray[np.bool_]:
+        """Return whether places `across` (..., 2) mm are beyond the shape that is meant."""
+        return np.zeros(across.shape[:-1], dtype=bool)
+
 
 @final
 @dataclass(frozen=True)
@@ -54,22 +58,39 @@ class Plane(Profile):
 @final
 @dataclass(frozen=True)
 class Ellipsoid(Profile):
-    """An ellipsoid with half axes `radii` (3,) mm along u, v and the travel; inf is a cylinder."""
+    """An ellipsoid with half axes `radii` (3,) mm along u, v and the travel; inf is a cylinder.
+
+    With s² = u²/a² + v²/b² its slope dh/ds is c tan(arcsin s); beyond tan(FLANK) it goes on as a
+    cone of that slope, so that skin that folds around it meets no edge.
+    """
 
     radii: tuple[float, float, float]
 
     def height(self, across: Array) -> Heights:
-        """Return h = c (1 - sqrt(1 - u²/a² - v²/b²))."""
+        """Return h = c (1 - sqrt(1 - s²)), and that of the cone beyond FLANK."""
         flat, deep = np.array(self.radii[:2]), self.radii[2]
-        scaled = across / flat
-        inside = 1.0 - np.sum(scaled**2, axis=-1)
-        ahead = inside > 0
-        root = np.sqrt(np.where(ahead, inside, 1.0))
-        h = np.where(ahead, deep * (1.0 - root), np.inf)
-        lean = np.where(ahead[..., None], scaled / flat / root[..., None], 0.0)
-        bend = lean[..., :, None] * lean[..., None, :]
-        bend = bend + np.where(ahead[..., None, None], np.diag(flat**-2.0), 0.0)
-        return h, deep * lean, deep * bend / root[..., None, None]
+        s = self._s(across)
+        on = np.minimum(s, self._end)
+        root = np.sqrt(1.0 - on**2)
+        h = deep * (1.0 - root + (s - on) * on / root)
+        # With h' over s, which has a limit at s = 0, slope and curvature need no division by s.
+        gradient = across / flat**2
+        over = np.where(s > self._end, on / np.where(s > 0, s, 1.0), 1.0) / root
+        change = np.where(s > self._end, -over / np.where(s > 0, s**2, 1.0), 1 / root**3)
+        bend = over[..., None, None] * np.diag(flat**-2.0)
+        bend = bend + change[..., None, None] * gradient[..., :, None] * gradient[..., None, :]
+        return h, deep * over[..., None] * gradient, deep * bend
+
+    def beyond(self, across: Array) -> NDArray[np.bool_]:
+        """Return whether places are on the cone."""
+        return np.asarray(self._s(across) > self._end)
+
+    @property
+    def _end(self) -> float:
+        return float(np.sin(np.radians(FLANK)))
+
+    def _s(self, across: Array) -> Array:
+        return np.asarray(np.sqrt(np.sum((across / np.array(self.radii[:2])) ** 2, axis=-1)))
 
     @property
     def half_axes(self) -> tuple[float, float, float]:

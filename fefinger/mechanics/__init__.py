@@ -39,8 +39,11 @@ class Mechanics(Protocol):
     def once(self, case: Situation) -> float:
         """Return the part of that time, in s, that builds what is kept for the next run."""
 
-    def error(self, case: Situation) -> tuple[float, str]:
-        """Return the expected relative error and the report that measured it."""
+    def error(self, case: Situation, quantity: str = "force") -> tuple[float, str]:
+        """Return the expected relative error of a quantity, and the report that measured it.
+
+        Not a number where it is not known; the quantities are those of `evidence.tradeoff.STATED`.
+        """
 
     def coarser(self, scene: Scene) -> Finger | None:
         """Return the finger on a coarser mesh, to see what depends on it; None if there is none."""

@@ -10,7 +10,8 @@ from dataclasses import replace
 
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import reports
-from fefinger.mechanics.evidence.stated_errors import stated, without_press
+from fefinger.mechanics.evidence.press_mesh import UNKNOWN
+from fefinger.mechanics.evidence.stated_errors import measured, without_press
 from fefinger.mechanics.press.notes import RIGID_BONE, yielding
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
@@ -57,13 +58,13 @@ def once(case: Situation) -> float:
     return reports.condensed_once(case)
 
 
-def error(case: Situation) -> tuple[float, str]:
-    """Return the expected relative error of the force, of mesh and small strain, and its source."""
+def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
+    """Return the expected relative error, of mesh and small strain, and its source."""
     candidate = Candidate(name, case.mesh)
-    measured = stated(candidate, case)
-    if measured is not None:
-        return measured.error, measured.source
-    return without_press(candidate, case, *reports.condensed_error(case))
+    found = measured(candidate, case, quantity)
+    if found is None and quantity == "force":
+        return without_press(candidate, case, *reports.condensed_error(case))
+    return found or UNKNOWN
 
 
 def coarser(scene: Scene) -> Finger | None:

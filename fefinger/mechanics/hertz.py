@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.stated_errors import stated
+from fefinger.mechanics.evidence.press_mesh import UNKNOWN
+from fefinger.mechanics.evidence.stated_errors import is_measured, measured
 from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.axisymmetric import Array
 from fefinger.mechanics.press.notes import apart, normalized, yielding
@@ -147,8 +148,8 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     if case.motion.control == "depth" and depth > radius:
         reason = f"depth / relative radius = {beyond(depth / radius, 1)}: Hertz ends there"
         unable.append(Doubt("motion.depth", reason))
-    measured = not unable and stated(Candidate(name), case) is not None
-    doubts = [] if measured else [*_doubts_of_size(case), *doubts_of_place(case)]
+    known = not unable and is_measured(Candidate(name), case)
+    doubts = [] if known else [*_doubts_of_size(case), *doubts_of_place(case)]
     return refusals(name, "ability", unable) + refusals(name, "accuracy", doubts)
 
 
@@ -176,16 +177,16 @@ def once(case: Situation) -> float:
     return 0.0
 
 
-def error(case: Situation) -> tuple[float, str]:
-    """Return the expected relative error of the force, and where it comes from.
+def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
+    """Return the expected relative error, and where it comes from.
 
     That is the measured one. Where none is, the bone makes the force 1 + 1.127 chi times that of
     Hertz, and more where chi is not small; the skin leaves the modulus open between those of the
     two tissues.
     """
-    measured = stated(Candidate(name), case)
-    if measured is not None:
-        return measured.error, measured.source
+    found = measured(Candidate(name), case, quantity)
+    if found is not None or quantity != "force":
+        return found or UNKNOWN
     stiffer = STIFFENING * _thinness(case)
     modulus, _ = tissue(case.finger)
     ends = (case.finger.skin.modulus, case.finger.subcutaneous.modulus)

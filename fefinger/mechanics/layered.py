@@ -12,7 +12,8 @@ import numpy as np
 
 from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import reports
-from fefinger.mechanics.evidence.stated_errors import stated
+from fefinger.mechanics.evidence.press_mesh import UNKNOWN
+from fefinger.mechanics.evidence.stated_errors import is_measured, measured
 from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.notes import normalized
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
@@ -116,8 +117,8 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     if deepest >= bone:
         reason = f"ask.depths: {deepest:.3g} mm is not above the bone at {bone:.3g} mm"
         unable.append(Doubt("ask.depths", reason))
-    measured = not unable and stated(Candidate(name), case) is not None
-    doubts = [] if unable or measured else _doubts(case)
+    known = not unable and is_measured(Candidate(name), case)
+    doubts = [] if unable or known else _doubts(case)
     return refusals(name, "ability", unable) + refusals(name, "accuracy", doubts)
 
 
@@ -131,11 +132,11 @@ def once(case: Situation) -> float:
     return 0.0
 
 
-def error(case: Situation) -> tuple[float, str]:
-    """Return the expected relative error of the force against `solid`, else against `linear`."""
-    measured = stated(Candidate(name), case)
-    if measured is not None:
-        return measured.error, measured.source
+def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
+    """Return the expected relative error against `solid`, else of the force against `linear`."""
+    found = measured(Candidate(name), case, quantity)
+    if found is not None or quantity != "force":
+        return found or UNKNOWN
     return reports.layered_error(case.indenter, hertz.deepest(case))
 
 

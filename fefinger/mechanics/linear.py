@@ -7,7 +7,8 @@ relaxation then run on that small dense problem (`press/small_strain.py`). What 
 
 from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import reports
-from fefinger.mechanics.evidence.stated_errors import stated, without_press
+from fefinger.mechanics.evidence.press_mesh import UNKNOWN
+from fefinger.mechanics.evidence.stated_errors import is_measured, measured, without_press
 from fefinger.mechanics.press import proximal_cut
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.notes import apart, hard
@@ -56,7 +57,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     if unable:
         return refusals(name, "ability", unable)
     doubts = [*too_small(case), *too_soft(case.finger), *unmeasured(case.finger)]
-    if stated(Candidate(name, case.mesh), case) is None:
+    if not is_measured(Candidate(name, case.mesh), case):
         doubts += [*too_sharp(case), *_deep(case), *_unlawful(case.finger)]
     return proximal_cut.reached(name, case) + refusals(name, "accuracy", doubts)
 
@@ -158,13 +159,13 @@ def once(case: Situation) -> float:
     return reports.mesh_seconds(case)
 
 
-def error(case: Situation) -> tuple[float, str]:
-    """Return the expected relative error of the force, of mesh and small strain, and its source."""
+def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
+    """Return the expected relative error, of mesh and small strain, and its source."""
     candidate = Candidate(name, case.mesh)
-    measured = stated(candidate, case)
-    if measured is not None:
-        return measured.error, measured.source
-    return without_press(candidate, case, *reports.linear_error(case))
+    found = measured(candidate, case, quantity)
+    if found is None and quantity == "force":
+        return without_press(candidate, case, *reports.linear_error(case))
+    return found or UNKNOWN
 
 
 def coarser(scene: Scene, *, follow: bool = True) -> Finger | None:

@@ -78,13 +78,13 @@ def once(case: Situation) -> float:
     return 0.0
 
 
-def error(case: Situation) -> tuple[float, str]:
+def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     """Return the relative error of the force against `solid` of the same finger, and its source.
 
     Not a number where no press has identified the law of the scene's finger under its plate.
     """
     found = law(case)
-    if found.doubt or case.indenter.flat is None:
+    if quantity != "force" or found.doubt or case.indenter.flat is None:
         return float("nan"), "not known: no press like it was measured"
     said = f"{found.evidence}; {SINUSOIDS}" if found.printed else found.evidence
     return found.error + NUMERICAL, said

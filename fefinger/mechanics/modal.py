@@ -66,9 +66,9 @@ def _operator(case: Situation) -> float:
     return reports.condensed_once(case) if stiffens(case.finger) else 0.0
 
 
-def error(case: Situation) -> tuple[float, str]:
-    """Return the expected relative error of the force, and its source."""
-    error, source = _base(case.finger).error(case)
+def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
+    """Return the expected relative error, and its source: without inertia, and of the modes."""
+    error, source = _base(case.finger).error(case, quantity)
     left = vibration.modal_error(case)
     return math.hypot(error, left), f"{source}; {vibration.sentence(left)}"
 

@@ -56,10 +56,10 @@ def once(case: Situation) -> float:
     return carrying.once(case)
 
 
-def error(case: Situation) -> tuple[float, str]:
-    """Return the expected relative error of the force, of mesh and carrying, and its source."""
-    error, source = solid.error(case)
-    carried = carrying.error(case, "force")
+def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
+    """Return the expected relative error, of mesh and carrying, and its source."""
+    error, source = solid.error(case, quantity)
+    carried = carrying.error(case, quantity)
     # Not their sum: on loading a mesh makes the force too large, and carrying it too small.
     return math.hypot(error, carried), f"{source}; {carrying.sentence(carried, case)}"
 

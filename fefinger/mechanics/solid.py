@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import reports, solid_cost
-from fefinger.mechanics.evidence.stated_errors import stated, without_press
+from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import proximal_cut
 from fefinger.mechanics.press.notes import hard
 from fefinger.mechanics.refusals import Doubt, refusals
@@ -54,8 +54,6 @@ def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
     if unable:
         return refusals(mechanics, "ability", unable)
     doubts = [*linear.too_small(case), *linear.unmeasured(case.finger)]
-    if stated(Candidate(name, case.mesh), case) is None:
-        doubts = [*linear.too_sharp(case), *doubts]
     return proximal_cut.reached(mechanics, case) + refusals(mechanics, "accuracy", doubts)
 
 
@@ -69,13 +67,11 @@ def once(case: Situation) -> float:
     return reports.mesh_seconds(case)
 
 
-def error(case: Situation) -> tuple[float, str]:
-    """Return the expected relative error of the force against a converged mesh, and its source."""
-    candidate = Candidate(name, case.mesh)
-    measured = stated(candidate, case)
-    if measured is not None:
-        return measured.error, measured.source
-    return without_press(candidate, case, *reports.solid_error(case))
+def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
+    """Return the expected relative error against a converged mesh, and its source."""
+    found = measured(Candidate(name, case.mesh), case, quantity)
+    assert found is not None
+    return found
 
 
 def coarser(scene: Scene) -> Finger | None:
@@ -91,7 +87,7 @@ def respond(
 ) -> Response:
     """Answer the scene with finite-strain finite elements.
 
-    Without an `allowance` its steps may take any work.
+    Its steps may take the factorizations of `allowance`, or of a usual one.
 
     Raises
     ------

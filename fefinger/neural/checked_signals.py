@@ -1,6 +1,8 @@
 """Input checks, sampling times and notes that all simulations of afferents share."""
 
+from collections import Counter
 from collections.abc import Sequence
+from itertools import count
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -68,7 +70,8 @@ def organ_columns(unit: ArrayLike, n_units: int) -> tuple[NDArray[np.intp], ...]
             f"each of {n_units} units; received {np.unique(unit).tolist()}"
         )
         raise InputError(msg)
-    return tuple(np.flatnonzero(unit == i) for i in range(n_units))
+    order = np.argsort(unit, kind="stable")
+    return tuple(np.split(order, np.searchsorted(unit[order], np.arange(1, n_units))))
 
 
 def unit_delays(delays: ArrayLike, n_units: int) -> Array:
@@ -100,11 +103,9 @@ def unit_names(types: tuple[str, ...], names: Sequence[str] | None = None) -> tu
             msg = f"names: expected {len(types)} for {len(types)} units, received {len(names)}"
             raise InputError(msg)
         return names
-    seen = [types[: i + 1].count(kind) for i, kind in enumerate(types)]
-    return tuple(
-        kind if types.count(kind) == 1 else f"{kind}-{n}"
-        for kind, n in zip(types, seen, strict=True)
-    )
+    numbers = {kind: count(1) for kind in types}
+    single = {kind for kind, number in Counter(types).items() if number == 1}
+    return tuple(kind if kind in single else f"{kind}-{next(numbers[kind])}" for kind in types)
 
 
 def dense_times(time: Array, steps: float | Array) -> Array:

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array
 
 
 class Units(NamedTuple):
@@ -181,64 +181,12 @@ def advance(
     return count
 
 
-@njit(cache=True, nogil=True)
-def run(
-    units: Units,
-    first: int,
-    states: Array,
-    time: Array,
-    columns: Array,
-    longest: Array,
-    spikes: Array,
-    counts: Integers,
-) -> None:
-    """Advance units first, first + 1, ... through whole series: columns (n_units, n_t) mm.
-
-    states (n_units, SIZE), spikes (n_units, room) and counts (n_units,) are those of these units;
-    longest (n,): steps of all units in s.
-    """
-    factors = np.empty(N_FACTORS)
-    for u in range(len(columns)):
-        state, i = states[u], first + u
-        factors[LENGTH] = 0.0
-        for k in range(1, len(time)):
-            counts[u] = advance(
-                units,
-                i,
-                state,
-                (time[k - 1], time[k]),
-                columns[u, k],
-                longest[i],
-                factors,
-                spikes[u],
-                counts[u],
-            )
-
-
-@njit(cache=True, nogil=True)
-def currents(units: Units, first: int, time: Array, columns: Array, out: Array) -> None:
-    """Compute generator currents (n_units, n_t) over threshold at the samples of the columns.
-
-    The input is zero before the first sample.
-    """
-    for u in range(len(columns)):
-        i, x, modes = first + u, 0.0, np.zeros(2)
-        for k in range(len(time)):
-            change = columns[u, k] - x
-            x = columns[u, k]
-            h = time[k] - time[k - 1] if k else 0.0
-            for m in range(2):
-                a = units.pole[i, m] * h
-                ramp = -math.expm1(-a) / a if a > 0.0 else 1.0
-                modes[m] = math.exp(-a) * modes[m] + change * ramp
-            out[u, k] = generated(units, i, x, modes[0], modes[1])
-
-
-def rested(units: Units, first: int, x: Array) -> Array:
-    """States (n, SIZE) of units first, first + 1, ... at rest that jump to inputs x (n,) in mm."""
+def rested(units: Units, x: Array) -> Array:
+    """States (n, SIZE) of units at rest that jump to inputs x (n,) in mm."""
     states = np.zeros((len(x), SIZE))
     states[:, KNOT] = np.nan
     states[:, X] = states[:, MODE] = states[:, SLOW] = x
-    for u in range(len(x)):
-        states[u, CURRENT] = generated(units, first + u, x[u], x[u], x[u])
+    y = units.gain * (units.at_rest + units.share.sum(axis=1)) * x
+    y = np.where(y > 0.0, y, -units.negative * y)
+    states[:, CURRENT] = y / (1.0 + y / units.largest)
     return states

@@ -1,7 +1,6 @@
 """Simulation of units of the family `recorded`: from drives at end organs to spike trains."""
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +21,6 @@ from fefinger.neural.recorded import Recorded, fitted, units_of
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.variation import Variation
 from fefinger.support.checks import InputError, choice, number
-from fefinger.support.processes import cores
 from fefinger.support.vocabulary import RECORDED_RULES
 
 
@@ -41,12 +39,6 @@ SPIKE_MV = 40.0
 
 LONGEST = {"SAI": 2e-4, "SAII": 2e-4, "FAI": 2e-4, "FAII": 1e-4}
 """Longest integration step in s of the units of a type."""
-
-WIDTH = 32
-"""Number of units that one thread advances at a time."""
-
-ROOM = 2_000_000
-"""Number of spike times that a thread has room for."""
 
 
 def simulate_recorded(
@@ -104,12 +96,12 @@ def simulate_recorded(
     steps = np.array([LONGEST[kind] for kind in types])
     if step is not None:
         steps = np.full(len(types), number("step", step, above=0.0, at_most=1e-3, unit="s"))
-    times, peaks = _fire(units, time, x_in, steps)
+    times, peaks, current = _fire(units, time, x_in, steps)
     notes = tuple(coarse_remarks(time, x_in, types, names))
     if check:
         thin = np.unique(np.append(np.arange(0, len(time), 2), len(time) - 1))
-        half, _ = _fire(units, time, x_in, steps / 2)
-        coarse, _ = _fire(units, time[thin], x_in[thin], steps)
+        half, *_ = _fire(units, time, x_in, steps / 2)
+        coarse, *_ = _fire(units, time[thin], x_in[thin], steps)
         notes += count_changes(names, times, half, "the step of the membrane is halved")
         notes += count_changes(names, times, coarse, "only every second sample is used")
     return SpikeTrains(
@@ -121,7 +113,7 @@ def simulate_recorded(
         t_stop=float(time[-1] + later.max()),
         time=time,
         x_in=x_in,
-        current=THRESHOLD * _currents(units, time, x_in),
+        current=THRESHOLD * current,
         peak_mV=SPIKE_MV * peaks,
         block_seconds=np.zeros(len(types)),
         stimulus_driven=np.zeros(len(types), np.int64),
@@ -169,36 +161,13 @@ def _units(
     )
 
 
-def _fire(units: "Units", time: Array, x_in: Array, steps: Array) -> tuple[list[Array], Array]:
-    """Spike times of every unit in s, and highest potentials (n_units,) over threshold."""
-    from fefinger.neural.recorded_compiled import rested, run
+def _fire(
+    units: "Units", time: Array, x_in: Array, steps: Array
+) -> tuple[list[Array], Array, Array]:
+    """Spike times of units from rest in s, highest potentials and currents over threshold."""
+    from fefinger.neural.recorded_compiled import PEAK, rested
+    from fefinger.neural.recorded_vectorized import fire
 
-    duration = float(time[-1] - time[0])
-    room = int(duration / float(units.refractory.min())) + 2
-    width = max(1, min(WIDTH, ROOM // room))
-
-    def block(first: int) -> tuple[list[Array], Array]:
-        columns = np.ascontiguousarray(x_in[:, first : first + width].T)
-        states, spikes = rested(units, first, columns[:, 0]), np.empty((len(columns), room))
-        counts = np.zeros(len(columns), np.int64)
-        run(units, first, states, time, columns, steps, spikes, counts)
-        times = [row[:count].copy() for row, count in zip(spikes, counts, strict=True)]
-        return times, states[:, PEAK].copy()
-
-    from fefinger.neural.recorded_compiled import PEAK
-
-    firsts = range(0, x_in.shape[1], width)
-    if len(firsts) == 1:
-        return block(0)
-    with ThreadPoolExecutor(min(cores(), len(firsts))) as pool:
-        blocks = list(pool.map(block, firsts))
-    return [each for times, _ in blocks for each in times], np.concatenate([p for _, p in blocks])
-
-
-def _currents(units: "Units", time: Array, x_in: Array) -> Array:
-    """Compute the generator currents (n_t, n_units) over threshold at the samples."""
-    from fefinger.neural.recorded_compiled import currents
-
-    out = np.empty((x_in.shape[1], len(time)))
-    currents(units, 0, time, np.ascontiguousarray(x_in.T), out)
-    return out.T
+    states = rested(units, x_in[0])
+    times, current = fire(units, states, time, x_in, steps)
+    return times, states[:, PEAK], current

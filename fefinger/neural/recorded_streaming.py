@@ -94,7 +94,7 @@ class RecordedAfferents:
         """Set all units to rest, at time 0."""
         from fefinger.neural.recorded_compiled import rested
 
-        self._states[:] = rested(self.units, 0, np.zeros(len(self.types)))
+        self._states[:] = rested(self.units, np.zeros(len(self.types)))
         self._counts[:], self._clock = 0, 0.0
 
     def step(self, strain: NDArray[np.floating], dt: float) -> int:

@@ -1,13 +1,13 @@
 """What an object that touches the finger is: a plate, or an object at a place."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple, Protocol
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.support.checks import number, numbers
+from fefinger.support.checks import InputError, number, numbers
 
 
 ANGLES = (0.0, 60.0)
@@ -72,6 +72,11 @@ class Indenter(ABC):
         That of a ball is at its foremost point, that of a relief the one at its sharpest crest.
         """
 
+    @property
+    def narrowest(self) -> float:
+        """Smallest width in mm of what its edges leave to the pad, infinite without edges."""
+        return float("inf")
+
     @abstractmethod
     def describe(self) -> str:
         """Return the object in words, with its sizes: "a rigid sphere of radius 5 mm"."""
@@ -90,6 +95,14 @@ class Indenter(ABC):
     def place(self) -> tuple[float, float] | None:
         """Place (x, y) in mm of first touch; None: where a plate does."""
         return None
+
+    def moved(self, place: tuple[float, float]) -> Self:
+        """Return the object at another place (x, y) in mm; InputError for one without a place."""
+        msg = (
+            f"indenter.kind: expected an object with a place, such as a pin or a sphere, received "
+            f"{self.kind!r}"
+        )
+        raise InputError(msg)
 
     @property
     def turn(self) -> float:
@@ -149,6 +162,11 @@ class Placed(Indenter):
     def place(self) -> tuple[float, float] | None:
         """Place (x, y) in mm of first touch; None: where the 30 degree plate touches."""
         return self.at
+
+    def moved(self, place: tuple[float, float]) -> Self:
+        """Return the object at another place (x, y) in mm."""
+        changes: dict[str, Any] = {"at": place}
+        return replace(self, **changes)
 
     def _set_place(self) -> None:
         if self.at is not None:

@@ -207,6 +207,11 @@ class Bar(Placed):
         return profiles.Bar(self.width, self.corner)
 
     @property
+    def narrowest(self) -> float:
+        """The width in mm."""
+        return self.width
+
+    @property
     def least_radius(self) -> float:
         """The radius of its corners in mm."""
         return self.corner
@@ -249,6 +254,11 @@ class Pin(Placed):
     def profile(self) -> profiles.Pin:
         """A flat disc with a rounded edge."""
         return profiles.Pin(self.width, self.least_radius)
+
+    @property
+    def narrowest(self) -> float:
+        """The width in mm."""
+        return self.width
 
     @property
     def least_radius(self) -> float:

@@ -54,6 +54,11 @@ class Grating(PlateLike):
         return profiles.Grating(self.period, self.ridge, self.depth, self.shift)
 
     @property
+    def narrowest(self) -> float:
+        """The width in mm of its ridges or of the grooves between them."""
+        return min(self.ridge, self.period - self.ridge)
+
+    @property
     def least_radius(self) -> float:
         """The radius in mm of its ridges where they are sharpest, within 1 %."""
         across = np.column_stack([np.linspace(0, self.period, 401), np.zeros(401)])

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.neural.statistics import mean_rates
 from fefinger.neural.trains import SpikeTrains
-from fefinger.results.records import Integers, Pad, ResultRecord
+from fefinger.results.records import Array, Integers, Pad, ResultRecord
 from fefinger.view.figures import COLORS, INK, STEEL, WIDE, figure, of_each, style
 
 
@@ -66,6 +66,29 @@ def rate_map(result: ResultRecord) -> Any:
             axis.set(xlabel="x (distal) / mm", title=f"{kind}: {len(which)} units", aspect="equal")
             axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
             drawn.colorbar(dots, ax=axis, label="rate / Hz", shrink=0.8)
+        axes[0].set_ylabel("y (radial) / mm")
+        return drawn
+
+
+def receptive_fields(
+    places: Array, impulses: Mapping[str, Integers], organs: Mapping[str, Array]
+) -> Any:
+    """Draw impulses (n,) of units by the place (n, 2) mm of the object, and their end organs."""
+    lines = np.unique(places)
+    half = 0.5 * (lines[1] - lines[0])
+    extent = (lines[0] - half, lines[-1] + half) * 2
+    column, row = np.searchsorted(lines, places).T
+    with style():
+        drawn = figure(WIDE, 2.1 + 3.2 / len(impulses))
+        axes = drawn.subplots(1, len(impulses), sharey=True, squeeze=False)[0]
+        for axis, (kind, counts) in zip(axes, impulses.items(), strict=True):
+            square = np.full((len(lines), len(lines)), np.nan)
+            square[row, column] = counts
+            shown = axis.imshow(square, origin="lower", extent=extent, cmap="viridis", vmin=0)
+            axis.plot(*organs[kind].T, "o", ms=4, mfc="none", color="white")
+            axis.set(xlabel="x (distal) / mm", title=f"{kind}: end organs as circles")
+            axis.grid(visible=False)
+            drawn.colorbar(shown, ax=axis, label="impulses", shrink=0.8)
         axes[0].set_ylabel("y (radial) / mm")
         return drawn
 

@@ -22,7 +22,7 @@ from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motions import ForceRampHold, Ramp, RampHold, RampSinusoid, Sampled, Trapezoid
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard
-from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony
 
 
@@ -110,8 +110,8 @@ def test_a_prescribed_force_is_borne_at_once_and_creeps() -> None:
 
 def test_a_force_that_no_press_bears_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     table = _table()
-    monkeypatch.setattr(elastic_press, "load_or_solve", lambda *args: table)
-    with pytest.raises(ConvergenceError, match=r"expected a depth that bears 1\.8 N within 5"):
+    monkeypatch.setattr(elastic_press, "load_or_solve", lambda *args, force: table)
+    with pytest.raises(InputError, match=r"received 1\.8 N, where it bears 1\.\d+ N; press less"):
         pressed.respond(scene(ForceRampHold(2, 1.8, hold=0.1)))
 
 
@@ -238,10 +238,21 @@ def test_a_motion_that_goes_back_is_known(motion, back: bool) -> None:
     assert carrying.retreats(motion) == back
 
 
-def test_a_ball_that_cannot_go_as_deep_as_a_table_is_pressed_as_deep_as_it_can() -> None:
-    ball = replace(scene(Ramp(60, 0.5)), indenter=Sphere(radius=3.5))
-    response = pressed.respond(ball)
-    assert response.depth.max() == pytest.approx(0.5)
+def test_a_ball_is_pressed_deeper_than_its_radius() -> None:
+    forces = []
+    for radius in (1.5, 2.0):
+        response = pressed.respond(replace(scene(Ramp(60, 2.0)), indenter=Sphere(radius=radius)))
+        assert response.depth.max() == pytest.approx(2.0)
+        assert (np.diff(response.force) >= 0).all()
+        forces.append(response.force.max())
+    assert forces[0] < forces[1]
+
+
+def test_a_press_by_force_ends_where_it_bears_it() -> None:
+    asked = replace(scene(ForceRampHold(1, 0.08, hold=1)), indenter=Sphere(radius=3.5))
+    response = pressed.respond(asked)
+    assert response.force.max() == pytest.approx(0.08)
+    assert np.diff(response.depth)[-1] > 0, "it creeps"
 
 
 def _table() -> ElasticPress:

@@ -7,6 +7,7 @@ import pytest
 from scipy import signal, stats
 
 from fefinger.neural import recorded_compiled as compiled
+from fefinger.neural import recorded_vectorized as vectorized
 from fefinger.neural.endorgans import PoleZero
 from fefinger.neural.recorded import BOUNDS, Recorded, fitted, record, units_of
 from fefinger.neural.recorded_simulation import LONGEST, combined, simulate_recorded
@@ -47,6 +48,13 @@ def fire(unit, x, time=TIME, **options):
     return trains.times[0]
 
 
+def generated(unit, time, x):
+    """Return the generator currents (n_t,) over threshold of one unit at rest at first."""
+    units = units_of([unit])
+    states = compiled.rested(units, x[:1])
+    return vectorized.fire(units, states, time, x[:, None], np.array([1e-4]))[1][:, 0]
+
+
 def sine(frequency, amplitude, seconds=1.0):
     """Return times and a sine of some mm about 0."""
     time = np.linspace(0.0, seconds, round(40 * seconds * frequency) + 1)
@@ -73,13 +81,12 @@ def test_below_threshold_no_unit_fires_and_its_potential_is_the_current():
 def test_the_filter_is_that_of_scipy(order, corner, static):
     unit = PLAIN.varied(order=float(order), corner=corner, static=static, negative=1.0)
     x = np.cumsum(np.random.default_rng(4).normal(size=TIME.shape)) * 0.01
-    out = np.empty((1, len(TIME)))
-    compiled.currents(units_of([unit]), 0, TIME, x[None], out)
+    out = generated(unit, TIME, x)
     p = 2 * np.pi * corner
     system = np.poly([-static * p] * order), np.poly([-p] * order)
     _, y, _ = signal.lsim(system, x - x[0], TIME)
     _, start, _ = signal.lsim(system, np.full(TIME.shape, x[0]), TIME)
-    assert out[0] == pytest.approx(np.abs(y + start), abs=2e-3 * np.abs(y).max())
+    assert out == pytest.approx(np.abs(y + start), abs=2e-3 * np.abs(y).max())
     frequency = np.array([1.0, 30.0, 400.0])
     poles = PoleZero(
         (static * corner,) * order, tuple(corner * (1 + 1e-3 * k) for k in range(order))
@@ -92,10 +99,9 @@ def test_the_filter_is_that_of_scipy(order, corner, static):
 def test_the_generator_saturates_and_weighs_both_signs():
     unit = PLAIN.varied(gain=3.0, largest=5.0, negative=0.25)
     x = np.array([0.0, 0.1, 2.0, 1e3, -2.0, -1e6])
-    out = np.empty((1, len(x)))
-    compiled.currents(units_of([unit]), 0, np.arange(6.0), x[None], out)
+    out = generated(unit, np.arange(6.0), x)
     u = np.array([0.0, 0.3, 6.0, 3e3, 1.5, 7.5e5])
-    assert out[0] == pytest.approx(u / (1 + u / 5.0))
+    assert out == pytest.approx(u / (1 + u / 5.0))
 
 
 @pytest.mark.parametrize("adapting", [0.2, 0.6])
@@ -222,6 +228,29 @@ def test_stepped_units_fire_as_those_of_a_whole_series():
     assert len(fired[0]) > 5
     for mine, theirs in zip(fired, whole.times, strict=True):
         assert np.array(mine) == pytest.approx(theirs, abs=1e-9)
+
+
+def test_units_side_by_side_fire_as_each_by_itself():
+    """Blocks of lanes, full and not, of types with unequal steps, against one unit at a time."""
+    rng = np.random.default_rng(5)
+    time = np.cumsum(rng.uniform(2e-4, 2e-3, 400))
+    kinds = rng.choice(TYPES, 45)
+    x = np.abs(np.cumsum(rng.normal(size=(400, 45)), axis=0)) * 0.03
+    units = units_of([fitted()[kind] for kind in kinds], seed=3)
+    steps = np.array([LONGEST[kind] for kind in kinds])
+    together, current = vectorized.fire(units, compiled.rested(units, x[0]), time, x, steps)
+    states, factors = compiled.rested(units, x[0]), np.empty(compiled.N_FACTORS)
+    assert sum(map(len, together)) > 200
+    for i, times in enumerate(together):
+        spikes, count = np.empty(400), 0
+        factors[compiled.LENGTH] = 0.0
+        for k in range(1, len(time)):
+            span = (time[k - 1], time[k])
+            count = compiled.advance(
+                units, i, states[i], span, x[k, i], steps[i], factors, spikes, count
+            )
+        assert times == pytest.approx(spikes[:count], abs=1e-9)
+        assert current[-1, i] == pytest.approx(states[i, compiled.CURRENT], rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from fefinger.validation.bench import fem, neural, solvers, suites
+from fefinger.validation.bench import fem, neural, recorded, solvers, suites
 from fefinger.validation.fem import hertz
 
 from fefinger.__main__ import main
@@ -60,6 +60,16 @@ def test_the_neural_suite_measures_every_method(monkeypatch):
         assert values[f"{name}: wall"] > 0
     assert values["Runge-Kutta 0.05 ms: units miscounted"] == 0
     assert 0 < values["splitting, tolerance 0.05 ms: median spike-time error"] < 0.05
+
+
+def test_the_recorded_suite_drives_the_same_units_by_a_series_and_by_steps(monkeypatch):
+    monkeypatch.setattr(recorded, "SHARES", dict.fromkeys(recorded.SHARES, 3))
+    types, x = recorded.inputs()
+    assert len(types) == x.shape[1] == 12
+    assert x.max() == pytest.approx(0.55, rel=0.01)
+    figures = recorded.series()
+    assert figures[0].name == "12 units for 1 s: wall"
+    assert figures[-1].value > 100
 
 
 def test_the_fem_suite_measures_every_stage(monkeypatch):

@@ -11,20 +11,22 @@ import numpy as np
 import pytest
 from fefinger.validation.tradeoff import scenes as tradeoff_scenes
 from fefinger.validation.tradeoff import suite
+from fefinger.validation.tradeoff.held_out import REPORT as HELD_OUT
 from fefinger.validation.tradeoff.held_out import summary
 
 from fefinger import plan
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence.stated_errors import stated
-from fefinger.mechanics.evidence.table import TRADEOFF, read
+from fefinger.mechanics.evidence.table import read
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.results.records import Rung
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenters import Bar, Cylinder, Flat, Sphere
+from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
+from fefinger.scene.textured import Relief
 
 
 REPORT = Path(__file__).resolve().parents[2] / "reports" / "tradeoff.json"
@@ -114,7 +116,8 @@ def test_what_a_mechanics_does_not_give_or_no_press_was_like_has_no_error():
     lumped, *_, solid = plan.rungs(on(Flat(30), 0.7))
     assert (lumped.mechanics, lumped.errors) == ("lumped", {})
     assert set(solid.errors) == {"pressure", "area", "strain"}
-    assert plan.rungs(on(Flat(45), 0.7))[-1].errors == {}
+    relief = Relief.of(lambda x, y: 0.1 * np.cos(x + y), np.arange(-4, 5.0), np.arange(-4, 5.0))
+    assert plan.rungs(on(relief, 0.7))[-1].errors == {}
 
 
 @pytest.mark.parametrize(
@@ -190,90 +193,30 @@ def test_what_was_not_measured_is_not_stated():
     assert stated_of("solid standard", deviatoric) is None
 
 
-@pytest.mark.parametrize(
-    ("indenter", "said"),
-    [
-        (Flat(30, tilt=5), "indenter.tilt = 5 degrees"),
-        (Flat(45), "a plate at 45 degrees"),
-        (Sphere(1.0), "a ball of 1 mm"),
-        (Sphere(5.0, at=(5.0, 0.0)), "a ball 5 mm away from the middle of the pad"),
-        (Cylinder(4.0), "indenter.kind = 'cylinder'"),
-    ],
-    ids=str,
-)
-def test_where_no_error_is_known_it_is_said_what_is_taken_instead(indenter, said):
-    error, source = get("solid").error(Situation.of(on(indenter, 0.3)))
-    assert source.endswith(f"(reports/tradeoff.json has none for {said})")
-    assert error > read(TRADEOFF)["rules"]["steps"]["solid"]["force"]
-
-
-@pytest.mark.parametrize(
-    ("indenter", "nearest"),
-    [(Flat(45), Flat(30)), (Flat(20, tilt=5), Flat(20)), (Sphere(1.0), Sphere(2.0))],
-    ids=str,
-)
-@pytest.mark.parametrize("candidate", ["linear standard", "solid standard"])
-def test_where_no_press_was_like_it_no_less_is_stated_than_next_to_it(indenter, nearest, candidate):
-    name, mesh = Candidate.of(candidate).mechanics, Candidate.of(candidate).resolution
-    for depth in (0.3, 0.5):
-        errors = [
-            get(name).error(Situation.of(on(each, depth, mesh)))[0] for each in (indenter, nearest)
-        ]
-        assert errors[0] >= errors[1]
-
-
-@pytest.mark.parametrize("mesh", ["coarse", "standard"])
-@pytest.mark.parametrize(
-    ("indenter", "depth", "tissue"),
-    [
-        (Flat(30), 1.5, "calibrated_ah"),
-        (Flat(30), 2.2, "maeno1998"),
-        (Bar(4.0, corner=2.0), 1.5, "maeno1998"),
-    ],
-    ids=["other tissue", "deeper", "another object"],
-)
-def test_what_is_known_less_of_has_no_smaller_error_of_mesh_and_steps(
-    indenter, depth, tissue, mesh
-):
-    """Without margins solid stated 1.0 % of a deep press, where 1.5 % was stated of a shallow."""
-    finger = Finger.subject("a.h.", tissue=tissue, resolution=mesh)
-    scene = Scene(finger=finger, indenter=indenter, motion=Ramp(60, depth, corner=0))
-    pressed = Finger.subject("a.h.", resolution=mesh, tissue="maeno1998")
-    like = Scene(finger=pressed, indenter=Flat(30), motion=Ramp(60, 1.5, corner=0))
-    known = stated_of(f"solid {mesh}", like)
-    assert get("solid").error(Situation.of(scene))[0] >= known.error - known.model
-
-
-@pytest.mark.parametrize("indenter", [Flat(45), Flat(60), Flat(30, tilt=5), Cylinder(4.0)], ids=str)
-@pytest.mark.parametrize("name", ["condensed", "linear", "solid"])
-def test_where_no_press_was_like_it_no_mesh_states_less_than_a_finer_one(indenter, name):
-    for depth in (0.3, 1.0):
-        scenes = (on(indenter, depth, mesh) for mesh in ("coarse", "standard", "fine"))
-        errors = [get(name).error(Situation.of(scene))[0] for scene in scenes]
-        assert errors == sorted(errors, reverse=True)
-
-
 def test_the_margins_are_those_of_the_presses_of_the_report(report):
     assert suite.rederived(report["rules"]) == 0.0
 
 
-def test_the_summary_is_that_of_the_held_out_scenes_of_the_report(report):
-    again = summary(report["held_out"])
-    assert again == report["summary"]
-    assert again["scenes"] >= 60
+def test_the_summary_is_that_of_the_held_out_scenes_of_the_report():
+    held = read(HELD_OUT)
+    assert summary(held["scenes"]) == held["summary"]
+    assert held["summary"]["scenes"] >= 38
 
 
-def test_the_planner_states_today_what_the_report_says_that_it_states(report):
-    drawn = tradeoff_scenes.held_out()
-    assert set(drawn) == set(report["held_out"])
-    for key in list(drawn)[::6]:
+def test_the_planner_states_today_what_the_report_says_that_it_states():
+    held, drawn = read(HELD_OUT)["scenes"], tradeoff_scenes.held_out()
+    assert held.keys() <= drawn.keys()
+    for key in list(held)[::6]:
         stated = {rung.candidate.label: rung for rung in plan.rungs(drawn[key])}
-        for name, row in report["held_out"][key]["candidates"].items():
+        for name, row in held[key]["candidates"].items():
             told = {"force": stated[name].error, **stated[name].errors}
             known = {
                 key: np.inf if value is None else value for key, value in row["stated"].items()
             }
-            assert {key: told.get(key, np.inf) for key in known} == pytest.approx(known, rel=1e-3)
+            said = {key: told.get(key, np.inf) for key in known}
+            assert {k: np.inf if np.isnan(v) else v for k, v in said.items()} == pytest.approx(
+                known, rel=1e-3
+            )
             assert (not _of_error(stated[name])) == row["willing"]
 
 
@@ -284,9 +227,8 @@ def _of_error(rung: Rung) -> list[str]:
 def test_the_quick_cases_are_read_from_the_report(report):
     values = {case.name: case.measure() for case in suite.cases(quick=True)}
     assert values["margins of the stated errors, derived again"] == 0.0
-    assert (
-        values["stated error kept by the picks: force"] == report["summary"]["stated_kept"]["force"]
-    )
+    kept = read(HELD_OUT)["summary"]["stated_kept"]["force"]
+    assert values["stated error kept by the picks: force"] == kept
 
 
 def test_the_change_since_the_report_is_that_of_the_presses_named(report):
@@ -295,16 +237,3 @@ def test_the_change_since_the_report_is_that_of_the_presses_named(report):
     new["presses"]["flat-0"]["candidates"]["solid standard"]["numerical"]["force"][3] += 0.25
     assert suite.changed(new, old, ["flat-0", "flat-30"]) == pytest.approx(0.25)
     assert suite.changed(new, old, ["flat-30"]) == 0.0
-
-
-def test_an_object_that_was_not_pressed_states_no_less_than_the_nearest_press() -> None:
-    """Without the small strain of that press a bar stated 1.7 %, and was 2.0 % off `solid`."""
-    finger = Finger.subject("a.h.", resolution="standard", tissue="maeno1998")
-    motion, ask = Ramp(60.0, 0.3, corner=0.0), Ask(fields=False)
-    bar, plate = (
-        Scene(finger=finger, indenter=indenter, motion=motion, ask=ask)
-        for indenter in (Bar(3.0, 1.0), Flat(30))
-    )
-    near = stated_of("condensed standard", plate)
-    assert near is not None
-    assert get("condensed").error(Situation.of(bar))[0] >= near.error > 0.0203

@@ -9,6 +9,7 @@ from fefinger.validation.afferents.vibration import Probed
 from numpy.typing import NDArray
 
 from fefinger.neural.recorded import BOUNDS
+from fefinger.studies.receptive_field import receptive_field
 from fefinger.view.figures import COLORS, INK, STEEL, figure, style
 
 
@@ -43,6 +44,23 @@ def figures(probed: Callable[[str], Probed], under_spheres: Array) -> Iterator[t
         "Predicted: SAI across a bar 3 mm wide, 1 mm deep (gray: recorded; dark: computed, one "
         "end organ)",
         _bar(),
+    )
+    yield (
+        "Predicted: SAI in the hold of pins 1 mm (blue) and 2 mm wide (dark), of the median unit "
+        "and of one whose gain puts the wide pin in the middle of the band at 1.5 mm (dashed); "
+        "gray: bands of four models of TouchSim under a pin 2 mm wide; crosses: TouchSim under one "
+        "1 mm wide",
+        _pins(),
+    )
+    yield (
+        "Predicted: impulses under one to seven probes that rise by 0.1 mm out of an array 1.6 mm "
+        "deep, over those under one. Lines: recorded means of -24 and -12 % by each further probe",
+        _surround(),
+    )
+    yield (
+        "Predicted: receptive fields of one unit of SAI and FAI: impulses as a pin 1 mm wide is "
+        "pressed 1 mm at places around it (`fefinger field pin-hold`)",
+        receptive_field("pin-hold", reach=3.0, spacing=1.0, mechanics="condensed").figure(),
     )
     yield (
         "Predicted: units under a pin 1 mm wide, pressed 0.7 mm at 20 mm/s, held for 1 s and "
@@ -130,6 +148,37 @@ def _bar() -> Any:
     return drawn
 
 
+def _pins() -> Any:
+    with style():
+        drawn = figure(6.2, 3.6)
+        axis = drawn.subplots()
+        for depth, band in zip(predicted.PIN_DEPTHS, predicted.PIN_BANDS, strict=True):
+            axis.plot([depth, depth], band, color=STEEL, lw=6.0, solid_capstyle="butt")
+        axis.plot(*predicted.PIN_FINE, "x", color=COLORS["SAI"])
+        for width, color in ((1.0, COLORS["SAI"]), (2.0, INK)):
+            for factor, dashes in ((1.0, "o-"), (predicted.pin_factor(), "o--")):
+                rates = predicted.pin_hold(width, factor)
+                label = f"{width:g} mm, gain times {factor:.2g}"
+                axis.plot(predicted.PIN_DEPTHS, rates, dashes, color=color, label=label)
+        axis.set(xlabel="depth / mm", ylabel="SAI, 0.3 to 0.9 s / Hz")
+        axis.legend()
+    return drawn
+
+
+def _surround() -> Any:
+    probes = np.arange(1, 8)
+    with style():
+        drawn = figure(6.2, 3.6)
+        axis = drawn.subplots()
+        for kind, part in (("SAI", 0.24), ("FAI", 0.12)):
+            counts = predicted.surround(kind)
+            axis.plot(probes, counts / counts[0], "o", color=COLORS[kind], label=kind)
+            axis.plot(probes, (1.0 - part) ** (probes - 1), color=COLORS[kind], lw=0.8)
+        axis.set(xlabel="probes", ylabel="response over that to one", ylim=(0.0, 1.15))
+        axis.legend()
+    return drawn
+
+
 def _rasters() -> Any:
     with style():
         drawn = figure(6.2, 3.6)
@@ -176,10 +225,21 @@ TEXTS = (
     "Neither family has: SAII under a probe (recorded rests on stretch of hairy skin), slip, heat, "
     "or waves in the skin. Above some 40 Hz the tissue of the model does not damp, and no inertia "
     "moves it: a vibrating probe strains as a slow one does.",
-    "The recorded data disagree: SAI under spheres fire some four times as much, for a strain, as "
-    "the units behind the bands of the pin. The fit follows the spheres and the vibrations.",
+    "Trust of recorded: timing and entrainment of FAI and FAII from 20 to 600 Hz, bursts at onset "
+    "and release, SAI by curvature, force and distance. With care: absolute rates of SAI in a hold "
+    "of a sharp object, which are some three times those of the models of TouchSim, and contrast "
+    "of SAI between edge and middle, which is weaker than recorded. Not: the jitter of impulses.",
+    "Three sets of SAI data disagree, for the strain that the mechanics gives: recorded ones under "
+    "spheres, a recorded one under a bar, and models of units under pins. The fit follows the "
+    "spheres and the vibrations. Other measures of the strain (energy, von Mises, tensile) change "
+    "that little: at the end organs they are nearly in proportion to one another.",
     "All experiments are pressed through the mechanics of the package on one macaque fingertip "
-    "(10 mm wide, 8 mm thick, effective radius 10 mm, an estimate), by condensed at small strain "
-    "and, under spheres, by layered. The preload of the vibrating probe counts as held for two "
-    "minutes, after which SAI units have adapted to it.",
+    "(10 mm wide, 8 mm thick, effective radius 10 mm, an estimate): the pin by condensed at small "
+    "strain, spheres by layered, and the bar and the array of probes, finer than the elements of "
+    "0.6 mm, on the exact layers by Fourier transforms (`validation/afferents/patterns.py`; under "
+    "the pin both agree within 4 %). The preload of the vibrating probe and the rest of the array "
+    "count as held for two minutes, after which SAI units have adapted to it.",
+    "The array of probes has 73 sites on 50 mm² (Vega-Bermudez & Johnson 1999); that a probe is "
+    "0.5 mm wide is an estimate. Wider ones suppress more: 0.7 mm lowers the strain below seven of "
+    "them to 0.47 of that below one, 0.5 mm to 0.58.",
 )

@@ -1,12 +1,12 @@
 """Fit the parameters of the family `recorded`: `python -m fefinger.validation.afferents.fit`.
 
 Each type is fitted by itself, through the mechanics of `experiments.py`, about the parameters in
-the file: random units about them from a seed, and a simplex from the best of these; some five
-minutes a type on one core. What is fitted: rates of
-vibrations (`vibration_rates.csv`) of SAI, FAI and FAII, as the mean of a population and, with less
-weight, as its median unit; shapes of the threshold curves of FAI and FAII (`thresholds_units.csv`);
-rates of SAI under spheres (`curvature_SAI.csv`). What is not fitted is said where it is set, in
-`SET`. The result replaces `fefinger/neural/recorded.json`.
+the file: rounds of random units about them from a seed, and of a simplex from the best of these;
+some two minutes a type. What is fitted: rates of vibrations (`vibration_rates.csv`) of SAI, FAI and
+FAII, as the mean of a population and, with less weight, as its median unit; shapes of the threshold
+curves of FAI and FAII (`thresholds_units.csv`); rates of SAI under spheres (`curvature_SAI.csv`).
+What is not fitted is said where it is set, in `SET`. The result replaces
+`fefinger/neural/recorded.json`.
 """
 
 import argparse
@@ -28,6 +28,7 @@ from fefinger.neural import recorded
 from fefinger.neural import recorded_compiled as compiled
 from fefinger.neural.recorded import BOUNDS, Recorded, units_of
 from fefinger.neural.recorded_simulation import LONGEST
+from fefinger.neural.recorded_vectorized import fire
 from fefinger.support.checks import choice
 
 
@@ -126,17 +127,18 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
 FAI is kept below 30 Hz, where recorded thresholds stop falling in proportion to frequency; the
 weight of the negative output of FA is kept above 0.2, since recorded units fire at release."""
 
-MEDIAN, SHAPE, REST, SPHERES = 0.15, 0.5, 0.2, 20.0
+MEDIAN, PLATEAU, SHAPE, REST, SPHERES = 0.15, 10.0, 0.8, 0.2, 20.0
 """Weights, beside 1 - R² of the population, of the same of the median unit, of the mean squared
-deviation of the logarithms of the thresholds up to a constant, of the squared rate at rest over
-LOUD, and of the mean squared relative error under spheres."""
+relative error where units fire one impulse per cycle, of the mean squared deviation of the
+logarithms of the thresholds up to a constant, of the squared rate at rest over LOUD, and of the
+mean squared relative error under spheres."""
 
-LOUD = 10.0
+LOUD = 0.5
 """Rate in Hz at rest that counts as an error of 1: FA units are silent there."""
 
-DRAWS, WIDTH, ITERATIONS = 120, 0.5, 500
-"""Size of the search: random units about the start, the standard deviation of their logarithms,
-and evaluations of the simplex that begins with the best of them."""
+DRAWS, WIDTHS, ITERATIONS = 120, (0.5, 0.3, 0.2), 1000
+"""Size of the search: random units about the start of a round, the standard deviation of their
+logarithms in each round, and evaluations of the simplex that begins with the best of them."""
 
 
 @dataclass(frozen=True)
@@ -174,6 +176,15 @@ class Task:
             inputs.append(length * np.interp(time, at, drive[:, 0]))
         return time, np.array(inputs), points[:, 2]
 
+    @cached_property
+    def plateau(self) -> NDArray[np.bool_]:
+        """Points (n,) of the rates at which units fire one impulse per cycle, within a twentieth.
+
+        At least two at a frequency: a curve that only crosses that rate has no plateau.
+        """
+        near = [np.abs(data.rates(self.kind, f)[1] / f - 1.0) < 0.05 for f in data.FREQUENCIES]
+        return np.concatenate([each & (np.count_nonzero(each) > 1) for each in near])
+
     def unit(self, logarithms: Array) -> Recorded:
         """Return the unit with these logarithms of the fitted parameters."""
         values = dict(zip(self.names, np.exp(logarithms).tolist(), strict=True))
@@ -193,6 +204,9 @@ class Task:
             computed, rates = fit_of_rates(probed, single=single)
             scale = math.sqrt(weight / float(np.sum((rates - rates.mean()) ** 2)))
             parts.append(scale * (computed - rates))
+            if not single:
+                off = computed[self.plateau] / rates[self.plateau] - 1.0
+                parts.append(math.sqrt(PLATEAU / max(1, len(off))) * off)
         if self.kind == "SAI":
             errors = self.under_spheres(probed.unit) / self.spheres[2] - 1.0
             parts.append(math.sqrt(SPHERES / len(errors)) * errors)
@@ -200,8 +214,7 @@ class Task:
             frequency, amplitude = data.thresholds(self.kind)
             apart = np.log(probed.thresholds(frequency) / amplitude)
             parts.append(math.sqrt(SHAPE / len(apart)) * (apart - apart.mean()))
-            at_rest = probed.rates(20.0, np.zeros(1)) / LOUD
-            parts.append(math.sqrt(REST) * at_rest)
+            parts.append(np.array([math.sqrt(REST) * probed.rate_at_rest() / LOUD]))
         return np.concatenate(parts)
 
     def loss(self, logarithms: Array) -> float:
@@ -213,27 +226,28 @@ class Task:
         time, inputs, _ = self.spheres
         n = len(inputs)
         units = units_of([unit] * n, seed=SEED)
-        states = compiled.rested(units, 0, inputs[:, 0])
-        spikes, counts = np.empty((n, int(1.0 / unit.refractory) + 4)), np.zeros(n, np.int64)
-        steps = np.full(n, LONGEST[self.kind])
-        compiled.run(units, 0, states, time, inputs, steps, spikes, counts)
-        return counts.astype(float)
+        states = compiled.rested(units, inputs[:, 0])
+        times, _ = fire(units, states, time, inputs.T, np.full(n, LONGEST[self.kind]))
+        return np.array([float(len(each)) for each in times])
 
 
 def fit(task: Task, start: Array, say: Callable[[str], None]) -> Array:
     """Logarithms of the fitted parameters of a type, searched for about a start."""
     low, high = np.log(list(FREE[task.kind].values())).T
-    draws = start + WIDTH * np.random.default_rng(0).normal(size=(DRAWS, len(start)))
-    tried = np.clip(np.vstack([start, draws]), low, high)
-    losses = np.array([task.loss(each) for each in tried])
-    best = np.argsort(losses)[: len(start) + 1]
-    say(f"{task.kind}: loss {losses[0]:.4f} at the start, {losses[best[0]]:.4f} of the draws")
-    options = {"maxfev": ITERATIONS, "initial_simplex": tried[best], "adaptive": True}
-    bounds = list(zip(low, high, strict=True))
-    start = tried[best[0]]
-    found = minimize(task.loss, start, method="Nelder-Mead", bounds=bounds, options=options)
-    say(f"{task.kind}: loss {found.fun:.4f} after {found.nfev} evaluations of the simplex")
-    return np.asarray(found.x)
+    bounds, rng = list(zip(low, high, strict=True)), np.random.default_rng(0)
+    for width in WIDTHS:
+        draws = start + width * rng.normal(size=(DRAWS, len(start)))
+        tried = np.clip(np.vstack([start, draws]), low, high)
+        losses = np.array([task.loss(each) for each in tried])
+        best = np.argsort(losses)[: len(start) + 1]
+        say(f"{task.kind}: loss {losses[0]:.4f} at the start, {losses[best[0]]:.4f} of the draws")
+        options = {"maxfev": ITERATIONS, "initial_simplex": tried[best], "adaptive": True}
+        reached = minimize(
+            task.loss, tried[best[0]], method="Nelder-Mead", bounds=bounds, options=options
+        )
+        say(f"{task.kind}: loss {reached.fun:.4f} after {reached.nfev} evaluations of the simplex")
+        start = np.asarray(reached.x)
+    return start
 
 
 def stored(kind: str, contents: dict[str, Any]) -> Array:
@@ -295,7 +309,13 @@ def provenance() -> dict[str, Any]:
         "probe": experiments.PROBE.describe(),
         "preload_mm": experiments.PRELOAD,
         "preload_held_s": experiments.HELD,
-        "weights": {"median": MEDIAN, "shape": SHAPE, "rest": REST, "spheres": SPHERES},
+        "weights": {
+            "median": MEDIAN,
+            "plateau": PLATEAU,
+            "shape": SHAPE,
+            "rest": REST,
+            "spheres": SPHERES,
+        },
     }
 
 

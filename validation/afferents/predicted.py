@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from fefinger.validation.afferents import data, experiments
-from fefinger.validation.afferents.experiments import BAR, DEPTHS, PRELOAD, PROBE, drives, pressed
+from fefinger.validation.afferents import data, experiments, patterns
+from fefinger.validation.afferents.experiments import BAR, DEPTHS, PRELOAD, PROBE, pressed
 from fefinger.validation.afferents.vibration import Probed
 from numpy.typing import NDArray
 
@@ -17,10 +17,10 @@ from fefinger.neural.statistics import interval_variation
 from fefinger.neural.variation import Variation
 from fefinger.plan import choose, settled
 from fefinger.scene.ask import Ask
+from fefinger.scene.indenters import Pin
 from fefinger.scene.motions import Ramp, Trapezoid
 from fefinger.scene.population import Places
 from fefinger.scene.scene import Scene
-from fefinger.scene.textured import Relief
 
 
 Array = NDArray[np.float64]
@@ -33,6 +33,10 @@ PIN_DEPTHS = (0.2, 0.5, 1.0, 1.5)
 
 PIN_BANDS = ((-1.0, 1.0), (0.0, 15.0), (10.0, 30.0), (22.0, 45.0))
 """Hz of SAI in them: four models of units of TouchSim, 0.3 to 0.9 s after the start."""
+
+
+PIN_FINE = ((0.1, 0.2, 0.4, 0.7, 1.25), (0.0, 8.57, 11.43, 25.71, 42.86))
+"""Depths in mm, and Hz of SAI of TouchSim late in the holds of a pin 1 mm wide."""
 
 
 def inputs(kind: str, driven: Array) -> Array:
@@ -54,17 +58,19 @@ def between(times: Array, start: float, stop: float) -> float:
 
 
 @cache
-def pin_table(kind: str) -> Array:
-    """Return the inputs in mm of a unit under the pin at the depths DEPTH."""
+def pin_table(kind: str, width: float = PROBE.width) -> Array:
+    """Return the inputs in mm of a unit under a pin, some mm wide, at the depths DEPTH."""
     drive = fitted()[kind].drive
-    below = pressed(PROBE, DEPTH[1:], np.zeros(1), drive=drive, organ=DEPTHS[kind])[:, 0]
+    below = pressed(Pin(width), DEPTH[1:], np.zeros(1), drive=drive, organ=DEPTHS[kind])[:, 0]
     return np.concatenate([[0.0], inputs(kind, below)])
 
 
-def under_pin(kind: str, time: Array, depth: Array) -> Array:
-    """Spike times of the median unit under a pin that follows a depth (n_t,) mm."""
-    x = np.interp(depth, DEPTH, pin_table(kind))
-    return fire(kind, time, x[:, None])[0]
+def under_pin(
+    kind: str, time: Array, depth: Array, width: float = PROBE.width, factor: float = 1.0
+) -> Array:
+    """Spike times of a unit under a pin that follows a depth (n_t,) mm; factor: on its gain."""
+    x = np.interp(depth, DEPTH, pin_table(kind, width))
+    return fire(kind, time, x[:, None], factor=factor)[0]
 
 
 def population_under_pin(kind: str, time: Array, depth: Array, count: int = 8) -> list[Array]:
@@ -84,13 +90,22 @@ def trapezoid(depth: float, speed: float, hold: float) -> tuple[Array, Array]:
     return time, np.where(time < motion.duration, moved, 0.0)
 
 
-def pin_hold() -> Array:
-    """SAI rates (4,) in Hz at PIN_DEPTHS, 0.3 to 0.9 s after the start."""
+@cache
+def pin_hold(width: float, factor: float = 1.0) -> Array:
+    """SAI rates (4,) in Hz at PIN_DEPTHS of a pin, 0.3 to 0.9 s after the start."""
     out = []
     for depth in PIN_DEPTHS:
         time, moved = trapezoid(depth, 20.0, 1.2)
-        out.append(between(under_pin("SAI", time, moved), 0.3, 0.9))
+        out.append(between(under_pin("SAI", time, moved, width, factor), 0.3, 0.9))
     return np.array(out)
+
+
+@cache
+def pin_factor() -> float:
+    """Factor on the gain of SAI with which the deepest hold of the pin 2 mm wide is in mid-band."""
+    factors = np.geomspace(0.1, 1.0, 25)
+    rates = np.array([pin_hold(2.0, float(factor))[-1] for factor in factors])
+    return float(np.exp(np.interp(np.mean(PIN_BANDS[-1]), rates, np.log(factors))))
 
 
 def adaptation(depth: float) -> float:
@@ -131,7 +146,10 @@ def spheres() -> tuple[Array, Array]:
 def bar_profile() -> tuple[Array, Array]:
     """Places in mm from the middle of the bar, and SAI rates in Hz in the first second of hold."""
     places = np.arange(-4.0, 4.01, 0.2)
-    half = pressed(BAR, np.array([1.0]), places, drive="compressive", organ=DEPTHS["SAI"])[0]
+    across = np.column_stack([places, np.zeros_like(places)])
+    half = patterns.driven(
+        patterns.heights(BAR.profile), 1.0, across, drive="compressive", organ=DEPTHS["SAI"]
+    )
     time = np.concatenate([np.linspace(0, 0.05, 51), np.linspace(0.05, 1.05, 101)[1:]])
     x = np.outer(np.minimum(time / 0.05, 1.0), inputs("SAI", half))
     return places, np.array([between(each, 0.05, 1.05) for each in fire("SAI", time, x)])
@@ -163,33 +181,67 @@ def edges(places: Array, rates: Array) -> Edges:
     return Edges(float(left), float(right), float(rates[np.abs(places) < 0.8].min()))
 
 
-SPACING = 2.0
-"""mm between the middles of neighboring probes, 1 mm wide: finer ones the mesh does not resolve."""
+BACKGROUND, RISE = 1.6, 0.1
+"""mm: depth of the array in the skin, and the height to which probes then rise out of it."""
+
+PROBE_WIDTH, PITCH = 0.5, 0.889
+"""mm: width of a probe, an estimate, and distance of neighbors: 73 sites on 50 mm² (abstract)."""
+
+TRIALS = 20
+"""Repeated presses of the array, each with noise of its own."""
+
+
+def array(count: int) -> patterns.Shape:
+    """Return the shape of a plate out of which `count` probes rise: one, and its neighbors."""
+    around = [(np.cos(a), np.sin(a)) for a in np.arange(6) * np.pi / 3]
+    places = PITCH * np.array([(0.0, 0.0), *around])[:count]
+
+    def shape(at: Array) -> Array:
+        apart = np.linalg.norm(at[..., None, :] - places, axis=-1).min(axis=-1)
+        return RISE / (1.0 + np.exp(-(apart - PROBE_WIDTH / 2) / 0.05))
+
+    return shape
+
+
+def plate(at: Array) -> Array:
+    """Return the heights of a plate."""
+    return np.zeros(at.shape[:-1])
+
+
+@cache
+def under_array(kind: str, count: int) -> float:
+    """Input in mm below the middle of an array, BACKGROUND deep, that `count` probes leave."""
+    shape, rise = (array(count), RISE) if count else (plate, 0.0)
+    driven = patterns.driven(
+        shape, BACKGROUND + rise, np.zeros((1, 2)), drive=fitted()[kind].drive, organ=DEPTHS[kind]
+    )
+    return float(inputs(kind, driven)[0])
+
+
+def impulses(kind: str, rest: float, pressed_to: Array) -> Array:
+    """Mean impulses (n,) of the median unit as its input in mm rises from rest to other values.
+
+    The array has rested on the skin; probes rise at 20 mm/s and stay for 0.2 s.
+    """
+    time = np.concatenate([np.linspace(0.0, 0.005, 26), np.linspace(0.005, 0.2, 196)[1:]])
+    way = np.minimum(time / 0.005, 1.0)[:, None]
+    x = rest + way * (np.repeat(pressed_to, TRIALS) - rest)
+    probed = Probed(kind, fitted()[kind], rest)
+    counts = [len(each) for each in probed.fire(time, x, np.ones(x.shape[1]))]
+    return np.reshape(counts, (-1, TRIALS)).mean(axis=1)
 
 
 @cache
 def surround(kind: str) -> Array:
-    """Impulses (3,) of a unit under one probe, with one and with six more around it, 1 mm deep."""
-    grid = np.round(np.arange(-3.0, 3.01, 0.15), 10)
-    around = [(np.cos(a), np.sin(a)) for a in np.arange(6) * np.pi / 3]
-    places = SPACING * np.array([(0.0, 0.0), *around])
-    out = []
-    for count in (1, 2, 7):
+    """Impulses (7,) of a unit under one to seven probes that rise out of an array."""
+    probes = [under_array(kind, count) for count in range(1, 8)]
+    return impulses(kind, under_array(kind, 0), np.array(probes))
 
-        def heights(x: Array, y: Array, count: int = count) -> Array:
-            apart = [np.hypot(x - px, y - py) for px, py in places[:count]]
-            return -2.0 / (1.0 + np.exp(-(np.min(apart, axis=0) - 0.55) / 0.05))
 
-        relief = Relief.of(heights, grid, grid)
-        time, _, driven = drives(
-            relief,
-            Trapezoid(20.0, 1.0, hold=0.5),
-            np.zeros(1),
-            drive=fitted()[kind].drive,
-            organ=DEPTHS[kind],
-        )
-        out.append(len(fire(kind, time, inputs(kind, driven))[0]))
-    return np.array(out, float)
+def suppression(kind: str) -> float:
+    """Mean fall of the response by each further probe, from one to seven."""
+    one, seven = surround(kind)[[0, -1]]
+    return float(1.0 - (seven / one) ** (1 / 6))
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ recorded numbers were fitted (`fit.py`), or with "predicted". What misses is sho
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache, partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,12 @@ SURROUND = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2711, abstract"
 HOLD = "J Neurosci 3:2652: falls of 38 % (0.65 mm) and 36 % (1.3 mm)"
 KNIBESTOL = "Knibestol (1973), J Physiol 232:427, abstract"
 FIELDS = "Johansson (1978), as cited: fields of SAI and FAI of some 4 mm"
+SILENT = "models of units of TouchSim, computed: no impulse in a hold"
+GROWTH = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2701, abstract"
+GROWS = (
+    "areas of 5.1 mm² (SAI) and 5.5 mm² (FAI) at 50 um grew to 8.8 and 22.4 at 500 um: by 0.8 and "
+    "2.7 mm in diameter, under finer probes"
+)
 EDIN = "Edin (1992), J Neurophysiol 67:1105"
 
 
@@ -48,6 +55,11 @@ def entrained() -> float:
     amplitudes = np.geomspace(1e-3, 0.05, 18)
     reached = probed("FAII").rates(300.0, amplitudes) >= 0.95 * 300.0
     return float(1e3 * amplitudes[np.argmax(reached)]) if reached.any() else np.nan
+
+
+def at_rest(kind: str) -> float:
+    """Mean rate in Hz of units under a probe that rests."""
+    return probed(kind).rate_at_rest()
 
 
 def rate(kind: str, frequency: float, amplitude: float) -> float:
@@ -132,6 +144,9 @@ def _fitted() -> Iterator[Case]:
     for kind, low, high in (("FAII", 20.0, 210.0), ("FAII", 330.0, 830.0), ("FAI", 0.5, 17.0)):
         name = f"fitted: slope of the thresholds of {kind}, {low:g} to {high:g} Hz, octaves off"
         yield _case(name, partial(slope, kind, low, high), -1.0, 1.0, "1", UNITS, "a factor of 2")
+    for kind in ("FAI", "FAII"):
+        name = f"fitted: rate of {kind} under a probe that rests"
+        yield _case(name, partial(at_rest, kind), -0.1, 0.1, "Hz", SILENT)
     name = "fitted: RMS error of SAI by curvature and force"
     yield _case(name, spheres_error, -0.15, 0.15, "1", GOODWIN)
 
@@ -141,18 +156,29 @@ def _log_tanh(kind: str) -> float:
     return predicted.log_tanh(predicted.onset_rates(kind))
 
 
-def _pin_hold(number: int) -> float:
-    """Return the rate of SAI in Hz in one of the holds of the pin."""
-    return float(predicted.pin_hold()[number])
+def _pin_hold(width: float, number: int) -> float:
+    """Return the rate of SAI in Hz in one of the holds of a pin, some mm wide."""
+    return float(predicted.pin_hold(width)[number])
+
+
+def _scaled_hold(number: int) -> float:
+    """Return the same of the pin 2 mm wide for a unit of the gain of the models of the bands."""
+    return float(predicted.pin_hold(2.0, predicted.pin_factor())[number])
 
 
 def _of_holds() -> Iterator[Case]:
     """Yield the predictions of holds."""
+    depths = zip(predicted.PIN_DEPTHS, predicted.PIN_BANDS, strict=True)
+    for (i, (depth, (low, high))), width in product(enumerate(depths), (1.0, 2.0)):
+        name = f"predicted: SAI in a hold of the pin at {depth:g} mm, {width:g} mm wide"
+        reason = "the models behind the bands had a pin with a radius of 1 mm: 2 mm wide"
+        yield _case(name, partial(_pin_hold, width, i), low, high, "Hz", TOUCHSIM, reason)
     for i, (depth, (low, high)) in enumerate(
-        zip(predicted.PIN_DEPTHS, predicted.PIN_BANDS, strict=True)
+        zip(predicted.PIN_DEPTHS[:-1], predicted.PIN_BANDS, strict=False)
     ):
-        name = f"predicted: SAI in a hold of the pin at {depth:g} mm"
-        yield _case(name, partial(_pin_hold, i), low, high, "Hz", TOUCHSIM)
+        name = f"predicted: SAI at {depth:g} mm, 2 mm wide, with the gain of the models at 1.5 mm"
+        reason = "one number, the middle of the band at 1.5 mm, sets the gain of this unit"
+        yield _case(name, partial(_scaled_hold, i), low, high, "Hz", TOUCHSIM, reason)
     for depth in (0.65, 1.3):
         name = f"predicted: fall of the SAI rate in 12 s of a hold at {depth:g} mm"
         reason = "its time constant was set by these two numbers, its size was not"
@@ -172,23 +198,26 @@ def _of_places() -> Iterator[Case]:
     name = "predicted: peaks at the edges of a bar"
     yield _case(name, lambda: 0.5 * (edges().left + edges().right), 25.0, 100.0, "Hz", BAR)
     for kind, part in (("SAI", 0.24), ("FAI", 0.12)):
-
-        def fall(kind: str = kind) -> float:
-            one, two, _ = predicted.surround(kind)
-            return float(1.0 - two / one)
-
-        name = f"predicted: fall of the response of {kind} by a second probe"
-        yield _case(name, fall, part / 2, 2 * part, "1", SURROUND, "within a factor of 2")
+        name = f"predicted: fall of the response of {kind} by each further probe, one to seven"
+        measure = partial(predicted.suppression, kind)
+        yield _case(name, measure, part / 2, 2 * part, "1", SURROUND, "within a factor of 2")
     for kind in ("SAI", "FAI"):
         name = f"predicted: width of the field of {kind}, a quarter of the best input"
-        yield _case(name, partial(_width, kind), 3.0, 5.0, "mm", FIELDS)
+        yield _case(name, partial(_width, kind, 0.5), 3.0, 5.0, "mm", FIELDS)
+        name = f"predicted: growth of that field of {kind} as the pin goes from 0.5 to 1 mm"
+        yield _case(name, partial(_growth, kind), 0.1, 3.0, "mm", GROWTH, GROWS)
 
 
-def _width(kind: str) -> float:
-    """Width in mm of the field of a branched unit, at a quarter of the largest input."""
+def _width(kind: str, depth: float) -> float:
+    """Width in mm of the field of a branched unit, at a quarter of the largest input at 0.5 mm."""
     table = predicted.pin_table(kind) / fitted()[kind].length
     best = float(np.interp(0.5, predicted.DEPTH, table))
-    return predicted.field_width(kind, 0.5, best / 4)
+    return predicted.field_width(kind, depth, best / 4)
+
+
+def _growth(kind: str) -> float:
+    """Growth in mm of the field of a branched unit as the pin goes twice as deep."""
+    return _width(kind, 1.0) - _width(kind, 0.5)
 
 
 def _of_bursts() -> Iterator[Case]:

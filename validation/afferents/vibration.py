@@ -12,6 +12,7 @@ from scipy.stats import norm
 from fefinger.neural import recorded_compiled as compiled
 from fefinger.neural.recorded import Recorded, units_of
 from fefinger.neural.recorded_simulation import LONGEST
+from fefinger.neural.recorded_vectorized import fire
 
 
 Array = NDArray[np.float64]
@@ -46,23 +47,23 @@ class Probed:
         amplitude, factor = (
             each.ravel() for each in np.meshgrid(amplitudes, factors, indexing="ij")
         )
-        n = len(amplitude)
         time = np.linspace(0.0, seconds, round(seconds * frequency * samples(frequency)) + 1)
-        x = self.preload + amplitude[:, None] * np.sin(2 * np.pi * frequency * time)
-        units = units_of([self.unit] * n, factors=factor, seed=seed)
-        states = self.adapted(units, n)
-        spikes = np.empty((n, int(seconds / self.unit.refractory) + 4))
-        counts = np.zeros(n, np.int64)
-        steps = np.full(n, LONGEST[self.kind])
-        compiled.run(units, 0, states, time, x, steps, spikes, counts)
-        return [row[:count] for row, count in zip(spikes, counts, strict=True)]
+        x = self.preload + amplitude * np.sin(2 * np.pi * frequency * time)[:, None]
+        return self.fire(time, x, factor, seed)
 
-    def adapted(self, units: compiled.Units, n: int) -> Array:
-        """States of n units that the preload was held on for HELD s."""
-        states = np.zeros((n, compiled.SIZE))
-        states[:, compiled.KNOT], states[:, compiled.X] = np.nan, self.preload
-        for i in range(n):
-            states[i, compiled.CURRENT] = compiled.generated(units, i, self.preload, 0.0, 0.0)
+    def fire(self, time: Array, x: Array, factors: Array, seed: int = SEED) -> list[Array]:
+        """Spike times (n,) in s with inputs x (n_t, n) mm that begin at the preload."""
+        n = len(factors)
+        units = units_of([self.unit] * n, factors=factors, seed=seed)
+        times, _ = fire(units, self.adapted(units), time, x, np.full(n, LONGEST[self.kind]))
+        return times
+
+    def adapted(self, units: compiled.Units) -> Array:
+        """States (n, SIZE) of units that the preload was held on for HELD s."""
+        states = compiled.rested(units, np.full(len(units.gain), self.preload))
+        states[:, compiled.MODE] = states[:, compiled.SLOW] = 0.0
+        y = units.gain * units.at_rest * self.preload
+        states[:, compiled.CURRENT] = y / (1.0 + y / units.largest)
         left = -np.expm1(-HELD / self.unit.adaptation)
         states[:, compiled.ADAPTED] = left * states[:, compiled.CURRENT]
         return states
@@ -74,6 +75,12 @@ class Probed:
         times = self.times(frequency, amplitudes, factors, seconds)
         counts = np.array([np.count_nonzero(each >= since) for each in times])
         return np.asarray(counts.reshape(len(amplitudes), -1).mean(axis=1) / (seconds - since))
+
+    def rate_at_rest(self, seconds: float = 5.0, units: int = 16) -> float:
+        """Mean rate in Hz of units under a probe that rests, by noise alone."""
+        time = np.linspace(0.0, seconds, 101)
+        times = self.fire(time, np.full((len(time), units), self.preload), np.ones(units))
+        return sum(map(len, times)) / (seconds * units)
 
     def thresholds(self, frequencies: Sequence[float] | Array) -> Array:
         """Amplitudes (n,) in mm from which the unit fires without noise."""

@@ -12,7 +12,7 @@ import resource
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from fefinger.validation.bench import superlu
@@ -61,16 +61,16 @@ def figures(progress: Progress) -> list[Figure]:
     rows = [*_building(finger), *_loading(finger)]
     progress("condensed", 0.4)
     sites = end_organs(Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE))
-    placed = _seconds(lambda: _placed(finger, sites, "double"))
+    first = _seconds(lambda: placed(finger, sites, "double"))
     rows += [
-        Figure("1000 end organs under a plate: wall, kept", _again(finger, sites), "s", placed),
+        Figure("1000 end organs under a plate: wall, kept", _again(finger, sites), "s", first),
     ]
-    double, single = _placed(finger, sites, "double"), _placed(finger, sites, "single")
+    double, single = placed(finger, sites, "double"), placed(finger, sites, "single")
     rows += [*_stepping("strains in double precision", double), *_contact(double)]
     progress("condensed", 0.7)
     rows += [*_stepping("strains in single precision", single), *_strain_error(single, double)]
     for membrane in (IntegrateAndFire(), HodgkinHuxley()):
-        rows += _spiking(single, membrane)
+        rows += spiking(single, type(membrane).__name__, family="thesis", membrane=membrane)
     rows += _rolling(finger, sites)
     rows += [*_agreement(double), *_tolerances(finger, double), *_coarser(finger)]
     return [*rows, Figure("load average of the minute before", load, "processes")]
@@ -149,12 +149,13 @@ def _loading(finger: Finger) -> list[Figure]:
     ]
 
 
-def _placed(finger: Finger, sites: Sites, precision: Precision) -> Condensed:
+def placed(finger: Finger, sites: Sites, precision: Precision) -> Condensed:
+    """Return the finger under PLATE with these end organs."""
     return Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE, sites=sites, precision=precision)
 
 
 def _again(finger: Finger, sites: Sites) -> float:
-    return _seconds(lambda: _placed(finger, sites, "double"))
+    return _seconds(lambda: placed(finger, sites, "double"))
 
 
 def _stepping(name: str, finger: Condensed) -> list[Figure]:
@@ -175,9 +176,9 @@ def _stepping(name: str, finger: Condensed) -> list[Figure]:
     ]
 
 
-def _spiking(finger: Condensed, membrane: IntegrateAndFire | HodgkinHuxley) -> list[Figure]:
-    """Time the steps with a unit behind every end organ."""
-    units, fired = finger.afferents(family="thesis", membrane=membrane), 0
+def spiking(finger: Condensed, label: str, **options: Any) -> list[Figure]:
+    """Time the steps with a unit behind every end organ; options as `Condensed.afferents`."""
+    units, fired = finger.afferents(**options), 0
     seconds = np.empty(STEPS)
     _warm(finger)
     units.step(finger.step(DEPTH / 2, DT).strain, DT)
@@ -187,7 +188,7 @@ def _spiking(finger: Condensed, membrane: IntegrateAndFire | HodgkinHuxley) -> l
         begun = time.thread_time()
         fired += units.step(finger.step(depth, DT).strain, DT)
         seconds[k] = time.thread_time() - begun
-    name = f"with {len(units.types)} {type(membrane).__name__} units"
+    name = f"with {len(units.types)} {label} units"
     return [
         Figure(f"{name}: step, median, processor", _ms(seconds, 0.5), "ms"),
         Figure(f"{name}: step, 99th percentile, processor", _ms(seconds, 0.99), "ms"),

@@ -45,6 +45,10 @@ class Indenter:
         distance = self.profile(points[..., 0], points[..., 1])
         return distance, np.broadcast_to(self.axis, points.shape)
 
+    def beyond(self, points: Array) -> NDArray[np.bool_]:
+        """Return False: the paraboloid goes on."""
+        return np.zeros(points.shape[:-1], dtype=bool)
+
 
 @dataclass(frozen=True)
 class Exact:

@@ -71,25 +71,9 @@ def identified(name: str = "flat-30") -> Identified:
 
 
 def springs(name: str) -> tuple[float, float]:
-    """Return b N/mm and m 1/mm of `lumped` under a plate: as identified from its press.
-
-    On the finger of the base presses, under another plate, they are those between its neighbors,
-    as the planner has them.
-    """
+    """Return b N/mm and m 1/mm of `lumped` under a plate, as identified from its press."""
     own = identified(name)
-    if name in scenes.BASE or scenes.PRESSES[name].subject != reports.SOLID_SUBJECT:
-        return own.b, own.m
-    plates = {each: scenes.PRESSES[each].indenter for each in scenes.BASE if "flat" in each}
-    rows = [
-        {"angle": plate.flat.angle, "b": identified(each).b, "m": identified(each).m}
-        for each, plate in plates.items()
-        if plate.flat is not None
-    ]
-    flat = scenes.PRESSES[name].indenter.flat
-    assert flat is not None
-    found = between(rows, flat.angle)
-    assert found is not None
-    return found
+    return own.b, own.m
 
 
 def candidates(name: str, true: Converged) -> dict[str, dict[str, dict[str, list[float]]]]:
@@ -136,7 +120,7 @@ def _short(values: Array) -> list[float]:
 
 def row(name: str) -> dict[str, Any]:
     """Return the entry of one press in the rules."""
-    true, made = converged(name), scenes.PRESSES[name]
+    true, made = converged(name), scenes.BASE[name]
     flat = made.indenter.flat
     return {
         "angle": None if flat is None else flat.angle,

@@ -87,19 +87,19 @@ def campaign() -> tuple[Run, ...]:
     """Return all runs, the ones that more depends on first."""
     cheap = [
         Run("press", name, mechanics, "standard")
-        for name in scenes.PRESSES
+        for name in scenes.BASE
         for mechanics in ("hertz", "layered")
     ]
     small = [
         Run("press", name, mechanics, resolution)
         for resolution in ("coarse", "standard")
         for mechanics in ("linear", "condensed")
-        for name in scenes.PRESSES
+        for name in scenes.BASE
     ]
-    rough = [Run("press", name, "solid", "coarse") for name in scenes.PRESSES]
+    rough = [Run("press", name, "solid", "coarse") for name in scenes.BASE]
     direct = [Run("base", name, "solid", "coarse") for name in scenes.MOTIONS]
-    converged = [Run("press", name, "solid", "standard") for name in scenes.PRESSES]
-    fine = [Run("press", name, "linear", "fine") for name in scenes.PRESSES]
+    converged = [Run("press", name, "solid", "standard") for name in scenes.BASE]
+    fine = [Run("press", name, "linear", "fine") for name in scenes.BASE]
     return (*cheap, *small, *rough, *converged, *direct, *steps(), *fine)
 
 
@@ -158,6 +158,13 @@ def _at_first(run: Run) -> Iterator[None]:
     if MECHANICS[run.mechanics].meshed:
         with suppress(InputError):  # the run itself says so
             load_or_build(finger, half=True, touch=None if run.mechanics == "condensed" else touch)
+    with empty_cache():
+        yield
+
+
+@contextmanager
+def empty_cache() -> Iterator[None]:
+    """Let the cache have meshes alone."""
     (cache.root() / "meshes").mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory() as folder:
         alone = Path(folder) / "fefinger"

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fefinger.fem.elements.spaces import Array
 from fefinger.geometry.profiles import Plane, Profile, frame
@@ -29,6 +30,9 @@ class Rigid(Protocol):
 
     def gap(self, points: Array) -> tuple[Array, Array]:
         """Return the distance along the axis (...,) mm and the obstacle's normals (..., 3)."""
+
+    def beyond(self, points: Array) -> NDArray[np.bool_]:
+        """Return whether the shape that is meant has ended at points (..., 3)."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,10 @@ class Obstacle:
         """
         distance, gradient, _ = self.implicit(points)
         return distance, gradient / np.linalg.norm(gradient, axis=-1, keepdims=True)
+
+    def beyond(self, points: Array) -> NDArray[np.bool_]:
+        """Return whether the shape that is meant has ended at points (..., 3)."""
+        return self.profile.beyond(((points - self.origin) @ self.frame.T)[..., :2])
 
     def implicit(self, points: Array, depth: float = 0.0) -> tuple[Array, Array, Array]:
         """Return g = (x - origin) . axis + h - depth and its derivatives at points x (..., 3).

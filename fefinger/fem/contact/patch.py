@@ -120,7 +120,7 @@ class Candidates:
     (n_tri, n_q, 3) mm of its smooth surface; owner (n_tri, 3) the candidate at each corner, -1 for
     none; border (n,) the candidates beyond which contact could spread out of the patch;
     obstacle_border (n,) those of them beyond which the obstacle is not ahead, however large the
-    patch.
+    patch; beyond (n,) those at which its shape has ended.
     """
 
     vertices: Integers
@@ -129,6 +129,7 @@ class Candidates:
     owner: Integers
     border: NDArray[np.bool_]
     obstacle_border: NDArray[np.bool_]
+    beyond: NDArray[np.bool_]
 
 
 def candidates(
@@ -169,7 +170,8 @@ def candidates(
     part = trace(space, triangles[carrying])
     places = smooth_places(space.points, normals, part)
     owner = column[part.triangles]
-    return Candidates(vertices, part, places, owner, border[vertices], rim[vertices])
+    ended = obstacle.beyond(space.points[vertices])
+    return Candidates(vertices, part, places, owner, border[vertices], rim[vertices], ended)
 
 
 def patch(
@@ -205,7 +207,7 @@ def patch(
         moment=np.stack([integrated(arm[..., k]) for k in range(3)], axis=1),
         areas=integrated(np.ones_like(cosine)),
         border=chosen.border,
-        obstacle_border=chosen.obstacle_border,
+        obstacle_border=chosen.obstacle_border | chosen.beyond,
         neighborhood=around,
         distance=apart,
         cosine=normal @ obstacle.axis,

@@ -289,20 +289,3 @@ def small_strain_error(case: Situation) -> float:
     differences = np.abs(small.values - finite.values)
     errors = np.maximum.accumulate(differences) / finite.values
     return float(np.interp(small_strain_part(case), [0.0, *finite.part], [0.0, *errors]))
-
-
-def solid_error(case: Situation) -> tuple[float, str]:
-    """Return the measured error of the force against the extrapolated mesh, and its source.
-
-    It is that of `linear` under the object most like the scene's, or that of `solid` where that is
-    larger: measured under fewer objects and, for the fine mesh, on the standard one.
-    """
-    error, press = linear_mesh_error(case)
-    source = f"reports/{table.LINEAR}, {press}"
-    press = linear_press(case.indenter, tuple(_forces(SOLID)))
-    candidate = replace(SOLID, resolution=case.mesh).measured
-    errors = table.table().presses(table.SOLID, MESH_ERROR, candidate)
-    measured = errors.get(f"{SOLID_SUBJECT}/{press}")
-    if measured is not None and measured.value > error:
-        error, source = measured.value, f"reports/{table.SOLID}, {press}"
-    return error, f"{source}: of the mesh, not of the model"

@@ -12,12 +12,13 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from fefinger.mechanics.evidence import tradeoff
+from fefinger.mechanics.evidence import press_mesh, tradeoff
 from fefinger.mechanics.evidence.mesh_scatter import DRAWN, scatter
+from fefinger.mechanics.evidence.press_mesh import Known
 from fefinger.mechanics.evidence.table import table
-from fefinger.mechanics.evidence.tradeoff import REPORT, STATED
+from fefinger.mechanics.evidence.tradeoff import REPORT
 from fefinger.mechanics.situation import Situation
-from fefinger.results.candidate import Candidate
+from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.scene import library
 from fefinger.scene.finger import RESOLUTIONS, Finger
 from fefinger.scene.indenters import Flat
@@ -88,6 +89,12 @@ def stated(candidate: Candidate, case: Situation, quantity: str = "force") -> St
     return Stated(numerical + model + margin, numerical, model, source)
 
 
+def is_measured(candidate: Candidate, case: Situation) -> bool:
+    """Return whether the error of the force was measured in a press like the scene."""
+    found = measured(candidate, case)
+    return found is not None and math.isfinite(found.error)
+
+
 def _rule(quantity: str, candidate: Candidate) -> float:
     """Return a margin, a factor or an error of the trade-off."""
     return table().value(REPORT, quantity, candidate)
@@ -104,10 +111,21 @@ def moving(shares: Mapping[str, float], names: Collection[str]) -> float:
     return max((shares[name] for name in known), default=0.0)
 
 
-def others(candidate: Candidate, case: Situation) -> dict[str, float]:
-    """Return the stated errors of what is STATED beside the force, as far as they are known."""
-    found = {quantity: stated(candidate, case, quantity) for quantity in STATED[1:]}
-    return {quantity: each.error for quantity, each in found.items() if each is not None}
+def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> Known | None:
+    """Return the measured error of a quantity and its source.
+
+    None for small strain where nothing like the scene was measured; of finite strain then the
+    error is not a number, and the source says why.
+    """
+    own = stated(candidate, case, quantity)
+    if own is not None:
+        return Known(own.error, own.source)
+    finite = MECHANICS[candidate.mechanics].finite
+    if not finite and not (case.measured_tissue and case.place is None):
+        return None
+    found = press_mesh.error(candidate, case, quantity)
+    steps = _rule(f"error of time steps, {quantity}", Candidate(candidate.mechanics))
+    return Known(found.error + steps, found.source)
 
 
 def spikes(candidate: Candidate, case: Situation) -> dict[str, float]:

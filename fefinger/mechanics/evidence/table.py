@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.results.candidate import Candidate
+from fefinger.scene.finger import Finger
 from fefinger.support.package_data import report
 
 
@@ -29,6 +30,7 @@ SCATTER = "mesh-scatter.json"
 LUMPED = "lumped-force.json"
 TRADEOFF = "tradeoff.json"
 CARRYING = "carrying.json"
+PRESS_MESH = "press-mesh.json"
 
 SECONDS = ("build", "setup", "fields", "step", "area", "reference")
 """Stages whose CPU seconds are measured, as quantities "setup seconds" and so on."""
@@ -272,6 +274,23 @@ def _carrying(name: str) -> Iterator[Measured]:
         yield from _costs(name, Candidate("pressed", mesh), row)
 
 
+def _press_mesh(name: str) -> Iterator[Measured]:
+    for press, row in read(name)["rows"].items():
+        if "refused" in row:
+            continue
+        tissue = Finger.subject(row["subject"], tissue=row["tissue"])
+        conditions = {
+            "thickness_mm": row["thickness_mm"],
+            "subcutaneous_kPa": tissue.subcutaneous.modulus,
+        }
+        depth, candidate = row["depth_mm"], Candidate("solid")
+        yield _entry(name, candidate, "force", press, row["force_N"], depth, conditions)
+        for label, errors in row["errors"].items():
+            for quantity, values in errors.items():
+                what, of = f"error of {quantity}", Candidate.of(label)
+                yield _entry(name, of, what, press, values, depth, conditions)
+
+
 READERS = {
     LINEAR: _linear,
     CONDENSED: _condensed,
@@ -282,5 +301,6 @@ READERS = {
     LUMPED: _lumped,
     TRADEOFF: _tradeoff,
     CARRYING: _carrying,
+    PRESS_MESH: _press_mesh,
 }
 """How each report is laid out."""

@@ -13,12 +13,12 @@ from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.geometry import mirror
 from fefinger.mechanics.press import elastic_press
 from fefinger.mechanics.press.constitutive import tissues
+from fefinger.mechanics.press.elastic_press import FARTHEST
 from fefinger.mechanics.press.elastic_table import ElasticPress
 from fefinger.mechanics.press.fields import VOIGT_COLUMNS, VOIGT_ROWS, no_fields
 from fefinger.mechanics.press.finite_reference import reference_strain
 from fefinger.mechanics.press.hard_parts import with_nail
 from fefinger.mechanics.press.history import frames_of
-from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
 from fefinger.mechanics.press.problem import Press, SolutionMethod
 from fefinger.mechanics.press.response import exact, inside
@@ -28,7 +28,7 @@ from fefinger.results.records import Fields, Response
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
-from fefinger.support.checks import ConvergenceError
+from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.one_spring import Carried, ElasticForce, carry
@@ -39,10 +39,6 @@ METHOD: SolutionMethod = replace(
     body=lambda finger, mesh, solver, report: solid(with_nail(finger, mesh), tissues(finger)),
 )
 """How `pressed` sees a finger: the solid alone, which is only factored to solve a new press."""
-
-SHALLOW, GROW, TABLES = 0.06, 1.15, 5
-"""First depth at which a force is sought, over the thickness; factor on the depth at which it is
-expected; and the most presses to find it."""
 
 
 @dataclass(frozen=True)
@@ -128,25 +124,20 @@ def table_of(press: Press, indenter: Indenter, stages: Stages) -> ElasticPress:
     InputError
         If contact leaves what the indenter or the pad offers, or the force is too large.
     ConvergenceError
-        If an equilibrium is not reached, or no press bears the force.
+        If an equilibrium is not reached.
     """
-    motion, finger = press.motion, press.finger
+    motion = press.motion
     if motion.control == "depth":
         return elastic_press.load_or_solve(press, indenter, motion.peak, stages)
-    depth = SHALLOW * finger.thickness
-    for _ in range(TABLES):
-        table = elastic_press.load_or_solve(press, indenter, depth, stages)
-        if table.force[-1] >= motion.peak:  # relaxed tissue bears the least
-            return table
-        (low, high), (below, above) = table.force[-2:], table.depth[-2:]
-        power = np.log(high / low) / np.log(above / below)
-        depth = GROW * table.deepest * (motion.peak / high) ** (1 / power)
-        check_reached(motion, finger.pulp, depth / GROW)
+    table = elastic_press.load_or_solve(press, indenter, 0.0, stages, force=motion.peak)
+    if table.force[-1] >= motion.peak:  # relaxed tissue bears the least
+        return table
     message = (
-        f"elastic press: expected a depth that bears {motion.peak:g} N within {TABLES} presses, "
-        f"reached {table.force[-1]:.3g} N at {table.deepest:.3g} mm; prescribe a smaller force"
+        f"motion.force: expected one that the relaxed finger bears at {FARTHEST:g} of its "
+        f"thickness of {press.finger.thickness:g} mm or before, received {motion.peak:g} N, where "
+        f"it bears {table.force[-1]:.3g} N; press less"
     )
-    raise ConvergenceError(message)
+    raise InputError(message)
 
 
 def respond(

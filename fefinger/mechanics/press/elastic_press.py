@@ -3,6 +3,7 @@
 `solve` presses the finger of a Press in steps of equal size in the root of the depth.
 """
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 
@@ -15,7 +16,7 @@ from fefinger.mechanics.press import elastic_store, placement
 from fefinger.mechanics.press.constitutive import laws
 from fefinger.mechanics.press.elastic_table import ElasticPress, Modes
 from fefinger.mechanics.press.finite_reference import reference_state
-from fefinger.mechanics.press.finite_strain import FINITE_STRAIN, Course, follow_course
+from fefinger.mechanics.press.finite_strain import BUDGET, FINITE_STRAIN, Course, follow_course
 from fefinger.mechanics.press.load_steps import LoadSteps
 from fefinger.mechanics.press.pad import whole_pad
 from fefinger.mechanics.press.problem import Press
@@ -34,6 +35,9 @@ PART, STEPS, FIRST, FEWEST = 0.16, 20, 2, 16
 """Depth over the thickness of the finger that STEPS steps reach; the first that is solved, below
 which no mesh resolves the contact; and those of a press that goes no deeper than it has to."""
 
+FARTHEST = 0.32
+"""Depth over the thickness to which a force is sought; tissue is 0.5 of it thick under the pad."""
+
 
 def depths(thickness: float, least: float) -> Array:
     """Return depths (n,) mm from 0 to at least `least`, and at least PART of the thickness."""
@@ -48,10 +52,13 @@ def no_deeper(depth: float) -> Array:
     return np.asarray(depth * (np.concatenate([[0.0], np.arange(1.0, FEWEST + 1)]) / FEWEST) ** 2)
 
 
-def solve(press: Press, least: float, stages: Stages, *, further: bool = True) -> ElasticPress:
-    """Solve the elastic press of a finger under the obstacle of a press, to `least` mm or more.
+def solve(
+    press: Press, least: float, stages: Stages, *, force: float = 0.0, further: bool = True
+) -> ElasticPress:
+    """Solve the elastic press of a finger under the obstacle of a press.
 
-    If `further`, it goes to PART of the thickness where it can, so that other motions find it.
+    It goes to `least` mm or more, or on until it bears `force` N, or to FARTHEST. If `further`, it
+    goes to PART of the thickness where it can, so that other motions find it.
 
     Raises
     ------
@@ -60,6 +67,8 @@ def solve(press: Press, least: float, stages: Stages, *, further: bool = True) -
     ConvergenceError
         If an equilibrium is not reached.
     """
+    if force:
+        return _to_force(press, force, stages, further=further)
     if not further:
         return _solved(press, no_deeper(least), stages)
     wanted = depths(press.finger.thickness, least)
@@ -73,8 +82,29 @@ def solve(press: Press, least: float, stages: Stages, *, further: bool = True) -
     return _solved(press, no_deeper(least), stages)
 
 
-def _solved(press: Press, wanted: Array, stages: Stages) -> ElasticPress:
-    """Solve the elastic press at the `wanted` depths (n,) in mm."""
+def _to_force(press: Press, force: float, stages: Stages, *, further: bool) -> ElasticPress:
+    """Solve the elastic press to the first depth that bears a force in N."""
+    thickness, wanted = press.finger.thickness, force / NEWTON_PER_MILLINEWTON / press.sides
+
+    def enough(depth: float, borne: float) -> bool:
+        return borne >= wanted and (not further or depth >= PART * thickness * (1 - 1e-9))
+
+    tried = depths(thickness, FARTHEST * thickness)
+    if press.standard:
+        tried = np.union1d(tried, REFERENCE_DEPTH)
+    found = _solved(press, tried, stages, enough)
+    if further or len(found.depth) > FEWEST:
+        return found
+    return _solved(press, no_deeper(found.deepest), stages)
+
+
+def _solved(
+    press: Press,
+    wanted: Array,
+    stages: Stages,
+    enough: Callable[[float, float], bool] = lambda depth, force: False,
+) -> ElasticPress:
+    """Solve the elastic press at the `wanted` depths (n,) in mm, until it is `enough`."""
     with stages.stage("factor") as report:
         body = FINITE_STRAIN.body(press.finger, press.mesh, None, report)
         elements = continuum(body.space, laws(press.finger), soft=(1, 2))
@@ -92,12 +122,14 @@ def _solved(press: Press, wanted: Array, stages: Stages) -> ElasticPress:
         lambda: StressHistory(elements, {}),
         LoadSteps(times, wanted, np.arange(len(wanted)), times, np.array([0, len(wanted) - 1])),
         frozenset(range(len(wanted))),
+        enough,
     )
-    history = follow_course(whole, elements, course, stages)
+    history = follow_course(whole, elements, course, stages, BUDGET)
     if history.halt:
         raise ConvergenceError(history.halt)
-    fields = [history.frames[k] for k in range(len(wanted))]
-    if not (press.standard and REFERENCE_DEPTH in wanted):
+    solved = wanted[: len(history.depth)]
+    fields = [history.frames[k] for k in range(len(solved))]
+    if not (press.standard and REFERENCE_DEPTH in solved):
         with stages.stage("reference"):
             plate = placement.obstacle(STANDARD, body)
             fields.append(reference_state(whole, elements, plate).values)
@@ -105,7 +137,7 @@ def _solved(press: Press, wanted: Array, stages: Stages) -> ElasticPress:
     force = press.sides * pressure @ travel * NEWTON_PER_MILLINEWTON
     pad, column = whole_pad(body, history.contact.neighborhood)
     return ElasticPress(
-        depth=wanted,
+        depth=solved,
         force=force,
         moment=history.moment,
         area=areas_of_steps(history, pad, column),
@@ -117,8 +149,13 @@ def _solved(press: Press, wanted: Array, stages: Stages) -> ElasticPress:
     )
 
 
-def load_or_solve(press: Press, indenter: Indenter, least: float, stages: Stages) -> ElasticPress:
-    """Read or solve the elastic press of a finger under an object, to `least` mm or more.
+def load_or_solve(
+    press: Press, indenter: Indenter, least: float, stages: Stages, *, force: float = 0.0
+) -> ElasticPress:
+    """Read or solve the elastic press of a finger under an object.
+
+    It goes to `least` mm or more; or, where a `force` in N is given, to one that bears it, if any
+    up to FARTHEST does.
 
     Raises
     ------
@@ -130,8 +167,9 @@ def load_or_solve(press: Press, indenter: Indenter, least: float, stages: Stages
 
     def stored() -> ElasticPress | None:
         found = elastic_store.at_hand(press.finger, indenter, press.mesh)
-        deep = found is not None and found.deepest >= least * (1 - 1e-9)
-        return found if deep else None
+        if found is None or found.deepest < least * (1 - 1e-9) or found.force[-1] < force:
+            return None
+        return found
 
     found = stored()
     if found is not None:
@@ -142,7 +180,8 @@ def load_or_solve(press: Press, indenter: Indenter, least: float, stages: Stages
         found = stored()  # another process may have solved it meanwhile
         if found is None:
             # A plate ends nowhere; contact with any other object may reach its rim.
-            found = solve(press, least, stages, further=indenter.flat is not None)
+            further = indenter.flat is not None
+            found = solve(press, least, stages, force=force, further=further)
             with suppress(OSError):  # without room for it, it is solved again the next time
                 elastic_store.write(found, place)
                 cache.limit("elastic")

@@ -5,11 +5,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.fem.body import Body, Solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
-from fefinger.fem.contact.patch import Candidates
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.load_path import (
@@ -48,6 +46,9 @@ from fefinger.support.progress import Progress, Stages
 
 
 WORTH = 4  # steps that are worth keeping when a run has to stop
+# Factors that a press may take: of each step, and of all steps beyond that. Ordinary presses take
+# less than ten in all; one against the bone, whose facets snap over, a hundred for a single step.
+BUDGET = FactorizationBudget(usual=8, spare=60)
 SPREAD = 2.0  # of the candidates at finite strain, beyond those at small: a pad flattens
 
 
@@ -74,7 +75,7 @@ def respond(
 ) -> Response:
     """Answer the scene; `refine` divides every load step.
 
-    Without an `allowance` its steps may take any work.
+    Its steps may take the work of `allowance`, of BUDGET by default.
 
     Raises
     ------
@@ -88,7 +89,7 @@ def respond(
     """
     stages = Stages(progress)
     press = Press.of(scene, FINITE_STRAIN, stages, mechanics=mechanics, notes=notes)
-    history = solve(press, stages, refine=refine, allowance=allowance)
+    history = solve(press, stages, refine=refine, allowance=allowance or BUDGET)
     response = finite_strain_response(press, history, stages)
     if history.halt:
         raise Stopped(history.halt, response)
@@ -146,13 +147,15 @@ class _RimReachedError(Exception):
     """Contact has reached the rim of its candidates, or of the pad: what follows is in vain."""
 
 
+class _EnoughError(Exception):
+    """The press bears what was wanted."""
+
+
 class _Recorder:
     """Keeps what a response needs of every step, and whole states at some; stops at a rim."""
 
-    def __init__(
-        self, body: Solid, contact: ContactSurface, probe: Any, frames: frozenset[int]
-    ) -> None:
-        self.contact, self.probe, self.wanted = contact, probe, frames
+    def __init__(self, body: Solid, contact: ContactSurface, probe: Any, course: "Course") -> None:
+        self.contact, self.probe, self.course = contact, probe, course
         self.places = body.space.node_points
         on = contact.on
         self.rim = on.border | np.isin(on.vertices, placement.border(body))
@@ -175,10 +178,12 @@ class _Recorder:
         self.moved.append(moved)
         self.moment.append(self._moment(state))
         self.strain.append(logarithmic((self.probe @ state.values).reshape(-1, 3, 3)))
-        if number in self.wanted:
+        if number in self.course.frames:
             self.frames[number] = state.values
         if (state.pressure[self.rim] > 0).any():
             raise _RimReachedError
+        if self.course.enough(state.depth, float(self.contact.projected @ state.pressure)):
+            raise _EnoughError
 
     def _moment(self, state: State) -> Array:
         """Return the moment (3,) mN mm of the pressure about the origin."""
@@ -190,12 +195,16 @@ class _Recorder:
 
 @dataclass(frozen=True)
 class Course:
-    """Load path of a press, its stress, the steps of the answer, and those whose state is kept."""
+    """Load path of a press, its stress, the steps of the answer, and those whose state is kept.
+
+    enough: whether the press may end at a depth in mm that bears a force in mN on the meshed part.
+    """
 
     path: Path
     stress: Callable[[], StressHistory]
     steps: LoadSteps
     frames: frozenset[int]
+    enough: Callable[[float, float], bool] = lambda depth, force: False
 
 
 def follow_course(
@@ -221,7 +230,7 @@ def follow_course(
         limits.check_under(press.motion, len(contact))
         history = _on_candidates(press, elements, contact, course, stages, allowance)
         pressed = np.asarray((history.pressure > 0).any(axis=0))
-        _check_contact(body, contact.on, pressed, history.depth)
+        _check_contact(body, contact, history)
         if not (pressed & contact.on.border).any():
             return history
         reach *= problem.GROW
@@ -242,20 +251,22 @@ def _on_candidates(
     where = mirror.to_half(where) if body.half else where
     probe = recovered_gradient_at(body.space, where, body.planes)
     equilibrium = Equilibrium(elements, contact, press.system)
-    recorder = _Recorder(body, contact, probe, course.frames)
-    halt = ""
+    recorder = _Recorder(body, contact, probe, course)
+    halt, ended = "", False
     with stages.stage("steps") as report:
         try:
             follow(equilibrium, course.stress(), course.path, recorder.keep, report, allowance)
         except _RimReachedError:
             pass  # seen again by the caller
+        except _EnoughError:
+            ended = True
         except ConvergenceError as error:
             halt = failure_message(error, elements, recorder.last)
             if len(recorder.depth) < WORTH:
                 raise ConvergenceError(halt) from error
     return FiniteStrainHistory(
         contact=contact,
-        steps=steps.until(len(recorder.depth)) if halt else steps,
+        steps=steps.until(len(recorder.depth)) if halt or ended else steps,
         depth=np.array(recorder.depth),
         pressure=np.array(recorder.pressure),
         gap=np.array(recorder.gap),
@@ -271,9 +282,13 @@ def _on_candidates(
     )
 
 
-def _check_contact(body: Solid, on: Candidates, pressed: NDArray[np.bool_], depth: Array) -> None:
-    placement.check_inside(body, on.vertices[pressed], float(depth.max()))
+def _check_contact(body: Solid, contact: ContactSurface, history: FiniteStrainHistory) -> None:
+    bearing, on, deepest = history.pressure > 0, contact.on, float(history.depth.max())
+    pressed = np.asarray(bearing.any(axis=0))
+    placement.check_inside(body, on.vertices[pressed], deepest)
     if not pressed.any():
-        raise InputError(limits.unresolved(float(depth.max())))
-    if (pressed & on.obstacle_border).any():
+        raise InputError(limits.unresolved(deepest))
+    places = contact.at_rest[: len(contact)] + history.moved[:, : len(contact)]
+    ended = (bearing & contact.obstacle.beyond(places)).any()
+    if ended or (pressed & on.obstacle_border).any():
         raise InputError(limits.rim_reached(len(pressed)))

@@ -14,7 +14,7 @@ from fefinger.fem.elements.probe import gradient_at, gradient_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.state import State
-from fefinger.geometry.profiles import Bar, Ellipsoid, Plane, Profile
+from fefinger.geometry.profiles import FLANK, Bar, Ellipsoid, Plane, Profile, Relief
 
 
 GRID = np.linspace(0.0, 1.0, 4)
@@ -143,16 +143,17 @@ def test_skin_beside_an_edge_may_fold_around_it_though_its_gap_is_beyond_all_rea
     assert not around.obstacle_border.any()
 
 
-def test_beyond_the_outline_of_a_ball_no_patch_goes_and_its_rim_is_marked():
+def test_candidates_beyond_the_flank_of_a_ball_are_marked():
     fine = np.linspace(0.0, 1.0, 9)
     space, ball = box(fine, fine, GRID), Obstacle(-UP, np.array([0.0, 0.0, 1.0]), BALL)
     facets = np.asarray(space.scalar.mesh.facets.T)
     top = facets[(space.points[facets][:, :, 2] == 1).all(axis=1)]
     on = contact_surface(space, top, np.zeros_like(space.points), ball, 5.0).on
     away = np.linalg.norm(space.points[on.vertices][:, :2], axis=1)
-    assert away.max() < BALL.radii[0]
-    assert on.obstacle_border.any()
-    assert not on.obstacle_border[away == 0].any()
+    flank = BALL.radii[0] * np.sin(np.radians(FLANK))
+    assert away.max() > BALL.radii[0]
+    assert np.array_equal(on.beyond, away > flank)
+    assert not on.obstacle_border.any()
 
 
 def test_the_gaps_at_vertices_are_distances_along_the_normal():
@@ -166,7 +167,9 @@ def test_the_gaps_at_vertices_are_distances_along_the_normal():
 
 
 def test_points_that_the_obstacle_is_not_ahead_of_are_far_away():
-    space, contact, _ = surface(Ellipsoid((2.0, 2.0, 2.0)), np.array([0.0, 0.0, -1.0]))
+    lines = np.linspace(-2.0, 2.0, 5)
+    tile = Relief(lines, lines, np.zeros((5, 5)))
+    space, contact, _ = surface(tile, np.array([0.0, 0.0, -1.0]))
     values = np.zeros(space.n_unknowns)
     values[: space.n_displacements : 3] = 10.0
     found = contact.at(State(values, np.ones(len(contact)), 0.0))

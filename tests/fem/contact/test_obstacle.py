@@ -19,6 +19,7 @@ def waves(u: np.ndarray, v: np.ndarray) -> np.ndarray:
 PROFILES: dict[str, Profile] = {
     "plane": Plane(),
     "sphere": Ellipsoid((5.0, 5.0, 5.0)),
+    "small": Ellipsoid((0.9, 0.7, 1.1)),
     "ellipsoid": Ellipsoid((3.0, 4.0, 2.0)),
     "cylinder": Ellipsoid((4.0, np.inf, 4.0)),
     "bar": Bar(3.0, 0.8),
@@ -37,6 +38,9 @@ def places(name: str) -> np.ndarray:
     found = np.random.default_rng(3).uniform(-1.6, 1.6, (300, 2))
     for kink in KINKS.get(name, ()):
         found = found[np.abs(np.abs(found[:, 0]) - kink) > 1e-3]
+    if name == "small":
+        on = np.sqrt((found**2 / (0.9**2, 0.7**2)).sum(axis=1))
+        found = found[np.abs(on - np.sin(np.radians(75))) > 1e-3]
     for ring in RINGS.get(name, ()):
         found = found[np.abs(np.linalg.norm(found, axis=1) - ring) > 1e-3]
     return found
@@ -109,17 +113,25 @@ def test_a_cylinder_is_as_far_from_its_own_axis_as_its_radius(roll: float) -> No
 
 def test_where_no_surface_is_ahead_the_gap_is_infinite_and_the_derivatives_are_harmless() -> None:
     beyond = np.array([[5.5, 0.0]])
-    for profile in (PROFILES["sphere"], PROFILES["relief"], PROFILES["cylinder"]):
-        h, slope, curvature = profile.height(beyond)
-        assert np.isinf(h).all()
-        assert not slope.any()
-        assert not curvature.any()
-    g, gradient, hessian = Obstacle(AXIS, ORIGIN, PROFILES["sphere"]).implicit(
+    h, slope, curvature = PROFILES["relief"].height(beyond)
+    assert np.isinf(h).all()
+    assert not slope.any()
+    assert not curvature.any()
+    g, gradient, hessian = Obstacle(AXIS, ORIGIN, PROFILES["relief"]).implicit(
         ORIGIN + np.array([[0.0, 9.0, 0.0]])
     )
     assert np.isposinf(g).all()
     assert gradient == pytest.approx(AXIS[None])
     assert not hessian.any()
+
+
+def test_a_ball_is_a_pin_without_a_flat_end() -> None:
+    across = np.random.default_rng(5).uniform(-4, 4, (200, 2))
+    ball, pin = Ellipsoid((2.0, 2.0, 2.0)), Pin(4.0, 2.0)
+    for ours, theirs in zip(ball.height(across), pin.height(across), strict=True):
+        assert ours == pytest.approx(theirs, rel=1e-12, abs=1e-12)
+    flank = 2.0 * np.sin(np.radians(75))
+    assert np.array_equal(ball.beyond(across), np.linalg.norm(across, axis=1) > flank)
 
 
 def test_a_bar_is_flat_then_round_then_steep() -> None:

@@ -165,11 +165,3 @@ def test_areas_are_expected_to_be_read_where_contact_changes_and_fields_where_as
     crept = replace(held, motion=ff.ForceRampHold(5.0, 0.2, hold=1.0))
     creeps = time_grid(crept.motion, fast=True)
     assert moving(crept.motion, creeps) == len(creeps)
-
-
-def test_the_error_of_solid_is_that_of_its_mesh() -> None:
-    errors = table.read(table.SOLID)["rows"]["a.h./flat-30"]["mesh_error"]
-    assert reports.solid_error(Situation.of(at(1.5)))[0] == errors["standard"]
-    assert "of the mesh" in reports.solid_error(Situation.of(at(1.5)))[1]
-    fine = replace(at(1.5), finger=replace(at(1.5).finger, resolution="fine"))
-    assert reports.solid_error(Situation.of(fine))[0] == errors["standard"]

@@ -1,0 +1,211 @@
+"""Receptive field of afferent units: their impulses as an object is pressed at places around them.
+
+    field = ff.receptive_field("pin-hold", ("SAI",), reach=3, spacing=0.5)
+    field.area("SAI")                # mm² in which the unit fires at least half of its most
+
+The units stay under the first touch of the 30 degree plate, with their end organs; the object and
+its motion are those of the scene.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.support.checks import InputError, choice, choices, number
+from fefinger.support.vocabulary import TYPES
+
+
+if TYPE_CHECKING:
+    from fefinger.results.records import Plan, Response
+    from fefinger.scene.scene import Scene
+    from fefinger.support.progress import Progress
+
+
+Array = NDArray[np.float64]
+
+MOST = 1000
+"""Largest number of places: each is a press of its own."""
+
+ASIDE = np.array([0.5, 0.5])
+"""Place in mm for which the mechanics is chosen: off the medial plane, as most places are."""
+
+FILES = ("field.csv", "field.svg")
+"""Files that `ReceptiveField.save` writes."""
+
+
+@dataclass(frozen=True)
+class ReceptiveField:
+    """Impulses (n_places, n_kinds) of one unit of each kind, by the place of the object.
+
+    places (n_places, 2): x, y in mm from the unit, on a square grid `spacing` mm apart; organs: by
+    kind, places (n_organs, 2) mm of the unit's end organs; scene, mechanics: how it was computed;
+    left_out: places of the square at which the object cannot be pressed, and why.
+    """
+
+    kinds: tuple[str, ...]
+    places: Array
+    impulses: NDArray[np.int64]
+    spacing: float
+    organs: dict[str, Array]
+    scene: str
+    mechanics: str
+    left_out: tuple[tuple[tuple[float, float], str], ...] = ()
+
+    def of(self, kind: str) -> NDArray[np.int64]:
+        """Impulses (n_places,) of the unit of a kind; InputError for a kind that was not asked."""
+        return self.impulses[:, self.kinds.index(choice("kind", kind, self.kinds))]
+
+    def area(self, kind: str, part: float = 0.5) -> float:
+        """Area in mm² where the unit fires at least a part of its most impulses, and at least one.
+
+        In whole squares of the grid: it is at least that of the grid if the field leaves it.
+        """
+        fired = self.of(kind)
+        reached = fired >= max(1.0, number("part", part, above=0, at_most=1) * fired.max())
+        return float(np.count_nonzero(reached) * self.spacing**2)
+
+    def record(self) -> dict[str, Any]:
+        """Return the numbers as plain values."""
+        kinds = {
+            kind: {"impulses": self.of(kind).tolist(), "half_area_mm2": self.area(kind)}
+            for kind in self.kinds
+        }
+        return {
+            "scene": self.scene,
+            "mechanics": self.mechanics,
+            "places_mm": self.places.tolist(),
+            "units": kinds,
+            "left_out": [{"place_mm": place, "reason": why} for place, why in self.left_out],
+        }
+
+    def figure(self) -> Any:
+        """Draw the field of every unit as a matplotlib Figure."""
+        from fefinger.view.unit_figures import receptive_fields
+
+        fields = {kind: self.of(kind) for kind in self.kinds}
+        return receptive_fields(self.places, fields, self.organs)
+
+    def save(self, folder: str | Path) -> list[str]:
+        """Write FILES into a folder and return their paths; InputError where it is unusable."""
+        from fefinger.support.atomic_write import together
+        from fefinger.support.outputs import output_folder
+        from fefinger.view.figures import svg
+
+        lines = [",".join(["x_mm", "y_mm", *(f"{kind}_impulses" for kind in self.kinds)])]
+        for (x, y), counts in zip(self.places.tolist(), self.impulses.tolist(), strict=True):
+            lines.append(",".join([f"{x:g}", f"{y:g}", *map(str, counts)]))
+        place = output_folder(folder)
+        texts = dict(zip(FILES, ("\n".join(lines) + "\n", svg(self.figure())), strict=True))
+        with together(place, texts):
+            pass
+        return [str(place / name) for name in FILES]
+
+
+def receptive_field(
+    scene: "Scene | str | Path",
+    kinds: Sequence[str] = ("SAI", "FAI"),
+    *,
+    reach: float = 3.0,
+    spacing: float = 1.0,
+    branched: bool = True,
+    seed: int = 0,
+    mechanics: str | None = None,
+    progress: "Progress | None" = None,
+) -> ReceptiveField:
+    """Press the object of a scene at places around one unit of each kind.
+
+    Parameters
+    ----------
+    scene
+        A Scene, the name of a built-in one, or a TOML file; its object has a place (`indenter.at`).
+    kinds
+        Types of the units.
+    reach, spacing
+        Half the side of the square of places, and the distance between them, in mm.
+    branched, seed
+        Whether units have the published numbers of end organs, and the seed of their places.
+    mechanics
+        Name of the mechanics; by default the cheapest that does not refuse.
+    progress
+        Called with "places" and the fraction that is done.
+
+    Raises
+    ------
+    InputError
+        An object without a place, such as a plate, too many places, or a scene that no mechanics
+        answers with the object over the unit. Another place that none answers, as one beside the
+        pad, is left out.
+    """
+    from fefinger.plan import choose
+    from fefinger.scene import builtin
+
+    spacing = number("spacing", spacing, above=0, unit="mm")
+    count = int(number("reach", reach, at_least=spacing, unit="mm") / spacing + 1e-9)
+    if (2 * count + 1) ** 2 > MOST:
+        msg = (
+            f"spacing: expected at most {MOST} places, received {(2 * count + 1) ** 2}; choose a "
+            "larger spacing or a smaller reach"
+        )
+        raise InputError(msg)
+    asked = _with_units(builtin.given(scene), choices("kinds", kinds, TYPES), branched, seed)
+    lines = spacing * np.arange(-count, count + 1)
+    places = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
+    plan = choose(_moved(asked, ASIDE), mechanics)
+    press = partial(_pressed, asked, plan)
+    response, _ = press(np.zeros(2))
+    impulses, on, left_out = [], np.ones(len(places), bool), []
+    for i, place in enumerate(places):
+        try:
+            impulses.append(press(place)[1])
+        except InputError as error:
+            on[i] = False
+            left_out.append(((float(place[0]), float(place[1])), str(error)))
+        if progress is not None:
+            progress("places", (i + 1) / len(places))
+    sites = response.sites
+    assert sites is not None
+    organs = {
+        kind: sites.points[[each == kind for each in sites.types]][:, :2]
+        for kind in asked.ask.spikes
+    }
+    return ReceptiveField(
+        asked.ask.spikes,
+        places[on],
+        np.array(impulses, np.int64),
+        spacing,
+        organs,
+        asked.name,
+        plan.mechanics,
+        tuple(left_out),
+    )
+
+
+def _pressed(scene: "Scene", plan: "Plan", place: Array) -> "tuple[Response, NDArray[np.int64]]":
+    """Press the object at a place (2,) mm; return the response, and the impulses of the units."""
+    from fefinger.afferents import fire
+    from fefinger.mechanics import get
+    from fefinger.plan import settled
+
+    response = get(plan.mechanics).respond(settled(_moved(scene, place), plan))
+    trains = fire(scene.ask, response, since=scene.motion.recorded_from, check=False)
+    return response, trains.count()
+
+
+def _with_units(scene: "Scene", kinds: tuple[str, ...], branched: bool, seed: int) -> "Scene":
+    """Return the scene with one unit of each kind, and nothing else asked."""
+    from fefinger.scene.population import Places
+
+    units = Places(places=((0.0, 0.0),), branched=branched, seed=seed)
+    ask = replace(scene.ask, spikes=kinds, population=units, fields=False, pressure=False)
+    return replace(scene, ask=ask)
+
+
+def _moved(scene: "Scene", place: Array) -> "Scene":
+    """Return the scene with its object at a place (2,) mm."""
+    x, y = place.tolist()
+    return replace(scene, indenter=scene.indenter.moved((x, y)))

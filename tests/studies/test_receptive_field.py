@@ -1,0 +1,99 @@
+"""The receptive field of units: where an object makes them fire."""
+
+import json
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.__main__ import main
+from fefinger.studies.receptive_field import FILES, ReceptiveField
+from fefinger.support.checks import InputError
+
+
+SCENE = ff.Scene(
+    finger=ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998"),
+    indenter=ff.Pin(3.0),
+    motion=ff.Trapezoid(speed=20, depth=0.5, hold=0.1, corner=0.01),
+    ask=ff.Ask(rel_error=1.0),
+)
+
+
+@cache
+def single():
+    """Return the field of units with one end organ each."""
+    options = {"reach": 2.0, "spacing": 2.0, "branched": False, "mechanics": "condensed"}
+    return ff.receptive_field(SCENE, ("SAI", "FAI"), **options)
+
+
+@pytest.fixture
+def field(operators):
+    """Return the field of units with one end organ each, from shared operators."""
+    return single()
+
+
+def test_a_unit_fires_most_under_the_object_and_less_beside_it(field):
+    assert field.places.shape == (9, 2)
+    assert field.impulses.shape == (9, 2)
+    middle = np.flatnonzero((field.places == 0).all(axis=1))[0]
+    for kind in field.kinds:
+        fired = field.of(kind)
+        assert fired[middle] == fired.max() > 0
+        assert fired[middle] > 2 * np.median(fired)
+        assert field.organs[kind].shape == (1, 2)
+
+
+def test_the_field_is_that_of_the_scene_with_the_object_there(field):
+    """Against a run of its own, with a population of that one unit."""
+    place = (0.0, 2.0)
+    units = ff.Places(places=((0.0, 0.0),), branched=False)
+    ask = replace(SCENE.ask, spikes=("SAI", "FAI"), population=units, fields=False)
+    moved = replace(SCENE, indenter=replace(SCENE.indenter, at=place), ask=ask)
+    counts = ff.run(moved, mechanics="condensed").spikes.count()
+    index = np.flatnonzero((field.places == place).all(axis=1))[0]
+    assert field.impulses[index].tolist() == counts.tolist()
+
+
+@pytest.mark.usefixtures("operators")
+def test_a_place_beside_the_pad_is_left_out_and_said():
+    options = {"reach": 20.0, "spacing": 20.0, "branched": False, "mechanics": "condensed"}
+    field = ff.receptive_field(SCENE, ("SAI",), **options)
+    assert field.places.tolist() == [[0.0, 0.0]]
+    assert len(field.left_out) == len(field.record()["left_out"]) == 8
+    assert "indenter.at" in field.left_out[0][1]
+
+
+def test_the_area_is_that_of_the_places_above_a_part_of_the_most():
+    places = np.array([[0.0, 0.0], [0.0, 0.5], [0.5, 0.0], [0.5, 0.5]])
+    impulses = np.array([[10, 0], [5, 0], [4, 0], [0, 0]])
+    field = ReceptiveField(("SAI", "FAI"), places, impulses, 0.5, {}, "scene", "condensed")
+    assert field.area("SAI") == pytest.approx(2 * 0.25)
+    assert field.area("SAI", 0.3) == pytest.approx(3 * 0.25)
+    assert field.area("FAI") == 0.0
+    with pytest.raises(InputError, match="kind"):
+        field.of("FAII")
+
+
+def test_it_writes_a_table_and_a_picture(field, tmp_path):
+    assert [path.rpartition("/")[2] for path in field.save(tmp_path)] == list(FILES)
+    lines = (tmp_path / "field.csv").read_text().splitlines()
+    assert lines[0] == "x_mm,y_mm,SAI_impulses,FAI_impulses"
+    assert len(lines) == 10
+    assert (tmp_path / "field.svg").read_text().startswith("<svg")
+    assert json.loads(json.dumps(field.record()))["mechanics"] == "condensed"
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["flat-press"], "indenter.kind: expected an object with a place"),
+        (["pin-hold", "--spacing", "0.1"], "spacing: expected at most 1000 places"),
+        (["pin-hold", "--reach", "0.5"], "reach"),
+        (["pin-hold", "--type", "SA"], "SAI"),
+    ],
+)
+def test_what_has_no_field_is_refused_in_a_sentence(options, message, capsys):
+    assert main(["field", *options]) == 2
+    assert message in capsys.readouterr().err

@@ -1,0 +1,1 @@
+"""The default finger against what was measured on people."""
