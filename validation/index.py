@@ -31,6 +31,7 @@ ABOUT = suites.ABOUT | {
     "carrying": "Errors of tabulated finite strain against `solid`; the planner reads it.",
     "condensed-cost": "CPU time to build and to step a condensed finger; the planner reads it.",
     "elements": "Error and cost of the types of elements that were compared.",
+    "modal": "What inertia changes, what modes leave out and cost; the planner reads it.",
     "layered-force": "Force of exact layers against whole fingers; the planner reads it.",
     "lumped-force": "Force laws identified from presses of fingers; the planner reads it.",
     "calibrated-standard": "The calibrated fingers pressed on the standard mesh.",

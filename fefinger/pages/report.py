@@ -13,10 +13,19 @@ import numpy as np
 from fefinger import view
 from fefinger.neural.train_record import FEW
 from fefinger.pages import page
+from fefinger.results.harmonic import Harmonic
 from fefinger.results.pressure import highest
 from fefinger.results.records import ResultRecord
 from fefinger.support.atomic_write import temporary_folder
-from fefinger.view import figures, frames, quantities, renderer, section_figure, unit_figures
+from fefinger.view import (
+    figures,
+    frames,
+    harmonic_figure,
+    quantities,
+    renderer,
+    section_figure,
+    unit_figures,
+)
 
 
 STANDING = (
@@ -174,6 +183,8 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
             "the skin surface."
         )
         yield _part("strain", "Strain at the end organs", text, figures.site_strain(result))
+    if result.harmonic is not None:
+        yield _harmonic(result.harmonic, result)
     if result.spikes is not None:
         text = (
             "Input of the end organs as an equivalent skin displacement (compression positive), "
@@ -182,6 +193,19 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
         )
         yield _part("current", "From strain to current", text, figures.currents(result))
         yield _spikes(result)
+
+
+def _harmonic(found: Harmonic, result: ResultRecord) -> dict[str, Any]:
+    """Return the section on the answer to small oscillations about the preload."""
+    text = (
+        f"Answer to small oscillations about {found.preload_depth:.3g} mm and "
+        f"{found.preload_force:.3g} N of relaxed tissue, with contact as it is there. What the "
+        f"modes leave out changes the stiffness by at most {100 * found.error.max():.2g} %. The "
+        "lowest resonances of the finger held by the indenter, with relaxed tissue, lie at "
+        f"{', '.join(f'{f:.0f}' for f in found.modes[:3])} Hz."
+    )
+    types = result.sites.types if result.sites is not None else ()
+    return _part("harmonic", "Vibration", text, harmonic_figure.harmonic(found, types))
 
 
 def _spikes(result: ResultRecord) -> dict[str, Any]:
