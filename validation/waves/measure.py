@@ -152,7 +152,7 @@ def main(path: str) -> None:
     """Measure all, and write the report."""
     fingers = [Finger.subject(name, tissue=TISSUE, resolution="coarse") for name in SUBJECTS]
     record = {
-        "provenance": provenance("python -m fefinger.validation.waves.measure"),
+        **provenance("python -m fefinger.validation.waves.measure"),
         "tissue": TISSUE,
         "subjects": SUBJECTS,
         "mesh": "coarse",
