@@ -35,6 +35,8 @@ MOTION_VALUES = {
     "preload": ODD,
     "held": 100 / 3,
     "seconds": 1 / 7,
+    "start": 40 / 3,
+    "stop": 700 / 3,
 }
 
 
@@ -242,7 +244,10 @@ BAD_TABLES = [
     (press(depth=float("nan")), r"motion.depth: .*received nan"),
     (press(depth=True), r"motion.depth: .*received True"),
     (press(depth=5), r"motion.depth: expected less than 5 mm, the tissue under the pad"),
-    ({"motion": {"kind": "sampled", "file": 3}}, r"motion.file: expected the name of a CSV file"),
+    (
+        {"motion": {"kind": "sampled", "file": 3}},
+        r"motion.file: expected the name of a CSV or WAV file",
+    ),
     ({"motion": {"kind": "sampled", "file": "no.csv"}}, r"motion.file: cannot read 'no.csv'"),
     ({"ask": {"force": "yes"}}, r"ask.force: expected true or false, received 'yes'"),
     ({"ask": {"spikes": "SAI"}}, r"ask.spikes: expected a list out of SAI, SAII"),

@@ -31,7 +31,7 @@ def test_the_roots_of_a_ball_are_those_of_its_equations() -> None:
 def test_lambs_integral_is_that_of_statics_at_rest() -> None:
     nu, modulus = bodies.PULP.poisson, bodies.PULP.modulus
     static = 16 * (1 - nu**2) * bodies.DISC / (3 * np.pi * modulus)
-    assert bodies.half_space_exact(1e-3).real == pytest.approx(static, rel=1e-5)
+    assert bodies.half_space_exact(1e-2).real == pytest.approx(static, rel=1e-4)
 
 
 def test_a_wave_in_the_half_space_takes_energy_away() -> None:

@@ -37,7 +37,7 @@ OBJECTS: dict[str, Indenter] = {"flat-30": Flat(30), "sphere-5": Sphere(5)}
 PARTS = 0.05, 0.1, 0.15
 """Preloads over the thickness of the finger."""
 
-REDUCED = np.geomspace(0.005, 0.6, 60)
+REDUCED = np.geomspace(0.005, 0.6, 48)
 """Frequency x thickness of the tissue / wave speed, with the modulus at that frequency."""
 
 RATIOS = np.linspace(0.02, 0.4, 39)
@@ -75,7 +75,6 @@ def vibrations(finger: Finger) -> Iterator[dict[str, Any]]:
                 "part": part,
                 "reduced": REDUCED.tolist(),
                 "error": np.abs(answer.stiffness / still - 1).tolist(),
-                "thickness_mm": finger.thickness,
             }
 
 
@@ -165,7 +164,8 @@ def main(path: str) -> None:
         ],
         "seconds": {mesh: seconds("a.h.", mesh) for mesh in ("coarse", "standard")},
     }
-    Path(path).write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    rounded = json.loads(json.dumps(record), parse_float=lambda text: float(f"{float(text):.4g}"))
+    Path(path).write_text(json.dumps(rounded) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
