@@ -268,3 +268,10 @@ def test_an_object_reaches_its_depth_and_is_described(
     if pose.roll or indenter.kind != "cylinder":
         assert flat @ pose.axis == pytest.approx(-behind, abs=1e-6)
     assert indenter.kind in _touch(result)
+
+
+def test_an_object_with_a_place_moves_and_a_plate_does_not():
+    pin = ff.Pin(1.0, at=(0.0, 1.0))
+    assert pin.moved((2.0, -1.0)) == ff.Pin(1.0, at=(2.0, -1.0))
+    with pytest.raises(InputError, match=r"indenter\.kind: expected an object with a place"):
+        ff.Flat(30).moved((0.0, 0.0))

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.afferents import data, predicted
+from fefinger.validation.afferents.fit import FREE
 from fefinger.validation.afferents.vibration import Probed
 from numpy.typing import NDArray
 
@@ -206,7 +207,7 @@ def finding(record: dict[str, Any]) -> dict[str, Any]:
             cells.append(f"{part['value']:.4g}{error}")
         rows.append((f"{name}: {bounds.meaning}", bounds.unit, *cells))
     return {
-        "texts": TEXTS,
+        "texts": (*TEXTS, _limited(record)),
         "tables": [
             {
                 "caption": "Parameters of the family recorded, with standard errors where fitted; "
@@ -216,6 +217,23 @@ def finding(record: dict[str, Any]) -> dict[str, Any]:
             }
         ],
     }
+
+
+def _limited(record: dict[str, Any]) -> str:
+    """Sentence on the fitted parameters that lie at a limit of the search."""
+    lists = []
+    for kind, ranges in FREE.items():
+        values = {name: record["types"][kind][name]["value"] for name in ranges}
+        near = [
+            name
+            for name, limits in ranges.items()
+            if min(abs(np.log(values[name] / limit)) for limit in limits) < 0.02
+        ]
+        lists.append(f"{kind}: {', '.join(near) or 'none'}")
+    return (
+        "Fitted parameters at a limit of their search, within which the data do not hold them: "
+        f"{'; '.join(lists)}."
+    )
 
 
 TEXTS = (

@@ -2,7 +2,7 @@
 
 PIN = (
     "SAI under spheres (fitted) fire some three times as much, for a strain, as the four models "
-    "behind these bands: a unit of a third of the gain, three standard deviations from the fitted "
+    "behind these bands: a unit of 0.27 of the gain, four standard deviations from the fitted "
     "one, is within all bands under a pin as wide as theirs (cases below). The tissue takes part: "
     "maeno1998 is three times as stiff as the four measured fingers at 0.4 mm, and on tissue that "
     "soft the same spheres would need two thirds of the gain"

@@ -16,6 +16,7 @@ COLORS = {
     "hertz": "#E69F00",
     "layered": "#009E73",
     "condensed": "#56B4E9",
+    "pressed": "#332288",
     "linear": "#0072B2",
     "solid": "#D55E00",
 }
@@ -34,6 +35,7 @@ QUANTITIES = {
 def figures(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure."""
     with style():
+        yield _front_caption(), _front(data)
         yield _fronts_caption(), _fronts(data)
         yield _others_caption(), _others(data)
         yield _spikes_caption(), _spikes(data)
@@ -87,6 +89,41 @@ def _legend(drawn: Any) -> None:
         for how, text in names.items()
     ]
     drawn.legend(handles=lines, loc="outside upper center", ncols=5)
+
+
+def _front_caption() -> str:
+    return (
+        "The front of error and time: error of the force in the held-out scenes against the "
+        "expected time of a first answer, medians of each candidate with the quarters on either "
+        "side; scenes of published tissue (left), which all mechanics answer, and of calibrated "
+        "fingers (right). Gray line: Pareto front of the medians."
+    )
+
+
+def _front(data: dict[str, Any]) -> Any:
+    drawn = figure(WIDE, 3.6)
+    for axis, published in zip(drawn.subplots(1, 2, sharey=True), (True, False), strict=True):
+        rows: dict[str, list[tuple[float, float]]] = {}
+        for key, each in data["held_out"].items():
+            if ("published" in key) == published:
+                for name, row in each["candidates"].items():
+                    found = rows.setdefault(name, [])
+                    found.append((row["seconds"], max(row["actual"]["force"], LEAST)))
+        medians = {name: tuple(np.median(found, axis=0)) for name, found in rows.items()}
+        for name, found in rows.items():
+            low, middle, high = np.quantile(np.array(found)[:, 1], [0.25, 0.5, 0.75])
+            color = COLORS[Candidate.of(name).mechanics]
+            axis.errorbar(
+                medians[name][0], middle, [[middle - low], [high - middle]], color=color, lw=0.8
+            )
+        _scatter(axis, medians)
+        axis.set(
+            title="published tissue" if published else "calibrated fingers",
+            xlabel="expected time of a first answer / s",
+        )
+    drawn.axes[0].set_ylabel("error of the force")
+    _legend(drawn)
+    return drawn
 
 
 def _fronts_caption() -> str:

@@ -124,7 +124,7 @@ def between(indenter: Indenter) -> tuple[tuple[str, ...], str]:
     """
     if indenter.flat is not None:
         return _plates(indenter)
-    if indenter.hertzian is not None or indenter.kind == "cylinder":
+    if not indenter.sharp:
         return _round(indenter)
     return _edges(indenter)
 
@@ -167,9 +167,12 @@ def _round(indenter: Indenter) -> tuple[tuple[str, ...], str]:
             most = max(aside.values(), default=NEAR)
             return (), f"round objects are measured to {most:g} mm from the middle of the pad"
         names.append(min(far, key=aside.__getitem__))
-    if indenter.kind == "cylinder":
-        alike = [name for name in objects() if objects()[name].kind == "cylinder"]
-        names += [each for each in alike if objects()[each].least_radius <= indenter.least_radius]
+    if indenter.ball_radius is None:
+        names += [
+            name
+            for name, each in objects().items()
+            if each.kind == indenter.kind and each.least_radius <= indenter.least_radius
+        ]
     return tuple(dict.fromkeys(names)), ""
 
 
