@@ -3,6 +3,7 @@
 import dataclasses
 import struct
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -60,6 +61,19 @@ def test_a_slow_press_of_stiffening_tissue_is_that_of_pressed() -> None:
     assert other.finite
     assert not dataclasses.replace(other, numbers={}).finite
     assert any("times the moduli" in note for note in other.notes)
+
+
+@pytest.mark.parametrize(("tissue", "base"), [("maeno1998", condensed), ("calibrated_ah", pressed)])
+def test_the_fields_of_a_slow_press_are_those_without_inertia(
+    tissue: str, base: ModuleType
+) -> None:
+    finger = ff.Finger.subject("a.h.", tissue=tissue, resolution="coarse")
+    motion = ff.RampHold(2.0, 0.8, hold=0.3)
+    slow = ff.Scene(finger=finger, motion=motion, ask=ff.Ask(pressure=False, strain=False))
+    one, other = base.respond(slow).fields, modal.respond(slow).fields
+    for name in ("displacement", "strain"):
+        still, moving = getattr(one, name)[-1], getattr(other, name)[-1]
+        np.testing.assert_allclose(moving, still, atol=2e-3 * np.abs(still).max())
 
 
 def test_in_a_loop_and_as_a_scene_it_is_the_same(loop: ff.Modal) -> None:

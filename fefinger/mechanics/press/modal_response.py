@@ -18,7 +18,7 @@ from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.step_compiled import march
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
-from fefinger.fem.elements.probe import tensors
+from fefinger.fem.elements.probe import strain_at_vertices, tensors
 from fefinger.geometry import mirror
 from fefinger.mechanics.press import carried, operator, problem
 from fefinger.mechanics.press.carried import CarriedPress, carried_response, table_of
@@ -239,6 +239,8 @@ def _added(
     )
     if pulls.any():
         notes = (*notes, f"The contact would pull at {int(pulls.sum())} times: there it is open.")
+    if _other_mesh(answer, press):
+        notes = (*notes, "Fields on the mesh are those without inertia.")
     changed = replace(
         answer,
         depth=answer.depth + more,
@@ -248,7 +250,7 @@ def _added(
         contact_area=_open(answer.contact_area, force),
         centroid=_open(answer.centroid, force, np.nan),
         strain=strain,
-        fields=_fields(answer, press, history, still, factor),
+        fields=_fields(answer, press, history, still, factor, share),
         notes=notes,
         numbers=answer.numbers | {"finite_strain": 1.0, "stiffening": factor},
     )
@@ -264,23 +266,40 @@ def _open(values: Array | None, force: Array, empty: float = 0.0) -> Array | Non
 
 
 def _fields(
-    answer: Response, press: Press, history: ModalHistory, still: SmallStrainHistory, factor: float
+    answer: Response,
+    press: Press,
+    history: ModalHistory,
+    still: SmallStrainHistory,
+    factor: float,
+    share: Array,
 ) -> Fields | None:
-    """Fields at finite strain with the displacement that inertia adds, where meshes are the same.
+    """Return the fields at finite strain with what inertia adds; without, on another mesh.
 
-    Elsewhere those without inertia.
+    share (n_t,): the force over that without inertia.
     """
     fields = answer.fields
-    if fields is None or len(press.mesh.points) != len(fields.points):
+    if fields is None or _other_mesh(answer, press):
         return fields
     frames = np.searchsorted(press.time, fields.times)
     added = displacements(press, history, frames, factor)
     loads = still.reduced.patch.loads @ still.contact.elastic[frames].T
     added -= operator.METHOD.unknowns(operator_of(press), np.asarray(loads)) / factor
-    original = press.body.original
-    moved = fields.displacement.copy()
-    moved[:, original] += added[: 3 * len(original)].T.reshape(len(frames), -1, 3)
-    return replace(fields, displacement=moved)
+    original, count = press.body.original, len(frames)
+    moved, strain = fields.displacement.copy(), fields.strain.copy()
+    moved[:, original] += added[: 3 * len(original)].T.reshape(count, -1, 3)
+    at_vertices = strain_at_vertices(press.body.space) @ added
+    strain[:, original] += at_vertices.T.reshape(count, -1, 6)
+    pressure = share[frames, None] * fields.pressure
+    return replace(fields, displacement=moved, strain=strain, pressure=pressure)
+
+
+def _other_mesh(answer: Response, press: Press) -> bool:
+    """Return whether the fields of an answer lie on another mesh than that of the modes."""
+    fields = answer.fields
+    if fields is None:
+        return False
+    points = press.mesh.points
+    return fields.points.shape != points.shape or not np.array_equal(fields.points, points)
 
 
 def _with_modes(answer: Response, history: ModalHistory, grid: Grid) -> Response:

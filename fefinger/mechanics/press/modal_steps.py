@@ -3,7 +3,7 @@
 import numpy as np
 
 from fefinger.fem.contact.modal_march import Grid
-from fefinger.mechanics.press.time_steps import MOST, time_grid
+from fefinger.mechanics.press.time_steps import FAST_STEP, MOST, time_grid
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
@@ -27,7 +27,7 @@ SLOW = 25.0
 quasi-static."""
 
 RECORDED = 1e-3
-"""Longest time in s between stored states while the finger rings."""
+"""Longest time in s between stored states while the finger rings; FAST_STEP for FAII."""
 
 
 def modal_grid(motion: Motion, *, fast: bool) -> Grid:
@@ -55,7 +55,8 @@ def modal_grid(motion: Motion, *, fast: bool) -> Grid:
         )
         raise InputError(message)
     every = np.ones(len(lengths), dtype=np.int64)
-    recorded = np.ceil(lengths / RECORDED * (1 - 1e-9)).astype(np.int64)
+    interval = FAST_STEP if fast else RECORDED
+    recorded = np.ceil(lengths / interval * (1 - 1e-9)).astype(np.int64)
     every[rings] = np.maximum(1, parts[rings] // np.maximum(recorded[rings], 1))
     time, stored = [np.zeros(1)], [np.zeros(1, dtype=np.int64)]
     done = 0
