@@ -102,7 +102,7 @@ def _shapes() -> Any:
                 lines = place[edges]
                 x = np.insert(lines[:, :, 0], 2, np.nan, axis=1).ravel()
                 z = np.insert(lines[:, :, 2], 2, np.nan, axis=1).ravel()
-                axis.plot(x, z, color=color, lw=width, rasterized=True)
+                axis.plot(x, z, color=color, lw=width)
             axis.set_aspect("equal")
             axis.set_title(f"{loop.frequencies[number]:.0f} Hz")
             axis.axis("off")

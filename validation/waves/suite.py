@@ -86,16 +86,15 @@ def _closed_forms(*, quick: bool) -> Iterator[Case]:
         (True, "torsional", "j2(x) = x j3(x)"),
         (False, "spheroidal", "no traction on a gradient and a double curl (Lamb 1882)"),
     ):
-        at = {"twisting": twisting, "finest": finest}
         yield Case(
             f"free incompressible ball, lowest {name} frequency: extrapolated error",
-            partial(ball_limit, **at),
+            partial(ball_limit, twisting=twisting, finest=finest),
             Expected(0.0, 3e-4 if quick else 5e-5, "1"),
             source,
         )
         yield Case(
             f"free incompressible ball, lowest {name} frequency: order of convergence",
-            partial(ball_order, **at),
+            partial(ball_order, twisting=twisting, finest=finest),
             Expected(2.0, 0.05, "1"),
             "flat facets on a ball",
         )

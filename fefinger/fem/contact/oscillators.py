@@ -110,7 +110,7 @@ class Oscillators:
         second = np.where(np.abs(x) < SMALL, _series(x), (np.exp(safe) - 1 - safe) / safe**2)
         first = 1 + x * second  # (e^x - 1) / x
         if not swing:
-            return np.exp(x), 0.0 * x, dt * (first - second), dt * second
+            return np.exp(x), np.zeros_like(x), dt * (first - second), np.asarray(dt * second)
         shares = (DAMPING, 0.5 - 2 * DAMPING, 0.5 + DAMPING)
         earlier, before, after = (dt * share * first for share in shares)
         return np.exp(x), earlier, before, after

@@ -1,6 +1,7 @@
 """Time steps of a press with inertia: even and short while it moves and rings, long in a rest."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fefinger.fem.contact.modal_march import Grid
 from fefinger.mechanics.press.time_steps import FAST_STEP, MOST, time_grid
@@ -8,6 +9,8 @@ from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
+
+Flags = NDArray[np.bool_]
 
 STEP = 1e-4
 """Longest step in s while the indenter moves: 0.3 / STEP, or 3 kHz, bounds the modes that swing."""
@@ -64,7 +67,7 @@ def modal_grid(motion: Motion, *, fast: bool) -> Grid:
         time.append(start + length * np.arange(1, count + 1) / count)
         chosen = np.arange(count, 0, -stride)[::-1]
         stored.append(done + chosen)
-        done += count
+        done += int(count)
     times = np.concatenate(time)
     times[np.cumsum(parts)] = outer[1:]  # exactly those of statics
     return Grid(times, np.concatenate(stored), longest * (1 + 1e-6))
@@ -77,7 +80,7 @@ def _longest(motion: Motion, moving: Array) -> float:
     return float(min([STEP, cycle / STEPS_PER_CYCLE, moving.min(initial=np.inf)]))
 
 
-def _moving(motion: Motion, time: Array) -> Array:
+def _moving(motion: Motion, time: Array) -> Flags:
     """Whether the motion moves in each interval (n_t - 1,) of the times."""
     middles = (time[1:] + time[:-1]) / 2
     moves = np.zeros(len(middles), dtype=np.bool_)
@@ -86,7 +89,7 @@ def _moving(motion: Motion, time: Array) -> Array:
     return moves
 
 
-def _rings(time: Array, moves: Array) -> Array:
+def _rings(time: Array, moves: Flags) -> Flags:
     """Whether an interval of rest begins within RINGING s after a motion."""
     last = np.maximum.accumulate(np.where(moves, time[1:], -np.inf))
     return np.asarray(~moves & (time[:-1] < last + RINGING))
