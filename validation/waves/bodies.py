@@ -52,7 +52,8 @@ class Vibrating:
         moved = self.static(load[:, None])[:, 0]
         first = load @ moved - work**2 @ (1 / squares)
         second = moved @ (self.mass @ moved) - work**2 @ (1 / squares**2)
-        modulus = complex_modulus(*(relaxation or (WEIGHTS, RATES)), frequency)
+        weights, rates = relaxation or (WEIGHTS, RATES)
+        modulus = complex_modulus(weights, rates, frequency)
         omega = 2 * np.pi * frequency
         swing = 1 / (np.multiply.outer(modulus, squares) - omega[:, None] ** 2)
         rest = first / modulus + second * omega**2 / modulus**2

@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.waves import finger, loops
+from numpy.typing import NDArray
 
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Integers
 from fefinger.view.figures import INK, STEEL, figure, style
 
 
@@ -92,13 +93,13 @@ def _shapes() -> Any:
     loop = finger.finger(loops.TISSUE)
     solid = loop.vibrating.solid
     points = solid.space.points
-    edges = _medial_edges(points, solid.space.cells)
+    edges = _outlines(points, solid.space.cells, solid.space.tissue)
     with style():
         drawn = figure(8.0, 4.6)
         for number, axis in enumerate(drawn.subplots(2, SHAPES // 2).ravel()):
             moved = loop.modes.shape(number, 3 * len(points)).reshape(-1, 3)
             moved = moved * (1.2 / np.abs(moved).max())
-            for place, color, width in ((points, "#c8c8c8", 0.3), (points + moved, STEEL, 0.5)):
+            for place, color, width in ((points, "#b0b0b0", 0.6), (points + moved, STEEL, 1.2)):
                 lines = place[edges]
                 x = np.insert(lines[:, :, 0], 2, np.nan, axis=1).ravel()
                 z = np.insert(lines[:, :, 2], 2, np.nan, axis=1).ravel()
@@ -109,8 +110,22 @@ def _shapes() -> Any:
     return drawn
 
 
-def _medial_edges(points: Array, cells: Array) -> Array:
-    """Return the edges (n, 2) of cells in the medial plane."""
+def _outlines(points: Array, cells: Integers, region: NDArray[np.int8]) -> Integers:
+    """Return the edges (n, 2) in the medial plane that bound the tissues."""
     inside = np.abs(points[:, 1]) < 1e-6
-    pairs = cells[:, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]].reshape(-1, 2)
-    return np.unique(np.sort(pairs[inside[pairs].all(axis=1)], axis=1), axis=0)
+    faces = cells[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
+    medial = inside[faces].all(axis=1)
+    owners = np.repeat(region, 4)[medial]
+    pairs = faces[medial][:, [[0, 1], [0, 2], [1, 2]]].reshape(-1, 2)
+    edges, place = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True)
+    labels = np.repeat(owners, 3).astype(np.float64)
+    count = np.bincount(place.ravel())
+    uneven = np.bincount(place.ravel(), labels) / count != _one_label(place, labels, len(edges))
+    return np.asarray(edges[(count == 1) | uneven])
+
+
+def _one_label(place: Integers, labels: Array, count: int) -> Array:
+    """Return one of the labels of each edge."""
+    values = np.zeros(count)
+    values[place.ravel()] = labels
+    return values

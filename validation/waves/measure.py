@@ -164,7 +164,7 @@ def main(path: str) -> None:
         ],
         "seconds": {mesh: seconds("a.h.", mesh) for mesh in ("coarse", "standard")},
     }
-    rounded = json.loads(json.dumps(record), parse_float=lambda text: float(f"{float(text):.4g}"))
+    rounded = json.loads(json.dumps(record), parse_float=lambda text: float(f"{float(text):.3g}"))
     Path(path).write_text(json.dumps(rounded) + "\n", encoding="utf-8")
 
 

@@ -26,7 +26,7 @@ from fefinger.mechanics.press.mode_store import FingerModes, finger_modes
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.small_strain import touched
 from fefinger.results.records import Fields
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.progress import Stages
 
 
@@ -117,7 +117,7 @@ def operator_of(press: Press) -> Operator:
     return press.body
 
 
-def displacements(press: Press, history: ModalHistory, frames: Array, scale: float) -> Array:
+def displacements(press: Press, history: ModalHistory, frames: Integers, scale: float) -> Array:
     """Unknowns (n_unknowns, n_frames) of the body at some of the stored times.
 
     scale: factor on the moduli, by which the displacement under a pressure is smaller.

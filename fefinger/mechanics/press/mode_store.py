@@ -14,7 +14,7 @@ from scipy import sparse
 
 from fefinger.fem.condensation import Operator, Part
 from fefinger.fem.elements.mass import mass
-from fefinger.fem.elements.spaces import Array
+from fefinger.fem.elements.spaces import Array, Integers
 from fefinger.fem.modes import Modes, modes_of
 from fefinger.mechanics.press.mode_cache import COUNT, folder, identity_of
 from fefinger.scene.finger import Finger
@@ -38,7 +38,7 @@ class FingerModes:
     """
 
     squares: Array
-    parts: tuple[tuple[Array, Array, sparse.csr_matrix], ...]
+    parts: tuple[tuple[Integers, Array, sparse.csr_matrix], ...]
     complete: float
 
     @property
@@ -54,7 +54,7 @@ class FingerModes:
             values[:, numbers] = there @ shapes
         return values
 
-    def combined(self, size: int, numbers: Array, amplitudes: Array) -> Array:
+    def combined(self, size: int, numbers: Integers, amplitudes: Array) -> Array:
         """Displacement (size, n_frames) of the sum of modes `numbers` (k,), amplitudes (n_f, k)."""
         total = np.zeros((size, len(amplitudes)))
         for members, shapes, unfold in self.parts:
