@@ -5,12 +5,12 @@ timed in processor time of its thread, with as many end organs as a fingertip ha
 what was aimed at.
 """
 
-import os
 import resource
 import subprocess
 import sys
 import time
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from fefinger.validation.bench.suites import Figure, Progress
@@ -114,10 +114,10 @@ def _steps(sites: Sites, dt: float) -> list[Figure]:
 def _scene() -> list[Figure]:
     """Measure `fefinger run vibration-200Hz` once more, when all that is kept is at hand."""
     command = [sys.executable, "-m", "fefinger", "run", "vibration-200Hz", "--json"]
-    quiet = {"capture_output": True, "check": True, "env": dict(os.environ)}
-    subprocess.run(command, **quiet)
+    run = partial(subprocess.run, command, capture_output=True, check=True)
+    run()
     started, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run(command, **quiet)
+    run()
     wall, after = time.perf_counter() - started, resource.getrusage(resource.RUSAGE_CHILDREN)
     spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     what = "fefinger run vibration-200Hz, from kept modes"

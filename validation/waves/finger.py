@@ -14,7 +14,7 @@ from fefinger.fem.modes import modes_of
 from fefinger.mechanics.press.mode_store import PER_CUBIC_METER, finger_modes
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.realtime.modal import Modal
-from fefinger.results.harmonic import Harmonic
+from fefinger.results.harmonic import Complex, Harmonic
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.support.arrays import Array
@@ -119,7 +119,7 @@ def impedance_phase(tissue: str, force: float, frequency: float) -> float:
     return float(np.interp(frequency, found.frequency, phase))
 
 
-def along_skin(tissue: str, frequency: float) -> tuple[Array, Array]:
+def along_skin(tissue: str, frequency: float) -> tuple[Array, Complex]:
     """Return distance in mm proximal of the contact, and complex displacement of the skin there."""
     found = finger(tissue).harmonic([frequency], force=0.5)
     x, moved = found.skin_points[:, 0], found.skin[0, :, 2]

@@ -66,7 +66,7 @@ def driven(body: ModalContact, dt: float, count: int, path: Callable[[Array], Ar
     for _ in range(3):
         check(body.step(LONG, at_rest, by_force=False))
     forces = np.empty(count)
-    for k, depth in enumerate(path(dt * np.arange(1, count + 1)).tolist()):
+    for k, depth in enumerate(path(dt * np.arange(1.0, count + 1)).tolist()):
         check(body.step(dt, depth, by_force=False))
         forces[k] = body.pad.projected @ body.lcp.x
     return forces
@@ -75,14 +75,14 @@ def driven(body: ModalContact, dt: float, count: int, path: Callable[[Array], Ar
 def amplitude(forces: Array, dt: float, frequency: float, cycles: int) -> complex:
     """Complex amplitude of the last cycles of forces at a frequency, against a sine."""
     count = round(cycles / (frequency * dt))
-    time = dt * np.arange(len(forces) - count + 1, len(forces) + 1)
+    time = dt * np.arange(len(forces) - count + 1.0, len(forces) + 1)
     angle = 2 * np.pi * frequency * time
     basis = np.column_stack([np.sin(angle), np.cos(angle), np.ones(count), time - time[0]])
     found = np.linalg.lstsq(basis, forces[-count:], rcond=None)[0]
     return complex(found[0], found[1])
 
 
-def one_mode(steps: int) -> float:
+def one_mode(steps: int) -> complex:
     """Relative error of the force on one mode and a static rest in `steps` per cycle, complex."""
     frequency, shares = 80.0, np.array([[1.2]])
     oscillators = Oscillators.of(np.array([(2 * np.pi * 100.0) ** 2]), WEIGHTS, RATES)
@@ -184,7 +184,7 @@ def before_the_knock() -> float:
     the band is wide.
     """
     count, step = 2**14, 0.5
-    frequency = step * np.arange(1, count)
+    frequency = np.asarray(step * np.arange(1.0, count), dtype=np.float64)
     flexibility = np.append(0.0, 1 / _held(loop()).stiffness(frequency))
     flexibility[0] = flexibility[1].real
     window = np.exp(-((np.append(0.0, frequency) / (0.35 * frequency[-1])) ** 2) * 8)

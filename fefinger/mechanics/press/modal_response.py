@@ -235,7 +235,8 @@ def _added(
         *answer.notes,
         f"Tissue stiffens with strain: inertia is that of a linear finger with {factor:.3g} times "
         f"the moduli, of the static stiffness at {depth:.3g} mm; its change of force, strain and "
-        "displacement is added to the answer of `pressed`, and pressures are scaled to the force.",
+        "displacement is added to the answer of `pressed`, and pressures are scaled to the force. "
+        "That was not compared with dynamics at finite strain.",
     )
     if pulls.any():
         notes = (*notes, f"The contact would pull at {int(pulls.sum())} times: there it is open.")
