@@ -76,6 +76,33 @@ def test_the_fields_of_a_slow_press_are_those_without_inertia(
         np.testing.assert_allclose(moving, still, atol=2e-3 * np.abs(still).max())
 
 
+def test_heavier_tissue_swings_more_slowly_with_the_modes_that_are_there(
+    loop: ff.Modal, operators: Path
+) -> None:
+    before = sorted((operators.parent / "modes").iterdir())
+    heavy = dataclasses.replace(
+        loop.finger,
+        skin=dataclasses.replace(loop.finger.skin, density=4400),
+        subcutaneous=dataclasses.replace(loop.finger.subcutaneous, density=4400),
+    )
+    slow = ff.Modal(heavy, ff.Flat(30), deepest=1.2)
+    assert slow.frequencies == pytest.approx(loop.frequencies / 2, rel=1e-9)
+    assert sorted((operators.parent / "modes").iterdir()) == before
+    skin = ff.Tissue(100, 0.48, 1.0, density=1000)
+    other = ff.Modal(dataclasses.replace(loop.finger, skin=skin), ff.Flat(30), deepest=1.2)
+    assert (other.frequencies != loop.frequencies).all()
+
+
+def test_units_fire_in_the_loop(loop: ff.Modal) -> None:
+    units, fired = loop.afferents(), np.zeros(len(loop.sites.types))
+    loop.rest(0.5, 10.0)
+    for k in range(3000):
+        step = loop.step(0.5 + 0.1 * np.sin(2 * np.pi * 200 * k * 1e-4), 1e-4)
+        units.step(step.strain, 1e-4)
+        fired[[unit for unit, _ in units.fired()]] += 1
+    assert fired[loop.sites.types.index("FAII")] > 20
+
+
 def test_in_a_loop_and_as_a_scene_it_is_the_same(loop: ff.Modal) -> None:
     motion = ff.RampHold(40.0, 0.8, hold=0.02)
     whole = modal.respond(scene(motion))

@@ -11,7 +11,7 @@ once and kept.
 
 from functools import cached_property, partial
 from os import PathLike
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,6 +30,8 @@ from fefinger.mechanics.press.mode_store import finger_modes
 from fefinger.mechanics.realtime.condensed import Condensed, unfolded
 from fefinger.mechanics.realtime.step import Step
 from fefinger.mesh.store import load_or_build
+from fefinger.neural.recorded_streaming import RecordedAfferents
+from fefinger.neural.streaming import Afferents
 from fefinger.results import vtkhdf
 from fefinger.results.harmonic import Harmonic
 from fefinger.results.records import Fields, Sites
@@ -116,6 +118,13 @@ class Modal:
     def frequencies(self) -> Array:
         """Frequencies (n,) in Hz of the free finger with relaxed tissue."""
         return self.modes.frequencies
+
+    def afferents(self, **options: Any) -> Afferents | RecordedAfferents:
+        """Return the units of the sites, to be stepped with the strain of every step.
+
+        `options` as for `Condensed.afferents`.
+        """
+        return self._still.afferents(**options)
 
     def reset(self) -> None:
         """Lift the indenter off, and bring the finger to rest."""
