@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from fefinger.mechanics.realtime.modal import Modal as Modal
     from fefinger.mechanics.realtime.pressed import Pressed as Pressed
     from fefinger.mechanics.realtime.rolling import Rolling as Rolling
+    from fefinger.mechanics.realtime.sliding import Sliding as Sliding
     from fefinger.mechanics.realtime.stiffening import Stiffening as Stiffening
     from fefinger.pipeline import run as run
     from fefinger.plan import choose as choose
@@ -39,7 +40,9 @@ if TYPE_CHECKING:
     from fefinger.scene.motions import ForceRampHold as ForceRampHold
     from fefinger.scene.motions import ForceRampSinusoid as ForceRampSinusoid
     from fefinger.scene.motions import ForceSampled as ForceSampled
+    from fefinger.scene.motions import ForceSampledPath as ForceSampledPath
     from fefinger.scene.motions import ForceSinusoid as ForceSinusoid
+    from fefinger.scene.motions import ForceSlide as ForceSlide
     from fefinger.scene.motions import ForceSweep as ForceSweep
     from fefinger.scene.motions import ForceTrapezoid as ForceTrapezoid
     from fefinger.scene.motions import FrequencySweep as FrequencySweep
@@ -47,9 +50,14 @@ if TYPE_CHECKING:
     from fefinger.scene.motions import RampHold as RampHold
     from fefinger.scene.motions import RampSinusoid as RampSinusoid
     from fefinger.scene.motions import Sampled as Sampled
+    from fefinger.scene.motions import SampledPath as SampledPath
     from fefinger.scene.motions import Sinusoid as Sinusoid
+    from fefinger.scene.motions import Slide as Slide
     from fefinger.scene.motions import Trapezoid as Trapezoid
     from fefinger.scene.motions import Vibration as Vibration
+    from fefinger.scene.patterns import Braille as Braille
+    from fefinger.scene.patterns import Dots as Dots
+    from fefinger.scene.patterns import Letters as Letters
     from fefinger.scene.population import Grid as Grid
     from fefinger.scene.population import Line as Line
     from fefinger.scene.population import Places as Places
@@ -83,7 +91,9 @@ _HOMES = {
         *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Vibration", "Sampled"),
         *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceSinusoid", "ForceTrapezoid"),
         *("ForceSampled", "ForceSweep", "FrequencySweep"),
+        *("Slide", "ForceSlide", "SampledPath", "ForceSampledPath"),
     ),
+    "scene.patterns": ("Braille", "Dots", "Letters"),
     "pipeline": ("run",),
     "plan": ("choose", "explain"),
     "mechanics.realtime.condensed": ("Condensed",),
@@ -91,6 +101,7 @@ _HOMES = {
     "mechanics.realtime.modal": ("Modal",),
     "mechanics.realtime.pressed": ("Pressed",),
     "mechanics.realtime.rolling": ("Rolling",),
+    "mechanics.realtime.sliding": ("Sliding",),
     "scene.scene": ("Scene",),
     "studies.receptive_field": ("ReceptiveField", "receptive_field"),
     "studies.study": ("study",),

@@ -25,6 +25,7 @@ ABOUT = suites.ABOUT | {
     "bench-modal": "Speed of modes, harmonic answers and steps with inertia.",
     "bench-neural": "Speed of membranes and units.",
     "bench-recorded": "Speed of the units of recorded: whole series, and in a loop with a finger.",
+    "bench-sliding": "Speed of sliding with and without friction: operator, steps, a scan.",
     "bench-solid": "Speed and iterations of finite strain.",
     "bench-pressed": "Speed of tabulated finite strain: a table, a scene, a step.",
     "calibrated-means": "The finger calibrated on the mean curves of the subjects.",

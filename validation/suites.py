@@ -14,6 +14,7 @@ ABOUT = {
     "fem": "Finite elements against Hertz, exact layers, Ting and closed forms at finite strain.",
     "finger": "Whole fingers: equilibrium, mirror images, and what each assumption of Hertz costs.",
     "condensed": "The condensed finger against the whole mesh that it was reduced from.",
+    "friction": "Sliding and friction: Mindlin, limits, other methods, and what fingers show.",
     "pressed": "Tabulated finite strain carried along motions, against `solid` on the same mesh.",
     "waves": "Inertia and vibration against closed forms, a second method and published fingers.",
     "calibration": "Twins that calibration finds again, and the subjects that were calibrated.",

@@ -29,9 +29,20 @@ class Profile(ABC):
     plane: ClassVar[bool] = False
     """Whether it is a plane."""
 
+    level: ClassVar[bool] = False
+    """Whether its crests reach h = 0 all over a plane."""
+
     @abstractmethod
     def height(self, across: Array) -> Heights:
         """Return h, its slope and its curvature at places `across` (..., 2) mm."""
+
+    def rise(self, across: Array) -> Array:
+        """Return h alone (...,) mm, which a sliding object is asked for at every step."""
+        return self.height(across)[0]
+
+    def incline(self, across: Array) -> Array:
+        """Return the slope of h (..., 2) alone."""
+        return self.height(across)[1]
 
     @property
     def half_axes(self) -> tuple[float, float, float] | None:
@@ -49,6 +60,7 @@ class Plane(Profile):
     """A plane."""
 
     plane = True
+    level = True
 
     def height(self, across: Array) -> Heights:
         """Height of a plane: h = 0."""
@@ -153,21 +165,25 @@ class Grating(Profile):
     h = depth S((|u| - f) / l) from the middle of a ridge to that of a groove, with the smooth step
     S(t) = t³ (10 - 15 t + 6 t²), l the smaller of ridge and groove and f half of what the ridge has
     beyond l: flat tops where ridges are wider than grooves, flat floors where they are narrower.
-    The curvature is continuous. `shift` mm moves the ridges along u.
+    The curvature is continuous. `shift` mm moves the ridges along u. `flank` mm: another l, of at
+    most that; then ridges and grooves are both flat in their middle.
     """
+
+    level = True
 
     period: float
     ridge: float
     depth: float
     shift: float = 0.0
+    flank: float | None = None
 
     def height(self, across: Array) -> Heights:
         """Return h of the ridge or groove that each place is in."""
         u = across[..., 0] - self.shift
         u = u - self.period * np.round(u / self.period)
-        length = min(self.ridge, self.period - self.ridge)
+        length = self.flank or min(self.ridge, self.period - self.ridge)
         t = np.clip((np.abs(u) - (self.ridge - length) / 2) / length, 0.0, 1.0)
-        h = t**3 * (10 - 15 * t + 6 * t**2)
+        h = smooth_step(t)
         slope = np.sign(u) * 30 * t**2 * (1 - t) ** 2 / length
         bend = 60 * t * (1 - t) * (1 - 2 * t) / length**2
         return _lifted(self.depth * h, self.depth * slope, self.depth * bend)
@@ -182,6 +198,8 @@ class Relief(Profile):
     is no surface beyond the outermost samples. h counts from the highest sample, so it is a little
     negative where the spline rises above it.
     """
+
+    level = True
 
     u: Array
     v: Array
@@ -199,6 +217,24 @@ class Relief(Profile):
 
         return RectBivariateSpline(self.u, self.v, self.heights.max() - self.heights)
 
+    @cached_property
+    def _raster(self) -> Any:
+        from fefinger.geometry.raster import Raster
+
+        return Raster.through(self.u, self.v, self.heights.max() - self.heights)
+
+    def rise(self, across: Array) -> Array:
+        """Return h of the spline, compiled where the samples are evenly spaced."""
+        if self._raster is None:
+            return super().rise(across)
+        return np.asarray(self._raster.heights(across))
+
+    def incline(self, across: Array) -> Array:
+        """Return the slope of h, likewise."""
+        if self._raster is None:
+            return super().incline(across)
+        return np.asarray(self._raster.slopes(across))
+
     def height(self, across: Array) -> Heights:
         """Return h of the spline."""
         u, v = np.moveaxis(across, -1, 0)
@@ -210,6 +246,46 @@ class Relief(Profile):
         mixed = part(1, 1)
         bend = np.stack([np.stack([part(2, 0), mixed], -1), np.stack([mixed, part(0, 2)], -1)], -2)
         return np.where(ahead, part(0, 0), np.inf), np.stack([part(1, 0), part(0, 1)], -1), bend
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Tiled(Profile):
+    """A relief that repeats every `period` mm along u and v.
+
+    Its samples cover [0, period] and a margin, in which they are those of the neighbors.
+    """
+
+    level = True
+
+    relief: Relief
+    period: float
+
+    def height(self, across: Array) -> Heights:
+        """Return h of the tile that each place is in."""
+        return self.relief.height(across % self.period)
+
+    def rise(self, across: Array) -> Array:
+        """Return h alone."""
+        return self.relief.rise(across % self.period)
+
+    def incline(self, across: Array) -> Array:
+        """Return the slope of h alone."""
+        return self.relief.incline(across % self.period)
+
+
+def smooth_step(t: Array) -> Array:
+    """Return S(t) = t³ (10 - 15 t + 6 t²), from 0 at t = 0 to 1 at t = 1 without a kink."""
+    return np.asarray(t**3 * (10 - 15 * t + 6 * t**2))
+
+
+STEEPEST_BEND = 10 / 3**0.5
+"""Largest second derivative of S, at t = 1/2 - 1 / sqrt(12)."""
+
+
+def flank_of(edge: float, height: float) -> float:
+    """Length in mm of a step S of `height` mm whose sharpest crest has the radius `edge` mm."""
+    return float(np.sqrt(STEEPEST_BEND * edge * height))
 
 
 def sharpest_radius(profile: Profile, across: Array) -> float:

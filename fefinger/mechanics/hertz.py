@@ -13,7 +13,7 @@ from fefinger.mechanics.evidence.press_mesh import UNKNOWN
 from fefinger.mechanics.evidence.stated_errors import is_measured, measured
 from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.axisymmetric import Array
-from fefinger.mechanics.press.notes import apart, normalized, yielding
+from fefinger.mechanics.press.notes import apart, normalized, sideways, yielding
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -156,6 +156,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 def lacking(case: Situation) -> list[Doubt]:
     """Return the features of a scene that a contact of spheres cannot represent."""
     unable = [*yielding(case.finger), *apart(case.finger), *case.too_long]
+    unable += sideways(case.motion, case.indenter)
     if case.ask.fields:
         reason = "ask.fields: it has no mesh; ask.fields = false leaves them out"
         unable.append(Doubt("ask.fields", reason))

@@ -28,7 +28,8 @@ name = "linear"
 NOTES = (
     "Small strain: the geometry, the surface areas and the tissue stiffness are those of the "
     "undeformed finger; the stiffening of tissue at large strain is left out.",
-    "Frictionless contact with a rigid indenter; the pressure acts along the indenter's normal. "
+    "Contact with a rigid indenter, frictionless unless it has a coefficient of friction; the "
+    "pressure acts along the indenter's normal. "
     "Gaps are closed as weighted means over the facets around each vertex, not at every point.",
     "The whole stress of every soft tissue relaxes with one function G(t); Poisson's ratio is "
     "constant.",
@@ -65,7 +66,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 def too_sharp(case: Situation) -> tuple[Doubt, ...]:
     """Return the doubt that an object is sharper than those the mesh error was measured under."""
     radius, least = case.indenter.least_radius, reports.linear_radius(case)
-    if radius >= least:
+    if radius >= least or case.indenter.raised:
         return ()
     reason = f"radius = {radius:.3g} mm < {least:g} mm: the mesh error is not measured there"
     return (Doubt("indenter.radius", reason),)

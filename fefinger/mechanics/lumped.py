@@ -7,7 +7,7 @@ in `evidence/lumped_law.py`.
 from fefinger.mechanics.evidence.lumped_law import Law, law
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.press.limits import check_reached
-from fefinger.mechanics.press.notes import apart, yielding
+from fefinger.mechanics.press.notes import apart, sideways, yielding
 from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
@@ -57,7 +57,7 @@ PRINTED = (
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return why it should not answer: it gives force alone, as measured under a plate."""
-    unable = _beyond(case.ask)
+    unable = [*_beyond(case.ask), *sideways(case.motion, case.indenter)]
     unable += [*yielding(case.finger), *apart(case.finger)]
     unable += [Doubt("motion", each) for each in too_long(case.motion, fast=False, most=MOST)]
     if case.indenter.hertzian is None:

@@ -12,7 +12,7 @@ from types import ModuleType
 
 from fefinger.mechanics import condensed, pressed
 from fefinger.mechanics.evidence import reports, vibration
-from fefinger.mechanics.press.notes import stiffens, yielding
+from fefinger.mechanics.press.notes import sideways, stiffens, yielding
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
@@ -37,7 +37,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     shared = tuple(replace(refusal, mechanics=name) for refusal in base.refuse(case))
     if any(refusal.about == "ability" for refusal in shared):
         return shared
-    unable = [*yielding(case.finger)]
+    unable = [*yielding(case.finger), *sideways(case.motion, case.indenter)]
     return refusals(name, "ability", unable) + shared + refusals(name, "accuracy", _doubts(case))
 
 

@@ -74,7 +74,7 @@ class Situation:
     @cached_property
     def half(self) -> bool:
         """Whether the scene is its own mirror image, so that half a finger answers it."""
-        return self.indenter.mirrored
+        return self.indenter.mirrored and self.motion.mirrored
 
     @cached_property
     def touch(self) -> float | tuple[float, float] | None:

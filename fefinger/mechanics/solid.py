@@ -10,7 +10,7 @@ from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import reports, solid_cost
 from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import proximal_cut
-from fefinger.mechanics.press.notes import hard
+from fefinger.mechanics.press.notes import hard, sideways
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -50,7 +50,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
     """Return why finite strain should not answer a scene, in the name of a mechanics."""
-    unable = [*case.too_long, *linear.unmeshable(case)]
+    unable = [*sideways(case.motion, case.indenter), *case.too_long, *linear.unmeshable(case)]
     if unable:
         return refusals(mechanics, "ability", unable)
     doubts = [*linear.too_small(case), *linear.unmeasured(case.finger)]

@@ -18,6 +18,7 @@ from fefinger.results.pressure import highest
 from fefinger.results.records import ResultRecord
 from fefinger.support.atomic_write import temporary_folder
 from fefinger.view import (
+    event_plots,
     figures,
     frames,
     harmonic_figure,
@@ -29,7 +30,6 @@ from fefinger.view import (
 
 
 STANDING = (
-    "No sweat, friction or slip: the contact carries pressure only.",
     "No ridges and no papillae: the skin is smooth, and an end organ is a point in it.",
     "One touch: no history of earlier touches, no blood flow, no temperature, no active muscle.",
 )
@@ -56,13 +56,20 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
         plan=result.plan,
         status=result.status,
         stages=page.svg(figures.stages(result)),
-        notes=[*result.notes, *STANDING, *_chance(result)],
+        notes=[*result.notes, *_dry(result), *STANDING, *_chance(result)],
         folder="out",
         fields=result.fields is not None,
         provenance=list(page.flat(result.provenance)),
         toml=result.scene.to_toml(),
     )
     Path(path).write_text(html, encoding="utf-8")
+
+
+def _dry(result: ResultRecord) -> list[str]:
+    """Return a sentence on what of the contact is left out."""
+    if result.lateral is not None and result.lateral.traction is not None:
+        return ["No sweat: friction does not depend on time, speed or the pressure of fluid."]
+    return ["No sweat, friction or slip: the contact carries pressure only."]
 
 
 def _chance(result: ResultRecord) -> list[str]:
@@ -176,6 +183,11 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
         yield _part("contact", "Contact area and centroid", text, figures.contact(result))
     if result.fields is not None:
         yield _section(result)
+    if result.lateral is not None:
+        text = "Path of the object over the pad, and the force with which it pushes along its plane"
+        if result.lateral.stick_area is not None:
+            text = f"{text}; the part of the contact that does not slip, and the work of friction"
+        yield _part("sideways", "Sliding", f"{text}.", event_plots.sideways(result))
     if result.strain is not None and result.sites is not None:
         text = (
             "Largest compressive and tensile principal strain at the end organs; of a population, "
@@ -193,6 +205,8 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
         )
         yield _part("current", "From strain to current", text, figures.currents(result))
         yield _spikes(result)
+        if result.scene.motion.slides and result.spikes.positions is not None:
+            yield from _on_object(result)
 
 
 def _harmonic(found: Harmonic, result: ResultRecord) -> dict[str, Any]:
@@ -225,6 +239,20 @@ def _spikes(result: ResultRecord) -> dict[str, Any]:
     caption = "Mean rates over the whole time, at the units' places, seen along z."
     map_ = {"source": page.svg(unit_figures.rate_map(result)), "caption": caption}
     return part | {"pictures": [map_]}
+
+
+def _on_object(result: ResultRecord) -> Iterator[dict[str, Any]]:
+    """Give the sections on where an object that slides makes units fire."""
+    text = (
+        "Every spike at the place on the object that was over the unit then (spatial event plot), "
+        "in the object's own x and y; darker is lower."
+    )
+    yield _part("events", "Spikes on the object", text, event_plots.events(result))
+    text = (
+        "Mean rate against the place on the object: of units on up to five scan lines (their "
+        "place across the path), and of all. Time in which the object stands does not count."
+    )
+    yield _part("lines", "Rate along the object", text, event_plots.scan_lines(result))
 
 
 def _part(key: str, title: str, text: str, drawn: Any) -> dict[str, Any]:

@@ -77,6 +77,25 @@ LAYOUT: dict[tuple[str, str], Variable] = {
     ("Harmonic", "modes"): Variable(
         "mode_frequency", ("mode",), "Hz", "modes of the finger held by the indenter, relaxed"
     ),
+    ("Lateral", "shift"): Variable(
+        "shift", ("time", "lateral_axis"), "mm", "place of the indenter across its normal"
+    ),
+    ("Lateral", "force"): Variable(
+        "lateral_force", ("time", "lateral_axis"), "N", "force on the finger across the normal"
+    ),
+    ("Lateral", "torque"): Variable(
+        "torque", ("time",), "N mm", "torque on the finger about the normal, of friction"
+    ),
+    ("Lateral", "stick_area"): Variable(
+        "stick_area", ("time",), "mm2", "area of the contact that does not slip"
+    ),
+    ("Lateral", "traction"): Variable(
+        "traction", ("time", "pad", "lateral_axis"), "kPa", "friction on the skin"
+    ),
+    ("Lateral", "slip"): Variable(
+        "slip", ("time", "pad", "lateral_axis"), "mm", "slip of the skin over the indenter"
+    ),
+    ("Lateral", "work"): Variable("friction_work", ("time",), "mJ", "work lost in friction"),
     ("Pad", "points"): Variable("pad_points", ("pad", "axis"), "mm", "points on the pad"),
     ("Pad", "areas"): Variable("pad_areas", ("pad",), "mm2", "area that each pad point stands for"),
     ("Pad", "normals"): Variable("pad_normals", ("pad", "axis"), "1", "outward normals of the pad"),
@@ -144,6 +163,7 @@ COORDINATES = {
     "axis": ("x", "y", "z"),
     "axis_2": ("x", "y", "z"),
     "plane_axis": ("x", "y"),
+    "lateral_axis": ("distal", "radial"),
     "component": ("xx", "yy", "zz", "xy", "yz", "xz"),
     "part": ("real", "imaginary"),
 }
@@ -156,6 +176,7 @@ RECORDS = {"Result": records.ResultRecord} | {
         records.Refusal,
         records.Response,
         Harmonic,
+        records.Lateral,
         records.Pad,
         records.Sites,
         Reference,

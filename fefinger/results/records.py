@@ -1,4 +1,4 @@
-"""Records of a plan and a result: Plan, Rung, Refusal, Response, Pad, Sites, Fields, ResultRecord.
+"""Records of a plan and a result: Plan, Rung, Refusal, Response, its parts, and ResultRecord.
 
 All are frozen. `netcdf` saves and loads a ResultRecord.
 """
@@ -148,6 +148,27 @@ class Sites:
 
 
 @dataclass(frozen=True)
+class Lateral:
+    """What an indenter that moves sideways, or friction, adds to a response.
+
+    Vectors (2,) are along the plane of the indenter: distal, and radial. shift (n_t, 2) mm of the
+    indenter; force (n_t, 2) N on the finger: of friction, and of pressure on inclined heights. With
+    friction: torque (n_t,) N mm on the finger about the indenter's normal through the center of
+    pressure; stick_area (n_t,) mm², the summed area of vertices that stick; traction (n_t, n_pad,
+    2) kPa on the skin; slip (n_t, n_pad, 2) mm of the skin over the indenter since first contact;
+    work (n_t,) mJ that friction has lost.
+    """
+
+    shift: Array
+    force: Array
+    torque: Array | None = None
+    stick_area: Array | None = None
+    traction: Array | None = None
+    slip: Array | None = None
+    work: Array | None = None
+
+
+@dataclass(frozen=True)
 class Fields:
     """Displacement, strain and pressure on the mesh at some of the times.
 
@@ -173,9 +194,9 @@ class Response:
     time (n_t,) s; depth (n_t,) mm; force (n_t,) N on the whole finger along the indenter's
     normal; contact_area (n_t,) mm²; centroid (n_t, 2) mm in x and y, nan without contact; pressure
     (n_t, n_pad) kPa; gap (n_t, n_pad) mm, the distance of the pad from the indenter along the
-    indenter's normal; moment (n_t, 3) N mm of the pressure on the finger about the origin; strain
-    (n_t, n_sites, 3, 3), positive in tension; reference: where spikes are requested, the reference
-    press that scales their strain.
+    indenter's normal; moment (n_t, 3) N mm of the pressure on the finger about the origin; lateral:
+    of an indenter that slides or grips; strain (n_t, n_sites, 3, 3), positive in tension;
+    reference: where spikes are requested, the reference press that scales their strain.
     `seconds`: wall time of each stage; `notes`: simplifications that a reader of the result must
     know; `status`: one sentence on the convergence of the solution; `numbers`: sizes of the
     problem and, on a mesh, the largest penetration of a vertex at the solved times
@@ -203,6 +224,7 @@ class Response:
     gap: Array | None = None
     moment: Array | None = None
     harmonic: Harmonic | None = None
+    lateral: Lateral | None = None
 
     @property
     def inertia(self) -> bool:
@@ -254,6 +276,11 @@ class ResultRecord:
     def centroid(self) -> Array | None:
         """Pressure centroid (n_t, 2) in mm (x, y)."""
         return self.response.centroid
+
+    @property
+    def lateral(self) -> Lateral | None:
+        """Path, lateral force, stick and slip of an indenter that slides or grips."""
+        return self.response.lateral
 
     @property
     def pad(self) -> Pad | None:

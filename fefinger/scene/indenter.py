@@ -1,7 +1,7 @@
 """What an object that touches the finger is: a plate, or an object at a place."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
@@ -44,7 +44,7 @@ class Inclined(Protocol):
 
 @dataclass(frozen=True)
 class Indenter(ABC):
-    """A rigid frictionless object; messages call its fields "indenter.angle" and so on.
+    """A rigid object; messages call its fields "indenter.angle" and so on.
 
     A plate-like one has `angle` and `tilt` and touches the pad wherever it meets it first; others
     have `at`, (x, y) in mm in the contact frame, and move along the normal of the pad there (None:
@@ -54,6 +54,9 @@ class Indenter(ABC):
     What depends on the kind of object is asked of the object: nothing outside `indenters.py` and
     `textured.py` needs to know the classes.
     """
+
+    friction: float = field(default=0.0, kw_only=True, repr=False)
+    """Coulomb's coefficient, static and kinetic."""
 
     kind: ClassVar[str]
     sharp: ClassVar[bool] = False
@@ -123,6 +126,21 @@ class Indenter(ABC):
         return None
 
     @property
+    def feature(self) -> float:
+        """Width in mm of its smallest dot, ridge, groove or stroke; infinite where it has none."""
+        return float("inf")
+
+    @property
+    def raised(self) -> bool:
+        """Whether it is a plate with raised parts whose crests have a stated radius."""
+        return False
+
+    @property
+    def extent(self) -> tuple[tuple[float, float], tuple[float, float]] | None:
+        """Ranges in mm of its own x and y beyond which it ends; None where it goes on."""
+        return None
+
+    @property
     def mirrored(self) -> bool:
         """Whether the object, as placed, is its own mirror image in the medial plane."""
         upright = self.plate is None or self.plate.tilt == 0
@@ -132,6 +150,9 @@ class Indenter(ABC):
     def _set(self, name: str, **limits: Any) -> None:
         value = number(f"indenter.{name}", getattr(self, name), **limits)
         object.__setattr__(self, name, value)
+
+    def _set_friction(self) -> None:
+        self._set("friction", at_least=0)
 
     def _set_roll(self) -> None:
         self._set("roll", at_least=ROLLS[0], at_most=ROLLS[1], unit="degrees")
@@ -149,6 +170,7 @@ class PlateLike(Indenter):
         return Plate(self.angle, self.tilt)
 
     def _set_angles(self) -> None:
+        self._set_friction()
         self._set("angle", at_least=ANGLES[0], at_most=ANGLES[1], unit="degrees")
         self._set("tilt", at_least=TILTS[0], at_most=TILTS[1], unit="degrees")
 
@@ -169,6 +191,7 @@ class Placed(Indenter):
         return replace(self, **changes)
 
     def _set_place(self) -> None:
+        self._set_friction()
         if self.at is not None:
             object.__setattr__(self, "at", numbers("indenter.at", self.at, count=2, unit="mm"))
 

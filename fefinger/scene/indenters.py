@@ -7,6 +7,7 @@ import numpy as np
 
 from fefinger.geometry import profiles
 from fefinger.scene.indenter import Indenter, Placed, Plate, PlateLike, turned
+from fefinger.scene.patterns import Braille, Dots, Letters
 from fefinger.scene.textured import Grating, Relief
 from fefinger.support.checks import numbers
 
@@ -273,5 +274,8 @@ class Pin(Placed):
 
 INDENTERS: dict[str, type[Indenter]] = {
     indenter.kind: indenter
-    for indenter in (Flat, Sphere, Ellipsoid, Cylinder, Bar, Pin, Grating, Relief)
+    for indenter in (
+        *(Flat, Sphere, Ellipsoid, Cylinder, Bar, Pin, Grating, Relief),
+        *(Dots, Braille, Letters),
+    )
 }

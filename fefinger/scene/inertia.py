@@ -59,7 +59,8 @@ def quasistatic(scene: "Scene", time: Array, depth: Array) -> tuple[str, ...]:
     The depth is that of the answer, so that force control is checked too. A jump has no speed.
     """
     step = np.diff(time)
-    speeds = np.abs(np.diff(depth)) / np.where(step > 0, step, np.inf)
+    along = np.linalg.norm(np.diff(scene.motion.shift(time), axis=0), axis=1)
+    speeds = np.hypot(np.diff(depth), along) / np.where(step > 0, step, np.inf)
     speed, wave = float(speeds.max(initial=0.0)), wave_speed(scene.finger)
     frequency = scene.motion.wave_frequency or 0.0
     exceeded = []

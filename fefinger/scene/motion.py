@@ -5,6 +5,7 @@ hold the fields. Messages call the fields "motion.depth" and so on.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import pairwise
@@ -25,6 +26,9 @@ Array = NDArray[np.float64]
 LONGEST = 1e9
 """s: a rest of thirty years, beyond which nothing is learned."""
 
+SAME = 1e-12
+"""Part of the duration by which times of two trajectories are the same but for rounding."""
+
 LIMITS: dict[str, dict[str, Any]] = {
     "speed": {"above": 0, "unit": "mm/s"},
     "loading_rate": {"above": 0, "unit": "N/s"},
@@ -41,6 +45,10 @@ LIMITS: dict[str, dict[str, Any]] = {
     "start": {"above": 0, "unit": "Hz"},
     "stop": {"above": 0, "unit": "Hz"},
     "cycles": {"at_least": 1},
+    "distance": {"above": 0, "unit": "mm"},
+    "direction": {"at_least": -360, "at_most": 360, "unit": "degrees"},
+    "passes": {"at_least": 1, "at_most": 1000},
+    "approach": {"above": 0},
 }
 
 CORNER = 0.01
@@ -73,6 +81,8 @@ class Motion(ABC):
 
     kind: ClassVar[str]
     control: ClassVar[Literal["depth", "force"]]
+    slides: ClassVar[bool] = False
+    """Whether it has a path across the direction of travel."""
 
     @cached_property
     @abstractmethod
@@ -140,9 +150,14 @@ class Motion(ABC):
         return self.peak
 
     @property
+    def paths(self) -> tuple[Trajectory, ...]:
+        """Trajectories in mm of what moves across the direction of travel; none by default."""
+        return ()
+
+    @property
     def duration(self) -> float:
         """Length of the motion in s."""
-        return self.trajectory.duration
+        return max(each.duration for each in (self.trajectory, *self.paths))
 
     @property
     def peak(self) -> float:
@@ -152,17 +167,32 @@ class Motion(ABC):
     @property
     def breaks(self) -> tuple[float, ...]:
         """Times in s at which a derivative jumps, the start and the end among them."""
-        return self.trajectory.breaks
+        every = sorted(t for each in (self.trajectory, *self.paths) for t in each.breaks)
+        apart = np.diff(every, prepend=-np.inf) > (SAME if self.paths else 0.0) * self.duration
+        return tuple(np.array(every)[apart].tolist())
 
     @property
     def moving(self) -> tuple[tuple[float, float], ...]:
         """Intervals (t0, t1) in s in which the depth or the force changes."""
-        return self.trajectory.moving
+        return merged(span for each in (self.trajectory, *self.paths) for span in each.moving)
 
     @property
     def recorded_from(self) -> float:
         """Time in s from which spikes count: after the preparation of an experiment."""
         return 0.0
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether it is its own mirror image in the medial plane."""
+        return True
+
+    def shift(self, t: ArrayLike) -> Array:
+        """Return the place (..., 2) mm of the indenter across its travel at the times `t` in s."""
+        return np.zeros((*np.shape(t), 2))
+
+    def velocity(self, t: ArrayLike) -> Array:
+        """Return its velocity (..., 2) mm/s across its travel at the times `t` in s."""
+        return np.zeros((*np.shape(t), 2))
 
     def value(self, t: ArrayLike) -> Array:
         """Return the depth in mm or the force in N at the times `t` in s."""
@@ -173,6 +203,17 @@ class Motion(ABC):
     def rate(self, t: ArrayLike) -> Array:
         """Return the speed in mm/s or the rate in N/s at the times `t` in s."""
         return self.trajectory.rate(t)
+
+
+def merged(spans: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Union of intervals, sorted; those that touch are one."""
+    union: list[tuple[float, float]] = []
+    for start, stop in sorted(spans):
+        if union and start <= union[-1][1]:
+            union[-1] = (union[-1][0], max(stop, union[-1][1]))
+        else:
+            union.append((start, stop))
+    return tuple(union)
 
 
 def _whole(cycles: float) -> int:
@@ -218,7 +259,7 @@ class RampMotion(Motion):
         return Trajectory.through(times, levels, corner=self.corner, stop=False)
 
 
-def _rest_limit(hold: float) -> tuple[float, ...]:
+def rest_limit(hold: float) -> tuple[float, ...]:
     """Return twice the length of a rest in s, the longest corner before it; none without rest."""
     return (2 * hold,) if hold else ()
 
@@ -231,7 +272,7 @@ class RampHoldMotion(RampMotion):
     @property
     def corner_limits(self) -> tuple[float, ...]:
         """The length of the ramp in s, and twice that of the rest."""
-        return self.top, *_rest_limit(self.hold)
+        return self.top, *rest_limit(self.hold)
 
     @cached_property
     def trajectory(self) -> Trajectory:
@@ -280,7 +321,7 @@ class RampSinusoidMotion(RampMotion):
     @property
     def corner_limits(self) -> tuple[float, ...]:
         """The lengths in s of the ramp and of the sine, and twice that of the rest."""
-        return self.top, *_rest_limit(self.rest), self.periods / self.frequency
+        return self.top, *rest_limit(self.rest), self.periods / self.frequency
 
     @cached_property
     def trajectory(self) -> Trajectory:
@@ -320,7 +361,7 @@ class SweepMotion(RampMotion):
     @property
     def corner_limits(self) -> tuple[float, ...]:
         """The lengths in s of the ramp and of the sine, and twice that of the rest."""
-        return self.top, *_rest_limit(self.settle), self.seconds
+        return self.top, *rest_limit(self.settle), self.seconds
 
     @property
     def frequencies(self) -> Array:

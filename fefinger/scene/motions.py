@@ -17,6 +17,7 @@ from fefinger.scene.motion import (
     SweepMotion,
     TrapezoidMotion,
 )
+from fefinger.scene.sliding import SampledPathMotion, SlideMotion
 from fefinger.support.checks import InputError
 
 
@@ -312,6 +313,79 @@ class ForceSampled(SampledMotion):
     force: tuple[float, ...]
 
 
+@final
+@dataclass(frozen=True)
+class Slide(SlideMotion):
+    """A press of `depth` mm and `passes` of `distance` mm at `speed` mm/s along `direction`.
+
+    `direction` in degrees: 0 moves the object distally, 90 radially; a second pass returns.
+    The press takes `approach` mm/s, and rests for `settle` s before the slide, from which on spikes
+    count. All ramps are rounded by `corner` s.
+    """
+
+    kind = "slide"
+    control = "depth"
+
+    speed: float
+    depth: float
+    _: KW_ONLY
+    distance: float
+    direction: float = 0.0
+    passes: int = 1
+    settle: float = 0.5
+    approach: float = APPROACH
+    corner: float = AS_LONG_AS_FITS
+
+
+@final
+@dataclass(frozen=True)
+class ForceSlide(SlideMotion):
+    """As `Slide`, under a force of `force` N that is taken at `approach` N/s."""
+
+    kind = "force-slide"
+    control = "force"
+
+    speed: float
+    force: float
+    _: KW_ONLY
+    distance: float
+    direction: float = 0.0
+    passes: int = 1
+    settle: float = 0.5
+    approach: float = 5.0
+    corner: float = AS_LONG_AS_FITS
+
+
+@final
+@dataclass(frozen=True)
+class SampledPath(SampledPathMotion):
+    """Places x and y in mm across the travel and depths in mm at times in s, joined by lines."""
+
+    kind = "sampled-path"
+    control = "depth"
+
+    time: tuple[float, ...]
+    corner: float = field(default=0.0, kw_only=True)
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    depth: tuple[float, ...]
+
+
+@final
+@dataclass(frozen=True)
+class ForceSampledPath(SampledPathMotion):
+    """Places x and y in mm across the travel and forces in N at times in s, joined by lines."""
+
+    kind = "force-sampled-path"
+    control = "force"
+
+    time: tuple[float, ...]
+    corner: float = field(default=0.0, kw_only=True)
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    force: tuple[float, ...]
+
+
 MOTIONS: dict[str, type[Motion]] = {
     motion.kind: motion
     for motion in (
@@ -330,5 +404,9 @@ MOTIONS: dict[str, type[Motion]] = {
         ForceTrapezoid,
         ForceSweep,
         ForceSampled,
+        Slide,
+        ForceSlide,
+        SampledPath,
+        ForceSampledPath,
     )
 }

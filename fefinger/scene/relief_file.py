@@ -1,15 +1,64 @@
-"""Reader of relief files: heights on a rectangular grid, as CSV or NPZ."""
+"""Reader of relief files: heights on a rectangular grid, as CSV, NPZ, PNG or STL."""
 
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.support.checks import InputError
+from fefinger.support.checks import InputError, number
 
 
 Numbers = tuple[float, ...]
 COLUMNS = ("x", "y", "height")
+
+
+def read_relief(
+    file: Path, pitch: float | None, height: float | None
+) -> tuple[Numbers, Numbers, tuple[Numbers, ...]]:
+    """Read x, y and heights (n_x, n_y) in mm from a file of any format.
+
+    CSV and NPZ hold their grid, see `read_heights`. A PNG has `pitch` mm between its pixels, x to
+    the right and y upward about its middle, and `height` mm from black to white. An STL (mm, z
+    towards the finger) is sampled every `pitch` mm from its first corner on.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read or used, or pitch or height are missing, or one too many.
+    """
+    kind = file.suffix.lower()
+    needs = {".png": ("pitch", "height"), ".stl": ("pitch",)}.get(kind, ())
+    for name, value in (("pitch", pitch), ("height", height)):
+        if (value is not None) != (name in needs):
+            expected = "a number in mm" if name in needs else "none, which is for PNG and STL"
+            wanted = f"indenter.{name}: expected {expected} with the file {str(file)!r}"
+            msg = f"{wanted}, received {value!r}"
+            raise InputError(msg)
+    if not needs:
+        return read_heights(file)
+    step = number("indenter.pitch", pitch, above=0, unit="mm")
+    if kind == ".png":
+        values = _picture(file) * number("indenter.height", height, above=0, unit="mm")
+        lines = [step * (np.arange(n) - (n - 1) / 2) for n in values.shape]
+    else:
+        from fefinger.geometry.height_map import height_map
+
+        *lines, values = height_map(file, step)
+    rows = tuple(map(tuple, values.tolist()))
+    return tuple(lines[0].tolist()), tuple(lines[1].tolist()), rows
+
+
+def _picture(file: Path) -> NDArray[np.float64]:
+    """Read the gray values (n_x, n_y) of a picture, from 0 to 1."""
+    from matplotlib.image import imread
+
+    try:
+        pixels = np.asarray(imread(file, format="png"), dtype=np.float64)
+    except (OSError, ValueError, SyntaxError) as error:
+        msg = f"indenter.file: cannot read the picture {str(file)!r}: {error}"
+        raise InputError(msg) from None
+    gray = pixels if pixels.ndim == 2 else pixels[..., : min(3, pixels.shape[2])].mean(axis=2)
+    return np.ascontiguousarray(gray[::-1].T)
 
 
 def read_heights(file: Path) -> tuple[Numbers, Numbers, tuple[Numbers, ...]]:

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
+
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
@@ -41,7 +43,13 @@ class Scene:
                 raise InputError(msg)
         self._check_depths()
         self._check_place()
+        self._check_path()
         self._check_duration()
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether it is its own mirror image in the medial plane, so that half a finger does."""
+        return self.indenter.mirrored and self.motion.mirrored
 
     def _check_depths(self) -> None:
         """Check that the motion and the end organs stay within the soft tissue."""
@@ -65,6 +73,24 @@ class Scene:
                 f"{reach[1]:g} mm, received {list(at)}; there the indenter never touches the finger"
             )
             raise InputError(msg)
+
+    def _check_path(self) -> None:
+        """Check that the path stays on the object, as far as the point of first touch goes."""
+        extent = self.indenter.extent
+        if extent is None or not self.motion.slides:
+            return
+        roll = np.radians(self.indenter.turn)
+        x, y = -self.motion.shift(np.array(self.motion.breaks)).T
+        places = (np.cos(roll) * x + np.sin(roll) * y, np.cos(roll) * y - np.sin(roll) * x)
+        for name, range_, place in zip("xy", extent, places, strict=True):
+            low, high = float(place.min()), float(place.max())
+            if low < range_[0] or high > range_[1]:
+                msg = (
+                    f"motion: expected a path on the object, which reaches from {range_[0]:.4g} to "
+                    f"{range_[1]:.4g} mm along its {name}, received one from {low:.4g} to "
+                    f"{high:.4g} mm; take a shorter path, another direction or a larger object"
+                )
+                raise InputError(msg)
 
     def _check_duration(self) -> None:
         """Check that a motion with spikes is short enough for the membranes."""

@@ -10,12 +10,24 @@ import numpy as np
 
 from fefinger.geometry import profiles
 from fefinger.scene.indenter import PlateLike, turned
-from fefinger.scene.relief_file import read_heights
-from fefinger.support.checks import InputError, numbers
+from fefinger.scene.relief_file import read_relief
+from fefinger.support.checks import InputError, number, numbers
 
 
 SAMPLES = 4
 """Least number of samples of a relief in x and in y: as many as a cubic needs."""
+
+
+def check_flank(edge: float, height: float, width: float) -> None:
+    """Raise InputError for an edge so round that its flank is wider than what it bounds."""
+    flank = profiles.flank_of(edge, height)
+    if flank > width:
+        largest = edge * (width / flank) ** 2
+        msg = (
+            f"indenter.edge: expected at most {largest:.3g} mm, which makes its flank as wide as "
+            f"the {width:.3g} mm that it bounds, received {edge:g}"
+        )
+        raise InputError(msg)
 
 
 @final
@@ -25,7 +37,8 @@ class Grating(PlateLike):
 
     `ridge` mm is the width of a ridge at half its height. The middle of a ridge passes through the
     point that the smooth plate would touch first, `shift` mm moves it. `angle` and `tilt` are those
-    of the plate, `roll` turns the ridges in it.
+    of the plate, `roll` turns the ridges in it. `edge` is the radius in mm of the crests; by
+    default ridges are as round as their width, or that of the grooves, allows.
     """
 
     kind = "grating"
@@ -38,6 +51,7 @@ class Grating(PlateLike):
     angle: float = 30.0
     tilt: float = 0.0
     roll: float = 0.0
+    edge: float | None = None
 
     def __post_init__(self) -> None:
         """Check the sizes and the place."""
@@ -45,13 +59,27 @@ class Grating(PlateLike):
         self._set("ridge", above=0, below=self.period, unit="mm")
         self._set("depth", above=0, unit="mm")
         self._set("shift", unit="mm")
+        if self.edge is not None:
+            self._set("edge", above=0, unit="mm")
+            check_flank(self.edge, self.depth, min(self.ridge, self.period - self.ridge))
         self._set_angles()
         self._set_roll()
 
     @property
     def profile(self) -> profiles.Grating:
         """Rounded ridges."""
-        return profiles.Grating(self.period, self.ridge, self.depth, self.shift)
+        flank = None if self.edge is None else profiles.flank_of(self.edge, self.depth)
+        return profiles.Grating(self.period, self.ridge, self.depth, self.shift, flank)
+
+    @property
+    def raised(self) -> bool:
+        """Whether the radius of its crests is stated."""
+        return self.edge is not None
+
+    @property
+    def feature(self) -> float:
+        """Width in mm of a ridge or of a groove, whichever is less."""
+        return min(self.ridge, self.period - self.ridge)
 
     @property
     def narrowest(self) -> float:
@@ -152,6 +180,11 @@ class Relief(PlateLike):
         return f"a rigid relief of {len(self.x)} by {len(self.y)} heights"
 
     @property
+    def extent(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Ranges in mm of x and y on which there are samples."""
+        return (self.x[0], self.x[-1]), (self.y[0], self.y[-1])
+
+    @property
     def mirrored(self) -> bool:
         """False: whether the samples are symmetric is not looked at."""
         return False
@@ -170,7 +203,26 @@ class Relief(PlateLike):
         return cls(tuple(x), tuple(y), tuple(map(tuple, surface.tolist())), **placing)
 
     @classmethod
-    def from_file(cls, file: str | Path, **placing: float) -> Self:
-        """Read x, y and height in mm from a CSV file or an NPZ archive, see `read_heights`."""
-        x, y, heights = read_heights(Path(file))
+    def from_array(cls, heights: Any, pitch: float, **placing: float) -> Self:
+        """Return the relief of heights (n_x, n_y) mm, `pitch` mm apart, with its middle at 0, 0."""
+        pitch = number("indenter.pitch", pitch, above=0, unit="mm")
+        values = np.asarray(heights, dtype=float)
+        if values.ndim != 2:
+            msg = f"indenter.heights: expected an array (n_x, n_y), received shape {values.shape}"
+            raise InputError(msg)
+        x, y = (pitch * (np.arange(n) - (n - 1) / 2) for n in values.shape)
+        rows = tuple(map(tuple, values.tolist()))
+        return cls(tuple(x.tolist()), tuple(y.tolist()), rows, **placing)
+
+    @classmethod
+    def from_file(
+        cls,
+        file: str | Path,
+        *,
+        pitch: float | None = None,
+        height: float | None = None,
+        **placing: float,
+    ) -> Self:
+        """Read x, y and height in mm from CSV, NPZ, PNG or STL, see `read_relief`."""
+        x, y, heights = read_relief(Path(file), pitch, height)
         return cls(x, y, heights, **placing)

@@ -12,7 +12,7 @@ from fefinger.scene.finger import LAYERS, Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS, Flat
 from fefinger.scene.motion import Motion
-from fefinger.scene.motions import MOTIONS, ForceSampled, Sampled
+from fefinger.scene.motions import MOTIONS, ForceSampled, ForceSampledPath, Sampled, SampledPath
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
 from fefinger.scene.textured import Relief
 from fefinger.scene.tissue import Hard, Tissue
@@ -36,9 +36,15 @@ SAMPLES = ("corner", "amplitude", "preload", "settle")
 """Other keys of a motion from a file: the first of CSV, the others of WAV."""
 
 FROM_FILE = {
-    Relief.kind: FileReader(Relief.from_file, "CSV or NPZ", ("angle", "tilt", "roll")),
+    Relief.kind: FileReader(
+        Relief.from_file,
+        "CSV, NPZ, PNG or STL",
+        ("pitch", "height", "angle", "tilt", "roll", "friction"),
+    ),
     Sampled.kind: FileReader(Sampled.from_file, "CSV or WAV", SAMPLES),
     ForceSampled.kind: FileReader(ForceSampled.from_file, "CSV or WAV", SAMPLES),
+    SampledPath.kind: FileReader(SampledPath.from_csv, "CSV", ("corner",)),
+    ForceSampledPath.kind: FileReader(ForceSampledPath.from_csv, "CSV", ("corner",)),
 }
 """Kinds of indenters and motions that can be read from the `file` of their table."""
 

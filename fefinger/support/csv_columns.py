@@ -1,4 +1,4 @@
-"""Two named columns of numbers from a CSV file."""
+"""Named columns of numbers from a CSV file."""
 
 import csv
 import re
@@ -7,11 +7,13 @@ from pathlib import Path
 from fefinger.support.checks import InputError
 
 
-UNITS = {"time": "s", "depth": "mm", "force": "N"}
+UNITS = {"time": "s", "depth": "mm", "force": "N", "x": "mm", "y": "mm"}
+
+COUNTS = {2: "two", 4: "four"}
 
 
-def read_columns(field: str, file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], ...]:
-    """Read two columns of a CSV file whose header has `names`, alone or followed by their UNITS.
+def read_columns(field: str, file: Path, names: tuple[str, ...]) -> tuple[tuple[float, ...], ...]:
+    """Read columns of a CSV file whose header has `names`, alone or followed by their UNITS.
 
     Raises
     ------
@@ -25,22 +27,27 @@ def read_columns(field: str, file: Path, names: tuple[str, str]) -> tuple[tuple[
         msg = f"{field}: cannot read {str(file)!r}: {error}"
         raise InputError(msg) from None
     head = [cell.strip().lower() for cell in rows[0]] if rows else []
-    if len(head) != 2 or not all(map(_named, head, names)):
+    if len(head) != len(names) or not all(map(_named, head, names)):
         units = ", ".join(f"{name} in {UNITS[name]}" for name in names)
         msg = (
             f"{field}: expected the first line of {str(file)!r} to be '{','.join(names)}', and no "
             f"other column, {units}, received {','.join(rows[0]) if rows else 'an empty file'!r}"
         )
         raise InputError(msg)
-    table: list[tuple[float, float]] = []
+    table: list[tuple[float, ...]] = []
     for count, row in enumerate(rows[1:], start=1):
         try:
-            first, second = map(float, row)
+            values = tuple(map(float, row))
         except ValueError:
-            msg = f"{field}: row {count} of {str(file)!r}: expected two numbers, received {row}"
-            raise InputError(msg) from None
-        table.append((first, second))
-    return tuple(row[0] for row in table), tuple(row[1] for row in table)
+            values = ()
+        if len(values) != len(names):
+            wanted = COUNTS[len(names)]
+            msg = (
+                f"{field}: row {count} of {str(file)!r}: expected {wanted} numbers, received {row}"
+            )
+            raise InputError(msg)
+        table.append(values)
+    return tuple(tuple(row[k] for row in table) for k in range(len(names)))
 
 
 def _named(head: str, name: str) -> bool:

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fefinger.geometry.profiles import Profile, frame
+from fefinger.geometry.profiles import Plane, Profile, frame
 from fefinger.results.records import Array, ResultRecord
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
@@ -74,8 +74,24 @@ class Pose(NamedTuple):
         return places[np.isfinite(places).all(axis=1)][:, [0, 2]]
 
 
-def pose(result: ResultRecord, depth: float) -> Pose:
-    """Return the pose of the indenter after `depth` mm of travel."""
+def pose(result: ResultRecord, depth: float, time: float | None = None) -> Pose:
+    """Return the pose of the indenter after `depth` mm of travel.
+
+    One that slides is where it is at a time in s; without a time, where pictures have no shape for
+    each frame, it is the plane through its crests.
+    """
+    first = _first(result, depth)
+    if result.lateral is None or not result.scene.motion.slides:
+        return first
+    if time is None:
+        return first._replace(profile=Plane()) if first.profile.level else first
+    shift = result.lateral.shift
+    moved = np.array([np.interp(time, result.time, shift[:, k]) for k in (0, 1)])
+    return first._replace(origin=first.origin + moved @ frame(first.axis)[:2])
+
+
+def _first(result: ResultRecord, depth: float) -> Pose:
+    """Return the pose of the indenter at its first place."""
     indenter = result.scene.indenter
     plate, roll = indenter.plate, indenter.turn
     if plate is not None:

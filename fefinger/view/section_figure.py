@@ -15,6 +15,7 @@ from fefinger.results.records import Array, Integers, ResultRecord
 from fefinger.view import figures, frames, indenter_pose, quantities
 
 
+REACH = 30.0  # mm of the indenter on both sides of the finger
 MARGIN = 1.2  # mm about the section
 CLOSE = 4.5  # mm: half the width of the close view
 OFF_PLANE = 0.5  # mm: end organs farther than this from the section are drawn hollow
@@ -73,11 +74,17 @@ def medial(result: ResultRecord, field: str, frame: int) -> Medial:
         values=values,
         outlines=cut.outlines(),
         span=quantities.span([values[np.unique(cut.triangles[soft])]], field),
-        indenter=indenter_pose.pose(result, depth).outline(30.0),
+        indenter=_outline(result, depth, time),
         organs=_organs(result, rest, moved),
         field=field,
         title=f"t = {time:.4g} s, depth {depth:.3g} mm",
     )
+
+
+def _outline(result: ResultRecord, depth: float, time: float) -> Array:
+    """Return the outline of the indenter at a time, also of a part of it far from its origin."""
+    pose = indenter_pose.pose(result, depth, time)
+    return pose.outline(REACH + float(np.linalg.norm(pose.origin)))
 
 
 def _organs(result: ResultRecord, rest: Array, moved: Array) -> list[tuple[Array, str, str, bool]]:

@@ -225,6 +225,13 @@ def test_it_is_taken_where_inertia_matters_and_not_otherwise(
     assert ff.choose(builtin.load(name, changes)).mechanics == chosen
 
 
+def test_it_neither_slides_nor_rubs() -> None:
+    rough = dataclasses.replace(
+        scene(ff.RampHold(20, 0.5, hold=0.1)), indenter=ff.Flat(30, friction=0.5)
+    )
+    assert any(refusal.about == "ability" for refusal in modal.refuse(Situation.of(rough)))
+
+
 def test_the_error_of_statics_grows_with_frequency_and_speed() -> None:
     errors = []
     for frequency in (2.0, 20.0, 60.0, 200.0):

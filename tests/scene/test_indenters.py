@@ -36,6 +36,9 @@ OBJECTS = [
     ff.Pin(1.0, at=(0.2, 0.1)),
     ff.Grating(3.0, 1.0, 0.5, shift=0.1 + 0.2, angle=20, tilt=5, roll=45),
     RELIEF,
+    ff.Dots(2.5, diameter=0.8, arrangement="random", seed=3, roll=20),
+    ff.Braille("ab", start=-1 / 3),
+    ff.Letters("O", size=5, angle=20),
 ]
 EXTENT = {"pressure": False, "strain": False, "fields": False}
 
@@ -152,6 +155,9 @@ ANSWERS = {
     "bar": (ff.Bar(3, 0.7, at=(0, 1)), None, None, (0, 1), 0, None, None, 0.7),
     "pin": (ff.Pin(1, at=(0, 1)), None, None, (0, 1), 0, None, None, 0.2),
     "grating": (ff.Grating(3, 1, 0.5, roll=10), (30, 0), None, None, 10, None, None, 0.346),
+    "dots": (ff.Dots(3, edge=0.2, roll=10), (30, 0), None, None, 10, None, None, 0.2),
+    "braille": (ff.Braille("a", angle=20), (20, 0), None, None, 0, None, None, 0.25),
+    "letters": (ff.Letters("I", edge=0.1), (30, 0), None, None, 0, None, None, 0.1),
     "relief": (ff.Relief.of(dots, FINE, FINE, angle=9), (9, 0), None, None, 0, None, None, 1.14),
 }
 """Of every kind an object, with its plate, flat, place, turn, hertzian radii, ball and least
@@ -165,7 +171,7 @@ def test_an_object_answers_for_itself(kind: str) -> None:
     assert (one.plate, one.flat, one.place, one.turn) == (plate, flat, place, turn)
     assert (one.hertzian, one.ball_radius) == (hertzian, ball)
     assert one.least_radius == pytest.approx(least, rel=0.05)
-    assert one.sharp == (kind in {"bar", "pin", "grating", "relief"})
+    assert one.sharp == (kind in {"bar", "pin", "grating", "relief", "dots", "braille", "letters"})
     assert one.profile.plane == (kind == "flat")
     assert one.describe().startswith("a rigid ")
 
@@ -187,7 +193,8 @@ def test_every_kind_is_a_final_class_with_one_line_of_bases(kind: str) -> None:
 
 def test_nothing_outside_its_file_looks_at_the_class_of_an_indenter_or_a_motion() -> None:
     expected = {cls.__name__ for cls in (*INDENTERS.values(), *MOTIONS.values())}
-    expected |= {"Indenter", "PlateLike", "Placed", "Motion", "SampledMotion"}
+    expected |= {"Indenter", "PlateLike", "Placed", "Raised", "Text"}
+    expected |= {"Motion", "SampledMotion", "SlideMotion", "SampledPathMotion"}
     seen = []
     for room in ("fefinger", "validation"):
         for file in (Path(__file__).parents[2] / room).rglob("*.py"):

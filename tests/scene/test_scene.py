@@ -37,6 +37,9 @@ MOTION_VALUES = {
     "seconds": 1 / 7,
     "start": 40 / 3,
     "stop": 700 / 3,
+    "distance": 10 / 3,
+    "direction": 100 / 3,
+    "approach": 10 / 7,
 }
 
 
@@ -44,6 +47,8 @@ def motion_of(kind):
     cls = MOTIONS[kind]
     if kind in ("sampled", "force-sampled"):
         return cls((0, ODD, 2 / 3), (0, 1 / 3, ODD))
+    if cls.kind.endswith("sampled-path"):
+        return cls((0, ODD, 2 / 3), (0, -ODD, 1 / 7), (0, 0, 1 / 3), (0, 1 / 3, ODD))
     names = set(cls.__dataclass_fields__) & set(MOTION_VALUES)
     return cls(**{name: MOTION_VALUES[name] for name in names})
 

@@ -1,1 +1,1 @@
-"""Frictionless contact: obstacles, gaps, complementarity, and its viscoelastic history."""
+"""Contact: obstacles, gaps, complementarity, friction, and its viscoelastic history."""

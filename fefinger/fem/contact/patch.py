@@ -215,6 +215,16 @@ def patch(
     )
 
 
+def directed(space: Space, on: Patch, direction: Array) -> sparse.csc_matrix:
+    """Return unit loads (n_unknowns, n) of the hats of a patch along one direction (3,)."""
+    part = trace(space, on.triangles)
+    column = np.full(len(space.points), -1, dtype=np.int64)
+    column[on.vertices] = np.arange(len(on.vertices))
+    hats = part.linear[None] * part.weights[:, None, :]
+    along = np.broadcast_to(direction, part.places.shape)
+    return _loads(space, part, hats, along, column[part.triangles], len(on.vertices))
+
+
 def neighborhood(
     space: Space,
     triangles: Integers,

@@ -10,6 +10,7 @@ is linear the integral is exact: p = g q + h, with g and h from one exponential 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.elements.spaces import Array
@@ -21,17 +22,39 @@ CORRECTIONS = 60  # Newton or bisection steps on the depth under force control
 
 
 @dataclass(frozen=True)
+class Sliding:
+    """What a contact through time has besides its pressure, where the obstacle moves sideways.
+
+    shift (n_t, 2) mm of the obstacle across its axis; slopes (n_t, 2) mN: the force on the meshed
+    part with which pressure on inclined heights pushes along these two directions. With friction:
+    traction (n_t, 2, n) kPa on the skin, slip (n_t, 2, n) mm of the skin over the obstacle, summed
+    since first contact, sticking (n_t, n), lost (n_t,) uJ: the work of friction so far, and cone:
+    the largest distance of a traction from Coulomb's law, over the largest pressure.
+    """
+
+    shift: Array
+    slopes: Array
+    traction: Array | None = None
+    slip: Array | None = None
+    sticking: NDArray[np.bool_] | None = None
+    lost: Array | None = None
+    cone: float = 0.0
+
+
+@dataclass(frozen=True)
 class History:
     """Contact through time.
 
     depth (n_t,) mm, pressure (n_t, n) kPa the contact pressure p, elastic (n_t, n) kPa the elastic
-    pressure q; exchanges counts the contact solutions.
+    pressure q, followed by both components of the elastic traction where there is friction
+    (n_t, 3n); exchanges counts the contact solutions; sliding: of an obstacle that moves sideways.
     """
 
     depth: Array
     pressure: Array
     elastic: Array
     exchanges: int
+    sliding: Sliding | None = None
 
 
 class Relaxation:

@@ -108,7 +108,7 @@ def objects() -> Mapping[str, Indenter]:
 
 
 def _object(fields: Mapping[str, Any]) -> Indenter:
-    given = {
+    given: dict[str, Any] = {
         key: tuple(value) if isinstance(value, list) else value
         for key, value in fields.items()
         if key != "kind"

@@ -40,6 +40,14 @@ against the standard one, -65 % at 0.3 facets, 10 % at 0.5, -1 to -3 % at 0.8 to
 SOLID_SUBJECT = "a.h."
 """The subject on whose finger the errors of `solid` and `linear` are measured."""
 
+RAISED = {"coarse": 0.30, "standard": 0.13, "fine": 0.08}
+"""Error of the mean force on raised dots 0.7 mm wide that are scanned, by the mesh: against that
+extrapolated from all three; letters and Braille have wider parts and err less (validation/friction,
+`mesh.py`)."""
+
+GRIPPING = 10.0
+"""Time of a step with friction over one without, of the cases of the bench `sliding`."""
+
 LAYERED_PRESSES = {"sphere-2": 2.0, "sphere-5": 5.0, "flat-30": float("inf")}
 """Objects under which `layered` was measured against `linear`, and their radii in mm."""
 
@@ -86,7 +94,7 @@ def _spent(report: str, mechanics: Candidate, case: Situation, bodies: float) ->
     seconds = partial(_seconds, report, replace(mechanics, resolution=case.mesh))
     setup, fields = seconds("setup"), seconds("fields")
     spent = bodies * (setup + fields if case.ask.fields else setup)
-    spent += len(case.times) * seconds("step")
+    spent += len(case.times) * seconds("step") * (GRIPPING if case.indenter.friction else 1.0)
     return spent + case.changes * seconds("area") if case.ask.pressure else spent
 
 
@@ -162,6 +170,8 @@ def _mesh_error(report: str, mechanics: Candidate, case: Situation) -> tuple[flo
     The press is the one next to the scene's: by angle for a plate, by the smallest radius for a
     round indenter. A small error may be by chance; infinite where the mesh is too coarse for it.
     """
+    if case.indenter.raised:
+        return RAISED[case.mesh], "raised parts as of reports/friction.json"
     finer = RESOLUTIONS[RESOLUTIONS.index(case.mesh) :]
     candidates = [replace(mechanics, resolution=name) for name in finer]
     rows = [table.table().presses(report, MESH_ERROR, candidate) for candidate in candidates]

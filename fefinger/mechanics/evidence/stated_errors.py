@@ -121,7 +121,8 @@ def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> 
     if own is not None:
         return Known(own.error, own.source)
     finite = MECHANICS[candidate.mechanics].finite
-    if not finite and not (case.measured_tissue and case.place is None):
+    raised = case.indenter.raised  # measured while they slide, by `reports.RAISED`
+    if not finite and (raised or not (case.measured_tissue and case.place is None)):
         return None
     found = press_mesh.error(candidate, case, quantity)
     steps = _rule(f"error of time steps, {quantity}", Candidate(candidate.mechanics))

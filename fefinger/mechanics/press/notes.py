@@ -2,6 +2,8 @@
 
 from fefinger.mechanics.refusals import Doubt
 from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.motion import Motion
 from fefinger.scene.tissue import Hard
 from fefinger.support.vocabulary import EXPONENTIAL
 from fefinger.theory.relaxation import Prony
@@ -77,6 +79,18 @@ def yielding(finger: Finger) -> tuple[Doubt, ...]:
     if finger.nail is not None:
         reason = "finger.nail: set, but it takes the nail as held with the bone"
         doubts.append(Doubt("finger.nail", reason))
+    return tuple(doubts)
+
+
+def sideways(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
+    """List what of a scene is not a frictionless press along one direction."""
+    doubts = []
+    if motion.slides:
+        reason = f"motion.kind = {motion.kind!r}: its indenter does not move sideways"
+        doubts.append(Doubt("motion.kind", reason))
+    if indenter.friction > 0:
+        reason = f"indenter.friction = {indenter.friction:g} > 0: its contact is frictionless"
+        doubts.append(Doubt("indenter.friction", reason))
     return tuple(doubts)
 
 

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Self
 
+import numpy as np
+
 from fefinger.fem.body import Body, Reduced, Solid
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.linalg.system import System
@@ -39,6 +41,13 @@ GROW = 1.4  # factor on the reach when contact meets the border of the candidate
 ATTEMPTS = 4
 
 
+AROUND = 4.0  # mm about first touch in which facets are measured
+
+
+FACETS_PER_FEATURE = 1.5
+"""Width of a dot, ridge or groove over a facet below which a texture is too fine, a convention."""
+
+
 @dataclass(frozen=True)
 class SolutionMethod:
     """How a mechanics builds a body and solves it.
@@ -71,8 +80,9 @@ class Press:
     obstacle: the indenter at first touch; standard: whether that is the standard plate; motion, and
     time (n_t,) s of the answer; sites: the end organs whose strain is wanted, if any; reference:
     the press that scales that strain, where spikes are wanted; pressure, fields: whether they are
-    wanted; notes: the simplifications that a reader of the answer has to know; foreseen: a first
-    guess in mm of the largest depth under force control, where there is one.
+    wanted; notes: the simplifications that a reader of the answer has to know; friction: Coulomb's
+    coefficient; foreseen: a first guess in mm of the largest depth under force control, where there
+    is one.
     """
 
     mechanics: str
@@ -89,6 +99,7 @@ class Press:
     pressure: bool
     fields: bool
     notes: tuple[str, ...]
+    friction: float = 0.0
     foreseen: float | None = None
 
     @classmethod
@@ -114,7 +125,7 @@ class Press:
         finger, ask, motion = scene.finger, scene.ask, scene.motion
         with stages.stage("mesh"):
             # Scenes that are their own mirror image are solved on half a finger.
-            half = scene.indenter.mirrored
+            half = scene.mirrored
             touch, long = method.touch(scene.indenter), continued(finger, scene.indenter, motion)
             mesh = load_or_build(finger, half=half, touch=touch, continued=long)
         with stages.stage("factor") as report:
@@ -132,15 +143,26 @@ class Press:
             body=body,
             finger=finger,
             obstacle=obstacle,
-            standard=scene.indenter == STANDARD,
+            standard=scene.indenter == STANDARD and not motion.slides,
             motion=motion,
             time=time_grid(motion, fast="FAII" in ask.spikes, refine=refine),
             sites=sites,
             reference=reference_plate(finger, body, ask) if ask.spikes else None,
             pressure=ask.pressure,
             fields=ask.fields,
-            notes=(*notes, *of_finger(finger), *mesh.quality.get("notes", ())),
+            notes=(
+                *notes,
+                *of_finger(finger),
+                *mesh.quality.get("notes", ()),
+                *too_fine(scene.indenter, motion, body, obstacle),
+            ),
+            friction=scene.indenter.friction,
         )
+
+    @property
+    def slides(self) -> bool:
+        """Whether the indenter moves sideways, or friction resists that the skin does."""
+        return self.motion.slides or self.friction > 0
 
     @property
     def expected_depth(self) -> float:
@@ -167,6 +189,25 @@ class Press:
         """A unit of the motion, mm or N, as the solvers count: in mm, or mN on the meshed part."""
         by_depth = self.motion.control == "depth"
         return 1.0 if by_depth else 1 / NEWTON_PER_MILLINEWTON / self.sides
+
+
+def too_fine(
+    indenter: Indenter, motion: Motion, body: Solid, obstacle: Obstacle
+) -> tuple[str, ...]:
+    """Warn of a texture that slides and is finer than the facets of the pad can follow."""
+    if not (motion.slides and np.isfinite(indenter.feature)):
+        return ()
+    corners = body.space.points[body.pad]
+    near = np.linalg.norm(corners.mean(axis=1) - obstacle.origin, axis=1) < AROUND
+    facet = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)[near].mean())
+    part = indenter.feature / facet
+    if part >= FACETS_PER_FEATURE:
+        return ()
+    return (
+        f"Warning: the texture is finer than the mesh resolves, its smallest part / facet = "
+        f"{indenter.feature:.2g} / {facet:.2g} mm = {part:.2g} < {FACETS_PER_FEATURE:g}: it is "
+        "averaged over each facet; take a finer mesh (finger.resolution) or a coarser texture.",
+    )
 
 
 def reference_plate(finger: Finger, body: Solid, ask: Ask) -> ReferencePlate:

@@ -1,5 +1,7 @@
 """The Response of a finite-element press, from its solved contact."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from fefinger.fem.body import Body, Solid
@@ -7,6 +9,7 @@ from fefinger.fem.contact.contact_area import CandidateSurface
 from fefinger.fem.elements.probe import tensors
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.mechanics.press import sliding
 from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_fields
 from fefinger.mechanics.press.history import TANGENT_SOLVER, FiniteStrainHistory, SmallStrainHistory
 from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
@@ -26,16 +29,21 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         pad, column = whole_pad(press.body, on_pad.neighborhood)
         pressure = on_seen(contact.pressure, on_pad.neighborhood)[:, column]
         displacement = contact.elastic @ history.reduced.normal_displacement.T
+        if press.motion.slides:
+            on_pad = replace(on_pad, distance=sliding.distances(press, on_pad))
         gap = on_pad.clearance(contact.depth, displacement)[:, column]
         area = middle = moment = None
         if press.pressure:
             surface = CandidateSurface(
                 pad.points, pad.triangles, press.obstacle.axis, press.obstacle
             )
-            area, middle = surface.area(pressure > 0, gap), centroid(pad, pressure)
+            moves = press.motion.slides and not press.obstacle.profile.plane
+            area = (pressure > 0) @ pad.areas if moves else surface.area(pressure > 0, gap)
+            middle = centroid(pad, pressure)
             moment = whole_moment(contact.pressure @ on_pad.moment, half)
         force = press.sides * contact.pressure @ on_pad.projected * NEWTON_PER_MILLINEWTON
         strain = _small_strain(press, history)
+        beside = sliding.lateral(press, history, pad, column) if press.slides else None
     penetration = inside(gap)
     return Response(
         mechanics=press.mechanics,
@@ -52,7 +60,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         fields=fields,
         status=f"Solved: {contact.exchanges} contact solutions with {exact(penetration)}.",
         seconds=stages.seconds,
-        notes=(*press.notes, *gave_way(press.body)),
+        notes=(*press.notes, *gave_way(press.body), *sliding.notes(press, history)),
         numbers={
             "unknowns": press.body.space.n_unknowns,
             "candidates": len(on_pad.vertices),
@@ -62,6 +70,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         sources=origins(press.mesh, press.body, stages),
         gap=gap if press.pressure else None,
         moment=moment,
+        lateral=beside,
     )
 
 

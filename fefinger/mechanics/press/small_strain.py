@@ -8,13 +8,13 @@ from collections.abc import Callable
 import numpy as np
 
 from fefinger.fem.body import Body, Reduced, body, reduce
-from fefinger.fem.contact.patch import patch
+from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.step_compiled import march
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import limits, placement, problem
+from fefinger.mechanics.press import limits, placement, problem, sliding
 from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.hard_parts import fixed_facets, with_nail
@@ -108,7 +108,7 @@ def touched(
         As `solve`.
     """
     advance = advance or _quasistatic
-    body, motion, method = press.body, press.motion, press.method
+    body, motion = press.body, press.motion
     where = press.sites.points if press.sites else np.empty((0, 3))
     where = mirror.to_half(where) if body.half else where
     probe = recovered_strain_at(body.space, where, body.planes)
@@ -116,10 +116,10 @@ def touched(
     prescribed = Prescribed(motion.control, press.time, value)
     reach = problem.REACH * press.expected_depth
     for rings in range(problem.ATTEMPTS):
-        candidates = patch(body.space, body.pad, body.normals, press.obstacle, reach, rings)
+        candidates = _candidates(press, reach, rings)
         limits.check_under(motion, len(candidates.vertices))
         with stages.stage("unit loads") as report:
-            reduced = method.reduce(body, candidates, probe, report)
+            reduced = sliding.reduced_to(press, candidates, where, probe, report)
         with stages.stage("contact") as report:
             history = advance(press, reduced, prescribed, report)
         deepest = float(history.depth.max())
@@ -136,9 +136,22 @@ def touched(
     raise ConvergenceError(limits.spread_beyond(reach))
 
 
+def _candidates(press: Press, reach: float, rings: int) -> Patch:
+    """Return the patch of a press, with `rings` of vertices around those within the reach in mm."""
+    body, obstacle = press.body, press.obstacle
+    if not press.slides:
+        return patch(body.space, body.pad, body.normals, obstacle, reach, rings)
+    return sliding.candidates(
+        body, obstacle, press.motion.shift(press.time), reach / problem.REACH, rings
+    )
+
+
 def _quasistatic(
     press: Press, reduced: Reduced, prescribed: Prescribed, report: Callable[[float], None]
 ) -> History:
-    prony, on_pad = press.finger.prony, reduced.patch
-    relaxation = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
-    return march(reduced.flexibility, on_pad.gap, on_pad.projected, relaxation, prescribed, report)
+    """Solve the contact of a reduced body at all times, without inertia."""
+    prony, on = press.finger.prony, reduced.patch
+    relaxation = Relaxation(np.array(prony.weights), np.array(prony.v), len(on.vertices))
+    if press.slides:
+        return sliding.solved(press, reduced, relaxation, prescribed, report)
+    return march(reduced.flexibility, on.gap, on.projected, relaxation, prescribed, report)

@@ -114,7 +114,7 @@ class Condensed:
         self._state = lcp_compiled.lcp_state(reduced.flexibility)
         gap, areas = self.patch.gap, self.patch.projected
         self._memory = step_compiled.pad_state(gap, areas, weights, np.array(prony.v), tolerance)
-        self.output = _output(solid, reduced, self.sites.points, precision)
+        self.output = step_output(solid, reduced, self.sites.points, precision)
         nothing = np.empty((len(areas), 0), dtype=self.output.rows.dtype)
         self._without = self.output._replace(rows=nothing, strain=nothing[0])
         strain = self.output.strain.reshape(-1, 6)
@@ -353,7 +353,9 @@ def unfolded(solid: Solid, points: Array, strain: Array) -> Array:
     return signs.reshape(-1, 1) * strain
 
 
-def _output(solid: Solid, reduced: Reduced, points: Array, precision: str) -> step_compiled.Output:
+def step_output(
+    solid: Solid, reduced: Reduced, points: Array, precision: str
+) -> step_compiled.Output:
     """Allocate the quantities of every step: those on the pad, and the strain at points (n, 3)."""
     on_pad, count = reduced.patch, len(reduced.patch.vertices)
     pad, column = whole_pad(solid, on_pad)

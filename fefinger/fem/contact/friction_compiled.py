@@ -1,0 +1,485 @@
+"""Compiled contact with Coulomb friction: pressure and traction that fit a flexibility.
+
+Of every vertex the pressure is p >= 0 with the gap w >= 0, p w = 0, and the traction t in the plane
+of contact has |t| <= mu p, with t = -mu p s / |s| wherever the vertex slips by s. Both are
+projections, p = max(0, p - w / a) and t = P(t - s / b) on the disc of radius mu p (Alart and
+Curnier, Comput. Methods Appl. Mech. Eng. 92:353, 1991). A semi-smooth Newton method solves for the
+iterate that they do not change; sweeps over the vertices that apply one after the other (block
+Gauss-Seidel) come before each step, and take over where no part of it comes closer. The distance
+from both projections is the residual.
+
+Vectors of 3n have the pressures first, then the tractions along x, then those along y. The vertices
+in question are compressed into a block with three rows for each of them.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from fefinger.fem.contact.lcp_compiled import DONE, ENDLESS, SINGULAR, accumulate
+from fefinger.fem.elements.spaces import Array, Integers
+
+
+CONE = 1e-10  # residual that counts as none, over the largest pressure
+ITERATIONS = 200
+SMOOTHING = 10  # sweeps where no part of a Newton step comes closer
+SHORTEST = 1 / 16  # part of a Newton step
+FALLING = 0.2  # part of the residual that a step with an inverse leaves, or it is dropped
+REFRESHED = 8  # steps with an inverse after which it is computed anew, the next time
+ROUNDS = 60  # of vertices that join
+
+KINDS = 5  # of unknowns
+
+K, SOLVED, SWEPT, KEPT, INVERTED = 0, 1, 2, 3, 4
+"""Indices of `FrictionState.counts`: vertices in the block; Newton steps, and sweeps; unknowns of
+the last matrix, and whether its inverse is at hand."""
+
+
+class FrictionState(NamedTuple):
+    """State of the contact problem with friction: F x + b against both projections.
+
+    flexibility F (3n, 3n); mu (1,); x and moved = F x (3n,); block (3n, 3n): rows of the vertices
+    `where` (n,) in question, whose position is `place` (n,) or -1; compressed, constant and rest
+    (3n,): x, b and F x + b of the block; before and start (3n,): ends of a Newton step; vertex and
+    extra (3n,), column and row (3n, 3), code and kept (3n,): its unknowns, and those of the last
+    matrix, with its inverse (3n, 3n); counts (5,); residual (1,): of the last
+    solution; chosen and factor (3n,): work; saved (2, 3n) and saved_where (n + 1,): x, moved and
+    the vertices at the last `save`.
+    """
+
+    flexibility: Array
+    mu: Array
+    x: Array
+    moved: Array
+    block: Array
+    where: Integers
+    place: Integers
+    compressed: Array
+    constant: Array
+    rest: Array
+    before: Array
+    start: Array
+    vertex: Integers
+    extra: Array
+    column: Array
+    row: Array
+    code: Integers
+    kept: Integers
+    inverse: Array
+    counts: Integers
+    residual: Array
+    chosen: Integers
+    factor: Array
+    saved: Array
+    saved_where: Integers
+
+
+def friction_state(flexibility: Array, mu: float) -> FrictionState:
+    """Allocate the state of a flexibility (3n, 3n) and a coefficient, without contact."""
+    n = len(flexibility) // 3
+    return FrictionState(
+        flexibility=np.array(flexibility, order="C"),
+        mu=np.array([mu], dtype=np.float64),
+        x=np.zeros(3 * n),
+        moved=np.zeros(3 * n),
+        block=np.zeros((3 * n, 3 * n)),
+        where=np.zeros(n, dtype=np.int64),
+        place=np.full(n, -1, dtype=np.int64),
+        compressed=np.zeros(3 * n),
+        constant=np.zeros(3 * n),
+        rest=np.zeros(3 * n),
+        before=np.zeros(3 * n),
+        start=np.zeros(3 * n),
+        vertex=np.zeros(3 * n, dtype=np.int64),
+        extra=np.zeros(3 * n),
+        column=np.zeros((3 * n, 3)),
+        row=np.zeros((3 * n, 3)),
+        code=np.zeros(3 * n, dtype=np.int64),
+        kept=np.zeros(3 * n, dtype=np.int64),
+        inverse=np.zeros((3 * n, 3 * n)),
+        counts=np.zeros(5, dtype=np.int64),
+        residual=np.zeros(1),
+        chosen=np.zeros(3 * n, dtype=np.int64),
+        factor=np.zeros(3 * n),
+        saved=np.zeros((2, 3 * n)),
+        saved_where=np.zeros(n + 1, dtype=np.int64),
+    )
+
+
+@njit(cache=True)
+def release(s: FrictionState) -> None:
+    """Reset to the state without contact."""
+    s.place[:] = -1
+    s.counts[:] = 0
+    s.x[:] = 0.0
+    s.moved[:] = 0.0
+
+
+@njit(cache=True)
+def save(s: FrictionState) -> None:
+    """Save the present solution."""
+    s.saved[0], s.saved[1] = s.x, s.moved
+    s.saved_where[0] = s.counts[K]
+    s.saved_where[1:] = s.where
+
+
+@njit(cache=True)
+def restore(s: FrictionState) -> None:
+    """Restore the saved solution and its vertices."""
+    s.place[:] = -1
+    s.counts[K] = 0
+    for i in range(s.saved_where[0]):
+        _join(s, s.saved_where[1 + i])
+    s.x[:], s.moved[:] = s.saved[0], s.saved[1]
+
+
+@njit(cache=True)
+def _join(s: FrictionState, vertex: int) -> None:
+    """Add a vertex to the block."""
+    n, k, f = len(s.where), s.counts[K], s.flexibility
+    s.where[k], s.place[vertex] = vertex, k
+    s.counts[K] = k + 1
+    for a in range(3):
+        row = f[a * n + vertex]
+        for i in range(k + 1):
+            for b in range(3):
+                value = row[b * n + s.where[i]]
+                s.block[3 * k + a, 3 * i + b] = value
+                s.block[3 * i + b, 3 * k + a] = value
+
+
+@njit(cache=True)
+def _leave(s: FrictionState, vertex: int) -> None:
+    """Remove a vertex from the block: the last one takes its place."""
+    last, at = s.counts[K] - 1, s.place[vertex]
+    if at != last:
+        for a in range(3):
+            s.block[3 * at + a, : 3 * last + 3] = s.block[3 * last + a, : 3 * last + 3]
+        for a in range(3):
+            for j in range(3 * last + 3):
+                s.block[j, 3 * at + a] = s.block[j, 3 * last + a]
+        s.where[at] = s.where[last]
+        s.place[s.where[at]] = at
+    s.place[vertex] = -1
+    s.counts[K] = last
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add(rest: Array, row: Array, factor: float, m: int) -> None:
+    for j in range(m):
+        rest[j] += factor * row[j]
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_two(rest: Array, first: Array, a: float, second: Array, b: float, m: int) -> None:
+    for j in range(m):
+        rest[j] += a * first[j] + b * second[j]
+
+
+@njit(cache=True)
+def _tangential(s: FrictionState, i: int) -> float:
+    """Largest eigenvalue of the block (2, 2) of a vertex in the plane; 0 where it cannot move."""
+    a, b = s.block[3 * i + 1, 3 * i + 1], s.block[3 * i + 2, 3 * i + 2]
+    c = s.block[3 * i + 1, 3 * i + 2]
+    return (a + b) / 2 + np.sqrt((a - b) ** 2 / 4 + c * c)
+
+
+@njit(cache=True)
+def _target(s: FrictionState, i: int) -> tuple[float, float, float, float]:
+    """Return pressure and traction before their projection, and the stiffness along the plane.
+
+    A vertex that cannot move along a direction, as across a plane of symmetry, bears none there.
+    """
+    x, rest, j = s.compressed, s.rest, 3 * i
+    p, stiff = x[j] - rest[j] / s.block[j, j], _tangential(s, i)
+    u = x[j + 1] - rest[j + 1] / stiff if s.block[j + 1, j + 1] > 0.0 else 0.0
+    v = x[j + 2] - rest[j + 2] / stiff if s.block[j + 2, j + 2] > 0.0 else 0.0
+    return p, u, v, stiff
+
+
+@njit(cache=True)
+def _visit(s: FrictionState, i: int, m: int) -> None:
+    """Project pressure and traction of a vertex, and update the gaps and slips of all."""
+    x, j = s.compressed, 3 * i
+    step = max(0.0, x[j] - s.rest[j] / s.block[j, j]) - x[j]
+    if step != 0.0:
+        x[j] += step
+        _add(s.rest, s.block[j], step, m)
+    _, u, v, _ = _target(s, i)
+    size, bound = np.hypot(u, v), s.mu[0] * x[j]
+    if size > bound:
+        u, v = u * bound / size, v * bound / size
+    first, second = u - x[j + 1], v - x[j + 2]
+    if first != 0.0 or second != 0.0:
+        x[j + 1], x[j + 2] = u, v
+        _add_two(s.rest, s.block[j + 1], first, s.block[j + 2], second, m)
+
+
+@njit(cache=True)
+def _sweep(s: FrictionState) -> None:
+    """Visit all vertices of the block."""
+    k = s.counts[K]
+    s.counts[SWEPT] += 1
+    for i in range(k):
+        _visit(s, i, 3 * k)
+
+
+@njit(cache=True)
+def _residual(s: FrictionState) -> float:
+    """Largest distance of pressures and tractions from their projections, over the pressure."""
+    x, largest, top = s.compressed, 0.0, 0.0
+    for i in range(s.counts[K]):
+        j = 3 * i
+        p, u, v, _ = _target(s, i)
+        size, bound = np.hypot(u, v), s.mu[0] * x[j]
+        if size > bound:
+            u, v = u * bound / size, v * bound / size
+        top = max(top, x[j])
+        largest = max(largest, abs(x[j] - max(p, 0.0)), np.hypot(x[j + 1] - u, x[j + 2] - v))
+    return largest / top if top > 0.0 else largest
+
+
+@njit(cache=True)
+def _unknowns(s: FrictionState) -> int:
+    """List the unknowns of a Newton step: their number.
+
+    Pressures in contact, both tractions of what sticks, and of what slips the one across the slip,
+    whose projection turns with it. Each is a column of up to three entries of a vertex, and a row
+    of up to two; `code` tells of which vertex and kind it is.
+    """
+    x, q = s.compressed, 0
+    for i in range(s.counts[K]):
+        p, u, v, stiff = _target(s, i)
+        if p <= 0.0:
+            continue
+        bound, size = s.mu[0] * x[3 * i], np.hypot(u, v)
+        slips = size > bound
+        s.vertex[q], s.extra[q], s.code[q] = i, 0.0, KINDS * s.where[i] + (1 if slips else 0)
+        s.column[q], s.row[q] = (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
+        q += 1
+        if slips:
+            a, b = u / size, v / size
+            s.column[q - 1] = (1.0, s.mu[0] * a, s.mu[0] * b)
+            free = min(s.block[3 * i + 1, 3 * i + 1], s.block[3 * i + 2, 3 * i + 2]) > 0.0
+            if free and bound > 0.0:
+                s.vertex[q], s.extra[q] = i, (size / bound - 1.0) * stiff
+                s.column[q], s.row[q] = (0.0, -b, a), (0.0, -b, a)
+                s.code[q] = KINDS * s.where[i] + 2
+                q += 1
+            continue
+        for c in (1, 2):
+            if s.block[3 * i + c, 3 * i + c] > 0.0:
+                s.vertex[q], s.extra[q], s.code[q] = i, 0.0, KINDS * s.where[i] + 2 + c
+                s.column[q], s.row[q] = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+                s.column[q, c] = s.row[q, c] = 1.0
+                q += 1
+    return q
+
+
+@njit(cache=True, fastmath={"contract"})
+def _matrix(s: FrictionState, q: int) -> Array:
+    """Assemble the matrix (q, q) of a Newton step."""
+    matrix, m, line = np.empty((q, q)), 3 * s.counts[K], np.empty(3 * s.counts[K])
+    for a in range(q):
+        line[:] = 0.0
+        for c in range(3):
+            if s.row[a, c] != 0.0:
+                _add(line, s.block[3 * s.vertex[a] + c], s.row[a, c], m)
+        for b in range(q):
+            j, column = 3 * s.vertex[b], s.column[b]
+            matrix[a, b] = column[0] * line[j] + column[1] * line[j + 1] + column[2] * line[j + 2]
+        matrix[a, a] += s.extra[a]
+    return matrix
+
+
+@njit(cache=True)
+def _newton(s: FrictionState) -> int:
+    """Solve for the iterate at which all projections are as at this one, into `start`.
+
+    Return how many unknowns there are, 0 where they cannot be solved for. Where they are the same
+    as the last time, the inverse of that matrix is used again, which is out of date by the turn of
+    the slip.
+    """
+    q = _unknowns(s)
+    if q == 0:
+        return 0
+    same = q == s.counts[KEPT]
+    for a in range(q):
+        same = same and s.code[a] == s.kept[a]
+    values = np.empty(q)
+    if same:
+        if s.counts[INVERTED] == 0:
+            try:
+                s.inverse[:q, :q] = np.linalg.inv(_matrix(s, q))
+            except Exception:
+                s.counts[KEPT] = 0
+                return 0
+            s.counts[INVERTED] = 1
+        _correct(s, values)
+    else:
+        s.counts[KEPT], s.counts[INVERTED] = q, 0
+        s.kept[:q] = s.code[:q]
+        right = np.empty(q)
+        for a in range(q):
+            i = 3 * s.vertex[a]
+            right[a] = -(
+                s.row[a, 0] * s.constant[i]
+                + s.row[a, 1] * s.constant[i + 1]
+                + s.row[a, 2] * s.constant[i + 2]
+            )
+        try:
+            values[:] = np.linalg.solve(_matrix(s, q), right)
+        except Exception:  # numba knows no other; a singular matrix
+            s.counts[KEPT] = 0
+            return 0
+    s.start[: 3 * s.counts[K]] = 0.0
+    for a in range(q):
+        for c in range(3):
+            s.start[3 * s.vertex[a] + c] += s.column[a, c] * values[a]
+    return q
+
+
+@njit(cache=True, fastmath={"contract"})
+def _correct(s: FrictionState, values: Array) -> None:
+    """Set `values` (q,) to the unknowns, corrected by the inverse times their residual."""
+    q = len(values)
+    right = np.empty(q)
+    for a in range(q):
+        i = 3 * s.vertex[a]
+        now = rest = 0.0
+        for c in range(3):
+            now += s.row[a, c] * s.compressed[i + c]
+            rest += s.row[a, c] * s.rest[i + c]
+        values[a], right[a] = now, -rest - s.extra[a] * now
+    for a in range(q):
+        line, total = s.inverse[a], 0.0
+        for b in range(q):
+            total += line[b] * right[b]
+        values[a] += total
+
+
+@njit(cache=True)
+def _go(s: FrictionState, part: float) -> None:
+    """Move by a part of the way from `before` to `start`, and back into the cone."""
+    for i in range(s.counts[K]):
+        j = 3 * i
+        for a in range(3):
+            s.compressed[j + a] = s.before[j + a] + part * (s.start[j + a] - s.before[j + a])
+        s.compressed[j] = max(0.0, s.compressed[j])
+        bound, size = s.mu[0] * s.compressed[j], np.hypot(s.compressed[j + 1], s.compressed[j + 2])
+        if size > bound:
+            s.compressed[j + 1] *= bound / size
+            s.compressed[j + 2] *= bound / size
+    _load(s)
+
+
+@njit(cache=True)
+def _settle(s: FrictionState, offset: Array) -> bool:
+    """Find the iterate that no projection changes; False if that does not happen."""
+    n, k = len(s.where), s.counts[K]
+    for i in range(k):
+        for a in range(3):
+            s.constant[3 * i + a] = offset[a * n + s.where[i]]
+    _load(s)
+    inverse = s.counts[INVERTED] == 1
+    for number in range(ITERATIONS):
+        if not inverse:
+            _sweep(s)
+        now = _residual(s)
+        if now <= CONE:
+            _load(s)
+            if _residual(s) <= CONE:
+                if number > REFRESHED:
+                    s.counts[INVERTED] = 0
+                return True
+        s.before[: 3 * k] = s.compressed[: 3 * k]
+        if not np.isfinite(now):
+            return False
+        if _newton(s) == 0:  # nothing is in contact, or the matrix is singular: sweeps go on
+            inverse = False
+            continue
+        s.counts[SOLVED] += 1
+        inverse = s.counts[INVERTED] == 1
+        part, closer = 1.0, False
+        while part >= SHORTEST and not closer:
+            _go(s, part)
+            after = _residual(s)
+            closer = after < now
+            part /= 2.0
+        if inverse and not after <= FALLING * now:
+            s.counts[KEPT], s.counts[INVERTED] = 0, 0
+            inverse = False
+            if not closer:
+                _go(s, 0.0)
+        elif not closer:
+            _go(s, 0.0)
+            for _ in range(SMOOTHING):
+                _sweep(s)
+    return False
+
+
+@njit(cache=True)
+def _load(s: FrictionState) -> None:
+    """Compute the rest F x + b of the block."""
+    m = 3 * s.counts[K]
+    s.rest[:m] = s.constant[:m]
+    for j in range(m):
+        if s.compressed[j] != 0.0:
+            _add(s.rest, s.block[j], s.compressed[j], m)
+
+
+@njit(cache=True)
+def product(s: FrictionState) -> None:
+    """Compute moved = F x."""
+    k = 0
+    for j in range(len(s.x)):
+        if s.x[j] != 0.0:
+            s.chosen[k], s.factor[k] = j, s.x[j]
+            k += 1
+    s.moved[:] = 0.0
+    accumulate(s.moved, s.flexibility, s.chosen, s.factor, k)
+
+
+@njit(cache=True)
+def solve(s: FrictionState, offset: Array, tolerance: float) -> int:
+    """Solve for x with b = `offset` (3n,), from the last x; return DONE or a failure."""
+    n = len(s.where)
+    scale = 0.0
+    for j in range(n):
+        scale = max(scale, abs(offset[j]))
+    for number in range(ROUNDS):
+        joined = 0
+        for j in range(n):
+            if s.place[j] < 0 and s.moved[j] + offset[j] < -tolerance * scale:
+                if not s.flexibility[j, j] > 0.0:
+                    return SINGULAR
+                _join(s, j)
+                joined += 1
+        if joined == 0 and (number > 0 or s.counts[K] == 0):
+            return DONE
+        for i in range(s.counts[K]):
+            for a in range(3):
+                s.compressed[3 * i + a] = s.x[a * n + s.where[i]]
+        if not _settle(s, offset):
+            return ENDLESS
+        s.residual[0] = _residual(s)
+        _unload(s)
+    return ENDLESS
+
+
+@njit(cache=True)
+def _unload(s: FrictionState) -> None:
+    """Write the block into x; vertices without pressure leave it."""
+    n = len(s.where)
+    s.x[:] = 0.0
+    for i in range(s.counts[K]):
+        for a in range(3):
+            s.x[a * n + s.where[i]] = s.compressed[3 * i + a]
+    i = 0
+    while i < s.counts[K]:
+        if s.x[s.where[i]] > 0.0:
+            i += 1
+        else:
+            _leave(s, s.where[i])
+    product(s)

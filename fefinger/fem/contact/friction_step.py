@@ -1,0 +1,197 @@
+"""Compiled contact step of a linear viscoelastic body with friction.
+
+As `step_compiled`, with history and elastic stress of three components per vertex: the pressure and
+the traction in two directions across the axis. With one relaxation function the displacement at the
+end of a step is F y of the elastic traction y = (x - h) / g, so that the slip of a step is
+(F x - F h) / g less the displacement before it and less what the obstacle moved.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from fefinger.fem.contact import friction_compiled as friction
+from fefinger.fem.contact.friction_compiled import FrictionState
+from fefinger.fem.contact.lcp_compiled import CORRECTIONS, DONE, MISSED, Floats, accumulate
+from fefinger.fem.contact.step_compiled import PadState, load_history, store_history
+from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.support.checks import ConvergenceError
+from fefinger.support.tolerances import COMPLEMENTARITY, SMALL_FORCE
+
+
+MATCH = 1e-7
+"""Relative error of the force under force control, above what the residual of the cone leaves."""
+
+
+class Grip(NamedTuple):
+    """What a pad with friction remembers besides its stress.
+
+    gap (n,) mm³ and projected (n,) mm²: of the patch, the first at the present place; slip (2n,)
+    mm³: weighted slip since first contact; lost (1,) uJ; stiffness (1,) mN/mm: of the last steps
+    under force control; limits (n,): outcome of a step with contact at the vertex, as of `Output`.
+    """
+
+    gap: Array
+    projected: Array
+    slip: Array
+    lost: Array
+    stiffness: Array
+    limits: Integers
+
+
+def grip(gap: Array, projected: Array) -> Grip:
+    """Allocate the memory of a pad at rest."""
+    n = len(gap)
+    return Grip(
+        gap=np.array(gap, dtype=np.float64),
+        projected=np.array(projected, dtype=np.float64),
+        slip=np.zeros(2 * n),
+        lost=np.zeros(1),
+        stiffness=np.zeros(1),
+        limits=np.zeros(n, dtype=np.int64),
+    )
+
+
+@njit(cache=True)
+def reset(s: FrictionState, m: PadState, c: Grip) -> None:
+    """Reset the pad to rest: no contact and no history."""
+    friction.release(s)
+    for array in (m.terms, m.moved_terms):
+        array[:] = 0.0
+    for row in (m.elastic, m.moved_elastic, m.depth, m.peak, c.slip, c.lost, c.stiffness):
+        row[:] = 0.0
+
+
+@njit(cache=True)
+def step(
+    s: FrictionState,
+    m: PadState,
+    c: Grip,
+    dt: float,
+    x: float,
+    y: float,
+    target: float,
+    by_force: bool,
+) -> int:
+    """Advance by `dt` s, with the obstacle moved by (x, y) mm, to a depth in mm or a force in mN.
+
+    Return DONE or a failure, after which the state is as it was.
+    """
+    n, depth, peak = len(c.gap), m.depth[0], m.peak[0]
+    friction.save(s)
+    g = load_history(m, dt)
+    for j in range(n):
+        for a, moved in ((1, x), (2, y)):
+            k = a * n + j
+            m.offset[k] = -m.moved_past[k] - g * (m.moved_elastic[k] + c.projected[j] * moved)
+    if by_force:
+        failed = _at_force(s, m, c, g, target)
+    else:
+        m.depth[0] = target
+        failed = _at_depth(s, m, c, g, target)
+    for j in range(n):
+        if failed == DONE and s.x[j] > 0.0:
+            failed = c.limits[j]
+    if failed != DONE:
+        friction.restore(s)
+        m.depth[0], m.peak[0] = depth, peak
+        return failed
+    _slip(s, m, c, g)
+    store_history(m, s.x, s.moved, dt, g)
+    return DONE
+
+
+@njit(cache=True)
+def strains(m: PadState, rows: Floats, chosen: Integers, factor: Floats, strain: Floats) -> None:
+    """Compute the strain under the elastic traction; `rows` (3n, n_strains)."""
+    k = 0
+    for j in range(len(m.elastic)):
+        if m.elastic[j] != 0.0:
+            chosen[k], factor[k] = j, m.elastic[j]
+            k += 1
+    strain[:] = 0.0
+    accumulate(strain, rows, chosen, factor, k)
+
+
+@njit(cache=True)
+def _at_depth(s: FrictionState, m: PadState, c: Grip, g: float, depth: float) -> int:
+    for j in range(len(c.gap)):
+        m.offset[j] = (c.gap[j] - depth * c.projected[j]) * g - m.moved_past[j]
+    return friction.solve(s, m.offset, COMPLEMENTARITY)
+
+
+@njit(cache=True)
+def _at_force(s: FrictionState, m: PadState, c: Grip, g: float, force: float) -> int:
+    """Find the depth at a force in mN: secants inside a bracket that starts at first touch."""
+    touch = np.inf
+    for j in range(len(c.gap)):
+        touch = min(touch, (c.gap[j] - m.moved_past[j] / g) / c.projected[j])
+    if force <= 0.0:
+        m.depth[0] = touch
+        s.x[:] = 0.0
+        s.moved[:] = 0.0
+        return DONE
+    m.peak[0] = max(m.peak[0], force)
+    close = MATCH * max(force, SMALL_FORCE * m.peak[0])
+    low, high, last_depth, last = touch, np.inf, touch, -force
+    depth = max(m.depth[0], touch + 1e-6 * (1.0 + abs(touch)))
+    for _ in range(CORRECTIONS):
+        failed = _at_depth(s, m, c, g, depth)
+        if failed != DONE:
+            return failed
+        excess = -force
+        for j in range(len(c.projected)):
+            excess += c.projected[j] * s.x[j]
+        if abs(excess) <= close:
+            m.depth[0] = depth
+            return DONE
+        if excess < 0.0:
+            low = depth
+        else:
+            high = depth
+        slope = (excess - last) / (depth - last_depth) if depth != last_depth else 0.0
+        if last == -force and c.stiffness[0] > slope:
+            slope = c.stiffness[0]  # the first secant, from first touch, is too soft
+        last_depth, last = depth, excess
+        if slope > 0.0:
+            c.stiffness[0] = slope
+            depth -= excess / slope
+        else:
+            depth = 2.0 * depth - touch
+        if not (low < depth and depth < high):
+            depth = (low + high) / 2.0 if np.isfinite(high) else low + 2.0 * (low - touch)
+    return MISSED
+
+
+@njit(cache=True)
+def _slip(s: FrictionState, m: PadState, c: Grip, g: float) -> None:
+    """Update slip and lost work from the solution; `offset` still holds what the step started at.
+
+    The slip times g is F x + b: b holds the history and the path.
+    """
+    n = len(c.gap)
+    for j in range(n):
+        pressed = s.x[j] > 0.0
+        for a in range(2):
+            k = (a + 1) * n + j
+            slid = (s.moved[k] + m.offset[k]) / g if pressed else 0.0
+            c.slip[a * n + j] = c.slip[a * n + j] + slid if pressed else 0.0
+            c.lost[0] -= s.x[k] * slid
+
+
+def check(outcome: int, mu: float, at: str) -> None:
+    """Raise ConvergenceError for a failed step with the coefficient mu."""
+    if outcome == DONE:
+        return
+    message = (
+        f"contact: expected pressures and tractions that obey Coulomb's law with "
+        f"indenter.friction = {mu:g}, found none {at}; take a smaller coefficient or a slower "
+        "motion"
+    )
+    if outcome == MISSED:
+        message = (
+            f"force control: expected to reach the force within {CORRECTIONS} corrections {at}, "
+            "did not; take a slower motion"
+        )
+    raise ConvergenceError(message)

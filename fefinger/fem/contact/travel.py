@@ -1,0 +1,171 @@
+"""Obstacles that slide: their heights travel over the fixed nodes of a pad.
+
+The pressure acts along the axis of the obstacle, not along the normals of its slopes, so that the
+unit loads, and with them the flexibility, are the same at every place of the obstacle: only the
+weighted gaps change. It is the small-slope limit of contact mechanics, in which the force along
+the plane is the pressure times the slope (Johnson, Contact Mechanics, 1985, section 1.4).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from fefinger.fem.contact.obstacle import FAR, Obstacle, Rigid
+from fefinger.fem.contact.patch import Patch, smooth_places
+from fefinger.fem.elements.spaces import Array, Space, trace
+from fefinger.geometry.profiles import Plane, frame
+
+
+STRIDE = 0.2
+"""mm of a path between the places at which the reach of a sliding object is taken."""
+
+
+@dataclass(frozen=True)
+class Swept:
+    """All that an obstacle passes over on its way; a body with an `axis` and a `gap`.
+
+    shifts (k, 2) mm: places of the obstacle across its axis.
+    """
+
+    obstacle: Obstacle
+    shifts: Array
+
+    @property
+    def axis(self) -> Array:
+        """Unit direction of travel (3,), into the body."""
+        return self.obstacle.axis
+
+    def gap(self, points: Array) -> tuple[Array, Array]:
+        """Return the least distance along the axis (...,) mm of any place, and the axis."""
+        nearest = np.full(points.shape[:-1], np.inf)
+        for shift in self.shifts:
+            nearest = np.minimum(nearest, self.obstacle.moved(shift).gap(points)[0])
+        return nearest, np.broadcast_to(self.axis, points.shape)
+
+    def beyond(self, points: Array) -> NDArray[np.bool_]:
+        """Return False: where the shape ends is looked at on the way, see `Travel.gap`."""
+        return np.zeros(points.shape[:-1], dtype=bool)
+
+
+def envelope(obstacle: Obstacle, path: Array) -> Rigid:
+    """Return what the candidates of a path (n, 2) mm are chosen by; of a plate, its plane."""
+    if obstacle.profile.level:
+        return Obstacle(obstacle.axis, obstacle.origin, Plane())
+    length = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
+    chosen = np.searchsorted(length, np.append(np.arange(0.0, length[-1], STRIDE), length[-1]))
+    return Swept(obstacle, np.unique(path[chosen], axis=0))
+
+
+@dataclass(frozen=True)
+class Heights:
+    """The obstacle over fixed points of the pad.
+
+    across (n, 2) and along (n,) mm: the points, from the obstacle's origin, across and along its
+    axis; `turn` (2, 2) is its roll.
+    """
+
+    obstacle: Obstacle
+    across: Array
+    along: Array
+
+    @classmethod
+    def over(cls, obstacle: Obstacle, points: Array) -> Self:
+        """Return the obstacle over points (n, 3) mm."""
+        local = (points - obstacle.origin) @ frame(obstacle.axis).T
+        return cls(obstacle, np.ascontiguousarray(local[:, :2]), np.ascontiguousarray(local[:, 2]))
+
+    @cached_property
+    def turn(self) -> Array:
+        """Matrix (2, 2) from places across the axis to those on the obstacle."""
+        return np.asarray(self.obstacle.frame[:2] @ frame(self.obstacle.axis)[:2].T)
+
+    def places(self, shift: Array, chosen: slice | NDArray[np.int64] = slice(None)) -> Array:
+        """Return where the points lie on the obstacle (n, 2) mm, moved by (2,) mm."""
+        return np.asarray((self.across[chosen] - shift) @ self.turn.T)
+
+    def distance(self, shift: Array) -> Array:
+        """Return the distance along the axis (n,) mm; infinite where the obstacle is not ahead."""
+        profile = self.obstacle.profile
+        return self.along if profile.plane else self.along + profile.rise(self.places(shift))
+
+    def distances(self, shifts: Array) -> Array:
+        """Return the distance (n_t, n) mm along the axis at shifts (n_t, 2) mm, FAR for none."""
+        if self.obstacle.profile.plane:
+            return np.broadcast_to(self.along, (len(shifts), len(self.along)))
+        every = np.array([self.distance(shift) for shift in shifts])
+        return np.where(np.isfinite(every), every, FAR)
+
+    def slopes(self, shift: Array, chosen: NDArray[np.int64]) -> Array:
+        """Return the derivative (k, 2) of the distance of points by their place across the axis."""
+        incline = self.obstacle.profile.incline(self.places(shift, chosen))
+        return np.asarray(incline @ self.turn)
+
+
+@dataclass(frozen=True)
+class Travel:
+    """Weighted gaps of a patch under an obstacle that slides over it.
+
+    over: the obstacle over the quadrature points; weights (n, n_q) mm²: their shares in the hats;
+    vertices: the obstacle over those of the patch.
+    """
+
+    over: Heights
+    weights: sparse.csr_matrix
+    vertices: Heights
+
+    @classmethod
+    def of(cls, space: Space, normals: Array, on: Patch, obstacle: Obstacle) -> Self:
+        """Place an obstacle at first touch over a patch whose loads act along its axis."""
+        part = trace(space, on.triangles)
+        places = smooth_places(space.points, normals, part).reshape(-1, 3)
+        column = np.full(len(space.points), -1, dtype=np.int64)
+        column[on.vertices] = np.arange(len(on.vertices))
+        owner = column[part.triangles]
+        hats = part.linear[None] * part.weights[:, None, :]
+        rows = np.broadcast_to(owner[:, :, None], hats.shape).ravel()
+        numbers = np.arange(len(places)).reshape(len(owner), 1, -1)
+        points = np.broadcast_to(numbers, hats.shape).ravel()
+        owned = rows >= 0
+        entries = (hats.ravel()[owned], (rows[owned], points[owned]))
+        weights = sparse.coo_matrix(entries, shape=(len(on.vertices), len(places))).tocsr()
+        vertices = Heights.over(obstacle, space.points[on.vertices])
+        return cls(Heights.over(obstacle, places), weights, vertices)
+
+    def gap(self, shift: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return the weighted gaps (n,) mm³ at a place (2,) mm, and the rim (n,) of the obstacle.
+
+        Where it is not ahead of all that the hat of a vertex covers, that stays out of contact; the
+        vertices beside those are the rim, and those at which its shape has ended.
+        """
+        distance, profile = self.over.distance(shift), self.over.obstacle.profile
+        ahead, ended = np.isfinite(distance), profile.beyond(self.vertices.places(shift))
+        if ahead.all():
+            return self.weights @ distance, ended
+        beyond = self.weights @ (~ahead).astype(float) > 0
+        gaps = self.weights @ np.where(ahead, distance, FAR)
+        gaps[beyond] = FAR * self._areas[beyond]
+        beside = self.weights @ (self._shares @ beyond.astype(float)) > 0
+        return gaps, ended | (beside & ~beyond)
+
+    @cached_property
+    def _areas(self) -> Array:
+        return np.asarray(self.weights.sum(axis=1)).ravel()
+
+    @cached_property
+    def _shares(self) -> sparse.csr_matrix:
+        return self.weights.T.tocsr()
+
+    def push(self, shift: Array, pressure: Array) -> Array:
+        """Return the force (2,) mN of pressures (n,) kPa on inclined heights, across the axis.
+
+        It is the work of the pressure in a displacement of the obstacle, whose heights then move.
+        """
+        if self.over.obstacle.profile.plane:
+            return np.zeros(2)
+        loads = self._shares @ pressure
+        pressed = np.flatnonzero(loads)
+        return np.asarray(loads[pressed] @ self.over.slopes(shift, pressed))

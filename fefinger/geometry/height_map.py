@@ -1,0 +1,78 @@
+"""Heights of a surface mesh over a plane: the upper side of an object, as a relief."""
+
+from pathlib import Path
+
+import numpy as np
+
+from fefinger.geometry.locate import barycentric
+from fefinger.support.arrays import Array
+from fefinger.support.checks import InputError
+
+
+MARGIN = 1e-9
+"""Barycentric coordinate by which a place may lie outside a triangle, for those on its edge."""
+
+MOST = 4e7
+"""Largest number of samples."""
+
+
+def height_map(file: Path, pitch: float) -> tuple[Array, Array, Array]:
+    """Return x (n_x,), y (n_y,) and the largest z (n_x, n_y) in mm of a surface file.
+
+    The places are `pitch` mm apart and cover the surface from its smallest x and y on.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or its surface has a hole as seen along z.
+    """
+    import trimesh
+
+    try:
+        mesh = trimesh.load_mesh(file)
+        corners = np.asarray(mesh.vertices, dtype=np.float64)[mesh.faces]
+    except Exception as error:  # the readers raise whatever they meet
+        message = f"indenter.file: cannot read the surface {str(file)!r}: {error}"
+        raise InputError(message) from None
+    if len(corners) == 0:
+        message = f"indenter.file: expected triangles in {str(file)!r}, received none"
+        raise InputError(message)
+    low, high = corners[..., :2].min(axis=(0, 1)), corners[..., :2].max(axis=(0, 1))
+    counts = np.floor((high - low) / pitch * (1 + MARGIN)).astype(int) + 1
+    if counts.prod() > MOST:
+        message = (
+            f"indenter.pitch: expected at most {MOST:.0e} samples of {str(file)!r}, received "
+            f"{counts[0]} x {counts[1]}; take a larger one"
+        )
+        raise InputError(message)
+    x, y = (low[k] + pitch * np.arange(counts[k]) for k in (0, 1))
+    heights = np.full(counts, -np.inf)
+    for triangle in corners:
+        _raise(heights, x, y, triangle, pitch)
+    if not np.isfinite(heights).all():
+        share = float(np.isinf(heights).mean())
+        message = (
+            f"indenter.file: expected a surface in {str(file)!r} that covers its box as seen along "
+            f"z, received one that leaves {100 * share:.2g} % of it open"
+        )
+        raise InputError(message)
+    return x, y, heights
+
+
+def _raise(heights: Array, x: Array, y: Array, triangle: Array, pitch: float) -> None:
+    """Raise the heights under a triangle (3, 3) to it."""
+    low, high = triangle[:, :2].min(axis=0), triangle[:, :2].max(axis=0)
+    slack = 1e-6 * pitch
+    part = tuple(
+        slice(
+            np.searchsorted(lines, low[k] - slack), np.searchsorted(lines, high[k] + slack, "right")
+        )
+        for k, lines in enumerate((x, y))
+    )
+    places = np.stack(np.meshgrid(x[part[0]], y[part[1]], indexing="ij"), axis=-1)
+    if places.size == 0:
+        return
+    weights = barycentric(triangle[None, None, :, :2], places)
+    inside = weights.min(axis=-1) >= -1e-6
+    level = np.where(inside, weights @ triangle[:, 2], -np.inf)
+    heights[part] = np.maximum(heights[part], level)

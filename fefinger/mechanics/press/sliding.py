@@ -1,0 +1,214 @@
+"""A press with a path or with friction: its candidates, its contact, and what it is said of it."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from fefinger.fem.body import Reduced, Solid
+from fefinger.fem.condensation import Operator
+from fefinger.fem.contact.obstacle import Obstacle
+from fefinger.fem.contact.patch import Patch, directed, patch
+from fefinger.fem.contact.sliding_march import slide, slide_with_friction
+from fefinger.fem.contact.travel import Heights, Travel, envelope
+from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
+from fefinger.geometry.profiles import frame
+from fefinger.mechanics.press import operator, problem
+from fefinger.mechanics.press.history import SmallStrainHistory
+from fefinger.mechanics.press.pad import on_seen
+from fefinger.mechanics.press.problem import Press
+from fefinger.results.records import Lateral, Pad
+from fefinger.support.arrays import Array, Integers
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
+
+
+MILLIJOULE_PER_MICROJOULE = 1e-3
+
+SLIDING = (
+    "Sliding: the pressure acts along the normal of the plate (of the travel), not of the slopes "
+    "of the object; the skin meets the heights that lie ahead of its undeformed points. Stated "
+    "errors are those of a press without sliding."
+)
+"""Note on every answer with a path or friction."""
+
+COULOMB = (
+    "Friction: Coulomb's law with one coefficient for stick and slip, at every vertex of the skin, "
+    "in the plane of the plate."
+)
+
+
+def candidates(
+    body: Solid,
+    obstacle: Obstacle,
+    path: Array,
+    deepest: float,
+    rings: int,
+    within: NDArray[np.bool_] | None = None,
+) -> Patch:
+    """Return the patch of a path (n, 2) mm and a depth: unit loads along the axis of the obstacle.
+
+    Between sparse dots at first touch the plane of their crests is within the finger already.
+    """
+    under = envelope(obstacle, path)
+    inside = max(0.0, -float(under.gap(body.space.points[np.unique(body.pad)])[0].min()))
+    reach = problem.REACH * (deepest + inside) - inside
+    return patch(body.space, body.pad, body.normals, under, reach, rings, within)
+
+
+def with_tractions(body: Solid, on: Patch, axis: Array) -> Patch:
+    """Return a patch with unit loads along the axis and both directions across it (3n).
+
+    In the medial plane of half a finger there is none across that plane.
+    """
+    along, across = (directed(body.space, on, each) for each in frame(axis)[:2])
+    if body.half:
+        beside = body.space.points[on.vertices, 1] != 0
+        across = across @ sparse.diags_array(beside.astype(float))
+    loads = sparse.hstack([on.loads, along, across]).tocsc()
+    return replace(on, vertices=np.tile(on.vertices, 3), loads=loads)
+
+
+def reduced_to(
+    press: Press,
+    on: Patch,
+    points: Array,
+    probe: sparse.csr_matrix,
+    report: Callable[[float], None],
+) -> Reduced:
+    """Reduce the body to a patch and to the strain `probe` at points (n, 3).
+
+    With friction to its tractions as well: the patch of the result then has the unit loads of
+    both. What an operator is reduced to for a path is cached: it serves every object on it.
+    """
+    three = with_tractions(press.body, on, press.obstacle.axis) if press.friction else on
+    if press.slides and isinstance(press.body, Operator):
+        made = operator.reduced(press.finger, press.body, three, points, lambda: probe)
+    else:
+        made = press.method.reduce(press.body, three, probe, report)
+    return replace(made, patch=replace(on, loads=three.loads))
+
+
+def solved(
+    press: Press,
+    reduced: Reduced,
+    relaxation: Relaxation,
+    prescribed: Prescribed,
+    report: Callable[[float], None],
+) -> History:
+    """Solve the contact along the path of the motion.
+
+    Raises
+    ------
+    InputError
+        If contact reaches the end of the object.
+    ConvergenceError
+        If a contact solution is not reached.
+    """
+    on = reduced.patch
+    travel = Travel.of(press.body.space, press.body.normals, on, press.obstacle)
+    shift = press.motion.shift(press.time)
+    if press.friction:
+        return slide_with_friction(
+            reduced.flexibility,
+            press.friction,
+            travel,
+            on.projected,
+            relaxation,
+            prescribed,
+            shift,
+            report,
+        )
+    return slide(reduced.flexibility, travel, on.projected, relaxation, prescribed, shift, report)
+
+
+def distances(press: Press, on: Patch) -> Array:
+    """Return how far (n_t, n_near) mm the indenter is ahead of the neighborhood of a patch."""
+    near = Heights.over(press.obstacle, press.body.space.points[on.neighborhood.vertices])
+    return near.distances(press.motion.shift(press.time))
+
+
+def lateral(press: Press, history: SmallStrainHistory, pad: Pad, column: Integers) -> Lateral:
+    """Return what the answer says of path and friction; `column` (n_pad,) as of `whole_pad`."""
+    on, contact, half = history.reduced.patch, history.contact, press.body.half
+    sliding = contact.sliding
+    assert sliding is not None
+    both = np.array([2.0, 0.0]) if half else np.ones(2)
+    unit = NEWTON_PER_MILLINEWTON * both
+    if sliding.traction is None:
+        return Lateral(sliding.shift, sliding.slopes * unit)
+    assert sliding.sticking is not None
+    assert sliding.slip is not None
+    assert sliding.lost is not None
+    force = (sliding.traction @ on.projected + sliding.slopes) * unit
+    signs = np.ones((len(column), 2))
+    signs[len(on.neighborhood.vertices) :, 1] = -1.0
+    traction, slip = (
+        np.stack([on_seen(each[:, k], on.neighborhood)[:, column] for k in (0, 1)], axis=-1) * signs
+        for each in (sliding.traction, sliding.slip)
+    )
+    areas = np.bincount(column, pad.areas, minlength=len(on.neighborhood.vertices))
+    return Lateral(
+        shift=sliding.shift,
+        force=force,
+        torque=_torque(press, history),
+        stick_area=np.asarray(sliding.sticking @ areas[: len(on.vertices)], dtype=np.float64),
+        traction=traction if press.pressure else None,
+        slip=slip if press.pressure else None,
+        work=press.sides * sliding.lost * MILLIJOULE_PER_MICROJOULE,
+    )
+
+
+def _torque(press: Press, history: SmallStrainHistory) -> Array:
+    """Return the torque (n_t,) N mm of friction about the normal through the center of pressure."""
+    contact, on = history.contact, history.reduced.patch
+    assert contact.sliding is not None
+    assert contact.sliding.traction is not None
+    if press.body.half:
+        return np.zeros(len(contact.depth))
+    across = frame(press.obstacle.axis)[:2]
+    places = (press.body.space.points[on.vertices] - press.obstacle.origin) @ across.T
+    loads, total = contact.pressure * on.projected, contact.pressure @ on.projected
+    center = np.divide(
+        loads @ places, total[:, None], where=total[:, None] > 0, out=np.zeros((len(total), 2))
+    )
+    pulled = contact.sliding.traction * on.projected
+    x, y = (places[:, k] - center[:, k, None] for k in (0, 1))
+    return np.asarray((x * pulled[:, 1] - y * pulled[:, 0]).sum(axis=1) * NEWTON_PER_MILLINEWTON)
+
+
+def notes(press: Press, history: SmallStrainHistory) -> tuple[str, ...]:
+    """Return what has to be said of a press with a path or with friction, and how it went."""
+    if not press.slides:
+        return ()
+    if not press.friction:
+        return (SLIDING,)
+    return (SLIDING, COULOMB, outcome(press, history))
+
+
+def outcome(press: Press, history: SmallStrainHistory) -> str:
+    """Return in words whether the contact stuck, slipped in part, or slid, and since when."""
+    contact, areas = history.contact, history.reduced.patch.areas
+    assert contact.sliding is not None
+    assert contact.sliding.sticking is not None
+    area, stick = (contact.pressure > 0) @ areas, contact.sliding.sticking @ areas
+    touching = area > 0
+    law = f"with a residual of {contact.sliding.cone:.1g} of the highest pressure"
+    if press.motion.slides:
+        moving = np.linalg.norm(press.motion.velocity(press.time), axis=-1) > 0
+        gross = np.flatnonzero(touching & moving & (stick == 0))
+        if len(gross):
+            k = int(gross[0])
+            path = np.linalg.norm(contact.sliding.shift[k])
+            return (
+                f"Gross slip: from {press.time[k]:.4g} s on, with the indenter moved by "
+                f"{path:.3g} mm, no vertex sticks, {law}."
+            )
+        touching &= moving
+    if not touching.any():
+        return f"Friction: no contact while the indenter moves, {law}."
+    share = float((stick[touching] / area[touching]).min())
+    if share < 1:
+        return f"Partial slip: at least {100 * share:.0f} % of the contact area sticks, {law}."
+    return f"Sticking: no part of the contact slips, {law}."

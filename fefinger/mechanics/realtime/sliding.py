@@ -1,0 +1,307 @@
+"""A finger over which an object slides in a loop of one's own, with or without friction.
+
+    finger = ff.Sliding(ff.Finger.subject("a.h.", tissue="maeno1998"), ff.Dots(3.0, friction=0.3))
+    step = finger.step(depth=0.5, shift=(-1.2, 0.0), dt=1e-3)
+    step.force, step.lateral, step.strain
+
+It is `mechanics/condensed` along a path that is not known before: candidates are those of the plane
+through the crests of the object, or of all places that an object without such a plane may take.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.fem.body import Reduced
+from fefinger.fem.condensation import OutsideError, faces_down
+from fefinger.fem.contact import friction_compiled, friction_step, lcp_compiled, step_compiled
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.sliding_march import sticks
+from fefinger.fem.contact.travel import Travel
+from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.geometry.profiles import frame
+from fefinger.mechanics.press import limits, operator, placement, problem
+from fefinger.mechanics.press import sliding as press_sliding
+from fefinger.mechanics.press.sites import central_sites
+from fefinger.mechanics.realtime.condensed import afferents, step_output
+from fefinger.mechanics.realtime.step import Step
+from fefinger.neural.recorded_streaming import RecordedAfferents
+from fefinger.neural.streaming import Afferents
+from fefinger.results.records import Sites
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Indenter
+from fefinger.support.checks import InputError, choice, number
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
+
+
+Array = NDArray[np.float64]
+
+LEFT = (
+    "shift: expected a place at which the pad stays on the object, received ({:.4g}, {:.4g}) mm, "
+    "where contact reaches its end; move it less, or take a larger object"
+)
+
+AROUND = 8
+"""Places on a circle of the radius `reach` that stand for all that an object may take."""
+
+
+@dataclass(slots=True)
+class SlidingStep(Step):
+    """Result of a step of `Sliding`: a `Step`, and what it has across the object's normal.
+
+    shift (2,) mm of the object, lateral (2,) N the force on the finger, both distal and radial;
+    torque N mm on the finger about the normal through the center of pressure, and stick mm² the
+    area of the vertices that do not slip, both of friction; lost mJ: its work so far.
+    """
+
+    shift: Array
+    lateral: Array
+    torque: float = 0.0
+    stick: float = 0.0
+    lost: float = 0.0
+
+
+class Sliding:
+    """A whole finger under an object that is pressed and moved sideways in real time.
+
+    Parameters
+    ----------
+    finger, indenter
+        As in a scene; the friction is that of the indenter.
+    deepest
+        Depth in mm that the pad has to answer.
+    reach
+        How far in mm an object without a plane of crests, as a ball, is moved from its place.
+    sites
+        End organs at which the strain is wanted; the central ones by default.
+    precision
+        "double", or "single" for strains to 1e-5 of the largest in half the time.
+
+    Raises
+    ------
+    InputError
+        If the indenter misses the pad, a site lies outside the soft tissue, or the tissues do not
+        relax as one.
+    """
+
+    def __init__(
+        self,
+        finger: Finger,
+        indenter: Indenter,
+        *,
+        deepest: float = 1.5,
+        reach: float = 0.0,
+        sites: Sites | None = None,
+        precision: Literal["double", "single"] = "double",
+    ) -> None:
+        self.finger, self.indenter = finger, indenter
+        self.deepest = number("deepest", deepest, above=0, unit="mm")
+        self.reach = number("reach", reach, at_least=0, unit="mm")
+        choice("precision", precision, ("double", "single"))
+        solid = self.solid = operator.operator(finger, half=False)
+        obstacle = self._obstacle = placement.obstacle(indenter, solid)
+        if sites is None:
+            sites = central_sites(Ask(), finger.pulp, obstacle.origin, obstacle.axis)
+        self.sites, mu = sites, indenter.friction
+        reduced = self._reduced()
+        on = self.patch = reduced.patch
+        self.flexibility, count = reduced.flexibility, len(on.vertices)
+        self._travel = Travel.of(solid.space, solid.normals, on, obstacle)
+        self._output = step_output(solid, reduced, sites.points, precision)
+        self._limits = self._output.limits.copy()
+        prony, size = finger.prony, len(reduced.flexibility)
+        weights, rates = np.array(prony.weights[1:]) / prony.weights[0], np.array(prony.v)
+        areas = on.projected if not mu else np.zeros(size)
+        self._memory = step_compiled.pad_state(np.zeros(size), areas, weights, rates)
+        self._grip = friction_step.grip(np.zeros(count), on.projected)
+        self._state = lcp_compiled.lcp_state(np.zeros((0, 0)) if mu else reduced.flexibility)
+        self._gripping = friction_compiled.friction_state(
+            reduced.flexibility if mu else np.zeros((0, 0)), mu
+        )
+        self._chosen = np.zeros(size, dtype=np.int64)
+        self._factor = np.zeros(size, dtype=self._output.rows.dtype)
+        across = frame(obstacle.axis)[:2]
+        self._places = (solid.space.points[on.vertices] - obstacle.origin) @ across.T
+        self._shift = np.zeros(2)
+        self.now = SlidingStep(
+            *(0.0, 0.0, 0.0, np.nan, np.nan),
+            pressure=np.zeros(count),
+            strain=self._output.strain.reshape(-1, 6),
+            shift=np.zeros(2),
+            lateral=np.zeros(2),
+        )
+        self._advance(0.0, (0.0, 0.0), 0.0, by_force=False)  # compiles or loads what steps need
+        self.reset()
+
+    def _reduced(self) -> Reduced:
+        """Return the finger reduced to candidates that a press of `deepest` mm stays within."""
+        solid, obstacle, reduced = self.solid, self._obstacle, None
+        angles = np.linspace(0.0, 2 * np.pi, AROUND, endpoint=False)
+        circle = self.reach * np.column_stack([np.cos(angles), np.sin(angles)])
+        path = np.vstack([np.zeros((1, 2)), circle if self.reach else circle[:0]])
+        probe = partial(recovered_strain_at, solid.space, self.sites.points, solid.planes)
+        for rings in range(problem.ATTEMPTS):
+            on = press_sliding.candidates(
+                solid, obstacle, path, self.deepest, rings, faces_down(solid)
+            )
+            if len(on.vertices) == 0:
+                raise InputError(limits.NOTHING_UNDER)
+            axis, friction = obstacle.axis, self.indenter.friction
+            loaded = press_sliding.with_tractions(solid, on, axis) if friction else on
+            try:
+                made = operator.reduced(self.finger, solid, loaded, self.sites.points, probe)
+            except OutsideError:
+                break
+            reduced, count = replace(made, patch=on), len(on.vertices)
+            solver = Complementarity(reduced.flexibility[:count, :count])
+            pressure = solver.solve(on.gap - self.deepest * on.projected)
+            if not (pressure[on.border] > 0).any():
+                break
+        if reduced is None:
+            message = (
+                "deepest: expected a depth at which the indenter stays over the palmar part of the "
+                f"pad, received {self.deepest:g} mm; give a smaller one"
+            )
+            raise InputError(message)
+        return reduced
+
+    def afferents(self, **options: Any) -> Afferents | RecordedAfferents:
+        """Return the units of the sites, to be stepped with the strain of every step.
+
+        `options` as for the function `condensed.afferents`.
+        """
+        return afferents(self.finger, self.solid, self.sites, **options)
+
+    def reset(self) -> None:
+        """Lift the object off at its first place, and clear the stress history."""
+        self._shift = np.zeros(2)
+        if self.indenter.friction:
+            friction_step.reset(self._gripping, self._memory, self._grip)
+        else:
+            step_compiled.reset(self._state, self._memory)
+        self._output.strain[:] = 0.0
+        self._read()
+
+    def step(self, depth: float, shift: tuple[float, float], dt: float) -> SlidingStep:
+        """Move the object to `depth` mm and (x, y) mm in `dt` s; return what the finger answers.
+
+        The depth counts from first touch at the first place. A step that is refused leaves the
+        finger as it was.
+
+        Raises
+        ------
+        InputError
+            If contact reaches the rim of the candidates, which is beyond `deepest`, or the end of
+            the object; or a number is not finite.
+        ConvergenceError
+            If no contact is found.
+        """
+        if not abs(depth) < math.inf:
+            number("depth", depth, unit="mm")
+        return self._advance(depth, shift, dt, by_force=False)
+
+    def step_force(self, force: float, shift: tuple[float, float], dt: float) -> SlidingStep:
+        """Move the object to (x, y) mm in `dt` s under `force` N.
+
+        Raises
+        ------
+        InputError, ConvergenceError
+            As `step`.
+        """
+        if not 0.0 <= force < math.inf:
+            number("force", force, at_least=0, unit="N")
+        return self._advance(force / NEWTON_PER_MILLINEWTON, shift, dt, by_force=True)
+
+    def _advance(
+        self, target: float, shift: tuple[float, float], dt: float, *, by_force: bool
+    ) -> SlidingStep:
+        place = np.array(shift, dtype=float)
+        if not (place.shape == (2,) and np.isfinite(place).all()):
+            message = f"shift: expected two finite numbers in mm, received {shift!r}"
+            raise InputError(message)
+        if not 0.0 <= dt < math.inf:
+            number("dt", dt, at_least=0, unit="s")
+        gap, rim = self._travel.gap(place)
+        limits_here = np.where(rim, lcp_compiled.TURNED, self._limits)
+        take = self._slide_with_friction if self.indenter.friction else self._slide
+        outcome = take(target, place - self._shift, dt, gap, limits_here, by_force)
+        if outcome == lcp_compiled.TURNED:
+            raise InputError(LEFT.format(*place))
+        if outcome == lcp_compiled.BEYOND or not self.indenter.friction:
+            step_compiled.check(outcome, self.deepest)
+        friction_step.check(outcome, self.indenter.friction, "in a step")
+        self._shift = place
+        return self._read()
+
+    def _slide(
+        self,
+        target: float,
+        moved: Array,
+        dt: float,
+        gap: Array,
+        limits_here: NDArray[np.int64],
+        by_force: bool,
+    ) -> int:
+        """Advance without friction."""
+        memory, before = self._memory, self._memory.gap.copy()
+        memory.gap[:], self._output.limits[:] = gap, limits_here
+        outcome = step_compiled.advance(
+            self._state, memory, self._output, dt, target, by_force, 1.0
+        )
+        if outcome != lcp_compiled.DONE:
+            memory.gap[:] = before
+        return int(outcome)
+
+    def _slide_with_friction(
+        self,
+        target: float,
+        moved: Array,
+        dt: float,
+        gap: Array,
+        limits_here: NDArray[np.int64],
+        by_force: bool,
+    ) -> int:
+        """Advance with friction."""
+        memory, grip, state, output = self._memory, self._grip, self._gripping, self._output
+        grip.gap[:], grip.limits[:] = gap, limits_here
+        x, y = moved.tolist()
+        outcome = friction_step.step(state, memory, grip, dt, x, y, target, by_force)
+        if outcome == lcp_compiled.DONE:
+            friction_step.strains(memory, output.rows, self._chosen, self._factor, output.strain)
+        return int(outcome)
+
+    def _read(self) -> SlidingStep:
+        """Update what a step returns."""
+        now, on, count, mu = self.now, self.patch, len(self.patch.vertices), self.indenter.friction
+        now.pressure[:] = self._gripping.x[:count] if mu else self._state.x
+        weights, areas = now.pressure * on.projected, self._output.areas
+        force = float(weights.sum())
+        now.depth, now.force = float(self._memory.depth[0]), force * NEWTON_PER_MILLINEWTON
+        now.contact_area = float(areas[now.pressure > 0].sum())
+        moments = self._output.moments @ now.pressure
+        now.x, now.y = (
+            (moments / (areas @ now.pressure)).tolist() if force > 0 else (np.nan, np.nan)
+        )
+        now.shift[:] = self._shift
+        now.lateral[:] = self._travel.push(self._shift, now.pressure) * NEWTON_PER_MILLINEWTON
+        if mu:
+            self._read_friction(weights, force)
+        return now
+
+    def _read_friction(self, weights: Array, force: float) -> None:
+        now, on, count = self.now, self.patch, len(self.patch.vertices)
+        traction = self._gripping.x[count:].reshape(2, count)
+        now.lateral += traction @ on.projected * NEWTON_PER_MILLINEWTON
+        sticking = sticks(now.pressure, traction, self.indenter.friction)
+        now.stick, now.lost = float(self._output.areas[sticking].sum()), 1e-3 * self._grip.lost[0]
+        if force > 0:
+            x, y = (self._places - weights @ self._places / force).T
+            turning = (x * traction[1] - y * traction[0]) @ on.projected
+            now.torque = float(turning) * NEWTON_PER_MILLINEWTON
+        else:
+            now.torque = 0.0

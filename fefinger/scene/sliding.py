@@ -1,0 +1,167 @@
+"""Motions with a path: the indenter is pressed, and moves across its direction of travel.
+
+A shape is abstract, as in `motion.py`; `motions.py` has the final classes. x and y of a path lie in
+the plane across the travel: x distal, y radial, those of a plate before its `roll`.
+"""
+
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.scene.motion import RampMotion, SampledMotion, rest_limit
+from fefinger.scene.trajectory import Trajectory
+from fefinger.support.checks import InputError, numbers
+from fefinger.support.csv_columns import read_columns
+
+
+Array = NDArray[np.float64]
+
+
+class SlideMotion(RampMotion):
+    """A press, `settle` s of rest, then `passes` along a line, each back over the last.
+
+    The object moves at `speed` mm/s over `distance` mm, the first time along `direction` degrees:
+    0 is distal, 90 radial.
+    """
+
+    slides = True
+
+    speed: float
+    distance: float
+    direction: float
+    settle: float
+    passes: int
+    approach: float
+
+    def __post_init__(self) -> None:
+        """Check the number of passes after the fields."""
+        super().__post_init__()
+        if self.passes != int(self.passes):
+            msg = f"motion.passes: expected a whole number of passes, received {self.passes:g}"
+            raise InputError(msg)
+        self._set(passes=int(self.passes))
+
+    @property
+    def top(self) -> float:
+        """Length of the press in s, with sharp corners."""
+        return self.level / self.approach
+
+    @property
+    def pass_seconds(self) -> float:
+        """Length of a pass in s, with sharp corners."""
+        return self.distance / self.speed
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The lengths in s of press and pass, and twice that of the rest between them."""
+        return self.top, self.pass_seconds, *rest_limit(self.settle)
+
+    @property
+    def recorded_from(self) -> float:
+        """The start of the slide in s."""
+        return self.ramp_and_rest(self.settle).duration
+
+    @cached_property
+    def along(self) -> Trajectory:
+        """Distance in mm along the line."""
+        count = int(self.passes) + 1
+        times = self.recorded_from + self.pass_seconds * np.arange(count)
+        places = self.distance * (np.arange(count) % 2)
+        return Trajectory.through(
+            np.append(0.0, times), np.append(0.0, places), corner=self.corner, stop=True
+        )
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Press, and rest for as long as the slide takes."""
+        return self.ramp_and_rest(self.along.duration - self.top - self.corner)
+
+    @cached_property
+    def paths(self) -> tuple[Trajectory, ...]:
+        """The distance along the line."""
+        return (self.along,)
+
+    def shift(self, t: ArrayLike) -> Array:
+        """Return the place (..., 2) mm of the object at the times `t` in s."""
+        return self.along.value(t)[..., None] * self._heading
+
+    def velocity(self, t: ArrayLike) -> Array:
+        """Return the velocity (..., 2) mm/s of the object at the times `t` in s."""
+        return self.along.rate(t)[..., None] * self._heading
+
+    @property
+    def _heading(self) -> Array:
+        """Unit vector (2,) of the first pass, exact at right angles."""
+        turns, rest = divmod(self.direction, 90.0)
+        c, s = np.cos(np.radians(rest)), np.sin(np.radians(rest))
+        for _ in range(int(turns) % 4):
+            c, s = -s, c
+        return np.array([c, s]) + 0.0  # no -0.0
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether the object stays in the medial plane."""
+        return self.direction % 180 == 0
+
+
+class SampledPathMotion(SampledMotion):
+    """Times in s from 0 on, columns x and y in mm, and one named as `control`; lines between."""
+
+    slides = True
+
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+
+    @cached_property
+    def paths(self) -> tuple[Trajectory, ...]:
+        """Those of x and of y."""
+        x, y = (
+            Trajectory.through(self.time, each, corner=self.corner, stop=False)
+            for each in (self.x, self.y)
+        )
+        return x, y
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The lines of depth or force; InputError for times or values that are none of a motion."""
+        for name in ("x", "y"):
+            count = len(getattr(self, name))
+            if count != len(self.time):
+                msg = (
+                    f"motion.{name}: expected as many values as times, received {count} values and "
+                    f"{len(self.time)} times"
+                )
+                raise InputError(msg)
+        values = getattr(self, self.control)
+        self._check_samples(self.control, values)
+        return Trajectory.through(self.time, values, corner=self.corner, stop=False)
+
+    def _check_fields(self) -> dict[str, Any]:
+        super()._check_fields()
+        for name in ("x", "y"):
+            self._set(**{name: numbers(f"motion.{name}", getattr(self, name), unit="mm")})
+        return {}
+
+    def shift(self, t: ArrayLike) -> Array:
+        """Return the place (..., 2) mm of the object at the times `t` in s."""
+        return np.stack([each.value(t) for each in self.paths], axis=-1)
+
+    def velocity(self, t: ArrayLike) -> Array:
+        """Return the velocity (..., 2) mm/s of the object at the times `t` in s."""
+        return np.stack([each.rate(t) for each in self.paths], axis=-1)
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether the object stays in the medial plane."""
+        return not any(self.y)
+
+    @classmethod
+    def from_csv(cls, file: str | Path, *, corner: float = 0.0) -> Self:
+        """Read the columns time (s), x, y (mm) and depth (mm) or force (N)."""
+        names = ("time", "x", "y", cls.control)
+        columns = read_columns("motion.file", Path(file), names)
+        given: dict[str, Any] = dict(zip(names, columns, strict=True)) | {"corner": corner}
+        return cls(**given)

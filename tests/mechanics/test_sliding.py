@@ -1,0 +1,196 @@
+"""Sliding fingers: outcomes in words, what results keep, what is refused and warned of."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.fem.contact import friction_compiled
+from fefinger.fem.contact.lcp_compiled import DONE
+from fefinger.geometry.profiles import frame
+from fefinger.mechanics import condensed, linear
+from fefinger.mechanics.realtime.sliding import Sliding
+from fefinger.results import netcdf
+from fefinger.support.checks import InputError
+
+
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
+ASK = ff.Ask(fields=False)
+SHORT = ff.Slide(20, 0.7, distance=0.01, settle=0.05)
+
+
+@pytest.fixture(autouse=True)
+def _own_cache(operators: Path) -> None:
+    """Keep to the operators of this session."""
+
+
+def respond(indenter, motion, **ask):
+    scene = ff.Scene(
+        finger=FINGER, indenter=indenter, motion=motion, ask=replace(ASK, **ask) if ask else ASK
+    )
+    return condensed.respond(scene)
+
+
+@pytest.mark.parametrize(
+    ("mu", "distance", "words"),
+    [(0.4, 1.5, "Gross slip: from "), (0.4, 0.1, "Partial slip: at least "), (50.0, 0.1, "Stick")],
+)
+def test_the_outcome_is_told_in_words(mu, distance, words):
+    response = respond(ff.Flat(30, friction=mu), replace(SHORT, distance=distance))
+    (note,) = (each for each in response.notes if "residual" in each)
+    assert note.startswith(words)
+    stick = response.lateral.stick_area
+    if words == "Gross slip: from ":
+        said = float(note.split("from ")[1].split(" s")[0])
+        moving = response.time >= SHORT.recorded_from + 1e-9
+        assert response.time[moving][stick[moving] == 0][0] == pytest.approx(said, rel=1e-3)
+    else:
+        assert stick[-1] > 0
+
+
+def test_friction_resists_the_spread_of_a_press_and_moves_no_plate_aside():
+    motion = ff.RampHold(20, 0.8, hold=0.05)
+    smooth, rough = (respond(ff.Flat(30, friction=mu), motion) for mu in (0.0, 5.0))
+    assert smooth.lateral is None
+    assert rough.force.max() > 1.005 * smooth.force.max()
+    assert np.abs(rough.lateral.shift).max() == 0
+    assert rough.lateral.torque == pytest.approx(0, abs=1e-12)
+
+
+def test_a_torque_is_that_of_the_traction_about_the_center_of_pressure():
+    at = ff.Sphere(4.0, at=(-1.0, 2.0), friction=0.4)
+    response = respond(at, ff.Slide(10, 0.5, distance=1.0, direction=30, settle=0.05))
+    pad, traction, weight = response.pad, response.lateral.traction[-1], response.pressure[-1]
+    inward = -pad.normals[np.argmin(np.linalg.norm(pad.points[:, :2] - (-1.0, 2.0), axis=1))]
+    plane = frame(inward)[:2]
+    places = pad.points @ plane.T
+    loads = pad.areas * weight
+    x, y = (places - loads @ places / loads.sum()).T
+    torque = pad.areas @ (x * traction[:, 1] - y * traction[:, 0]) * 1e-3
+    assert response.lateral.torque[-1] == pytest.approx(torque, rel=0.1, abs=1e-4)
+    heading = np.array([np.cos(np.radians(30)), np.sin(np.radians(30))])
+    pulled = traction.T @ pad.areas * 1e-3
+    assert pulled @ heading > 0.97 * np.hypot(*pulled)
+
+
+def test_traction_on_the_pad_adds_up_to_the_lateral_force():
+    response = respond(ff.Flat(30, friction=0.4), replace(SHORT, distance=1.0))
+    total = np.einsum("p,tpk->tk", response.pad.areas, response.lateral.traction) * 1e-3
+    # Areas of the pad are those of its hats; the patch has them across the plate.
+    assert total[-1] == pytest.approx(response.lateral.force[-1], rel=0.05, abs=1e-3)
+    assert response.lateral.slip[-1, :, 0].min() == pytest.approx(-1.0, abs=0.35)
+
+
+def test_a_result_with_friction_is_saved_and_read_again(tmp_path: Path):
+    dots, ask = ff.Dots(3, friction=0.3), replace(ASK, rel_error=1)
+    scene = ff.Scene(finger=FINGER, indenter=dots, motion=SHORT, ask=ask)
+    result = ff.run(scene, mechanics="condensed")
+    result.save(tmp_path)
+    again = ff.load(tmp_path)
+    for name in ("shift", "force", "torque", "stick_area", "traction", "slip", "work"):
+        assert np.array_equal(getattr(again.lateral, name), getattr(result.lateral, name))
+    data = netcdf.dataset(result)
+    assert data["lateral_force"].attrs["units"] == "N"
+    assert list(data["lateral_axis"].values) == ["distal", "radial"]
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "Sliding" in page
+    assert "work of friction" in page
+    assert "carries pressure only" not in page
+
+
+def test_fields_of_a_sheared_finger_are_those_of_its_end_organs():
+    scene = ff.Scene(
+        finger=FINGER,
+        indenter=ff.Flat(30, friction=0.4),
+        motion=replace(SHORT, distance=0.5),
+        ask=ff.Ask(),
+    )
+    both = [each.respond(scene) for each in (condensed, linear)]
+    moved = [each.fields.displacement[-1] for each in both]
+    assert moved[0] == pytest.approx(moved[1], abs=1e-9)
+    skin = moved[0][np.argmax(np.abs(moved[0][:, 0]))]
+    assert skin[0] > 0.1  # dragged distally, with the plate
+
+
+def test_textures_finer_than_the_mesh_are_warned_of_with_the_number():
+    fine = respond(ff.Dots(1.5, diameter=0.5, edge=0.05), SHORT)
+    (note,) = (each for each in fine.notes if each.startswith("Warning"))
+    assert "= 0.5 / 0.8" in note
+    assert "< 1.5" in note
+    wide = respond(ff.Grating(8, 4, 0.5, edge=0.5), SHORT)
+    assert not [each for each in wide.notes if each.startswith("Warning")]
+
+
+def test_contact_that_reaches_the_end_of_the_object_is_a_sentence():
+    with pytest.raises(InputError, match=r"at 0\.\d+ s, with the object moved by .* its end"):
+        respond(ff.Letters("i"), ff.Slide(60, 0.8, distance=14, direction=180, settle=0.05))
+
+
+@pytest.fixture(scope="module")
+def loops(kept: Path) -> dict[float, Sliding]:
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setenv("XDG_CACHE_HOME", str(kept))
+        return {mu: Sliding(FINGER, ff.Dots(2.5, friction=mu), deepest=1.0) for mu in (0.0, 0.3)}
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+def test_a_step_that_is_refused_leaves_the_finger_as_it_was(loops, mu):
+    finger = loops[mu]
+
+    def trace(spoiled: bool) -> list:
+        finger.reset()
+        rows = []
+        for k in range(6):
+            if spoiled and k == 3:
+                with pytest.raises(InputError, match="candidates"):
+                    finger.step(2.5, (3.0, 1.0), 1e-3)
+                with pytest.raises(InputError, match="shift: expected two finite"):
+                    finger.step(0.5, (0.0, float("nan")), 1e-3)
+            now = finger.step(0.5, (0.1 * k, 0.0), 1e-3)
+            rows.append([now.force, *now.lateral, now.lost, now.stick, *now.strain.ravel()])
+        return rows
+
+    assert np.array(trace(True)) == pytest.approx(np.array(trace(False)), rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+def test_a_loop_reaches_its_force_and_forgets_on_reset(loops, mu):
+    finger = loops[mu]
+    finger.reset()
+    first = [finger.step_force(0.2, (0.05 * k, 0.0), 5e-3).depth for k in range(5)]
+    assert finger.now.force == pytest.approx(0.2, rel=1e-6)
+    finger.reset()
+    assert (finger.now.force, finger.now.lost, finger.now.stick) == (0.0, 0.0, 0.0)
+    again = [finger.step_force(0.2, (0.05 * k, 0.0), 5e-3).depth for k in range(5)]
+    assert again == pytest.approx(first, rel=1e-9)
+    assert finger.step(-1.0, (0.0, 0.0), 1e-3).force == 0.0
+
+
+def test_friction_finds_the_law_for_every_coefficient_from_rest_and_from_before():
+    rng = np.random.default_rng(4)
+    basis = rng.normal(size=(60, 60))
+    matrix = basis @ basis.T / 60 + 0.05 * np.eye(60)
+    for mu in (0.0, 0.1, 0.5):
+        state = friction_compiled.friction_state(matrix, mu)
+        for _ in range(5):
+            offset = rng.normal(size=60)
+            assert friction_compiled.solve(state, offset, 1e-10) == DONE
+            x, rest = state.x, matrix @ state.x + offset
+            p, t, w, s = x[:20], x[20:].reshape(2, 20), rest[:20], rest[20:].reshape(2, 20)
+            assert p.min() >= 0
+            assert w.min() > -1e-8
+            assert np.abs(p * w).max() < 1e-8
+            assert (np.hypot(*t) - mu * p).max() < 1e-8
+            lost = -np.sum(t * s, axis=0)
+            assert lost == pytest.approx(mu * p * np.hypot(*s), abs=1e-7)
+
+
+def test_a_flexibility_without_an_inverse_ends_in_a_failure_not_in_an_exception():
+    flat = np.zeros((6, 6))
+    flat[:2, :2] = 1.0  # two vertices that move as one, and not along the plane
+    state = friction_compiled.friction_state(flat, 0.3)
+    offset = np.array([-1.0, -2.0, 0.0, 0.0, 0.0, 0.0])
+    outcome = friction_compiled.solve(state, offset, 1e-10)
+    assert outcome != DONE or (flat @ state.x + offset)[:2].min() > -1e-9

@@ -1,0 +1,186 @@
+"""Raised dots, Braille and letters: their surfaces, against counts, sizes and other splines."""
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.interpolate import RectBivariateSpline
+
+import fefinger as ff
+from fefinger.geometry.profiles import Relief, flank_of, sharpest_radius, smooth_step
+from fefinger.scene.braille import cells
+from fefinger.support.checks import InputError
+
+
+PATTERNS = [
+    ff.Dots(2.0),
+    ff.Dots(2.0, arrangement="random", seed=7),
+    ff.Braille("touch 12"),
+    ff.Letters("Rao&B"),
+]
+
+
+def grid(step: float, x: tuple[float, float], y: tuple[float, float]) -> np.ndarray:
+    return np.stack(np.meshgrid(np.arange(*x, step), np.arange(*y, step), indexing="ij"), axis=-1)
+
+
+@pytest.mark.parametrize("pattern", PATTERNS, ids=lambda one: one.describe())
+def test_crests_have_the_stated_radius_and_the_stated_height(pattern):
+    places = grid(0.02, (-1, 9), (-3, 3))
+    h = pattern.profile.rise(places)
+    assert h.min() == pytest.approx(0, abs=1e-3 * pattern.height)
+    assert h.max() == pytest.approx(pattern.height, rel=2e-3)
+    sharpest = sharpest_radius(pattern.profile, places.reshape(-1, 2))
+    assert sharpest == pytest.approx(pattern.edge, rel=0.06)
+
+
+@pytest.mark.parametrize("pattern", PATTERNS, ids=lambda one: one.describe())
+def test_compiled_heights_and_slopes_are_those_of_the_spline(pattern):
+    places = np.random.default_rng(1).uniform(-40, 40, (4000, 2))
+    h, slope, _ = pattern.profile.height(places)
+    rise = pattern.profile.rise(places)
+    assert np.array_equal(np.isfinite(rise), np.isfinite(h))
+    there = np.isfinite(h)
+    assert rise[there] == pytest.approx(h[there], abs=1e-12)
+    assert pattern.profile.incline(places) == pytest.approx(slope, abs=1e-11)
+
+
+def test_a_raster_is_the_spline_of_fitpack_up_to_its_edge_and_uneven_lines_keep_that():
+    rng = np.random.default_rng(2)
+    u, v = np.linspace(-1, 2, 17), np.linspace(0, 1, 9)
+    heights = rng.normal(size=(17, 9))
+    places = np.column_stack([rng.uniform(-1, 2, 500), rng.uniform(0, 1, 500)])
+    spline = RectBivariateSpline(u, v, heights.max() - heights)
+    even = Relief(u, v, heights)
+    assert even.rise(places) == pytest.approx(spline.ev(*places.T), abs=1e-12)
+    assert even.incline(places)[:, 1] == pytest.approx(spline.ev(*places.T, dy=1), abs=1e-10)
+    assert np.isinf(even.rise(np.array([[2.01, 0.5], [0.0, -0.01]]))).all()
+    uneven = Relief(u**3, v, heights)
+    other = RectBivariateSpline(u**3, v, heights.max() - heights)
+    assert uneven.rise(places) == pytest.approx(other.ev(*places.T), abs=1e-12)
+
+
+def test_a_step_is_as_sharp_as_its_flank_says():
+    t = np.linspace(0, 1, 20001)
+    bend = np.gradient(np.gradient(0.4 * smooth_step(t), t), t) / flank_of(0.1, 0.4) ** 2
+    assert 1 / np.abs(bend).max() == pytest.approx(0.1, rel=1e-3)
+
+
+def test_dots_stand_on_their_grid_and_at_random_with_the_same_density():
+    step = 0.02
+    for dots in (ff.Dots(2.0), ff.Dots(2.0, arrangement="random", seed=3)):
+        h = dots.profile.rise(grid(step, (0, 24), (0, 24)))
+        volume = (dots.height - h).sum() * step**2
+        r = np.linspace(0, 1, 4001)
+        one = 2 * np.pi * np.trapezoid(r * dots.rising(dots.diameter / 2 - r), r)
+        assert volume == pytest.approx(144 * one, rel=5e-3)
+    assert ff.Dots(2.0).profile.rise(np.array([[4.0, -6.0]])) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_random_dots_follow_their_seed_repeat_and_keep_apart():
+    dots = ff.Dots(1.5, arrangement="random", seed=5)
+    again, other = (ff.Dots(1.5, arrangement="random", seed=k) for k in (5, 6))
+    assert np.array_equal(dots.centers, again.centers)
+    assert not np.array_equal(dots.centers, other.centers)
+    apart = np.abs(dots.centers[:, None] - dots.centers)
+    apart = np.hypot(*np.moveaxis(np.minimum(apart, dots.tile - apart), 2, 0))
+    assert (apart + dots.tile * np.eye(len(apart))).min() >= dots.base
+    places = np.random.default_rng(0).uniform(0, 18, (300, 2))
+    moved = dots.profile.rise(places + np.array([1, -2]) * dots.tile)
+    assert dots.profile.rise(places) == pytest.approx(moved, abs=1e-9)
+
+
+def test_braille_has_the_dots_of_the_table():
+    assert list(cells("Louis")) == [(0, 1, 2), (0, 2, 4), (0, 2, 5), (1, 3), (1, 2, 3)]
+    assert list(cells("12a, w")) == [
+        *((2, 3, 4, 5), (0,), (0, 1), (4, 5), (0,)),
+        *((1,), (), (1, 3, 4, 5)),
+    ]
+    word = ff.Braille("l i")
+    assert len(word.centers) == 5
+    assert word.centers[:, 0].max() == pytest.approx(2 * word.cell + word.spacing)
+    assert word.profile.rise(word.centers) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_letters_are_as_tall_as_stated_and_have_their_holes():
+    letters = ff.Letters("HO", size=8, start=1.0)
+    h = letters.profile.rise(grid(0.05, (0.0, 19.0), (-6, 6)))
+    raised = h < letters.height / 2
+    rows = np.flatnonzero(raised[: int(5 / 0.05)].any(axis=0))
+    assert (rows[-1] - rows[0]) * 0.05 == pytest.approx(8, abs=0.2)  # that of the H
+    columns = np.flatnonzero(raised.any(axis=1))
+    assert columns[0] * 0.05 == pytest.approx(1.0, abs=0.1)
+    assert columns[-1] * 0.05 == pytest.approx(1.0 + letters.box[0], abs=0.1)
+    middle = int((1.0 + letters.box[0] - 4) / 0.05)
+    assert not raised[middle, int(6 / 0.05)]  # the hole of the O
+
+
+BAD = [
+    (lambda: ff.Dots(0.8), "indenter.spacing: .* at least 1.18"),
+    (lambda: ff.Dots(2, edge=1.0), "indenter.edge: expected at most 0.212 mm"),
+    (lambda: ff.Dots(2, arrangement="hexagon"), "indenter.arrangement: expected one of"),
+    (lambda: ff.Dots(2, seed=-1), "indenter.seed: expected a whole number"),
+    (lambda: ff.Dots(1.2, arrangement="random"), "room for 144 dots 1.18 mm wide at random"),
+    (lambda: ff.Braille("tøj"), "indenter.text: .* received 'ø'"),
+    (lambda: ff.Braille(" "), "not all blank"),
+    (lambda: ff.Letters("a" * 61), "1 to 60 characters"),
+    (lambda: ff.Grating(3, 1, 0.5, edge=2.0), "indenter.edge: expected at most"),
+]
+
+
+@pytest.mark.parametrize(("make", "message"), BAD)
+def test_what_cannot_be_made_gets_a_sentence(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+def test_a_grating_with_a_stated_edge_has_it_and_keeps_its_widths():
+    grating = ff.Grating(3, 1.2, 0.5, edge=0.1)
+    assert grating.least_radius == pytest.approx(0.1, rel=0.02)
+    at = np.array([[0.6, 0.0], [1.5, 0.0], [0.0, 0.0]])
+    assert grating.profile.height(at)[0] == pytest.approx([0.25, 0.5, 0.0], abs=1e-12)
+
+
+def test_a_relief_is_read_from_a_picture_an_array_and_a_surface(tmp_path: Path):
+    from matplotlib.image import imsave
+
+    pixels = np.zeros((6, 8))
+    pixels[0, 7] = 1.0  # the upper right corner
+    imsave(tmp_path / "a.png", pixels, cmap="gray", format="png")
+    read = ff.Relief.from_file(tmp_path / "a.png", pitch=0.5, height=0.3)
+    assert (len(read.x), len(read.y)) == (8, 6)
+    assert read.heights[7][5] == pytest.approx(0.3)
+    assert np.sum(read.heights) == pytest.approx(0.3, abs=1e-6)
+    assert read == ff.Relief.from_array(np.array(read.heights), 0.5)
+    facets = [[(0, 0, 0), (4, 0, 1), (0, 4, 0)], [(4, 0, 1), (4, 4, 1), (0, 4, 0)]]
+    (tmp_path / "a.stl").write_bytes(stl(facets))
+    ramp = ff.Relief.from_file(tmp_path / "a.stl", pitch=0.5)
+    assert (ramp.x[0], ramp.x[-1], len(ramp.y)) == (0.0, 4.0, 9)
+    assert np.array(ramp.heights)[:, 0] == pytest.approx(np.linspace(0, 1, 9), abs=1e-6)
+
+
+def stl(facets: list) -> bytes:
+    """Return a binary STL of triangles."""
+    body = b"".join(
+        struct.pack("<12fH", 0, 0, 1, *(x for corner in facet for x in corner), 0)
+        for facet in facets
+    )
+    return bytes(80) + struct.pack("<I", len(facets)) + body
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("a.png", {"height": 1.0}, "indenter.pitch: expected a number in mm"),
+        ("a.png", {"pitch": 1.0}, "indenter.height: expected a number in mm"),
+        ("a.csv", {"pitch": 1.0}, "indenter.pitch: expected none"),
+        ("a.png", {"pitch": 1.0, "height": 1.0}, "cannot read the picture"),
+        ("a.stl", {"pitch": 1.0}, "cannot read the surface"),
+        ("hole.stl", {"pitch": 0.5}, "leaves .* % of it open"),
+    ],
+)
+def test_files_that_are_no_relief_get_a_sentence(tmp_path: Path, name, options, message):
+    (tmp_path / "hole.stl").write_bytes(stl([[(0, 0, 0), (4, 0, 1), (0, 4, 0)]]))
+    with pytest.raises(InputError, match=message):
+        ff.Relief.from_file(tmp_path / name, **options)

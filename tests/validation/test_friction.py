@@ -1,0 +1,58 @@
+"""Suite `friction`: its quick cases pass, and each of them can fail."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fefinger.validation.case import Outcome
+from fefinger.validation.friction import bonded, dots, sheared, suite, waves
+
+
+@pytest.fixture(autouse=True)
+def _own_cache(operators: Path) -> None:
+    """Keep to the operators of this session."""
+
+
+SLOW = ("block", "rates", "scanned dots", "against linear")
+
+
+def _quick() -> list:
+    every = suite.cases(quick=True)
+    return [case for case in every if not any(word in case.name for word in SLOW)]
+
+
+@pytest.mark.parametrize("case", _quick(), ids=lambda case: case.name)
+def test_a_quick_case_passes(case):
+    outcome = Outcome(case, float(case.measure()))
+    assert outcome.verdict == "pass", outcome
+
+
+def test_stick_and_force_converge_with_the_squares():
+    for measure in (sheared.stick_error, sheared.force_error):
+        coarse, fine = (measure("squares", size) for size in (8, 16))
+        assert fine < 0.8 * coarse
+
+
+def test_the_checks_see_a_wrong_flexibility_and_a_wrong_coefficient():
+    matrix, rest = bonded.offset(0.7 * sheared.limit())
+    x = bonded.solved(matrix, rest, 0.5)
+    n = len(rest) // 3
+    wrong = matrix.copy()
+    wrong[n:, n:] *= 1.02
+    assert np.abs(bonded.solved(wrong, rest, 0.5) - x).max() > 1e-3 * x.max()
+    assert np.abs(bonded.solved(matrix, rest, 0.51) - x).max() > 1e-3 * x.max()
+
+
+def test_drag_vanishes_with_the_memory_and_peaks_between_its_rates():
+    drags = [waves.exact(speed) for speed in (1e-6, 1.0, 20.0, 1e6)]
+    assert max(drags[0], drags[3]) < 1e-3 * drags[2]
+
+
+def test_recorded_rates_are_those_of_three_types_over_rising_spacings():
+    recorded = dots.recorded()
+    assert set(recorded) == {"SAI", "FAI", "FAII"}
+    for spacing, rate in recorded.values():
+        assert (np.diff(spacing) > 0).all()
+        assert spacing[0] <= dots.SPACINGS[0]
+        assert dots.SPACINGS[-1] <= spacing[-1]
+        assert (rate > 0).all()

@@ -1,0 +1,73 @@
+"""Spikes on the object: where units were over it, rates over the time that they were there."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.result import Result
+from fefinger.results.records import Lateral
+from fefinger.view import event_plots, indenter_pose
+
+
+SLIDE = ff.Slide(20, 0.5, distance=4, direction=180, settle=0.1, passes=2)
+
+
+@pytest.fixture
+def slid(synthetic: Result) -> Result:
+    """Return the synthetic result with dots that slide under its units, one spike a millisecond."""
+    time = np.linspace(0, SLIDE.duration, 400)
+    scene = replace(synthetic.scene, indenter=ff.Dots(2.0, roll=90), motion=SLIDE)
+    shift = SLIDE.shift(time)
+    trains = synthetic.spikes
+    spikes = np.arange(0.2, SLIDE.duration, 1e-3)
+    trains = replace(
+        trains,
+        times=(spikes,) * len(trains),
+        t_start=SLIDE.recorded_from,
+        t_stop=SLIDE.duration,
+        positions=np.tile([0.0, 0.3, 0.0], (len(trains), 1)),
+        stimulus_driven=np.zeros(len(trains), dtype=int),
+    )
+    count = len(time)
+    response = replace(
+        synthetic.response,
+        time=time,
+        depth=np.zeros(count),
+        force=np.ones(count),
+        lateral=Lateral(shift, np.zeros((count, 2))),
+    )
+    return replace(synthetic, scene=scene, response=response, spikes=trains)
+
+
+def test_a_spike_is_drawn_at_the_place_of_the_object_that_was_over_its_unit(slid: Result):
+    spots, times = event_plots.places(slid, np.array([0]))
+    shift = SLIDE.shift(times)
+    # With a roll of 90 degrees the object's x lies along the finger's y, its y against the x.
+    expected = np.column_stack([0.3 - shift[:, 1], shift[:, 0]])
+    assert spots == pytest.approx(expected, abs=0.02)
+
+
+def test_rates_are_spikes_over_the_time_that_a_unit_spent_there(slid: Result):
+    edges, rate = event_plots.rates(slid, np.array([0]))
+    inside = rate[2:-2]
+    assert np.diff(edges) == pytest.approx(event_plots.BIN)
+    assert inside == pytest.approx(1000.0, rel=0.05)
+
+
+def test_a_sliding_object_is_drawn_where_it_is_and_as_its_plane_where_it_cannot_be(slid: Result):
+    there = indenter_pose.pose(slid, 0.0, float(SLIDE.recorded_from + 0.1))
+    still = indenter_pose.pose(slid, 0.0)
+    assert still.profile.plane
+    assert there.profile is not still.profile
+    moved = np.linalg.norm(there.origin - still.origin)
+    assert moved == pytest.approx(20 * (0.1 - SLIDE.corner / 2), rel=0.02)
+
+
+@pytest.mark.parametrize("draw", [event_plots.events, event_plots.scan_lines, event_plots.sideways])
+def test_every_figure_is_drawn(slid: Result, draw, tmp_path: Path):
+    drawn = draw(slid)
+    drawn.savefig(tmp_path / "figure.png")
+    assert len(drawn.axes) >= 2

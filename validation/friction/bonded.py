@@ -1,0 +1,68 @@
+"""Limits of the coefficient of friction, and the same contact by another method."""
+
+import numpy as np
+from fefinger.validation.friction.sheared import CONTACT, RADIUS, contact, limit
+from fefinger.validation.oracles.coulomb import projected
+from numpy.typing import NDArray
+
+from fefinger.fem.contact import friction_compiled
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.lcp_compiled import DONE
+from fefinger.support.tolerances import COMPLEMENTARITY
+
+
+Array = NDArray[np.float64]
+
+SQUARES = 10
+HUGE = 1e9
+
+
+def solved(flexibility: Array, offset: Array, mu: float) -> Array:
+    """Return pressures and tractions (3n,) of one contact without a past."""
+    state = friction_compiled.friction_state(flexibility, mu)
+    outcome = friction_compiled.solve(state, offset, COMPLEMENTARITY)
+    if outcome != DONE:
+        message = f"friction: no solution, outcome {outcome}"
+        raise ArithmeticError(message)
+    return state.x.copy()
+
+
+def offset(moved: float) -> tuple[Array, Array]:
+    """Return F and what is to be overcome (3n,) where the sphere is pressed and sheared at once.
+
+    The body has nu < 1/2, so that pressure and traction do move each other's contact.
+    """
+    on = contact("squares", SQUARES, 0.3)
+    depth = CONTACT**2 / RADIUS
+    rest = np.concatenate([on.gap - depth * on.areas, -moved * on.areas, 0.3 * moved * on.areas])
+    return on.flexibility, rest
+
+
+def against_gradients(mu: float, part: float) -> float:
+    """Return the largest difference from projected gradients, over the largest pressure.
+
+    Sheared by a part of the displacement at which all slides.
+    """
+    matrix, rest = offset(part * limit())
+    x = solved(matrix, rest, mu)
+    return float(np.abs(x - projected(matrix, rest, mu)).max() / x.max())
+
+
+def against_frictionless() -> float:
+    """Return the largest difference of mu = 0 from contact without friction."""
+    matrix, rest = offset(limit())
+    n = len(rest) // 3
+    x = solved(matrix, rest, 0.0)
+    pressure = Complementarity(matrix[:n, :n]).solve(rest[:n])
+    return float(max(np.abs(x[:n] - pressure).max(), np.abs(x[n:]).max()) / pressure.max())
+
+
+def against_bonded() -> float:
+    """Return the largest difference of a huge mu from one system of the vertices in contact."""
+    matrix, rest = offset(0.2 * limit())
+    n = len(rest) // 3
+    x = solved(matrix, rest, HUGE)
+    chosen = np.flatnonzero(np.tile(x[:n] > 0, 3))
+    bonded = np.zeros(3 * n)
+    bonded[chosen] = np.linalg.solve(matrix[np.ix_(chosen, chosen)], -rest[chosen])
+    return float(np.abs(x - bonded).max() / np.abs(bonded).max())

@@ -1,0 +1,97 @@
+"""Embossed dots that are scanned over a population: rates against the spacing of the dots.
+
+The scene `slide-dots` at the spacings of the recordings, with the afferents of the package as they
+are: nothing here is fitted. `data/dots_scanned.csv` says where the recorded rates are from.
+"""
+
+import csv
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger import afferents
+from fefinger.mechanics import condensed
+from fefinger.scene import builtin
+
+
+Array = NDArray[np.float64]
+
+SPACINGS = (1.41, 1.97, 2.99, 3.96, 4.91, 5.87)
+"""mm, of those that were recorded, as far as dots of this width fit."""
+
+DISTANCE = 24.0  # mm, of which each spacing has some four periods and more
+
+
+@cache
+def recorded() -> dict[str, tuple[Array, Array]]:
+    """Return spacings (n,) mm and recorded rates (n,) Hz by type."""
+    text = (files(__package__) / "data" / "dots_scanned.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    types = dict.fromkeys(row["type"] for row in rows)
+    return {
+        kind: (
+            np.array([float(row["spacing_mm"]) for row in rows if row["type"] == kind]),
+            np.array([float(row["rate_Hz"]) for row in rows if row["type"] == kind]),
+        )
+        for kind in types
+    }
+
+
+@cache
+def computed() -> dict[str, Array]:
+    """Return the mean rates (n,) Hz of the units of each type at SPACINGS."""
+    rates: dict[str, list[float]] = {kind: [] for kind in recorded()}
+    for spacing in SPACINGS:
+        for kind, rate in scanned(spacing).items():
+            rates[kind].append(rate)
+    return {kind: np.array(each) for kind, each in rates.items()}
+
+
+def scanned(spacing: float) -> dict[str, float]:
+    """Return the mean rates in Hz by type over dots of a spacing in mm."""
+    scene = builtin.load(
+        "slide-dots",
+        {
+            "indenter.spacing": spacing,
+            "motion.distance": DISTANCE,
+            "finger.resolution": "standard",
+            "ask.pressure": False,
+            "ask.population.radius": 2.0,
+        },
+    )
+    response = condensed.respond(scene)
+    trains = afferents.fire(scene.ask, response, since=scene.motion.recorded_from)
+    seconds = scene.motion.duration - scene.motion.recorded_from
+    counts, types = trains.count(), np.array(trains.types)
+    return {kind: float(counts[types == kind].mean() / seconds) for kind in scene.ask.spikes}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Computed rates against recorded ones: their median ratio, their correlation over spacing.
+
+    modulation: the range of the computed rates over their mean, over the same of the recorded ones;
+    best: the spacing in mm with most spikes.
+    """
+
+    ratio: float
+    correlation: float
+    modulation: float
+    best: float
+
+
+def against_recorded(kind: str) -> Comparison:
+    """Return how the rates of a type compare, the recorded ones read between their spacings."""
+    places, rates = recorded()[kind]
+    known, found = np.interp(SPACINGS, places, rates), computed()[kind]
+    both = np.corrcoef(known, found)[0, 1] if np.ptp(found) > 0 else 0.0
+    ranges = [np.ptp(each) / each.mean() for each in (found, known)]
+    return Comparison(
+        ratio=float(np.median(found / known)),
+        correlation=float(both),
+        modulation=float(ranges[0] / ranges[1]),
+        best=SPACINGS[int(np.argmax(found))],
+    )
