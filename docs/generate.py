@@ -184,23 +184,28 @@ def verdicts() -> Iterator[str]:
     from fefinger.validation import suites
     from fefinger.validation.page import VERDICTS
 
-    counted = []
+    counted, missing = [], []
     for name, about in suites.ABOUT.items():
-        path = REPORTS / f"{name}.json"
-        if path.exists():
-            record = json.loads(path.read_text(encoding="utf-8"))
-            found = [
-                case["verdict"]
-                for suite in record["suites"]
-                if suite["suite"] == name
-                for case in suite["cases"]
-            ]
-            made = record.get("provenance", {}).get("date", "")[:10]
-            counts = [found.count(verdict) for verdict in VERDICTS]
-            counted.append((f"`{name}`", about, len(found), *counts, made))
+        record, found = judged(name)
+        if not found:
+            missing.append(f"`{name}`")
+            continue
+        made = record.get("provenance", {}).get("date", "")[:10]
+        counts = [found.count(verdict) for verdict in VERDICTS]
+        counted.append((f"`{name}`", about, len(found), *counts, made))
     total = [sum(row[column] for row in counted) for column in range(2, 3 + len(VERDICTS))]
     heading = ("suite", "what it compares", "cases", *VERDICTS, "measured")
     yield from table(heading, [*counted, ("**all**", "", *total, "")])
+    if missing:
+        yield f"Without verdicts in the reports: {', '.join(missing)}."
+
+
+def judged(suite):
+    """Return the report of a suite and the verdicts of its cases, none where it holds none."""
+    path = REPORTS / f"{suite}.json"
+    record = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    cases = (each["cases"] for each in record.get("suites", ()) if each["suite"] == suite)
+    return record, [case["verdict"] for group in cases for case in group]
 
 
 def held_out():
