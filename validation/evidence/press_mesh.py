@@ -92,10 +92,7 @@ MEASUREMENTS = {
     **{f"a.h./{name}": Measurement("a.h.", *each) for name, each in list(OBJECTS.items())[7:]},
 }
 
-OTHERS = (
-    *("grating", "bar", "cylinder", "flat-60", "grating-10", "flat-45", "pin"),
-    *("tilt-15", "sphere-5, 4 mm beside"),
-)
+OTHERS = ("grating", "bar", "cylinder", "flat-60", "flat-45", "pin")
 """Objects that `tradeoff.json` does not have: all mechanics press them into published tissue."""
 
 MEASUREMENTS |= {

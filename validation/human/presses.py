@@ -34,10 +34,14 @@ SUBJECTS = ("d.p.", "d.s.", "a.h.", "p.w.")
 DEFAULT = "a.h."
 """Subject of the built-in scenes."""
 
+SNAPPING = 2.0
+"""Held force in N from which facets of the standard mesh snap over, so that the coarse one is
+taken."""
+
 TAPPING = 16.0
 """Speed in mm/s of the deep presses: 2.6 mm in a half period at 3 Hz."""
 
-DEEPEST = (2.4, 2.25, 2.1)
+DEEPEST = (2.4, 2.3, 2.2)
 """Depths in mm that a deep press is tried to, largest first."""
 
 PROFILES = {"0.54": (1.61, 4.75, 11.4), "1.1": (1.89, 5.14, 19.9), "2.3": (2.19, 5.54, 35.8)}
@@ -77,11 +81,11 @@ def ramp(name: str, depth: float, resolution: str = "standard") -> Response:
 
 
 def deep(name: str) -> dict[str, Any]:
-    """Return force and area over the depth of a press as deep as it goes."""
+    """Return force and area over the depth of a press as deep as it goes, on the coarse mesh."""
     reason = ""
     for depth in DEEPEST:
         try:
-            response = press(name, Ramp(TAPPING, depth, corner=0.0))
+            response = press(name, Ramp(TAPPING, depth, corner=0.0), resolution="coarse")
         except (InputError, ConvergenceError) as error:
             reason = reason or str(error)
             continue
@@ -97,16 +101,9 @@ def deep(name: str) -> dict[str, Any]:
 
 
 def held(name: str, force: float, angle: float = 30.0) -> dict[str, Any]:
-    """Return depth, area, pressures and the profile along the finger of a held force.
-
-    That is on the coarse mesh where facets of the standard one snap over before.
-    """
-    motion, mesh = ForceRampHold(1.0, force, hold=20.0), "standard"
-    try:
-        response = press(name, motion, angle)
-    except ConvergenceError:
-        mesh = "coarse"
-        response = press(name, motion, angle, mesh)
+    """Return depth, area, pressures and the profile along the finger of a held force."""
+    mesh = "standard" if force < SNAPPING else "coarse"
+    response = press(name, ForceRampHold(1.0, force, hold=20.0), angle, mesh)
     assert response.pad is not None
     assert response.pressure is not None
     assert response.contact_area is not None
@@ -138,7 +135,7 @@ def main(folder: Path) -> None:
     command = "python -m fefinger.validation.human.presses reports"
     report = provenance(command) | {
         "held": {force: held("means", float(force)) for force in PROFILES},
-        "angles": {f"{angle:g}": held(DEFAULT, 1.0, angle) for angle in ANGLES},
+        "angles": {f"{angle:g}": held(DEFAULT, 0.7, angle) for angle in ANGLES},
         "deep": {name: deep(name) for name in (DEFAULT, "means")},
     }
     (folder / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
