@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from fefinger.calibration.calibrate import calibrate as calibrate
     from fefinger.calibration.record import Calibration as Calibration
     from fefinger.mechanics.realtime.condensed import Condensed as Condensed
+    from fefinger.mechanics.realtime.modal import Modal as Modal
     from fefinger.mechanics.realtime.pressed import Pressed as Pressed
     from fefinger.mechanics.realtime.rolling import Rolling as Rolling
     from fefinger.mechanics.realtime.sliding import Sliding as Sliding
@@ -42,7 +43,9 @@ if TYPE_CHECKING:
     from fefinger.scene.motions import ForceSampledPath as ForceSampledPath
     from fefinger.scene.motions import ForceSinusoid as ForceSinusoid
     from fefinger.scene.motions import ForceSlide as ForceSlide
+    from fefinger.scene.motions import ForceSweep as ForceSweep
     from fefinger.scene.motions import ForceTrapezoid as ForceTrapezoid
+    from fefinger.scene.motions import FrequencySweep as FrequencySweep
     from fefinger.scene.motions import Ramp as Ramp
     from fefinger.scene.motions import RampHold as RampHold
     from fefinger.scene.motions import RampSinusoid as RampSinusoid
@@ -87,13 +90,15 @@ _HOMES = {
     "scene.motions": (
         *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Vibration", "Sampled"),
         *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceSinusoid", "ForceTrapezoid"),
-        *("ForceSampled", "Slide", "ForceSlide", "SampledPath", "ForceSampledPath"),
+        *("ForceSampled", "ForceSweep", "FrequencySweep"),
+        *("Slide", "ForceSlide", "SampledPath", "ForceSampledPath"),
     ),
     "scene.patterns": ("Braille", "Dots", "Letters"),
     "pipeline": ("run",),
     "plan": ("choose", "explain"),
     "mechanics.realtime.condensed": ("Condensed",),
     "results.records": ("Plan",),
+    "mechanics.realtime.modal": ("Modal",),
     "mechanics.realtime.pressed": ("Pressed",),
     "mechanics.realtime.rolling": ("Rolling",),
     "mechanics.realtime.sliding": ("Sliding",),

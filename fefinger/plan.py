@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from fefinger import mechanics as ladder
-from fefinger.mechanics.evidence import force_control, machine
+from fefinger.mechanics.evidence import force_control, machine, vibration
 from fefinger.mechanics.evidence.stated_errors import spikes
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.mechanics.situation import Situation
@@ -23,6 +23,9 @@ from fefinger.support.text import beyond, duration, percent
 
 ERROR, SECONDS = "ask.rel_error", "ask.seconds"
 """Fields of what an answer may err and take."""
+
+MODAL = "modal"
+"""The mechanics with inertia."""
 
 LEFT_OUT = (
     "They are of solving: saving with a report takes some 3 to 10 s more, and compiling, once "
@@ -97,32 +100,57 @@ def settled(scene: Scene, plan: Plan) -> Scene:
 def _ladder(case: Situation, *, every: bool, named: str | None) -> tuple[Rung, ...]:
     """Ask the mechanics in turn, on every mesh that the scene leaves open."""
     considered: list[Rung] = []
+    inertia = _inertia(case)
     for name in ladder.names():
         willing = [rung for rung in considered if _willing(rung)]
         quick = any(rung.seconds < ladder.QUICKEST * machine.slowness({}) for rung in willing)
         if quick and MECHANICS[name].meshed and not every and named is None:
             continue
         if named in (None, name) or every:
-            considered += _rungs(name, case)
+            considered += _rungs(name, case, inertia)
     return tuple(considered)
+
+
+def _inertia(case: Situation) -> tuple[float, str]:
+    """Return the error of leaving inertia out, and why, where it is too large and `modal` is able.
+
+    Else 0: a motion that is too fast is then answered with a warning.
+    """
+    error, reason = vibration.statics_error(case)
+    if error <= case.ask.rel_error or MODAL not in ladder.names():
+        return 0.0, ""
+    refusals = ladder.get(MODAL).refuse(case.meshes[0])
+    if any(refusal.about == "ability" for refusal in refusals):
+        return 0.0, ""
+    return error, f"error of leaving inertia out = {beyond(error, case.ask.rel_error)}: {reason}"
 
 
 def _willing(rung: Rung) -> bool:
     return not rung.refusals and not math.isnan(rung.error)
 
 
-def _rungs(name: str, case: Situation) -> Iterator[Rung]:
-    """Give the rungs of one mechanics, one for each mesh; one alone where it is not able."""
+def _rungs(name: str, case: Situation, inertia: tuple[float, str] = (0.0, "")) -> Iterator[Rung]:
+    """Give the rungs of one mechanics, one for each mesh; one alone where it is not able.
+
+    inertia: the error of all but `modal` that leaving it out causes, and its reason.
+    """
+    if name == MODAL:
+        inertia = (0.0, "")
     meshed = MECHANICS[name].meshed
     for each in case.meshes if meshed else (case,):
         refusals = ladder.get(name).refuse(each)
         if any(refusal.about == "ability" for refusal in refusals):
             yield Rung(name, math.nan, math.nan, "not able", refusals)
             return
-        yield _rung(Candidate(name, each.mesh if meshed else None), each, refusals)
+        yield _rung(Candidate(name, each.mesh if meshed else None), each, refusals, inertia)
 
 
-def _rung(candidate: Candidate, case: Situation, refusals: tuple[Refusal, ...]) -> Rung:
+def _rung(
+    candidate: Candidate,
+    case: Situation,
+    refusals: tuple[Refusal, ...],
+    inertia: tuple[float, str],
+) -> Rung:
     """Ask one candidate what it would cost and how wrong it would be, against what is asked."""
     name = candidate.mechanics
     mechanics, ask = ladder.get(name), case.ask
@@ -134,6 +162,9 @@ def _rung(candidate: Candidate, case: Situation, refusals: tuple[Refusal, ...]) 
     elif error > ask.rel_error:
         reason = f"expected relative error = {beyond(error, ask.rel_error)} ({ERROR})"
         refusals = (*refusals, Refusal(name, "accuracy", reason, ERROR))
+    if inertia[1]:
+        error = max(error, inertia[0])
+        refusals = (*refusals, Refusal(name, "accuracy", f"{inertia[1]} ({ERROR})", ERROR))
     if ask.seconds is not None and seconds > ask.seconds:
         reason = f"expected time = {beyond(seconds, ask.seconds, ' s')} ({SECONDS})"
         refusals = (*refusals, Refusal(name, "time", reason, SECONDS))

@@ -55,7 +55,8 @@ class Result(ResultRecord):
         for the spikes alone is left out.
         """
         notes = origin_notes(scene.finger) + jump(scene.motion)
-        notes += quasistatic(scene, response.time, response.depth)
+        if not response.inertia:
+            notes += quasistatic(scene, response.time, response.depth)
         strain = response.strain if scene.ask.strain else None
         scene_hash = hashlib.sha256(scene.to_toml().encode()).hexdigest()
         fired = f" Spikes: {spikes.summary()}." if spikes is not None else ""

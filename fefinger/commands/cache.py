@@ -16,10 +16,11 @@ from fefinger.commands.options import json_option
 def cache(days: float | None, as_json: bool) -> None:
     """List and prune the cache.
 
-    The cache holds meshes, operators of condensed fingers (a few hundred MB each), patches (one
-    per indenter and set of end organs) and presses of a calibration (small). Beyond 10 GB of
-    operators and 2 GB of patches the least recently used are removed automatically. Entries are
-    built again when they are needed; `--prune 0` removes everything.
+    The cache holds meshes, operators of condensed fingers (a few hundred MB each), their modes of
+    vibration (50 MB), patches (one per indenter and set of end organs) and presses of a calibration
+    (small). Beyond 10 GB of operators and 2 GB of modes or patches the least recently used are
+    removed automatically. Entries are built again when they are needed; `--prune 0` removes
+    everything.
     """
     from fefinger.support import cache as store
     from fefinger.support.checks import number

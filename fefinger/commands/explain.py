@@ -23,13 +23,18 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     Prints the expected error and time of every mechanics and mesh, and why the others are refused.
     """
     from fefinger import plan
+    from fefinger.results.candidate import MECHANICS
     from fefinger.scene import builtin
     from fefinger.scene.finger import origin_notes
+    from fefinger.scene.inertia import jump
 
     loaded = builtin.load(scene, builtin.settings(changes))
-    for sentence in (*origin_notes(loaded.finger), *_too_fast(loaded)):
+    for sentence in (*origin_notes(loaded.finger), *jump(loaded.motion)):
         click.echo(sentence, err=True)
     chosen = plan.explain(loaded)
+    if not MECHANICS[chosen.mechanics].inertia:
+        for sentence in _too_fast(loaded):
+            click.echo(sentence, err=True)
     if as_json:
         console.print_json(console.plan_record(chosen))
     else:
@@ -37,12 +42,12 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
 
 
 def _too_fast(scene: "Scene") -> tuple[str, ...]:
-    """Warnings on jumps and on speed, for motions that prescribe the depth; else on jumps alone."""
+    """Warnings on speed, for motions that prescribe the depth."""
     from fefinger.mechanics.press.time_steps import time_grid
-    from fefinger.scene.inertia import jump, quasistatic
+    from fefinger.scene.inertia import quasistatic
 
     motion = scene.motion
     if motion.control != "depth":
-        return jump(motion)
+        return ()
     time = time_grid(motion, fast=True, most=sys.maxsize)
-    return jump(motion) + quasistatic(scene, time, motion.value(time))
+    return quasistatic(scene, time, motion.value(time))

@@ -23,7 +23,6 @@ def run(
     """Answer SCENE with force, pressure, strain and spikes."""
     from fefinger.pipeline import run as answer
     from fefinger.scene import builtin
-    from fefinger.scene.inertia import quasistatic
     from fefinger.support import outputs
 
     loaded = builtin.load(scene, builtin.settings(changes))
@@ -42,7 +41,7 @@ def run(
                 written = result.save(output)
                 seconds["save"] = time.perf_counter() - started
         finally:  # print the answer also where saving it fails
-            for warning in quasistatic(loaded, result.time, result.depth):
+            for warning in result.too_fast:
                 click.echo(warning, err=True)
             if as_json:
                 console.print_json(console.run_record(result, seconds, written))

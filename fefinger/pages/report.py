@@ -13,14 +13,15 @@ import numpy as np
 from fefinger import view
 from fefinger.neural.train_record import FEW
 from fefinger.pages import page
+from fefinger.results.harmonic import Harmonic
 from fefinger.results.pressure import highest
 from fefinger.results.records import ResultRecord
-from fefinger.scene.inertia import quasistatic
 from fefinger.support.atomic_write import temporary_folder
 from fefinger.view import (
     event_plots,
     figures,
     frames,
+    harmonic_figure,
     quantities,
     renderer,
     section_figure,
@@ -49,7 +50,7 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
         touch=_touch(result),
         tiles=list(_tiles(result)),
         files=list(_files(result)),
-        warnings=[*quasistatic(result.scene, result.time, result.depth), *_blocked(result)],
+        warnings=[*result.too_fast, *_blocked(result)],
         parts=list(_parts(result)),
         units=list(_units(result)),
         plan=result.plan,
@@ -194,6 +195,8 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
             "the skin surface."
         )
         yield _part("strain", "Strain at the end organs", text, figures.site_strain(result))
+    if result.harmonic is not None:
+        yield _harmonic(result.harmonic, result)
     if result.spikes is not None:
         text = (
             "Input of the end organs as an equivalent skin displacement (compression positive), "
@@ -204,6 +207,19 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
         yield _spikes(result)
         if result.scene.motion.slides and result.spikes.positions is not None:
             yield from _on_object(result)
+
+
+def _harmonic(found: Harmonic, result: ResultRecord) -> dict[str, Any]:
+    """Return the section on the answer to small oscillations about the preload."""
+    text = (
+        f"Answer to small oscillations about {found.preload_depth:.3g} mm and "
+        f"{found.preload_force:.3g} N of relaxed tissue, with contact as it is there. What the "
+        f"modes leave out changes the stiffness by at most {100 * found.error.max():.2g} %. The "
+        "lowest resonances of the finger held by the indenter, with relaxed tissue, lie at "
+        f"{', '.join(f'{f:.0f}' for f in found.modes[:3])} Hz."
+    )
+    types = result.sites.types if result.sites is not None else ()
+    return _part("harmonic", "Vibration", text, harmonic_figure.harmonic(found, types))
 
 
 def _spikes(result: ResultRecord) -> dict[str, Any]:

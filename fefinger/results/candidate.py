@@ -5,10 +5,11 @@ from typing import NamedTuple, Self
 
 
 class Traits(NamedTuple):
-    """What sets mechanics apart: whether it has a mesh, and whether its strain is finite."""
+    """What sets mechanics apart: whether it has a mesh, finite strain, and inertia."""
 
     meshed: bool
     finite: bool
+    inertia: bool = False
 
 
 MECHANICS = {
@@ -17,6 +18,7 @@ MECHANICS = {
     "layered": Traits(meshed=False, finite=False),
     "condensed": Traits(meshed=True, finite=False),
     "pressed": Traits(meshed=True, finite=True),
+    "modal": Traits(meshed=True, finite=False, inertia=True),
     "linear": Traits(meshed=True, finite=False),
     "solid": Traits(meshed=True, finite=True),
 }

@@ -11,6 +11,7 @@ import numpy as np
 from fefinger.neural.reference import Reference
 from fefinger.neural.trains import SpikeTrains
 from fefinger.results import records
+from fefinger.results.harmonic import Harmonic
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 
@@ -50,6 +51,31 @@ LAYOUT: dict[tuple[str, str], Variable] = {
     ),
     ("Response", "strain"): Variable(
         "strain", ("time", "site", "axis", "axis_2"), "1", "strain tensor, positive in tension"
+    ),
+    ("Harmonic", "frequency"): Variable("frequency", ("frequency",), "Hz", "frequency"),
+    ("Harmonic", "stiffness_parts"): Variable(
+        "dynamic_stiffness", ("frequency", "part"), "N/mm", "force per oscillation of the indenter"
+    ),
+    ("Harmonic", "strain_parts"): Variable(
+        "strain_transfer",
+        ("frequency", "site", "axis", "axis_2", "part"),
+        "1/mm",
+        "strain at the sites per oscillation of the indenter",
+    ),
+    ("Harmonic", "skin_points"): Variable(
+        "skin_points", ("skin_point", "axis"), "mm", "points of the skin in the medial plane"
+    ),
+    ("Harmonic", "skin_parts"): Variable(
+        "skin_transfer",
+        ("frequency", "skin_point", "axis", "part"),
+        "1",
+        "displacement of the skin per oscillation of the indenter",
+    ),
+    ("Harmonic", "error"): Variable(
+        "truncation_error", ("frequency",), "1", "relative change of the stiffness by other modes"
+    ),
+    ("Harmonic", "modes"): Variable(
+        "mode_frequency", ("mode",), "Hz", "modes of the finger held by the indenter, relaxed"
     ),
     ("Lateral", "shift"): Variable(
         "shift", ("time", "lateral_axis"), "mm", "place of the indenter across its normal"
@@ -139,6 +165,7 @@ COORDINATES = {
     "plane_axis": ("x", "y"),
     "lateral_axis": ("distal", "radial"),
     "component": ("xx", "yy", "zz", "xy", "yz", "xz"),
+    "part": ("real", "imaginary"),
 }
 RECORDS = {"Result": records.ResultRecord} | {
     record.__name__: record
@@ -148,6 +175,7 @@ RECORDS = {"Result": records.ResultRecord} | {
         records.Settings,
         records.Refusal,
         records.Response,
+        Harmonic,
         records.Lateral,
         records.Pad,
         records.Sites,

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.results.candidate import MECHANICS, Candidate
+from fefinger.results.harmonic import Harmonic
+from fefinger.scene.inertia import quasistatic
 from fefinger.scene.scene import Scene
 
 
@@ -198,7 +200,8 @@ class Response:
     `seconds`: wall time of each stage; `notes`: simplifications that a reader of the result must
     know; `status`: one sentence on the convergence of the solution; `numbers`: sizes of the
     problem and, on a mesh, the largest penetration of a vertex at the solved times
-    (`penetration_mm`); `sources`: inputs such as the mesh and its hash.
+    (`penetration_mm`); `sources`: inputs such as the mesh and its hash; `harmonic`: the answer
+    about the preload to small oscillations, where the motion is a sweep.
     """
 
     mechanics: str
@@ -220,12 +223,21 @@ class Response:
     sources: dict[str, str] = field(default_factory=dict)
     gap: Array | None = None
     moment: Array | None = None
+    harmonic: Harmonic | None = None
     lateral: Lateral | None = None
 
     @property
+    def inertia(self) -> bool:
+        """Whether inertia is part of the answer."""
+        return MECHANICS[self.mechanics].inertia
+
+    @property
     def finite(self) -> bool:
-        """Whether the strain is finite (logarithmic) instead of small strain."""
-        return MECHANICS[self.mechanics].finite
+        """Whether the strain is finite (logarithmic) instead of small strain.
+
+        A mechanics that has both says which in its `numbers`.
+        """
+        return bool(self.numbers.get("finite_strain", MECHANICS[self.mechanics].finite))
 
 
 @dataclass(frozen=True)
@@ -286,6 +298,11 @@ class ResultRecord:
         return self.response.sites
 
     @property
+    def harmonic(self) -> Harmonic | None:
+        """Answer about the preload to small oscillations; None unless the motion is a sweep."""
+        return self.response.harmonic
+
+    @property
     def strain(self) -> Array | None:
         """Strain tensor (n_t, n_sites, 3, 3) at the sites, positive in tension.
 
@@ -309,6 +326,13 @@ class ResultRecord:
     def fields(self) -> Fields | None:
         """Fields on the mesh; None unless requested."""
         return self.response.fields
+
+    @property
+    def too_fast(self) -> tuple[str, ...]:
+        """Warning that the motion is too fast for an answer without inertia, if it is."""
+        if self.response.inertia:
+            return ()
+        return quasistatic(self.scene, self.time, self.depth)
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -1,8 +1,10 @@
 """Check of quasi-static conditions: speed of the indenter against shear waves in the tissue.
 
-No mechanics has inertia. Its relative error is 1 / cos(2 pi f h / c) - 1 for a layer of thickness h
-whose surface moves at the frequency f, with c the speed of shear waves, and about (v / c)² for a
-body moved at the speed v. The limits here keep both errors below 5 %.
+Only `modal` has inertia. For the others this is a warning after the answer, when the depth is there
+also under force control; beforehand the planner compares the measured error of statics
+(`mechanics/evidence/vibration.py`) with what is asked. The relative error is 1 / cos(2 pi f h / c)
+- 1 for a layer of thickness h whose surface moves at the frequency f, with c the speed of shear
+waves, and about (v / c)² for a body moved at the speed v. The limits here keep both below 5 %.
 """
 
 import math

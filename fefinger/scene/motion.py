@@ -15,9 +15,10 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.scene.trajectory import Trajectory, Wave
-from fefinger.support.checks import InputError, number, numbers
+from fefinger.scene.trajectory import Sweep, Trajectory, Wave
+from fefinger.support.checks import InputError, number, numbers, reject_unknown
 from fefinger.support.csv_columns import read_columns
+from fefinger.support.wave_file import read_wave
 
 
 Array = NDArray[np.float64]
@@ -41,6 +42,8 @@ LIMITS: dict[str, dict[str, Any]] = {
     "corner": {"at_least": 0, "unit": "s"},
     "amplitude": {"above": 0},
     "frequency": {"above": 0, "unit": "Hz"},
+    "start": {"above": 0, "unit": "Hz"},
+    "stop": {"above": 0, "unit": "Hz"},
     "cycles": {"at_least": 1},
     "distance": {"above": 0, "unit": "mm"},
     "direction": {"at_least": -360, "at_most": 360, "unit": "degrees"},
@@ -52,8 +55,24 @@ CORNER = 0.01
 """Default corner of the ramps in s, the rounding of Pawluk (1997), section 4.3.5; shorter where a
 part of the motion is."""
 
+ANSWERED = 200
+"""Frequencies at which a sweep is answered in closed form."""
+
 AS_LONG_AS_FITS: Any = None
 """Default of the field `corner`: CORNER, or less."""
+
+
+FEWEST_SAMPLES = 64
+"""Samples from which on a motion has a spectrum."""
+
+UNEVEN = 1e-3
+"""Relative difference of the times between samples that counts as none."""
+
+LEFT_OUT = 1e-2
+"""Share of the power of the speed beyond the highest frequency of samples."""
+
+SETTLE = 0.2
+"""Time in s of the approach to a preload before a waveform from a file, and of the rest after."""
 
 
 @dataclass(frozen=True)
@@ -109,6 +128,26 @@ class Motion(ABC):
         """Frequency in Hz of the sine in the motion; None without one."""
         wave = self.trajectory.wave
         return None if wave is None else wave.frequency
+
+    @property
+    def highest_frequency(self) -> float | None:
+        """Highest frequency in Hz of an oscillation in the motion; None without one."""
+        return self.wave_frequency
+
+    @property
+    def frequencies(self) -> Array | None:
+        """Frequencies (n_f,) in Hz whose harmonic answer belongs to the result; None for most."""
+        return None
+
+    @property
+    def sample_rate(self) -> float | None:
+        """Samples per s of a motion of even samples; None of others."""
+        return None
+
+    @property
+    def steady_level(self) -> float:
+        """Depth in mm or force in N about which the motion vibrates, or else its largest."""
+        return self.peak
 
     @property
     def paths(self) -> tuple[Trajectory, ...]:
@@ -265,6 +304,11 @@ class RampSinusoidMotion(RampMotion):
     settle: float
 
     @property
+    def steady_level(self) -> float:
+        """The level of the ramp."""
+        return self.level
+
+    @property
     def rest(self) -> float:
         """Length of the rest in s."""
         return self.settle
@@ -300,12 +344,68 @@ class RampSinusoidMotion(RampMotion):
         return base.followed_by(wave, self.periods)
 
 
+class SweepMotion(RampMotion):
+    """A ramp, a rest of `settle` s, and a sine about its level that runs through frequencies."""
+
+    amplitude: float
+    start: float
+    stop: float
+    seconds: float
+    settle: float
+
+    @property
+    def steady_level(self) -> float:
+        """The level of the ramp."""
+        return self.level
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The lengths in s of the ramp and of the sine, and twice that of the rest."""
+        return self.top, *rest_limit(self.settle), self.seconds
+
+    @property
+    def frequencies(self) -> Array:
+        """Frequencies (ANSWERED,) in Hz from `start` to `stop`, even per octave."""
+        return np.geomspace(self.start, self.stop, ANSWERED)
+
+    @property
+    def recorded_from(self) -> float:
+        """The start of the sine in s."""
+        return self.ramp_and_rest(self.settle).duration
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Ramp, rest and sine; InputError for an amplitude that leaves the finger."""
+        if self.amplitude >= self.level:
+            msg = (
+                f"motion.amplitude: expected less than the preload of {self.level:g} {self.unit}, "
+                f"received {self.amplitude:g}; a sweep stays in contact"
+            )
+            raise InputError(msg)
+        base, highest = self.ramp_and_rest(self.settle), max(self.start, self.stop)
+        wave = Sweep(
+            start=base.duration,
+            amplitude=self.amplitude,
+            frequency=highest,
+            rise=self.corner,
+            first=self.start,
+            last=self.stop,
+            length=self.seconds,
+        )
+        return base.followed_by(wave, self.seconds * highest)
+
+
 class SinusoidMotion(Motion):
     """`cycles` of a sine from nothing to twice its amplitude, at rest at both ends."""
 
     amplitude: float
     frequency: float
     cycles: int
+
+    @property
+    def steady_level(self) -> float:
+        """The mean: one amplitude."""
+        return self.amplitude
 
     @cached_property
     def trajectory(self) -> Trajectory:
@@ -319,6 +419,33 @@ class SampledMotion(Motion):
 
     time: tuple[float, ...]
     corner: float
+
+    @property
+    def sample_rate(self) -> float | None:
+        """Samples per s; None where they are uneven or few."""
+        steps = np.diff(self.time)
+        if len(steps) < FEWEST_SAMPLES or np.ptp(steps) > UNEVEN * steps.mean():
+            return None
+        return float(1 / steps.mean())
+
+    @cached_property
+    def highest_frequency(self) -> float | None:
+        """Frequency in Hz below which lies all but a hundredth of the power of the speed."""
+        rate = self.sample_rate
+        if rate is None:
+            return None
+        speed = np.diff(getattr(self, self.control)) * rate
+        power = np.abs(np.fft.rfft(speed)) ** 2
+        if not power.sum() > 0:
+            return None
+        place = int(np.searchsorted(np.cumsum(power), (1 - LEFT_OUT) * power.sum()))
+        return float(np.fft.rfftfreq(len(speed), 1 / rate)[place]) or None
+
+    @property
+    def steady_level(self) -> float:
+        """The mean of the samples where they are above 0."""
+        values = np.array(getattr(self, self.control))
+        return float(values[values > 0].mean())
 
     @cached_property
     def trajectory(self) -> Trajectory:
@@ -366,6 +493,40 @@ class SampledMotion(Motion):
                 "a contact cannot pull"
             )
             raise InputError(msg)
+
+    @classmethod
+    def from_file(cls, file: str | Path, **options: Any) -> Self:
+        """Read a motion from a CSV file, or from a WAV file with the `options` of `from_wav`."""
+        if Path(file).suffix.lower() == ".wav":
+            return cls.from_wav(file, **options)
+        reject_unknown("motion", options, ("corner",))
+        return cls.from_csv(file, **options)
+
+    @classmethod
+    def from_wav(
+        cls, file: str | Path, *, amplitude: float, preload: float, settle: float = SETTLE
+    ) -> Self:
+        """Read a waveform, as a vibration about a preload.
+
+        Its full scale is `amplitude` in mm or N; the preload is reached within `settle` s, and
+        held as long. Of several channels the first is taken.
+
+        Raises
+        ------
+        InputError
+            No WAV file, or one without sound.
+        """
+        amplitude = number("motion.amplitude", amplitude, above=0)
+        preload = number("motion.preload", preload, above=0)
+        settle = number("motion.settle", settle, above=0, unit="s")
+        rate, wave = read_wave("motion.file", Path(file))
+        ramp = int(np.ceil(settle * rate))
+        way = np.minimum(np.arange(2 * ramp) / ramp, 1.0)
+        approach = preload * (1 - np.cos(np.pi * way)) / 2
+        values = np.concatenate([approach, preload + amplitude * wave])
+        times = np.arange(len(values)) / rate
+        given: dict[str, Any] = {"time": tuple(times.tolist()), cls.control: tuple(values.tolist())}
+        return cls(**given)
 
     @classmethod
     def from_csv(cls, file: str | Path, *, corner: float = 0.0) -> Self:

@@ -14,6 +14,7 @@ from fefinger.scene.motion import (
     RampSinusoidMotion,
     SampledMotion,
     SinusoidMotion,
+    SweepMotion,
     TrapezoidMotion,
 )
 from fefinger.scene.sliding import SampledPathMotion, SlideMotion
@@ -24,8 +25,8 @@ MOST_CYCLES = 1_000_000
 """Largest number of cycles of a vibration; far fewer have the time steps that memory holds."""
 
 APPROACH = 10.0
-"""Speed in mm/s with which a vibrating probe takes its preload; it has left no trace when the
-vibration begins."""
+"""Speed in mm/s, or rate in N/s, with which a vibrating probe takes its preload; it has left no
+trace when the vibration begins."""
 
 
 @final
@@ -164,6 +165,48 @@ class Vibration(RampSinusoidMotion):
     def recorded_from(self) -> float:
         """The start of the sine in s."""
         return self.ramp_and_rest(self.held).duration
+
+
+@final
+@dataclass(frozen=True)
+class FrequencySweep(SweepMotion):
+    """A preload of `depth` mm, and a sine about it from `start` Hz to `stop` Hz in `seconds`.
+
+    `amplitude` in mm; the frequency changes evenly per octave, after a rest of `settle` s. The
+    result has the harmonic answer about the preload as well.
+    """
+
+    kind = "sweep"
+    control = "depth"
+
+    depth: float
+    _: KW_ONLY
+    amplitude: float
+    start: float
+    stop: float
+    seconds: float = 2.0
+    settle: float = 1.0
+    speed: float = APPROACH
+    corner: float = AS_LONG_AS_FITS
+
+
+@final
+@dataclass(frozen=True)
+class ForceSweep(SweepMotion):
+    """As `FrequencySweep`, with a preload of `force` N and an amplitude in N below it."""
+
+    kind = "force-sweep"
+    control = "force"
+
+    force: float
+    _: KW_ONLY
+    amplitude: float
+    start: float
+    stop: float
+    seconds: float = 2.0
+    settle: float = 1.0
+    loading_rate: float = APPROACH
+    corner: float = AS_LONG_AS_FITS
 
 
 @final
@@ -352,12 +395,14 @@ MOTIONS: dict[str, type[Motion]] = {
         Sinusoid,
         Trapezoid,
         Vibration,
+        FrequencySweep,
         Sampled,
         ForceRamp,
         ForceRampHold,
         ForceRampSinusoid,
         ForceSinusoid,
         ForceTrapezoid,
+        ForceSweep,
         ForceSampled,
         Slide,
         ForceSlide,

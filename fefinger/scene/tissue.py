@@ -8,6 +8,10 @@ from fefinger.support.vocabulary import EXPONENTIAL, SHARES
 from fefinger.theory.relaxation import Prony
 
 
+DENSITY = 1100.0
+"""Mass of skin and subcutaneous tissue in kg/m³; published ones lie between 1000 and 1150."""
+
+
 @dataclass(frozen=True)
 class Tissue:
     """Material of an isotropic soft layer.
@@ -28,6 +32,8 @@ class Tissue:
         Relaxation of this layer, where it differs from that of the finger (`solid` only).
     share
         Fraction of the shear modulus that I1 carries in "mooney-rivlin"; by default 0.5.
+    density
+        Mass in kg/m³, which `modal` alone has a use for.
 
     Raises
     ------
@@ -42,12 +48,14 @@ class Tissue:
     exponent: float | None = None
     share: float | None = None
     prony: Prony | None = None
+    density: float = DENSITY
 
     def __post_init__(self) -> None:
         """Check every field."""
         checked = {
             "modulus": number("tissue.modulus", self.modulus, above=0, unit="kPa"),
             "poisson": number("tissue.poisson", self.poisson, at_least=0, at_most=0.5),
+            "density": number("tissue.density", self.density, above=0, unit="kg/m³"),
         }
         if self.thickness is not None:
             checked["thickness"] = number("tissue.thickness", self.thickness, above=0, unit="mm")

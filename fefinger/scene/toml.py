@@ -32,14 +32,17 @@ class FileReader(NamedTuple):
     keys: tuple[str, ...]
 
 
+SAMPLES = ("corner", "amplitude", "preload", "settle")
+"""Other keys of a motion from a file: the first of CSV, the others of WAV."""
+
 FROM_FILE = {
     Relief.kind: FileReader(
         Relief.from_file,
         "CSV, NPZ, PNG or STL",
         ("pitch", "height", "angle", "tilt", "roll", "friction"),
     ),
-    Sampled.kind: FileReader(Sampled.from_csv, "CSV", ("corner",)),
-    ForceSampled.kind: FileReader(ForceSampled.from_csv, "CSV", ("corner",)),
+    Sampled.kind: FileReader(Sampled.from_file, "CSV or WAV", SAMPLES),
+    ForceSampled.kind: FileReader(ForceSampled.from_file, "CSV or WAV", SAMPLES),
     SampledPath.kind: FileReader(SampledPath.from_csv, "CSV", ("corner",)),
     ForceSampledPath.kind: FileReader(ForceSampledPath.from_csv, "CSV", ("corner",)),
 }

@@ -68,11 +68,62 @@ class Wave:
             low, high = (middle, high) if self.rate(np.array(middle)) > 0 else (low, middle)
         return float(high)
 
+    def crests(self, end: float) -> Array:
+        """Return times in s of crests before `end`, among them the highest."""
+        last = min(end - self.start, self.rise + 1 / self.frequency)
+        first = self.first_crest
+        crests = np.arange(first, last * self.frequency + first, 1.0) / self.frequency
+        return np.append(self.start + crests, self.last_crest(end))
+
     def _envelope(self, tau: Array) -> tuple[Array, Array]:
         if self.rise == 0:
             return np.ones_like(tau), np.zeros_like(tau)
         x = np.minimum(tau / self.rise, 1.0)
         return x * x * (3 - 2 * x), 6 * x * (1 - x) / self.rise
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep(Wave):
+    """A sine whose frequency rises, or falls, evenly per octave within `length` s.
+
+    From `first` Hz to `last` Hz; `frequency` is the higher of both.
+    """
+
+    first: float = 1.0
+    last: float = 1.0
+    length: float = 1.0
+
+    def value(self, t: Array) -> Array:
+        """Return the wave at the times `t` in s."""
+        tau = np.maximum(t - self.start, 0.0)
+        envelope, _ = self._envelope(tau)
+        return self.amplitude * envelope * np.sin(self._angle(tau))
+
+    def rate(self, t: Array) -> Array:
+        """Return the derivative of the wave at the times `t` in s, from the right."""
+        tau = np.maximum(t - self.start, 0.0)
+        envelope, slope = self._envelope(tau)
+        omega = 2 * np.pi * self.first * np.exp(self._growth * tau)
+        angle = self._angle(tau)
+        speed = envelope * omega * np.cos(angle) + slope * np.sin(angle)
+        return self.amplitude * np.where(t >= self.start, speed, 0.0)
+
+    def crests(self, end: float) -> Array:
+        """Return times in s close to the crests before `end`."""
+        cycles = float(self._angle(np.array(min(end - self.start, self.length)))) / (2 * np.pi)
+        counts = np.arange(0.25, cycles, 1.0)
+        if self._growth == 0.0:
+            return self.start + counts / self.first
+        return self.start + np.log1p(self._growth * counts / self.first) / self._growth
+
+    @property
+    def _growth(self) -> float:
+        return float(np.log(self.last / self.first)) / self.length
+
+    def _angle(self, tau: Array) -> Array:
+        growth = self._growth
+        cycles = tau if growth == 0.0 else np.expm1(growth * tau) / growth
+        return np.asarray(2 * np.pi * self.first * cycles)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +187,7 @@ class Trajectory:
         zero = np.zeros(1)
         return cls(zero, np.array([value]), zero, zero, cycles / wave.frequency, wave)
 
-    def followed_by(self, wave: Wave, cycles: int) -> "Trajectory":
+    def followed_by(self, wave: Wave, cycles: float) -> "Trajectory":
         """Return this trajectory with `cycles` of `wave` about its last value at its end."""
         end = self.duration
         return Trajectory(
@@ -200,11 +251,7 @@ class Trajectory:
         turns = turns[(turns > self.start[bent]) & (turns < ends)]
         times = np.concatenate([self.breaks, turns])
         if self.wave is not None:
-            last = min(self.duration - self.wave.start, self.wave.rise + 1 / self.wave.frequency)
-            first = self.wave.first_crest
-            crests = np.arange(first, last * self.wave.frequency + first, 1.0) / self.wave.frequency
-            crests = np.append(self.wave.start + crests, self.wave.last_crest(self.duration))
-            times = np.concatenate([times, crests])
+            times = np.concatenate([times, self.wave.crests(self.duration)])
         return float(self.value(times).max())
 
 

@@ -17,8 +17,8 @@ from fefinger.support.atomic_write import temporary_folder
 from fefinger.support.interrupt import on_end, shielded
 
 
-KINDS = ("meshes", "operators", "patches", "presses", "elastic")
-LIMITS_MB = {"operators": 10_000, "patches": 2000, "elastic": 2000}
+KINDS = ("meshes", "operators", "modes", "patches", "presses", "elastic")
+LIMITS_MB = {"operators": 10_000, "modes": 2000, "patches": 2000, "elastic": 2000}
 """Limits in MB by kind; beyond them the least recently used entries are removed. There is an
 operator per finger, and a patch per indenter and set of end organs."""
 

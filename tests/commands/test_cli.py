@@ -126,9 +126,17 @@ def test_explain_prints_the_choice_and_the_ladder(capsys):
     assert record["mechanics"] in [rung["mechanics"] for rung in record["rungs"]]
 
 
-@pytest.mark.parametrize(("speed", "warned"), [(60, False), (1e3, True)])
-def test_explain_warns_of_a_motion_that_is_too_fast_as_its_answer_will(speed, warned, capsys):
-    assert main(["explain", "flat-press", "--set", f"motion.speed={speed}"]) == 0
+@pytest.mark.parametrize(
+    ("changes", "warned"),
+    [
+        (["motion.speed=60"], False),
+        (["motion.speed=1e3"], False),  # answered with inertia
+        (["motion.speed=1e3", "finger.relaxation=deviatoric"], True),
+    ],
+)
+def test_explain_warns_of_a_motion_that_is_too_fast_as_its_answer_will(changes, warned, capsys):
+    options = [part for change in changes for part in ("--set", change)]
+    assert main(["explain", "flat-press", *options]) == 0
     assert ("Warning: not quasi-static" in capsys.readouterr().err) is warned
 
 

@@ -20,7 +20,7 @@ from fefinger.support.checks import choice
 from fefinger.support.provenance import commit
 
 
-SUITES = ("fem", "solid", "pressed", "condensed", "neural", "recorded", "sliding")
+SUITES = ("fem", "solid", "pressed", "condensed", "modal", "neural", "recorded", "sliding")
 
 Progress = Callable[[str, float], None]
 

@@ -40,6 +40,8 @@ FORCES = (0.1, 0.5, 1.0, 1.5)
 FIRST = 0.05
 """Force in N of first touch, as Table 2.1 is fitted from there."""
 
+WORDS = {"depth": "depth", "radius": "contact radius", "highest": "highest pressure"}
+
 TENTH, FIFTH = 0.1, 0.2
 """Relative differences that pass: of stiffness and ratios, and of pressures, areas and depths."""
 
@@ -197,7 +199,7 @@ def _pressures() -> Iterator[Case]:
         for key, value in zip(("depth_mm", "radius_mm", "highest_kPa"), values, strict=True):
             what, unit = key.split("_")
             yield _case(
-                f"{what} of a held {force} N, means",
+                f"{WORDS[what]} of a held {force} N, means",
                 partial(of_profile, force, key),
                 Expected(value, FIFTH * value, unit),
                 FIGURES,

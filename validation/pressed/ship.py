@@ -17,7 +17,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
-from fefinger.support.checks import InputError
+from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.progress import Stages
 
 
@@ -42,7 +42,7 @@ def ship(folder: Path, subject: str, resolution: str, name: str) -> Path | None:
     for part in PARTS[subject in STIFF :]:
         try:
             table = solve(press, part * finger.thickness, Stages())
-        except InputError:
+        except (InputError, ConvergenceError):
             continue
         file = f"{store.PREFIX}{subject.replace('.', '')}-{resolution}-{name}"
         path = folder / f"{file}-{key[: store.DIGITS]}.npz"

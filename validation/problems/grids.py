@@ -25,6 +25,21 @@ def box(x: Array, y: Array, z: Array) -> Space:
     return Space(np.ascontiguousarray(mesh.p.T), cells, np.ones(len(cells), dtype=np.int8))
 
 
+def octant(refinements: int) -> Space:
+    """Return the eighth x, y, z >= 0 of a ball of radius 1 mm: a cell, halved so many times.
+
+    Each point keeps its direction; its distance is the sum of its coordinates in the cell.
+    """
+    corner = MeshTet(np.vstack([np.zeros(3), np.eye(3)]).T, np.array([[0], [1], [2], [3]]))
+    mesh = corner.refined(refinements) if refinements else corner
+    points = np.ascontiguousarray(mesh.p.T)
+    lengths = np.linalg.norm(points, axis=1, keepdims=True)
+    sums = points.sum(axis=1, keepdims=True)
+    scale = np.divide(sums, lengths, out=np.ones_like(sums), where=lengths > 0)
+    cells = np.ascontiguousarray(mesh.t.T, dtype=np.int64)
+    return Space(points * scale, cells, np.ones(len(cells), dtype=np.int8))
+
+
 def quarter(
     r: Array, z: Array, size: Size, sectors: int, *, interfaces: Sequence[float] = ()
 ) -> Space:

@@ -157,10 +157,12 @@ def respond(
     carried = CarriedPress.of(press, table_of(press, scene.indenter, stages))
     with stages.stage("motion"):
         shares = carried.along(press.time)
-    return _response(press, carried, shares, stages)
+    return carried_response(carried, shares, stages)
 
 
-def _response(press: Press, carried: CarriedPress, shares: Carried, stages: Stages) -> Response:
+def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> Response:
+    """Return the answer that a press carried along its motion gives."""
+    press = carried.press
     table, half = carried.table, press.body.half
     with stages.stage("fields"):
         fields = _fields(carried, shares) if press.fields else None

@@ -30,8 +30,9 @@ if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
     from fefinger.mechanics.press.elastic_table import ElasticPress
 
-FORMAT = 1
-"""Raised when the solver, the depths or the files change, so that presses are solved again."""
+FORMAT, ROUND_FORMAT = 1, 2
+"""Raised when the solver, the depths or the files change, so that presses are solved again: of
+plates and objects with edges, and of round ones."""
 
 PREFIX = "press-"
 """Of the names of shipped presses, which end with the first DIGITS of their key."""
@@ -49,8 +50,9 @@ ROUNDED = ("pressure", "gap")
 def key(finger: Finger, indenter: Indenter, mesh_sha256: str) -> str:
     """Hash of all that decides an elastic press but for its depth."""
     layers = (finger.skin, finger.subcutaneous)
+    edged = indenter.sharp or indenter.plate is not None
     parts = [
-        FORMAT,
+        FORMAT if edged else ROUND_FORMAT,
         mesh_sha256,
         finger.subcutaneous.modulus / finger.skin.modulus,
         [[layer.poisson, layer.law, layer.exponent, layer.share] for layer in layers],

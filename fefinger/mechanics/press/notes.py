@@ -5,6 +5,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.motion import Motion
 from fefinger.scene.tissue import Hard
+from fefinger.support.vocabulary import EXPONENTIAL
 from fefinger.theory.relaxation import Prony
 
 
@@ -62,6 +63,11 @@ RIGID_BONE = (
     "The bone is rigid, and is held together with the nail, as glued in the experiment; an elastic "
     "one of 17 GPa, held at its cut, would take 0.2 % off the relaxed force and 0.6 % off a peak."
 )
+
+
+def stiffens(finger: Finger) -> bool:
+    """Return whether a tissue of a finger stiffens with strain by an exponential law."""
+    return any(layer.law in EXPONENTIAL for layer in (finger.skin, finger.subcutaneous))
 
 
 def yielding(finger: Finger) -> tuple[Doubt, ...]:

@@ -81,7 +81,8 @@ class Press:
     time (n_t,) s of the answer; sites: the end organs whose strain is wanted, if any; reference:
     the press that scales that strain, where spikes are wanted; pressure, fields: whether they are
     wanted; notes: the simplifications that a reader of the answer has to know; friction: Coulomb's
-    coefficient.
+    coefficient; foreseen: a first guess in mm of the largest depth under force control, where there
+    is one.
     """
 
     mechanics: str
@@ -99,6 +100,7 @@ class Press:
     fields: bool
     notes: tuple[str, ...]
     friction: float = 0.0
+    foreseen: float | None = None
 
     @classmethod
     def of(
@@ -166,7 +168,8 @@ class Press:
     def expected_depth(self) -> float:
         """Largest depth in mm, that of the motion or, under force control, a first guess."""
         by_depth = self.motion.control == "depth"
-        return self.motion.peak if by_depth else FORCE_DEPTH * self.finger.thickness
+        guess = self.foreseen or FORCE_DEPTH * self.finger.thickness
+        return self.motion.peak if by_depth else guess
 
     @property
     def system(self) -> System:

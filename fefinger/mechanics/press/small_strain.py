@@ -29,6 +29,10 @@ from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.progress import Progress, Stages
 
 
+Advance = Callable[[Press, Reduced, Prescribed, Callable[[float], None]], History]
+"""Contact of a body on its candidates through time, with a report of progress."""
+
+
 def assembled(finger: Finger, mesh: FingerMesh, solver: str | None, *, factored: bool) -> Body:
     """Return the soft tissue, and elastic hard parts, of a finger with a linear solver."""
     whole = with_nail(finger, mesh)
@@ -84,35 +88,40 @@ def solve(press: Press, stages: Stages) -> SmallStrainHistory:
     ConvergenceError
         If a linear or contact solution is not reached.
     """
-    reduced, contact = _contact(press, stages)
+    reduced, contact = touched(press, stages)
     with stages.stage("reference"):
         reference = reference_of(press, reduced, float(contact.depth.max()))
     return SmallStrainHistory(reduced, contact, reference)
 
 
-def _contact(press: Press, stages: Stages) -> tuple[Reduced, History]:
+def touched(
+    press: Press, stages: Stages, advance: Advance | None = None
+) -> tuple[Reduced, History]:
     """Solve the contact, with more candidate vertices as long as it reaches their rim.
 
     Beside an edge the gap grows within a facet to any reach: each time there is one ring more.
+    `advance` solves a body on its candidates through time; by default without inertia.
+
+    Raises
+    ------
+    InputError, ConvergenceError
+        As `solve`.
     """
+    advance = advance or _quasistatic
     body, motion = press.body, press.motion
     where = press.sites.points if press.sites else np.empty((0, 3))
     where = mirror.to_half(where) if body.half else where
     probe = recovered_strain_at(body.space, where, body.planes)
     value = press.load_unit * motion.value(press.time)
     prescribed = Prescribed(motion.control, press.time, value)
-    prony = press.finger.prony
     reach = problem.REACH * press.expected_depth
     for rings in range(problem.ATTEMPTS):
         candidates = _candidates(press, reach, rings)
         limits.check_under(motion, len(candidates.vertices))
         with stages.stage("unit loads") as report:
             reduced = sliding.reduced_to(press, candidates, where, probe, report)
-        relaxation = Relaxation(
-            np.array(prony.weights), np.array(prony.v), len(candidates.vertices)
-        )
         with stages.stage("contact") as report:
-            history = _solved(press, reduced, relaxation, prescribed, report)
+            history = advance(press, reduced, prescribed, report)
         deepest = float(history.depth.max())
         limits.check_reached(motion, press.finger.pulp, deepest)
         pressed = (history.pressure > 0).any(axis=0)
@@ -137,15 +146,12 @@ def _candidates(press: Press, reach: float, rings: int) -> Patch:
     )
 
 
-def _solved(
-    press: Press,
-    reduced: Reduced,
-    relaxation: Relaxation,
-    prescribed: Prescribed,
-    report: Callable[[float], None],
+def _quasistatic(
+    press: Press, reduced: Reduced, prescribed: Prescribed, report: Callable[[float], None]
 ) -> History:
-    """Solve the contact of a reduced body at all times."""
+    """Solve the contact of a reduced body at all times, without inertia."""
+    prony, on = press.finger.prony, reduced.patch
+    relaxation = Relaxation(np.array(prony.weights), np.array(prony.v), len(on.vertices))
     if press.slides:
         return sliding.solved(press, reduced, relaxation, prescribed, report)
-    on = reduced.patch
     return march(reduced.flexibility, on.gap, on.projected, relaxation, prescribed, report)

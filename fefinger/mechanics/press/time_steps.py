@@ -95,9 +95,10 @@ def _pieces(motion: Motion, *, fast: bool) -> Iterator[_Piece]:
     corners = np.unique(np.clip([0.0, *motion.breaks, motion.duration], 0.0, motion.duration))
     finest = FAST_STEP if fast else MOVING_STEP
     cycle = 1.0 / motion.wave_frequency if motion.wave_frequency else np.inf
+    moving = motion.moving
     for start, stop in pairwise(corners.tolist()):
         middle = (start + stop) / 2
-        move = [end - begin for begin, end in motion.moving if begin <= middle <= end]
+        move = [end - begin for begin, end in moving if begin <= middle <= end]
         longest = finest * max(1.0, min(stop - start, cycle) / LONG)
         shares = (length / STEPS_PER_MOVE for length in move)
         step = min([longest, cycle / STEPS_PER_CYCLE, *shares])

@@ -107,17 +107,17 @@ class Condensed:
         where = mirror.to_half(self.sites.points) if half else self.sites.points
         reduced = _reduced_to_candidates(finger, solid, touch, self.deepest, where)
         self.solid, self.patch, self.flexibility = solid, reduced.patch, reduced.flexibility
-        self._touch, self._reduced = touch, reduced
+        self.touch, self.reduced = touch, reduced
         self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
         prony = finger.prony
         weights = np.array(prony.weights[1:]) / prony.weights[0]
         self._state = lcp_compiled.lcp_state(reduced.flexibility)
         gap, areas = self.patch.gap, self.patch.projected
         self._memory = step_compiled.pad_state(gap, areas, weights, np.array(prony.v), tolerance)
-        self._output = step_output(solid, reduced, self.sites.points, precision)
-        nothing = np.empty((len(areas), 0), dtype=self._output.rows.dtype)
-        self._without = self._output._replace(rows=nothing, strain=nothing[0])
-        strain = self._output.strain.reshape(-1, 6)
+        self.output = step_output(solid, reduced, self.sites.points, precision)
+        nothing = np.empty((len(areas), 0), dtype=self.output.rows.dtype)
+        self._without = self.output._replace(rows=nothing, strain=nothing[0])
+        strain = self.output.strain.reshape(-1, 6)
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)
         self._advance(0.0, 0.0, False)  # compiles or loads what a step needs: none of them waits
         self.reset()
@@ -130,7 +130,7 @@ class Condensed:
     @property
     def elastic(self) -> Array:
         """Pressure (n,) kPa of the linear body at the present displacement."""
-        return self._output.elastic
+        return self.output.elastic
 
     def energy(self) -> tuple[float, float]:
         """Return the stored energy in uJ and the dissipated power in uW, both without t(u)."""
@@ -151,7 +151,7 @@ class Condensed:
     def reset(self) -> None:
         """Lift the indenter off and clear the stress history."""
         step_compiled.reset(self._state, self._memory)
-        step_compiled.read(self._state, self._memory, self._output, 1.0)
+        step_compiled.read(self._state, self._memory, self.output, 1.0)
         self._read()
 
     def step(self, depth: float, dt: float) -> Step:
@@ -202,7 +202,7 @@ class Condensed:
             number("dt", dt, at_least=0, unit="s")
         stiffening = 1.0 if by_force else self._stiffness(target)
         state, memory = self._state, self._memory
-        output = output or self._output
+        output = output or self.output
         outcome = step_compiled.advance(state, memory, output, dt, target, by_force, stiffening)
         if outcome == lcp_compiled.TURNED:
             raise InputError(limits.rim_reached(len(self.patch.vertices)))
@@ -225,7 +225,7 @@ class Condensed:
         return 1.0
 
     def _read(self) -> Step:
-        now, summary = self.now, self._output.summary
+        now, summary = self.now, self.output.summary
         now.depth = float(self._memory.depth[0])
         now.force = summary[step_compiled.FORCE] * self._sides * NEWTON_PER_MILLINEWTON
         now.contact_area, now.x, now.y = (
@@ -248,8 +248,8 @@ class Condensed:
         with stages.stage("contact"):
             contact = self._history(motion, press.time)
         with stages.stage("reference"):
-            reference = reference_of(press, self._reduced, float(contact.depth.max()))
-        history = SmallStrainHistory(self._reduced, contact, reference)
+            reference = reference_of(press, self.reduced, float(contact.depth.max()))
+        history = SmallStrainHistory(self.reduced, contact, reference)
         return small_strain_response(press, history, stages)
 
     def _press(self, motion: Motion, time: Array) -> problem.Press:
@@ -260,7 +260,7 @@ class Condensed:
             mesh=load_or_build(self.finger, half=self.solid.half),
             body=self.solid,
             finger=self.finger,
-            obstacle=cast(Obstacle, self._touch),  # small strain asks for its axis and gap alone
+            obstacle=cast(Obstacle, self.touch),  # small strain asks for its axis and gap alone
             standard=self.indenter == STANDARD,
             motion=motion,
             time=time,
@@ -280,7 +280,7 @@ class Condensed:
         take = self.step if motion.control == "depth" else self.step_force
         for k, (value, dt) in enumerate(zip(values.tolist(), lengths.tolist(), strict=True)):
             depth[k] = take(value, dt).depth
-            pressure[k], elastic[k] = self.now.pressure, self._output.elastic
+            pressure[k], elastic[k] = self.now.pressure, self.output.elastic
         return History(depth, pressure, elastic, int(self._state.counts[lcp_compiled.SOLVED]))
 
 
@@ -345,7 +345,7 @@ def _reference_plate(finger: Finger, solid: Solid, sites: Sites) -> problem.Refe
     return problem.reference_plate(finger, solid, Ask(spikes=tuple(dict.fromkeys(sites.types))))
 
 
-def _unfolded(solid: Solid, points: Array, strain: Array) -> Array:
+def unfolded(solid: Solid, points: Array, strain: Array) -> Array:
     """Return strain (6 n, ...) at points (n, 3), given that at their places in the half body."""
     if not solid.half:
         return strain
@@ -373,7 +373,7 @@ def step_output(
             lcp_compiled.DONE,
         ),
         elastic=np.zeros(count),
-        rows=np.ascontiguousarray(_unfolded(solid, points, reduced.strain).T, dtype=kind),
+        rows=np.ascontiguousarray(unfolded(solid, points, reduced.strain).T, dtype=kind),
         chosen=np.zeros(count, dtype=np.int64),
         factor=np.zeros(count, dtype=kind),
         strain=np.zeros(len(reduced.strain), dtype=kind),

@@ -142,7 +142,7 @@ def test_compiled_steps_make_no_array_either(finger: Condensed) -> None:
         for units in (leaky, axons):
             units.step(finger.now.strain, 1e-3)
 
-    once = arrays(finger._state, finger._memory, finger._output)
+    once = arrays(finger._state, finger._memory, finger.output)
     each = arrays(leaky.state)
     passed = 3 * once + 2 * (each + 1) + (each + 1) + (each + 3)
     step()

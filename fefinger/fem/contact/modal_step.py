@@ -1,0 +1,255 @@
+"""Compiled contact step of a body of viscoelastic modes, and of the flexibility they leave over.
+
+The displacement of the pad is u = R y + sum of phi_k a_k: R is the static flexibility less that of
+the modes, y the elastic pressure as in `step_compiled`, a_k the amplitudes of `oscillators`. A step
+ends at u = F p + what the past left, with F = R / g + sum of phi_k b_k phi_k', b_k >= 0: contact is
+the complementarity problem of statics with another F. What touches has no mass of its own but that
+of the modes, so that contact opens and closes without chatter (Khenous, Laborde and Renard, Eur. J.
+Mech. A 27:918, 2008). Pressures that alternate from step to step move no mode that swings: closed
+contact lets no error grow, however long the step.
+
+In a static step (a rest, too long for the modes) they deform as in statics; their own past goes on.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from fefinger.fem.contact import lcp_compiled as contact
+from fefinger.fem.contact.lcp_compiled import CORRECTIONS, DONE, MISSED, Floats, LcpState
+from fefinger.fem.contact.oscillators import Complex, Oscillators
+from fefinger.fem.contact.step_compiled import (
+    Output,
+    PadState,
+    load_history,
+    reset,
+    store_history,
+)
+from fefinger.fem.elements.spaces import Array
+from fefinger.support.tolerances import FORCE_MATCH, SMALL_FORCE
+
+
+class ModalState(NamedTuple):
+    """State of the modes and the factors of a step.
+
+    shares (n, n_pad): work of each unit load on each mode; rest R (n_pad, n_pad); residues (n, s);
+    filtered (n, s): the force of each mode, filtered by each of its poles; force, earlier (n,):
+    at the end of the last step and of the one before; amplitude, known (n,): at the end, and what
+    the past leaves of it; moved (n_pad,): R p; pressed, factor (n_pad,): work, the loaded vertices
+    and their pressures.
+    """
+
+    shares: Array
+    rest: Array
+    residues: Complex
+    filtered: Complex
+    force: Array
+    earlier: Array
+    amplitude: Array
+    known: Array
+    moved: Array
+    pressed: NDArray[np.int64]
+    factor: Array
+
+
+class StepFactors(NamedTuple):
+    """What the length of a step decides: decay, earlier, before, after (n, s) of the filters.
+
+    gains (n,): amplitude at the end of the step per force at its end; flexibility F (n_pad, n_pad)
+    of the end of the step; static: whether modes deform as in statics.
+    """
+
+    decay: Complex
+    earlier: Complex
+    before: Complex
+    after: Complex
+    gains: Array
+    flexibility: Array
+    static: bool
+
+
+def modal_state(oscillators: Oscillators, shares: Array, rest: Array) -> ModalState:
+    """Allocate the modes at rest; shares (n, n_pad) and rest (n_pad, n_pad) as in the state."""
+    n, n_pad = shares.shape
+    return ModalState(
+        shares=np.ascontiguousarray(shares, dtype=np.float64),
+        rest=np.ascontiguousarray(rest, dtype=np.float64),
+        residues=oscillators.residues.copy(),
+        filtered=np.zeros_like(oscillators.poles),
+        force=np.zeros(n),
+        earlier=np.zeros(n),
+        amplitude=np.zeros(n),
+        known=np.zeros(n),
+        moved=np.zeros(n_pad),
+        pressed=np.zeros(n_pad, dtype=np.int64),
+        factor=np.zeros(n_pad),
+    )
+
+
+def growth(weights: Array, rates: Array, dt: float) -> float:
+    """Modulus g of a step: stress over the step of strain that it ends."""
+    exponent = rates * dt
+    shares = -np.expm1(-exponent) / np.where(exponent > 0, exponent, 1.0)
+    return 1.0 + float((weights * np.where(exponent > 0, shares, 1.0)).sum())
+
+
+def step_factors(
+    oscillators: Oscillators, shares: Array, rest: Array, dt: float, *, static: bool
+) -> StepFactors:
+    """Compute the factors of a step of `dt` s; `static`: the modes deform as in statics."""
+    g = growth(oscillators.weights, oscillators.rates, dt)
+    decay, earlier, before, after = oscillators.filters(dt, swing=not static)
+    dynamic = (oscillators.residues * after).sum(axis=1).real
+    gains = 1.0 / (oscillators.squares * g) if static else dynamic
+    flexibility = rest / g + (shares.T * gains) @ shares
+    return StepFactors(
+        *(decay, earlier, before, after, gains),
+        np.ascontiguousarray((flexibility + flexibility.T) / 2),
+        static,
+    )
+
+
+@njit(cache=True)
+def modal_step(
+    s: LcpState,
+    m: PadState,
+    o: ModalState,
+    f: StepFactors,
+    dt: float,
+    target: float,
+    by_force: bool,
+    limits: NDArray[np.int64],
+) -> int:
+    """Advance by `dt` s to a depth in mm or a force in mN; return DONE or a failure.
+
+    The contact pressure is then in s.x, the elastic one in m.elastic, the amplitudes in
+    o.amplitude. limits (n_pad,): outcome of contact at a vertex, as in `step_compiled`. A step that
+    fails leaves all as it was.
+    """
+    active, depth, peak = contact.save(s), m.depth[0], m.peak[0]
+    g = load_history(m, dt)
+    _known(m, o, f, g)
+    for j in range(len(m.gap)):
+        m.offset[j] = m.gap[j] - m.moved_past[j] / g
+    for k in range(len(o.known)):
+        a = o.known[k]
+        row = o.shares[k]
+        for j in range(len(m.gap)):
+            m.offset[j] += a * row[j]
+    failed = _solve(s, m, target, by_force)
+    for j in range(len(s.x)):
+        if failed == DONE and s.x[j] > 0.0:
+            failed = limits[j]
+    if failed == DONE:
+        _store(s, m, o, f, dt, g)
+    else:
+        contact.restore(s, active)
+        m.depth[0], m.peak[0] = depth, peak
+    return failed
+
+
+@njit(cache=True)
+def release(s: LcpState, m: PadState, o: ModalState) -> None:
+    """Reset pad and modes to rest: no contact and no history."""
+    reset(s, m)
+    o.filtered[:] = 0.0
+    for row in (o.force, o.earlier, o.amplitude):
+        row[:] = 0.0
+
+
+@njit(cache=True)
+def add_strain(out: Output, rows: Floats, amplitude: Floats) -> None:
+    """Add the strain of modes to that of the pressures in an output; rows (n, n_strains)."""
+    count = len(amplitude)
+    contact.accumulate(out.strain, rows, np.arange(count), amplitude, count)
+
+
+@njit(cache=True)
+def _known(m: PadState, o: ModalState, f: StepFactors, g: float) -> None:
+    """Compute what the past and the pressure at the start leave of the amplitudes."""
+    for k in range(len(o.known)):
+        if f.static:
+            total = 0.0
+            for j in range(len(m.past)):
+                total -= o.shares[k, j] * m.past[j]
+            o.known[k] = f.gains[k] * total
+        else:
+            value = 0.0
+            for i in range(o.residues.shape[1]):
+                left = f.decay[k, i] * o.filtered[k, i] + f.before[k, i] * o.force[k]
+                left += f.earlier[k, i] * o.earlier[k]
+                value += (o.residues[k, i] * left).real
+            o.known[k] = value
+
+
+@njit(cache=True)
+def _at_depth(s: LcpState, m: PadState, depth: float, work: Array) -> int:
+    for j in range(len(m.gap)):
+        work[j] = m.offset[j] - depth * m.projected[j]
+    return contact.solve(s, work, m.tolerance[0])
+
+
+@njit(cache=True)
+def _solve(s: LcpState, m: PadState, target: float, by_force: bool) -> int:
+    """Solve for the pressure at a depth, or for pressure and depth at a force in mN."""
+    work = np.empty(len(m.gap))
+    if not by_force:
+        m.depth[0] = target
+        return _at_depth(s, m, target, work)
+    first_touch = np.inf
+    for j in range(len(m.gap)):
+        first_touch = min(first_touch, m.offset[j] / m.projected[j])
+    if target <= 0.0:
+        m.depth[0] = first_touch
+        s.x[:] = 0.0
+        s.moved[:] = 0.0
+        return DONE
+    m.peak[0] = max(m.peak[0], target)
+    close = FORCE_MATCH * max(target, SMALL_FORCE * m.peak[0])
+    low, high = first_touch, np.inf
+    depth = max(m.depth[0], first_touch + 1e-6 * (1.0 + abs(first_touch)))
+    for _ in range(CORRECTIONS):
+        failed = _at_depth(s, m, depth, work)
+        if failed != DONE:
+            return failed
+        excess = -target
+        for j in range(len(m.projected)):
+            excess += m.projected[j] * s.x[j]
+        if abs(excess) <= close:
+            m.depth[0] = depth
+            return DONE
+        if excess < 0.0:
+            low = depth
+        else:
+            high = depth
+        rise = contact.slope(s, m.projected)
+        depth = depth - excess / rise if rise > 0.0 else 2.0 * depth - first_touch
+        if not (low < depth and depth < high):
+            depth = (low + high) / 2.0 if np.isfinite(high) else low + 2.0 * (low - first_touch)
+    return MISSED
+
+
+@njit(cache=True)
+def _store(s: LcpState, m: PadState, o: ModalState, f: StepFactors, dt: float, g: float) -> None:
+    """Update the history of the pad and of the modes with the pressure at the end of a step."""
+    count = 0
+    for j in range(len(s.x)):
+        if s.x[j] != 0.0:
+            o.pressed[count] = j
+            o.factor[count] = s.x[j]
+            count += 1
+    o.moved[:] = 0.0
+    contact.accumulate(o.moved, o.rest, o.pressed, o.factor, count)
+    for k in range(len(o.force)):
+        force = 0.0
+        for i in range(count):
+            force += o.shares[k, o.pressed[i]] * o.factor[i]
+        for i in range(o.residues.shape[1]):
+            left = f.decay[k, i] * o.filtered[k, i] + f.before[k, i] * o.force[k]
+            left += f.earlier[k, i] * o.earlier[k]
+            o.filtered[k, i] = left + f.after[k, i] * force
+        o.amplitude[k] = o.known[k] + f.gains[k] * force
+        o.earlier[k], o.force[k] = o.force[k], force
+    store_history(m, s.x, o.moved, dt, g)

@@ -1,0 +1,157 @@
+"""Viscoelastic modes as sums of exponentials: poles, residues, and their exact step.
+
+A mode of the relaxed square w² obeys a'' + w² (G * a') = f with the relaxation function G of the
+body, 1 at long times. Its answer to a force is a sum over the m + 2 poles of 1 / (s² + w² G(s)),
+where G(s) = 1 + sum of g_j s / (s + v_j); each pole is a first-order filter, which a step of any
+length solves exactly. In statics a force is linear in the step. With inertia that would let errors
+grow from step to step, where contact prescribes the motion of a mass: then a step takes the mean of
+the forces at both ends and, so that what alternates dies out, a share of their second difference.
+Both are exact to the second order of the step.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.support.checks import ConvergenceError
+
+
+Complex = NDArray[np.complex128]
+
+SMALL = 0.05  # |x| below which (e^x - 1 - x) / x² is summed as a series
+TERMS = 9
+DAMPING = 0.1
+"""Share of the second difference of the force. At -1, pressures that alternate from step to step
+then die out within some ten steps; an oscillation of 60 steps is changed by 0.1 %."""
+
+MISSED = 1e-6  # largest error of the sum rules of the residues
+
+
+@dataclass(frozen=True)
+class Oscillators:
+    """Modes of a body with one relaxation function.
+
+    squares (n,) of the relaxed angular frequencies in 1/s²; weights and rates (m,) of the Prony
+    terms, over the long-time modulus; poles and residues (n, m + 2) of each mode.
+    """
+
+    squares: Array
+    weights: Array
+    rates: Array
+    poles: Complex
+    residues: Complex
+
+    def only(self, chosen: Integers) -> "Oscillators":
+        """Return some of the modes."""
+        return replace(
+            self,
+            squares=self.squares[chosen],
+            poles=self.poles[chosen],
+            residues=self.residues[chosen],
+        )
+
+    def followed_by(self, more: "Oscillators") -> "Oscillators":
+        """Return these modes and those of `more`, of the same relaxation."""
+        return replace(
+            self,
+            squares=np.concatenate([self.squares, more.squares]),
+            poles=np.concatenate([self.poles, more.poles]),
+            residues=np.concatenate([self.residues, more.residues]),
+        )
+
+    @classmethod
+    def of(cls, squares: Array, weights: Array, rates: Array) -> "Oscillators":
+        """Compute the poles of modes under a relaxation function.
+
+        Raises
+        ------
+        ConvergenceError
+            If two poles of a mode coincide, so that its answer is no sum of exponentials.
+        """
+        poles = np.linalg.eigvals(_systems(squares, weights, rates)).astype(np.complex128)
+        near = poles[..., None] + rates
+        near = np.where(near == 0, 1e-300, near)
+        slope = 2 * poles + squares[:, None] * (weights * rates / near**2).sum(axis=-1)
+        residues = 1.0 / slope
+        error = np.abs((residues * poles).sum(axis=1) - 1.0)
+        if len(error) and not error.max() <= MISSED:
+            worst = int(np.argmax(error))
+            message = (
+                f"mode {worst + 1}: expected poles that differ, received two that coincide to "
+                f"{error[worst]:.1e}; change a rate of the relaxation in its fourth digit"
+            )
+            raise ConvergenceError(message)
+        return cls(squares, weights, rates, poles, residues)
+
+    @property
+    def glassy(self) -> Array:
+        """Angular frequencies (n,) in 1/s with the modulus of a sudden strain."""
+        return np.asarray(np.sqrt(self.squares * (1.0 + self.weights.sum())))
+
+    def modulus(self, frequency: Array) -> Complex:
+        """Complex modulus (n_f,) over the long-time one at frequencies (n_f,) in Hz."""
+        return complex_modulus(self.weights, self.rates, frequency)
+
+    def receptance(self, frequency: Array) -> Complex:
+        """Amplitude (n_f, n) of each mode under a unit harmonic force, 1 / (w² G* - omega²)."""
+        omega = 2 * np.pi * np.asarray(frequency)[:, None]
+        return np.asarray(1.0 / (self.squares * self.modulus(frequency)[:, None] - omega**2))
+
+    def filters(self, dt: float, *, swing: bool) -> tuple[Complex, Complex, Complex, Complex]:
+        """Factors (n, m + 2) of a step: decay, and shares of forces a step ago, now and at its end.
+
+        `swing`: a step with inertia, which takes the forces as the head of this file says; else a
+        force that is linear in the step.
+        """
+        x = self.poles * dt
+        safe = np.where(np.abs(x) < SMALL, 1.0, x)
+        second = np.where(np.abs(x) < SMALL, _series(x), (np.exp(safe) - 1 - safe) / safe**2)
+        first = 1 + x * second  # (e^x - 1) / x
+        if not swing:
+            return np.exp(x), np.zeros_like(x), dt * (first - second), np.asarray(dt * second)
+        shares = (DAMPING, 0.5 - 2 * DAMPING, 0.5 + DAMPING)
+        earlier, before, after = (dt * share * first for share in shares)
+        return np.exp(x), earlier, before, after
+
+    def energies(self, filtered: Complex) -> tuple[float, float, float]:
+        """Return stored and kinetic energy in nJ and lost power in nW.
+
+        filtered (n, m + 2): the force of each mode, filtered by each of its poles.
+        """
+        each = self.residues * filtered
+        amplitude = each.sum(axis=1).real
+        speed = (each * self.poles).sum(axis=1).real
+        stored, lost = float(self.squares @ amplitude**2) / 2, 0.0
+        for weight, rate in zip(self.weights, self.rates, strict=True):
+            held = (each * self.poles / (self.poles + rate)).sum(axis=1).real
+            share = weight * float(self.squares @ held**2)
+            stored, lost = stored + share / 2, lost + rate * share
+        return stored, float(speed @ speed) / 2, lost
+
+
+def complex_modulus(weights: Array, rates: Array, frequency: Array) -> Complex:
+    """Complex modulus (n_f,) over the long-time one, 1 + sum of g i w / (i w + v)."""
+    omega = 2j * np.pi * np.asarray(frequency, dtype=np.float64)[:, None]
+    return np.asarray(1.0 + (weights * omega / (omega + rates)).sum(axis=1))
+
+
+def _systems(squares: Array, weights: Array, rates: Array) -> Array:
+    """State matrices (n, m + 2, m + 2) of (w a, a', w sqrt(g) z): damped, else skew-symmetric."""
+    frequency, m = np.sqrt(squares), len(rates)
+    systems = np.zeros((len(squares), m + 2, m + 2))
+    systems[:, 0, 1], systems[:, 1, 0] = frequency, -frequency
+    coupling = frequency[:, None] * np.sqrt(weights)
+    systems[:, 2:, 1], systems[:, 1, 2:] = coupling, -coupling
+    diagonal = np.arange(2, m + 2)
+    systems[:, diagonal, diagonal] = -rates
+    return systems
+
+
+def _series(x: Complex) -> Complex:
+    """Sum (e^x - 1 - x) / x² for small x."""
+    total = np.full_like(x, 1.0)
+    for n in range(TERMS, 0, -1):
+        total = 1.0 + x / (n + 2) * total
+    return total / 2

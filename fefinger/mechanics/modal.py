@@ -1,0 +1,95 @@
+"""`condensed` with inertia: modes of vibration of the finger, static flexibility for the rest.
+
+One real eigenproblem per finger serves every relaxation and every frequency, because all tissue
+relaxes with one function. Through time each mode is an oscillator with the memory of the tissue,
+and contact opens and closes as in `condensed` (`fem/contact/modal_step.py`). At finite strain the
+answer without inertia is that of `pressed` (`press/modal_response.py`).
+"""
+
+import math
+from dataclasses import replace
+from types import ModuleType
+
+from fefinger.mechanics import condensed, pressed
+from fefinger.mechanics.evidence import reports, vibration
+from fefinger.mechanics.press.notes import sideways, stiffens, yielding
+from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.situation import Situation
+from fefinger.results.records import Refusal, Response
+from fefinger.scene.finger import Finger
+from fefinger.scene.scene import Scene
+from fefinger.support.progress import Progress
+
+
+name = "modal"
+
+QUASISTATIC = "Quasi-static: no inertia and no waves."
+
+INERTIA = (
+    "Inertia of the tissue, about a bone that does not move; the indenter has its motion or its "
+    "force prescribed, and no mass.",
+)
+
+
+def refuse(case: Situation) -> tuple[Refusal, ...]:
+    """Return why it should not answer: what `condensed` or `pressed` refuses, or its band."""
+    base = _base(case.finger)
+    shared = tuple(replace(refusal, mechanics=name) for refusal in base.refuse(case))
+    if any(refusal.about == "ability" for refusal in shared):
+        return shared
+    unable = [*yielding(case.finger), *sideways(case.motion, case.indenter)]
+    return refusals(name, "ability", unable) + shared + refusals(name, "accuracy", _doubts(case))
+
+
+def _base(finger: Finger) -> ModuleType:
+    """Return the mechanics that answers without inertia."""
+    return pressed if stiffens(finger) else condensed
+
+
+def _doubts(case: Situation) -> list[Doubt]:
+    """Return what of a motion lies beyond the modes that are computed."""
+    return vibration.doubts(case)
+
+
+def cost(case: Situation) -> float:
+    """Return the expected wall time in s, less where modes and operator are in the cache."""
+    return _base(case.finger).cost(case) + _operator(case) + vibration.seconds(case)
+
+
+def once(case: Situation) -> float:
+    """Return the time in s of building what is kept for the next run; 0 where at hand."""
+    return _base(case.finger).once(case) + _operator(case) + vibration.once(case)
+
+
+def _operator(case: Situation) -> float:
+    """Return the time in s of building an operator that the mechanics without inertia lacks."""
+    return reports.condensed_once(case) if stiffens(case.finger) else 0.0
+
+
+def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
+    """Return the expected relative error, and its source: without inertia, and of the modes."""
+    error, source = _base(case.finger).error(case, quantity)
+    left = vibration.modal_error(case)
+    return math.hypot(error, left), f"{source}; {vibration.sentence(left)}"
+
+
+def coarser(scene: Scene) -> Finger | None:
+    """Return the finger on the next coarser mesh, if that is at hand."""
+    base = _base(scene.finger)
+    return base.coarser(scene)
+
+
+def respond(scene: Scene, progress: Progress | None = None) -> Response:
+    """Answer the scene with inertia; operator and modes are built if not at hand.
+
+    Raises
+    ------
+    InputError
+        As `condensed` or `pressed`.
+    ConvergenceError
+        If a contact solution, or the modes, are not reached.
+    """
+    from fefinger.mechanics.press import modal_response
+
+    notes = tuple(note for note in _base(scene.finger).NOTES if note != QUASISTATIC)
+    return modal_response.respond(scene, progress, mechanics=name, notes=(*notes, *INERTIA))

@@ -1,0 +1,213 @@
+"""Harmonic answer of a finger about a preload, in closed form over its modes.
+
+Contact is that of the relaxed finger at the preload, and stays as it is: the answer is the
+derivative with respect to the amplitude. Two static terms stand for the modes that are left out.
+"""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from scipy import sparse
+
+from fefinger.fem.condensation import Operator, reduce
+from fefinger.fem.contact.closed_contact import ClosedContact
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.obstacle import Rigid
+from fefinger.fem.contact.patch import patch
+from fefinger.fem.contact.viscoelastic import depth_at
+from fefinger.fem.elements.probe import tensors
+from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.geometry import mirror
+from fefinger.mechanics.press import limits, problem
+from fefinger.mechanics.press.modal_body import ModalBody, body_of_modes, rest_inertia, stiffened
+from fefinger.mechanics.press.mode_store import FingerModes
+from fefinger.results.harmonic import Complex, Harmonic, apart
+from fefinger.results.records import Sites
+from fefinger.scene.finger import Finger
+from fefinger.support.arrays import Array, Integers
+from fefinger.support.checks import InputError, numbers
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
+
+
+HIGHEST = 0.5
+"""Highest frequency over that of the last mode, with the modulus at that frequency."""
+
+LISTED = 20  # modes of the held finger that are stored
+
+CONTACT = (
+    "Harmonic answer: the contact is that of the relaxed finger at the preload and does not change "
+    "with the oscillation, whose amplitude is infinitesimal."
+)
+
+
+@dataclass(frozen=True)
+class Vibrating:
+    """A finger under an indenter, prepared for harmonic answers at any preload.
+
+    body: on the candidates, with rows for the strain at `sites` and then for the displacement of
+    the skin at the vertices `line`; inertia (n_pad, n_pad): its second static term; complete: the
+    relaxed frequency in Hz below which no mode lacks; deepest: largest preload in mm.
+    """
+
+    solid: Operator
+    body: ModalBody
+    inertia: Array
+    sites: Sites | None
+    line: Integers
+    complete: float
+    deepest: float
+
+    @classmethod
+    def of(
+        cls,
+        finger: Finger,
+        solid: Operator,
+        modes: FingerModes,
+        obstacle: Rigid,
+        deepest: float,
+        sites: Sites | None = None,
+        stiffening: float = 1.0,
+    ) -> Self:
+        """Read modes and statics of a finger under an obstacle that presses up to `deepest` mm.
+
+        `stiffening` multiplies the moduli.
+
+        Raises
+        ------
+        InputError
+            If no vertex of the pad is under the obstacle.
+        """
+        on_pad = patch(solid.space, solid.pad, solid.normals, obstacle, problem.REACH * deepest)
+        if not len(on_pad.vertices):
+            raise InputError(limits.NOTHING_UNDER)
+        line = skin_line(solid)
+        rows = _rows(solid, sites, line)
+        static = stiffened(reduce(solid, on_pad, rows), stiffening)
+        body = body_of_modes(finger, modes, static, lambda: rows, stiffening)
+        every = np.eye(len(on_pad.vertices))
+        inertia = rest_inertia(finger, solid, body, every, stiffening)
+        last = modes.complete * float(np.sqrt(stiffening))
+        return cls(solid, body, inertia, sites, line, last, deepest)
+
+    def harmonic(
+        self, frequency: Array, *, depth: float | None = None, force: float | None = None
+    ) -> Harmonic:
+        """Compute the harmonic answer at frequencies (n_f,) in Hz, at a depth in mm or force in N.
+
+        Raises
+        ------
+        InputError
+            Frequencies that are not above 0 or are too high for the modes; or no contact.
+        """
+        frequency = np.array(numbers("frequency", frequency))
+        self._check(frequency)
+        depth, pressure = self.preload(depth, force)
+        active = np.flatnonzero(pressure > 0)
+        body, on_pad = self.body, self.body.static.patch
+        held, first = self._held(active)
+        stiffness, rough = held.stiffness(frequency), first.stiffness(frequency)
+        ratio = (2 * np.pi * frequency) ** 2 / np.abs(
+            held.modulus(frequency) * body.oscillators.squares[-1]
+        )
+        strain, skin = self._read(held, active, frequency)
+        sides = 2.0 if self.solid.half else 1.0
+        unit = sides * NEWTON_PER_MILLINEWTON
+        return Harmonic(
+            frequency=frequency,
+            stiffness_parts=apart(unit * stiffness),
+            strain_parts=apart(strain),
+            skin_points=self.solid.space.points[self.line],
+            skin_parts=apart(skin),
+            error=np.abs(stiffness - rough) / np.abs(stiffness) * ratio,
+            modes=held.frequencies[:LISTED],
+            preload_depth=depth,
+            preload_force=float(unit * pressure @ on_pad.projected),
+            contact_area=float(sides * on_pad.areas[active].sum()),
+            notes=(CONTACT,),
+        )
+
+    def preload(self, depth: float | None, force: float | None) -> tuple[float, Array]:
+        """Depth in mm and pressure (n_pad,) kPa of the relaxed finger at a preload."""
+        on_pad = self.body.static.patch
+        solver = Complementarity(self.body.static.flexibility)
+        if depth is None:
+            sides = 2.0 if self.solid.half else 1.0
+            wanted = float(force or 0.0) / (NEWTON_PER_MILLINEWTON * sides)
+            start = 0.3 * self.deepest
+            depth, pressure, _ = depth_at(
+                solver, 1.0, on_pad.gap, on_pad.projected, wanted, start, wanted
+            )
+        else:
+            pressure = solver.solve(on_pad.gap - depth * on_pad.projected)
+        if not (pressure > 0).any():
+            raise InputError(limits.unresolved(depth))
+        if (pressure[on_pad.border] > 0).any():
+            message = (
+                f"preload: expected contact as of a depth of at most {self.deepest:g} mm, received "
+                "one that reaches the rim of the candidates; press less, or give a larger "
+                "`deepest`"
+            )
+            raise InputError(message)
+        return float(depth), pressure
+
+    def _held(self, active: Integers) -> tuple[ClosedContact, ClosedContact]:
+        """Return the body held at its contact, with two static terms and with the first alone."""
+        body, o, block = self.body, self.body.oscillators, np.ix_(active, active)
+        parts = (
+            *(o.squares, body.shares[:, active], body.rest[block]),
+            *(body.static.patch.projected[active], o.weights, o.rates),
+        )
+        return ClosedContact.of(*parts, self.inertia[block]), ClosedContact.of(*parts)
+
+    def _read(
+        self, held: ClosedContact, active: Integers, frequency: Array
+    ) -> tuple[Complex, Complex]:
+        """Strain (n_f, n_sites, 3, 3) and displacement (n_f, n_skin, 3) per mm of oscillation."""
+        pressure, amplitude = held.amplitudes(frequency)
+        complete, sites = self.body.complete.strain, self.sites
+        modes = complete[:, self.body.shares.shape[1] :]
+        rows = pressure @ complete[:, active].T + amplitude @ modes.T
+        n_sites = 0 if sites is None else len(sites.points)
+        flat = rows[:, : 6 * n_sites].reshape(len(frequency), n_sites, 6)
+        strain = tensors(flat.real) + 1j * tensors(flat.imag)
+        if self.solid.half and sites is not None:
+            strain = mirror.from_half(strain, sites.points)
+        return strain, rows[:, 6 * n_sites :].reshape(len(frequency), -1, 3)
+
+    def _check(self, frequency: Array) -> None:
+        """Raise InputError for frequencies that the modes do not reach."""
+        if not len(frequency) or not (frequency > 0).all():
+            message = f"frequency: expected values above 0 Hz, received {frequency.tolist()}"
+            raise InputError(message)
+        o = self.body.oscillators
+        reached = HIGHEST * self.complete * np.sqrt(np.abs(o.modulus(frequency)))
+        beyond = frequency > reached
+        if beyond.any():
+            message = (
+                f"frequency: expected at most {reached[beyond].min():.4g} Hz, half of the "
+                f"frequency of the last of {len(o.squares)} modes, received "
+                f"{frequency[beyond].max():g} Hz; lower it, or take stiffer tissue"
+            )
+            raise InputError(message)
+
+
+def skin_line(solid: Operator) -> Integers:
+    """Return palmar vertices of the pad in the medial plane, from proximal to distal."""
+    vertices = np.unique(solid.pad)
+    vertices = vertices[solid.normals[vertices, 2] < 0]
+    points = solid.space.points[vertices]
+    near = np.abs(points[:, 1]) < mirror.ROUNDING * np.ptp(points)
+    chosen = vertices[near]
+    return np.asarray(chosen[np.argsort(solid.space.points[chosen, 0])])
+
+
+def _rows(solid: Operator, sites: Sites | None, line: Integers) -> sparse.csr_matrix:
+    where = sites.points if sites is not None else np.empty((0, 3))
+    where = mirror.to_half(where) if solid.half else where
+    strain = recovered_strain_at(solid.space, where, solid.planes)
+    columns = (3 * line[:, None] + np.arange(3)).ravel()
+    ones = np.ones(len(columns))
+    shape = (len(columns), solid.space.n_unknowns)
+    skin = sparse.csr_matrix((ones, (np.arange(len(columns)), columns)), shape=shape)
+    return sparse.vstack([strain, skin]).tocsr()

@@ -1,0 +1,132 @@
+"""A finger on a patch as modes, and the static flexibility that they leave over."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import sparse
+
+from fefinger.fem.body import Reduced
+from fefinger.fem.condensation import Operator, displaced
+from fefinger.fem.contact.oscillators import Oscillators
+from fefinger.fem.elements.mass import mass
+from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.fem.linalg.threads import one_thread
+from fefinger.mechanics.press.mode_store import PER_CUBIC_METER, FingerModes
+from fefinger.scene.finger import Finger
+
+
+@dataclass(frozen=True)
+class ModalBody:
+    """Response of a body to loads on a patch: that of its modes, and the static rest.
+
+    static: the response without inertia; oscillators: the modes; shares (n, n_pad): work of each
+    unit load on each mode; rest (n_pad, n_pad) the flexibility less that of the modes; strain
+    (n_rows, n) and normal_displacement (n_near, n) of each mode, as those of `static`.
+    """
+
+    static: Reduced
+    oscillators: Oscillators
+    shares: Array
+    rest: Array
+    strain: Array
+    normal_displacement: Array
+
+    @property
+    def complete(self) -> Reduced:
+        """Response to the elastic pressures of the rest, followed by the amplitudes of modes."""
+        part = self.shares.T / self.oscillators.squares
+        strain = np.hstack([self.static.strain - self.strain @ part.T, self.strain])
+        normal = self.static.normal_displacement - self.normal_displacement @ part.T
+        moved = np.hstack([normal, self.normal_displacement])
+        return replace(self.static, strain=strain, normal_displacement=moved)
+
+    def below(self, glassy: float) -> "ModalBody":
+        """Return the same body with the modes that are below a frequency in Hz in sudden strain.
+
+        The others deform as in statics.
+        """
+        chosen = np.flatnonzero(self.oscillators.glassy < 2 * np.pi * glassy)
+        return self.only(chosen)
+
+    def only(self, chosen: Integers) -> "ModalBody":
+        """Return the same body with some of its modes; the others deform as in statics."""
+        return modal(
+            self.static,
+            self.oscillators.only(chosen),
+            self.shares[chosen],
+            self.strain[:, chosen],
+            self.normal_displacement[:, chosen],
+        )
+
+    def amplitudes(self, elastic: Array) -> Array:
+        """Amplitudes (n_t, n) of the modes beside the static field of the elastic pressures.
+
+        elastic (n_t, n_pad + n): as for `complete`. The displacement is that of statics under its
+        pressures, and of the modes of these amplitudes.
+        """
+        count = self.shares.shape[1]
+        rest, amplitude = elastic[:, :count], elastic[:, count:]
+        return np.asarray(amplitude - rest @ self.shares.T / self.oscillators.squares)
+
+
+@one_thread
+def modal(
+    static: Reduced,
+    oscillators: Oscillators,
+    shares: Array,
+    strain: Array,
+    normal: Array,
+) -> ModalBody:
+    """Take the flexibility of the modes from the static one, and keep the rest."""
+    rest = static.flexibility - (shares.T / oscillators.squares) @ shares
+    return ModalBody(static, oscillators, shares, (rest + rest.T) / 2, strain, normal)
+
+
+def body_of_modes(
+    finger: Finger,
+    modes: FingerModes,
+    static: Reduced,
+    probe: Callable[[], sparse.csr_matrix],
+    stiffening: float = 1.0,
+) -> ModalBody:
+    """Read the modes of a finger on a patch, where `static` is its response without inertia.
+
+    probe: the strain at the points of `static`; stiffening: factor on the moduli, which `static`
+    includes.
+    """
+    prony = finger.prony
+    weights = np.array(prony.weights[1:]) / prony.weights[0]
+    oscillators = Oscillators.of(modes.squares * stiffening, weights, np.array(prony.v))
+    shares = modes.read(static.patch.loads.T.tocsr()).T
+    normal = modes.read(static.patch.places.T.tocsr())
+    return modal(static, oscillators, np.ascontiguousarray(shares), modes.read(probe()), normal)
+
+
+def stiffened(static: Reduced, factor: float) -> Reduced:
+    """Return the response of a body with moduli that are `factor` times as large."""
+    return replace(
+        static,
+        flexibility=static.flexibility / factor,
+        strain=static.strain / factor,
+        normal_displacement=static.normal_displacement / factor,
+    )
+
+
+@one_thread
+def rest_inertia(
+    finger: Finger, solid: Operator, body: ModalBody, patterns: Array, stiffening: float = 1.0
+) -> Array:
+    """Second static term (k, k): mass of the displacement that modes leave over.
+
+    The integral of density times the product of the rest's displacements under two of the pressures
+    `patterns` (n_pad, k): K^-1 M K^-1 less phi phi' / w^4, in kg mm²/mN²; for relaxed tissue with
+    the moduli of `finger` times `stiffening`.
+    """
+    size = solid.space.n_displacements
+    densities = {1: finger.skin.density, 2: finger.subcutaneous.density}
+    heavy = mass(solid.space, {k: value * PER_CUBIC_METER for k, value in densities.items()})
+    moved = displaced(solid, body.static.patch.loads @ patterns)[:size] / stiffening
+    work = body.shares @ patterns
+    total = moved.T @ (heavy @ moved) - (work.T / body.oscillators.squares**2) @ work
+    return np.asarray((total + total.T) / 2)

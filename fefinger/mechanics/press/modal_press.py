@@ -1,0 +1,150 @@
+"""A press with inertia: the small-strain contact of `small_strain`, on a body of modes."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from scipy import sparse
+
+from fefinger.fem.body import Reduced
+from fefinger.fem.condensation import Operator, displaced
+from fefinger.fem.contact.modal_march import Grid, ModalContact, march_modes
+from fefinger.fem.contact.viscoelastic import History, Prescribed
+from fefinger.fem.elements.probe import strain_at_vertices
+from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.geometry import mirror
+from fefinger.mechanics.press.fields import no_fields
+from fefinger.mechanics.press.history import SmallStrainHistory, frames_of
+from fefinger.mechanics.press.modal_body import (
+    ModalBody,
+    body_of_modes,
+    stiffened,
+)
+from fefinger.mechanics.press.modal_steps import RESOLVED
+from fefinger.mechanics.press.mode_store import FingerModes, finger_modes
+from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.small_strain import touched
+from fefinger.results.records import Fields
+from fefinger.support.arrays import Array, Integers
+from fefinger.support.progress import Stages
+
+
+@dataclass(frozen=True)
+class ModalHistory:
+    """A press with inertia through time, at the stored times of its grid.
+
+    modes: of the finger; body: on the candidates, with the modes that had inertia; contact: its
+    history, elastic pressures of the rest followed by the amplitudes of the modes.
+    """
+
+    modes: FingerModes
+    body: ModalBody
+    contact: History
+
+    @property
+    def without_inertia(self) -> Reduced:
+        """The body on the candidates, in statics."""
+        return self.body.static
+
+    def small_strain(self) -> SmallStrainHistory:
+        """Return the history as of a press without inertia: rest and modes side by side."""
+        return SmallStrainHistory(self.body.complete, self.contact, None)
+
+
+def solve_modal(press: Press, grid: Grid, stages: Stages, stiffening: float = 1.0) -> ModalHistory:
+    """Solve the contact with inertia at the times of a grid.
+
+    `stiffening` multiplies the moduli of the finger.
+
+    Raises
+    ------
+    InputError, ConvergenceError
+        As `small_strain.solve`, and if the modes do not converge.
+    """
+    solid = operator_of(press)
+    with stages.stage("modes") as report:
+        modes = finger_modes(press.finger, solid, report)
+    made: list[ModalBody] = []
+
+    def advance(
+        press: Press, reduced: Reduced, prescribed: Prescribed, report: Callable[[float], None]
+    ) -> History:
+        made[:] = [swinging(press, modes, reduced, grid.longest, stiffening)]
+        value = press.load_unit * press.motion.value(grid.time)
+        on_grid = Prescribed(press.motion.control, grid.time, value)
+        return march_modes(contact_of(made[0], grid.longest), grid, on_grid, report)
+
+    _, contact = touched(press, stages, advance)
+    return ModalHistory(modes, made[0], contact)
+
+
+def swinging(
+    press: Press, modes: FingerModes, reduced: Reduced, longest: float, stiffening: float
+) -> ModalBody:
+    """Return the body on the candidates of a press, with the modes that its steps resolve.
+
+    longest: the longest of the steps in s; stiffening: factor on the moduli.
+    """
+    finger = press.finger
+    static = stiffened(reduced, stiffening)
+    probe = partial(probe_of, press)
+    body = body_of_modes(finger, modes, static, probe, stiffening)
+    return body.below(RESOLVED / longest)
+
+
+def probe_of(press: Press) -> sparse.csr_matrix:
+    """Return the strain at the sites of a press from its unknowns, as a sparse matrix."""
+    body = press.body
+    where = press.sites.points if press.sites else np.empty((0, 3))
+    where = mirror.to_half(where) if body.half else where
+    return recovered_strain_at(body.space, where, body.planes)
+
+
+def contact_of(body: ModalBody, longest: float) -> ModalContact:
+    """Return the contact of a body at rest."""
+    on_pad = body.static.patch
+    return ModalContact(
+        body.oscillators, body.shares, body.rest, on_pad.gap, on_pad.projected, longest
+    )
+
+
+def operator_of(press: Press) -> Operator:
+    """Return the operator that a press is solved with."""
+    if not isinstance(press.body, Operator):
+        message = f"press: expected an Operator, received {type(press.body).__name__}"
+        raise TypeError(message)
+    return press.body
+
+
+def displacements(press: Press, history: ModalHistory, frames: Integers, scale: float) -> Array:
+    """Unknowns (n_unknowns, n_frames) of the body at some of the stored times.
+
+    scale: factor on the moduli, by which the displacement under a pressure is smaller.
+    """
+    on_pad = history.body.static.patch
+    elastic = history.contact.elastic[frames]
+    loads = on_pad.loads @ elastic[:, : len(on_pad.gap)].T
+    unknowns = displaced(operator_of(press), np.asarray(loads)) / scale
+    size, amplitudes = press.body.space.n_displacements, history.body.amplitudes(elastic)
+    numbers = np.arange(amplitudes.shape[1])
+    unknowns[:size] += history.modes.combined(size, numbers, amplitudes)
+    return unknowns
+
+
+def modal_fields(press: Press, history: ModalHistory) -> Fields:
+    """Fields on the mesh at some of the times."""
+    contact, on_pad, original = history.contact, history.body.static.patch, press.body.original
+    frames = frames_of(contact.depth, int(np.argmax(contact.pressure @ on_pad.projected)))
+    unknowns = displacements(press, history, frames, 1.0)
+    fields = no_fields(press, press.time[frames])
+    fields.displacement[:, original] = unknowns[: 3 * len(original)].T.reshape(len(frames), -1, 3)
+    at_vertices = strain_at_vertices(press.body.space) @ unknowns
+    fields.strain[:, original] = at_vertices.T.reshape(len(frames), -1, 6)
+    fields.pressure[:, original[on_pad.vertices]] = contact.pressure[frames]
+    return fields
+
+
+def at_stored(press: Press, grid: Grid) -> Press:
+    """Return the press at the stored times of a grid."""
+    return replace(press, time=grid.time[grid.stored])

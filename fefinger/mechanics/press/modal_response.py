@@ -1,0 +1,346 @@
+"""The Response of a press with inertia: of tissue that does not stiffen, and of tissue that does.
+
+Tissue that stiffens with strain is taken as linear about the depth at which the motion vibrates:
+its moduli are multiplied such that the static stiffness there is that of the tabulated press of
+finite strain (`carried`). What inertia changes in that linear finger, the difference of its
+answers with and without, is added to the quasi-static answer at finite strain.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from fefinger.fem.body import Reduced
+from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.modal_march import Grid
+from fefinger.fem.contact.oscillators import Oscillators
+from fefinger.fem.contact.patch import patch
+from fefinger.fem.contact.step_compiled import march
+from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
+from fefinger.fem.elements.probe import strain_at_vertices, tensors
+from fefinger.geometry import mirror
+from fefinger.mechanics.press import carried, operator, problem
+from fefinger.mechanics.press.carried import CarriedPress, carried_response, table_of
+from fefinger.mechanics.press.harmonic import Vibrating
+from fefinger.mechanics.press.history import SmallStrainHistory
+from fefinger.mechanics.press.modal_body import stiffened
+from fefinger.mechanics.press.modal_press import (
+    ModalHistory,
+    at_stored,
+    displacements,
+    modal_fields,
+    operator_of,
+    probe_of,
+    solve_modal,
+)
+from fefinger.mechanics.press.modal_steps import modal_grid
+from fefinger.mechanics.press.notes import stiffens
+from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.reference import reference_of
+from fefinger.mechanics.press.response import small_strain_response
+from fefinger.mechanics.press.small_strain import touched
+from fefinger.results.harmonic import Harmonic
+from fefinger.results.records import Fields, Response
+from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
+from fefinger.support.progress import Progress, Stages
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
+
+
+DAMPED = 300.0
+"""Frequency in Hz of the fastest relaxation, below which a result notes that vibrations hardly
+damp."""
+
+SHALLOW = 0.12
+"""First guess of the depth that a force reaches, over the thickness: the operator ends at the sides
+of the finger, which a larger guess may reach for nothing."""
+
+
+def respond(
+    scene: Scene, progress: Progress | None = None, *, mechanics: str, notes: tuple[str, ...]
+) -> Response:
+    """Answer the scene with inertia.
+
+    Raises
+    ------
+    InputError
+        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
+    ConvergenceError
+        If a contact, the modes, or an equilibrium of an elastic press is not reached.
+    """
+    stages = Stages(progress)
+    grid = modal_grid(scene.motion, fast="FAII" in scene.ask.spikes)
+    if stiffens(scene.finger):
+        return _corrected(scene, grid, stages, mechanics, notes)
+    press = Press.of(scene, operator.METHOD, stages, mechanics=mechanics, notes=notes)
+    press = replace(press, foreseen=SHALLOW * press.finger.thickness)
+    history = solve_modal(press, grid, stages)
+    press = at_stored(press, grid)
+    with stages.stage("reference"):
+        reference = reference_of(press, history.without_inertia, float(history.contact.depth.max()))
+    small = replace(history.small_strain(), reference=reference)
+    answer = small_strain_response(replace(press, fields=False), small, stages)
+    with stages.stage("fields"):
+        fields = modal_fields(press, history) if press.fields else None
+    answer = _with_modes(replace(answer, fields=fields), history, grid)
+    return _swept(answer, scene, press, history, 1.0, stages)
+
+
+def _corrected(
+    scene: Scene, grid: Grid, stages: Stages, mechanics: str, notes: tuple[str, ...]
+) -> Response:
+    """Answer at finite strain, with what inertia changes in a linear finger of its stiffness."""
+    slow = Press.of(scene, carried.METHOD, stages, mechanics=mechanics, notes=notes)
+    slow = at_stored(slow, grid)
+    table = CarriedPress.of(slow, table_of(slow, scene.indenter, stages))
+    with stages.stage("motion"):
+        shares = table.along(slow.time)
+    answer = carried_response(table, shares, stages)
+    press = Press.of(scene, operator.METHOD, stages, mechanics=mechanics, notes=notes)
+    press = replace(press, sites=answer.sites, foreseen=float(answer.depth.max()))
+    depth = working_depth(scene, table)
+    factor = stiffening(press, table, depth)
+    history = solve_modal(press, grid, stages, factor)
+    press = at_stored(press, grid)
+    still = _still(press, factor, stages)
+    answer = _added(answer, press, history, still, grid, factor, depth)
+    answer = _swept(answer, scene, press, history, factor, stages, depth)
+    if answer.harmonic is None:
+        return answer
+    preload = float(np.interp(depth, table.table.nodes, table.force))
+    return replace(answer, harmonic=replace(answer.harmonic, preload_force=preload))
+
+
+def _swept(
+    answer: Response,
+    scene: Scene,
+    press: Press,
+    history: ModalHistory,
+    factor: float,
+    stages: Stages,
+    depth: float | None = None,
+) -> Response:
+    """Add the harmonic answer about the preload, where the motion is a sweep.
+
+    factor: on the moduli; depth in mm of the preload, where it is not that of the linear finger.
+    """
+    motion = scene.motion
+    if motion.frequencies is None:
+        return answer
+    level = motion.steady_level
+    deepest = 1.2 * float(answer.depth.max())
+    with stages.stage("harmonic"):
+        vibrating = Vibrating.of(
+            *(press.finger, operator_of(press), history.modes, press.obstacle),
+            deepest,
+            answer.sites,
+            factor,
+        )
+        if depth is None and motion.control == "force":
+            found = vibrating.harmonic(motion.frequencies, force=level)
+        else:
+            found = vibrating.harmonic(motion.frequencies, depth=depth or level)
+    return replace(
+        answer, harmonic=found, notes=(*answer.notes, *found.notes, *_loses(found, scene))
+    )
+
+
+def _loses(found: Harmonic, scene: Scene) -> tuple[str, ...]:
+    """Return the note that the contact of a preload opens within a cycle, if it does."""
+    amplitude = float(getattr(scene.motion, "amplitude", 0.0))
+    if scene.motion.control == "force":
+        return ()
+    swing = amplitude * np.abs(found.stiffness)
+    lost = swing > found.preload_force
+    if not lost.any():
+        return ()
+    return (
+        f"From {found.frequency[lost].min():.3g} to {found.frequency[lost].max():.3g} Hz the force "
+        f"of {amplitude:g} mm exceeds the preload of {found.preload_force:.3g} N: contact opens in "
+        "mid-cycle, which the answer through time follows and the harmonic one does not.",
+    )
+
+
+def working_depth(scene: Scene, table: CarriedPress) -> float:
+    """Depth in mm about which a motion vibrates, or else its largest; relaxed, under a force."""
+    level = float(scene.motion.steady_level)
+    if scene.motion.control == "depth":
+        return min(level, table.table.deepest)
+    return float(np.interp(level, table.force, table.table.nodes))
+
+
+def stiffening(press: Press, table: CarriedPress, depth: float) -> float:
+    """Ratio of the static stiffness at a depth in mm to that of the small-strain finger."""
+    nodes, force = table.table.nodes, table.force
+    step = 0.05 * depth
+    ends = np.interp([depth - step, depth + step], nodes, force)
+    reach = min(depth + step, nodes[-1])
+    finite = (ends[1] - ends[0]) / (reach - depth + step)
+    body = press.body
+    on_pad = patch(body.space, body.pad, body.normals, press.obstacle, problem.REACH * depth)
+    reduced = press.method.reduce(body, on_pad, probe_of(replace(press, sites=None)))
+    active = np.flatnonzero(
+        Complementarity(reduced.flexibility).solve(on_pad.gap - depth * on_pad.projected) > 0
+    )
+    projected = on_pad.projected[active]
+    block = reduced.flexibility[np.ix_(active, active)]
+    linear = press.sides * NEWTON_PER_MILLINEWTON * projected @ np.linalg.solve(block, projected)
+    return float(finite / linear)
+
+
+def _still(press: Press, factor: float, stages: Stages) -> SmallStrainHistory:
+    """Return the linear finger without inertia, at the times of the press."""
+
+    def advance(
+        press: Press, reduced: Reduced, prescribed: Prescribed, report: Callable[[float], None]
+    ) -> History:
+        prony, on_pad = press.finger.prony, reduced.patch
+        relaxation = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
+        flexibility = reduced.flexibility / factor
+        return march(flexibility, on_pad.gap, on_pad.projected, relaxation, prescribed, report)
+
+    reduced, contact = touched(press, stages, advance)
+    return SmallStrainHistory(stiffened(reduced, factor), contact, None)
+
+
+def _added(
+    answer: Response,
+    press: Press,
+    history: ModalHistory,
+    still: SmallStrainHistory,
+    grid: Grid,
+    factor: float,
+    depth: float,
+) -> Response:
+    """Add what inertia changes in the linear finger to the answer at finite strain."""
+    unit = press.sides * NEWTON_PER_MILLINEWTON
+    moving = unit * history.contact.pressure @ history.body.static.patch.projected
+    resting = unit * still.contact.pressure @ still.reduced.patch.projected
+    by_force = press.motion.control == "force"
+    force = answer.force if by_force else answer.force + moving - resting
+    pulls = force < 0
+    force = np.maximum(force, 0.0)
+    share = np.divide(force, answer.force, out=np.zeros_like(force), where=answer.force > 0)
+    more = history.contact.depth - still.contact.depth if by_force else np.zeros_like(force)
+    strain = answer.strain
+    if strain is not None and press.sites is not None:
+        complete = history.body.complete
+        change = history.contact.elastic @ complete.strain.T
+        change -= still.contact.elastic @ still.reduced.strain.T
+        added = tensors(change.reshape(len(force), -1, 6))
+        half = press.body.half
+        strain = strain + (mirror.from_half(added, press.sites.points) if half else added)
+    notes = (
+        *answer.notes,
+        f"Tissue stiffens with strain: inertia is that of a linear finger with {factor:.3g} times "
+        f"the moduli, of the static stiffness at {depth:.3g} mm; its change of force, strain and "
+        "displacement is added to the answer of `pressed`, and pressures are scaled to the force. "
+        "That was not compared with dynamics at finite strain.",
+    )
+    if pulls.any():
+        notes = (*notes, f"The contact would pull at {int(pulls.sum())} times: there it is open.")
+    if _other_mesh(answer, press):
+        notes = (*notes, "Fields on the mesh are those without inertia.")
+    changed = replace(
+        answer,
+        depth=answer.depth + more,
+        force=force,
+        pressure=None if answer.pressure is None else share[:, None] * answer.pressure,
+        moment=None if answer.moment is None else share[:, None] * answer.moment,
+        contact_area=_open(answer.contact_area, force),
+        centroid=_open(answer.centroid, force, np.nan),
+        strain=strain,
+        fields=_fields(answer, press, history, still, factor, share),
+        notes=notes,
+        numbers=answer.numbers | {"finite_strain": 1.0, "stiffening": factor},
+    )
+    return _with_modes(changed, history, grid)
+
+
+def _open(values: Array | None, force: Array, empty: float = 0.0) -> Array | None:
+    """Values (n_t, ...) of a contact, `empty` where it bears no force."""
+    if values is None:
+        return None
+    closed = (force > 0).reshape(-1, *[1] * (values.ndim - 1))
+    return np.where(closed, values, empty)
+
+
+def _fields(
+    answer: Response,
+    press: Press,
+    history: ModalHistory,
+    still: SmallStrainHistory,
+    factor: float,
+    share: Array,
+) -> Fields | None:
+    """Return the fields at finite strain with what inertia adds; without, on another mesh.
+
+    share (n_t,): the force over that without inertia.
+    """
+    fields = answer.fields
+    if fields is None or _other_mesh(answer, press):
+        return fields
+    frames = np.searchsorted(press.time, fields.times)
+    added = displacements(press, history, frames, factor)
+    loads = still.reduced.patch.loads @ still.contact.elastic[frames].T
+    added -= operator.METHOD.unknowns(operator_of(press), np.asarray(loads)) / factor
+    original, count = press.body.original, len(frames)
+    moved, strain = fields.displacement.copy(), fields.strain.copy()
+    moved[:, original] += added[: 3 * len(original)].T.reshape(count, -1, 3)
+    at_vertices = strain_at_vertices(press.body.space) @ added
+    strain[:, original] += at_vertices.T.reshape(count, -1, 6)
+    pressure = share[frames, None] * fields.pressure
+    return replace(fields, displacement=moved, strain=strain, pressure=pressure)
+
+
+def _other_mesh(answer: Response, press: Press) -> bool:
+    """Return whether the fields of an answer lie on another mesh than that of the modes."""
+    fields = answer.fields
+    if fields is None:
+        return False
+    points = press.mesh.points
+    return fields.points.shape != points.shape or not np.array_equal(fields.points, points)
+
+
+def _with_modes(answer: Response, history: ModalHistory, grid: Grid) -> Response:
+    """Add to an answer which modes had inertia, and whether contact was lost on the way."""
+    oscillators = history.body.oscillators
+    count = len(oscillators.squares)
+    highest = float(oscillators.glassy.max(initial=0.0) / (2 * np.pi))
+    notes = (
+        *answer.notes,
+        f"Inertia: {count} modes up to {highest:.3g} Hz (in sudden strain) in steps of "
+        f"{1e3 * grid.longest:.3g} ms; what they leave out deforms as in statics.",
+        *_lossless(oscillators),
+        *_lost(answer),
+    )
+    numbers = answer.numbers | {"modes": count, "highest_mode_hz": highest}
+    return replace(answer, notes=notes, numbers=numbers)
+
+
+def _lossless(oscillators: Oscillators) -> tuple[str, ...]:
+    """Return the note that tissue hardly damps vibrations, if its relaxation ends early."""
+    fastest = float(oscillators.rates.max(initial=0.0)) / (2 * np.pi)
+    if fastest > DAMPED:
+        return ()
+    return (
+        f"The fastest relaxation of this tissue lies at {fastest:.3g} Hz: above it hardly anything "
+        "is lost, where fingertips are reported to lose most, and resonances are too sharp. No "
+        "number for that was found that could be trusted; the tissue 'maeno1998_viscous' has a "
+        "faster branch, of low confidence.",
+    )
+
+
+def _lost(answer: Response) -> tuple[str, ...]:
+    """Note on a contact that opens while the indenter is below first touch."""
+    touched_at = np.flatnonzero(answer.force > 0)
+    if not len(touched_at):
+        return ()
+    within = slice(touched_at[0], touched_at[-1] + 1)
+    closed = answer.force[within] > 0
+    times = int(np.count_nonzero(closed[:-1] & ~closed[1:]))
+    if not times:
+        return ()
+    plural = "s" if times > 1 else ""
+    return (f"Contact is lost {times} time{plural} before its end, and taken up again.",)

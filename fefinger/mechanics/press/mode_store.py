@@ -1,0 +1,153 @@
+"""Modes of vibration of a finger, from the files of the cache or computed and put there.
+
+They depend on the ratios of moduli and densities only: they are computed for a skin of 1 kPa and
+1 kg/mm³, and scaled.
+"""
+
+import json
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from fefinger.fem.condensation import Operator, Part
+from fefinger.fem.elements.mass import mass
+from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.fem.modes import Modes, modes_of
+from fefinger.mechanics.press.mode_cache import COUNT, folder, identity_of
+from fefinger.scene.finger import Finger
+from fefinger.support import cache
+from fefinger.support.checks import ConvergenceError, InputError
+
+
+PER_CUBIC_METER = 1e-9
+"""kg/m³ in kg/mm³."""
+
+NAMES = ("squares", "shapes", "residual")
+
+
+@dataclass(frozen=True)
+class FingerModes:
+    """Modes of a finger or of half of it, lowest first, with unit modal mass of what is meshed.
+
+    squares (n,) of the relaxed angular frequencies in 1/s²; parts: for each parity the numbers of
+    its modes here and their shapes (n_displacements of the half, n) in mm/sqrt(kg); unfold: from a
+    field of the half to one of the body; complete: the frequency in Hz below which no mode lacks.
+    """
+
+    squares: Array
+    parts: tuple[tuple[Integers, Array, sparse.csr_matrix], ...]
+    complete: float
+
+    @property
+    def frequencies(self) -> Array:
+        """Relaxed frequencies (n,) in Hz."""
+        return np.asarray(np.sqrt(self.squares) / (2 * np.pi))
+
+    def read(self, rows: sparse.csr_matrix) -> Array:
+        """`rows` (n_rows, n_unknowns) @ the displacement of each mode: (n_rows, n)."""
+        values = np.empty((rows.shape[0], len(self.squares)))
+        for numbers, shapes, unfold in self.parts:
+            there = (rows @ unfold).tocsr()[:, : shapes.shape[0]]
+            values[:, numbers] = there @ shapes
+        return values
+
+    def combined(self, size: int, numbers: Integers, amplitudes: Array) -> Array:
+        """Displacement (size, n_frames) of the sum of modes `numbers` (k,), amplitudes (n_f, k)."""
+        total = np.zeros((size, len(amplitudes)))
+        for members, shapes, unfold in self.parts:
+            chosen, here, there = np.intersect1d(members, numbers, return_indices=True)
+            half = np.zeros((unfold.shape[1], len(amplitudes)))
+            if len(chosen):
+                half[: len(shapes)] = shapes[:, here] @ amplitudes[:, there].T
+            total += (unfold @ half)[:size]
+        return total
+
+    def shape(self, number: int, size: int) -> Array:
+        """Displacement (size,) of a mode on the unknowns of the body, without the mean stress."""
+        for numbers, shapes, unfold in self.parts:
+            place = np.flatnonzero(numbers == number)
+            if len(place):
+                half = np.zeros(unfold.shape[1])
+                half[: len(shapes)] = shapes[:, place[0]]
+                return np.asarray((unfold @ half)[:size])
+        message = f"mode: expected a number below {len(self.squares)}, received {number}"
+        raise InputError(message)
+
+
+def finger_modes(
+    finger: Finger,
+    solid: Operator,
+    progress: Callable[[float], None] = lambda fraction: None,
+) -> FingerModes:
+    """Return the modes of a finger on its operator, from the cache or computed and put there.
+
+    Raises
+    ------
+    ConvergenceError
+        If the modes do not converge.
+    """
+    sets = []
+    for number, part in enumerate(solid.parts):
+
+        def report(fraction: float, done: int = number) -> None:
+            progress((done + fraction) / len(solid.parts))
+
+        sets.append(_part(finger, solid, part, number, report))
+    light = finger.skin.density * PER_CUBIC_METER
+    scale = finger.skin.modulus / light
+    squares = np.concatenate([each.squares for each in sets]) * scale
+    order = np.argsort(squares, kind="stable")
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    split = np.split(place, np.cumsum([len(each.squares) for each in sets])[:-1])
+    norm = 1.0 / np.sqrt(light * len(sets))
+    parts = tuple(
+        (numbers, each.shapes * np.float32(norm), part.unfold)
+        for numbers, each, part in zip(split, sets, solid.parts, strict=True)
+    )
+    highest = min(float(each.squares[-1]) for each in sets) * scale
+    return FingerModes(squares[order], parts, float(np.sqrt(highest) / (2 * np.pi)))
+
+
+def _part(
+    finger: Finger,
+    solid: Operator,
+    part: Part,
+    number: int,
+    progress: Callable[[float], None],
+) -> Modes:
+    """Modes of one parity, for a skin of 1 kPa and 1 kg/mm³."""
+    identity = solid.identities[number]
+    place = None if identity is None else folder(finger, identity)
+    if place is not None:
+        cache.touch(place)
+        with suppress(OSError, ValueError, EOFError):
+            squares, shapes, residual = (
+                np.load(place / f"{name}.npy", mmap_mode="r") for name in NAMES
+            )
+            if shapes.shape[1] == len(squares):
+                return Modes(np.array(squares), shapes, float(residual))
+    heavy = mass(solid.space, {1: 1.0, 2: finger.subcutaneous.density / finger.skin.density})
+    unfold = part.unfold[: heavy.shape[0]]
+    unfold = unfold[:, np.flatnonzero(unfold.getnnz(axis=0))]
+    heavy = (unfold.T @ heavy @ unfold).tocsr() / len(solid.parts)
+    computed = modes_of(part.compliance, heavy, min(COUNT, heavy.shape[0] // 8), progress)
+    if not computed.squares[0] > 0:
+        message = (
+            f"modes: expected frequencies above 0, received a square of {computed.squares[0]:g}; "
+            "check the held facets of the finger"
+        )
+        raise ConvergenceError(message)
+    # Single precision for shapes: the flexibility that modes leave over makes up for its rounding.
+    kept = Modes(computed.squares, computed.shapes.astype(np.float32), computed.residual)
+    if place is not None and identity is not None:
+        with suppress(OSError), cache.appearing(place) as new:
+            about = json.dumps(identity_of(finger, identity), indent=1)
+            (new / "identity.json").write_text(about, encoding="utf-8")
+            for name in NAMES:
+                np.save(new / f"{name}.npy", getattr(kept, name))
+        cache.limit("modes")
+    return kept

@@ -1,0 +1,273 @@
+"""A finger with inertia to drive from a loop, and its harmonic answer about a preload.
+
+    finger = ff.Modal(ff.Finger.subject("a.h.", tissue="maeno1998"), ff.Flat(angle=30))
+    step = finger.step(depth=0.3, dt=1e-4)
+    step.force, step.strain
+    finger.harmonic([10, 100, 300], force=0.5).stiffness
+
+It is `mechanics/modal` at small strain without a scene: operator and modes of the finger are built
+once and kept.
+"""
+
+from functools import cached_property, partial
+from os import PathLike
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.fem.contact import lcp_compiled, step_compiled
+from fefinger.fem.contact.modal_march import ModalContact
+from fefinger.fem.contact.modal_step import add_strain, release
+from fefinger.fem.elements.probe import strain_at_vertices
+from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.geometry import mirror
+from fefinger.mechanics.press import limits
+from fefinger.mechanics.press.harmonic import Vibrating
+from fefinger.mechanics.press.modal_body import body_of_modes
+from fefinger.mechanics.press.modal_steps import RESOLVED
+from fefinger.mechanics.press.mode_store import finger_modes
+from fefinger.mechanics.realtime.condensed import Condensed, unfolded
+from fefinger.mechanics.realtime.step import Step
+from fefinger.mesh.store import load_or_build
+from fefinger.neural.recorded_streaming import RecordedAfferents
+from fefinger.neural.streaming import Afferents
+from fefinger.results import vtkhdf
+from fefinger.results.harmonic import Harmonic
+from fefinger.results.records import Fields, Sites
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
+from fefinger.support.checks import InputError, number
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
+
+
+Array = NDArray[np.float64]
+
+DT = 1e-4
+"""Step in s that the modes are chosen for by default."""
+
+
+class Modal:
+    """A finger with inertia under an indenter, stepped in real time, and in frequency.
+
+    Parameters
+    ----------
+    finger, indenter
+        As in a scene; the tissue is taken as linear.
+    deepest
+        Depth in mm that the pad has to answer.
+    sites
+        End organs at which the strain is wanted; the central ones by default.
+    dt
+        Longest step in s in which the modes have inertia; those too fast for it have none.
+    precision
+        "double", or "single" for strains to 1e-5 of the largest in half the time.
+
+    Raises
+    ------
+    InputError
+        If the indenter misses the pad, a site lies outside the soft tissue, or the tissues do not
+        relax as one.
+    ConvergenceError
+        If the modes of the finger do not converge.
+    """
+
+    def __init__(
+        self,
+        finger: Finger,
+        indenter: Indenter = STANDARD,
+        *,
+        deepest: float = 2.0,
+        sites: Sites | None = None,
+        dt: float = DT,
+        precision: Literal["double", "single"] = "double",
+    ) -> None:
+        self.dt = number("dt", dt, above=0, unit="s")
+        still = Condensed(finger, indenter, deepest=deepest, sites=sites, precision=precision)
+        self.finger, self.sites, self.deepest = finger, still.sites, still.deepest
+        self._still = still
+        self.modes = finger_modes(finger, still.solid)
+        half, points = still.solid.half, self.sites.points
+        where = mirror.to_half(points) if half else points
+        probe = partial(recovered_strain_at, still.solid.space, where, still.solid.planes)
+        body = body_of_modes(finger, self.modes, still.reduced, probe)
+        self.body = body.below(RESOLVED / self.dt)
+        on_pad = still.patch
+        self._contact = ModalContact(
+            *(self.body.oscillators, self.body.shares, self.body.rest),
+            *(on_pad.gap, on_pad.projected),
+            self.dt * (1 + 1e-9),
+            still.output.limits,
+        )
+        rows = unfolded(still.solid, points, self.body.complete.strain).T
+        kind, count = still.output.rows.dtype, len(on_pad.vertices)
+        self._rows = np.ascontiguousarray(rows[count:], dtype=kind)
+        self._output = still.output._replace(
+            rows=np.ascontiguousarray(rows[:count], dtype=kind),
+            elastic=np.zeros(count),
+            strain=np.zeros(len(rows.T), dtype=kind),
+        )
+        self._sides = 2.0 if half else 1.0
+        strain = self._output.strain.reshape(-1, 6)
+        self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._contact.lcp.x, strain)
+        self._advance(self.dt, 0.0, by_force=False)  # compiles or loads what a step needs
+        self.reset()
+
+    @property
+    def frequencies(self) -> Array:
+        """Frequencies (n,) in Hz of the free finger with relaxed tissue."""
+        return self.modes.frequencies
+
+    def afferents(self, **options: Any) -> Afferents | RecordedAfferents:
+        """Return the units of the sites, to be stepped with the strain of every step.
+
+        `options` as for `Condensed.afferents`.
+        """
+        return self._still.afferents(**options)
+
+    def reset(self) -> None:
+        """Lift the indenter off, and bring the finger to rest."""
+        release(self._contact.lcp, self._contact.pad, self._contact.modes)
+        self._read()
+
+    def step(self, depth: float, dt: float) -> Step:
+        """Move the indenter to `depth` mm in `dt` s and return force, pressure and strain.
+
+        A step that is refused leaves the finger as it was.
+
+        Raises
+        ------
+        InputError
+            If the step is longer than the finger was made for, contact reaches the rim of the
+            candidates or of the indenter, or a number is not finite.
+        ConvergenceError
+            If no contact is found.
+        """
+        self._check_step(dt)
+        return self._advance(dt, number("depth", depth, unit="mm"), by_force=False)
+
+    def step_force(self, force: float, dt: float) -> Step:
+        """Load the indenter with `force` N in `dt` s and return force, pressure and strain.
+
+        Raises
+        ------
+        InputError, ConvergenceError
+            As `step`.
+        """
+        self._check_step(dt)
+        wanted = number("force", force, at_least=0, unit="N")
+        return self._advance(dt, wanted / (NEWTON_PER_MILLINEWTON * self._sides), by_force=True)
+
+    def rest(self, depth: float, seconds: float) -> Step:
+        """Hold a depth in mm for some s, in one step without inertia.
+
+        Raises
+        ------
+        InputError, ConvergenceError
+            As `step`.
+        """
+        held = number("seconds", seconds, at_least=0, unit="s")
+        return self._advance(held, number("depth", depth, unit="mm"), by_force=False)
+
+    def harmonic(
+        self, frequency: ArrayLike, *, depth: float | None = None, force: float | None = None
+    ) -> Harmonic:
+        """Return the harmonic answer at frequencies (n_f,) in Hz about a preload.
+
+        The preload is a depth in mm or a force in N of relaxed tissue; the present state of the
+        loop does not matter.
+
+        Raises
+        ------
+        InputError
+            If not one preload is given, a frequency is beyond the modes, or there is no contact.
+        """
+        if (depth is None) == (force is None):
+            message = "preload: expected a depth in mm or a force in N, received both or none"
+            raise InputError(message)
+        if depth is not None:
+            number("depth", depth, above=0, at_most=self.deepest, unit="mm")
+        else:
+            number("force", force, above=0, unit="N")
+        return self.vibrating.harmonic(
+            np.atleast_1d(np.asarray(frequency, dtype=np.float64)), depth=depth, force=force
+        )
+
+    def shape(self, which: int, *, frames: int = 24) -> Fields:
+        """Return one cycle of a free mode on the mesh, with a largest displacement of 1 mm.
+
+        `which` counts from 0, the lowest; the cycle is that of relaxed tissue without damping.
+
+        Raises
+        ------
+        InputError
+            If there is no such mode, or a cycle has no frames.
+        """
+        last = len(self.modes.squares) - 1
+        if which not in range(last + 1):
+            message = f"mode: expected a number from 0 to {last}, received {which!r}"
+            raise InputError(message)
+        frames = int(number("frames", frames, at_least=1))
+        solid, mesh = self._still.solid, load_or_build(self.finger, half=self._still.solid.half)
+        moved = np.zeros(solid.space.n_unknowns)
+        moved[: solid.space.n_displacements] = self.modes.shape(which, solid.space.n_displacements)
+        moved /= np.linalg.norm(moved[: solid.space.n_displacements].reshape(-1, 3), axis=1).max()
+        swing = np.cos(2 * np.pi * np.arange(frames) / frames)
+        strain = (strain_at_vertices(solid.space) @ moved).reshape(-1, 6)
+        shown = moved[: 3 * len(solid.original)].reshape(-1, 3)
+        fields = Fields(
+            mesh.points,
+            mesh.cells,
+            mesh.region,
+            np.arange(frames) / frames / self.frequencies[which],
+            displacement=np.zeros((frames, len(mesh.points), 3)),
+            strain=np.zeros((frames, len(mesh.points), 6)),
+            pressure=np.zeros((frames, len(mesh.points))),
+        )
+        fields.displacement[:, solid.original] = swing[:, None, None] * shown
+        fields.strain[:, solid.original] = swing[:, None, None] * strain
+        return fields
+
+    def save_shape(self, path: str | PathLike[str], which: int) -> None:
+        """Write one cycle of a free mode as a VTK time series, for ParaView and PyVista.
+
+        Raises
+        ------
+        InputError
+            As `shape`.
+        """
+        vtkhdf.write(self.shape(which), path)
+
+    @cached_property
+    def vibrating(self) -> Vibrating:
+        """The finger prepared for harmonic answers, once."""
+        still = self._still
+        parts = (self.finger, still.solid, self.modes, still.touch)
+        return Vibrating.of(*parts, self.deepest, self.sites)
+
+    def _check_step(self, dt: float) -> None:
+        if not 0 < dt <= self._contact.longest:
+            message = (
+                f"dt: expected a step above 0 and of at most {self.dt:g} s, for which the finger "
+                f"was made, received {dt!r}; make it with a longer `dt`, or call `rest`"
+            )
+            raise InputError(message)
+
+    def _advance(self, dt: float, target: float, *, by_force: bool) -> Step:
+        outcome = self._contact.step(dt, target, by_force=by_force)
+        if outcome == lcp_compiled.TURNED:
+            raise InputError(limits.rim_reached(len(self._contact.pad.gap)))
+        step_compiled.check(outcome, self.deepest)
+        return self._read()
+
+    def _read(self) -> Step:
+        contact, output, now = self._contact, self._output, self.now
+        step_compiled.read(contact.lcp, contact.pad, output, 1.0)
+        add_strain(output, self._rows, contact.modes.amplitude.astype(self._rows.dtype))
+        now.depth = float(contact.pad.depth[0])
+        summary = output.summary
+        now.force = summary[step_compiled.FORCE] * self._sides * NEWTON_PER_MILLINEWTON
+        now.contact_area = summary[step_compiled.AREA]
+        now.x, now.y = summary[step_compiled.X], summary[step_compiled.Y]
+        return now

@@ -1,0 +1,101 @@
+"""Harmonic answer of a finger about a preload: impedance, transfer to end organs, waves."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+MICROJOULE = 1e3
+"""uJ per N mm."""
+
+PER_METER = 1e3
+"""mm per m: N/mm in N/m."""
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """Answer to an oscillation of the indenter along its normal, so small that contact stays.
+
+    frequency (n_f,) Hz. Of complex arrays, last, real and imaginary part: stiffness_parts (n_f, 2)
+    N of force on the whole finger per mm; strain_parts (n_f, n_sites, 3, 3, 2) 1/mm at the sites;
+    skin_parts (n_f, n_skin, 3, 2) mm per mm at skin_points (n_skin, 3) mm, vertices of the skin in
+    the medial plane, from proximal to distal. error (n_f,): what the modes that are left out change
+    of the stiffness, relative, by the first and second static term; modes (n,) Hz: the lowest of
+    the finger held by the indenter, with relaxed tissue. preload_depth mm and preload_force N, of
+    relaxed tissue; contact_area mm² of the vertices in contact; notes: what is assumed.
+    """
+
+    frequency: Array
+    stiffness_parts: Array
+    strain_parts: Array
+    skin_points: Array
+    skin_parts: Array
+    error: Array
+    modes: Array
+    preload_depth: float
+    preload_force: float
+    contact_area: float
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def stiffness(self) -> Complex:
+        """Dynamic stiffness (n_f,) in N/mm: force over displacement."""
+        return together(self.stiffness_parts)
+
+    @property
+    def impedance(self) -> Complex:
+        """Mechanical impedance (n_f,) in N s/m: force over velocity."""
+        return np.asarray(PER_METER * self.stiffness / (2j * np.pi * self.frequency))
+
+    @property
+    def phase(self) -> Array:
+        """Phase (n_f,) in degrees by which the force leads the displacement."""
+        return np.degrees(np.angle(self.stiffness))
+
+    @property
+    def strain(self) -> Complex:
+        """Strain (n_f, n_sites, 3, 3) per mm of oscillation."""
+        return together(self.strain_parts)
+
+    @property
+    def skin(self) -> Complex:
+        """Displacement (n_f, n_skin, 3) of the skin per mm of oscillation."""
+        return together(self.skin_parts)
+
+    def lost(self, amplitude: float) -> Array:
+        """Energy (n_f,) in uJ lost in each cycle of an oscillation of `amplitude` mm."""
+        return np.asarray(MICROJOULE * np.pi * self.stiffness.imag * amplitude**2)
+
+    def site_delay(self) -> Array:
+        """Phase delay (n_f, n_sites) in s of the strain at the sites, of its largest component.
+
+        The phase is followed from the lowest frequency on, where it is within half a cycle.
+        """
+        flat = self.strain.reshape(len(self.frequency), self.strain.shape[1], -1)
+        largest = np.abs(flat).sum(axis=0).argmax(axis=1)
+        chosen = np.take_along_axis(flat, largest[None, :, None], axis=2)[..., 0]
+        return self._delay(chosen * np.sign(chosen[0].real))
+
+    def skin_delay(self) -> Array:
+        """Phase delay (n_f, n_skin) in s of the skin's displacement along its largest component."""
+        largest = np.abs(self.skin).sum(axis=0).argmax(axis=1)
+        chosen = np.take_along_axis(self.skin, largest[None, :, None], axis=2)[..., 0]
+        return self._delay(chosen * np.where(chosen[0].real < 0, -1.0, 1.0))
+
+    def _delay(self, transfer: Complex) -> Array:
+        phase = np.unwrap(np.angle(transfer), axis=0)
+        return np.asarray(-phase / (2 * np.pi * self.frequency[:, None]))
+
+
+def together(parts: Array) -> Complex:
+    """Complex values of real and imaginary parts (..., 2)."""
+    return np.asarray(parts[..., 0] + 1j * parts[..., 1])
+
+
+def apart(values: Complex) -> Array:
+    """Real and imaginary parts (..., 2) of complex values."""
+    return np.stack([values.real, values.imag], axis=-1)

@@ -1,0 +1,46 @@
+"""Waveforms from WAV files."""
+
+import struct
+import warnings
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.support.checks import InputError
+
+
+def read_wave(name: str, file: Path) -> tuple[int, NDArray[np.float64]]:
+    """Return samples per s and the samples (n,) of the first channel, from -1 to 1.
+
+    Raises
+    ------
+    InputError
+        No WAV file, or one without samples; `name` is the field that names it.
+    """
+    from scipy.io import wavfile
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", wavfile.WavFileWarning)  # chunks that hold no sound
+            rate, samples = wavfile.read(file)
+    except OSError as error:
+        message = f"{name}: {str(file)!r} cannot be read: {error.strerror or error}"
+        raise InputError(message) from None
+    except (ValueError, EOFError, struct.error) as error:
+        message = f"{name}: expected a WAV file, received {str(file)!r}: {error}"
+        raise InputError(message) from None
+    first = samples if samples.ndim == 1 else samples[:, 0]
+    if len(first) < 2:
+        message = f"{name}: expected a WAV file with sound, received {str(file)!r} without samples"
+        raise InputError(message)
+    if np.issubdtype(first.dtype, np.floating):
+        wave = first.astype(np.float64)
+    elif first.dtype == np.uint8:
+        wave = (first.astype(np.float64) - 128.0) / 128.0
+    else:
+        wave = first.astype(np.float64) / -float(np.iinfo(first.dtype).min)
+    if not (np.isfinite(wave).all() and np.abs(wave).max() <= 1.0):
+        message = f"{name}: expected samples from -1 to 1, received others in {str(file)!r}"
+        raise InputError(message)
+    return int(rate), wave

@@ -1,0 +1,295 @@
+"""Mechanics `modal`: limits, bad input, and the planner's use of it."""
+
+import dataclasses
+import struct
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.mechanics import condensed, modal, pressed
+from fefinger.mechanics.evidence import vibration
+from fefinger.mechanics.press.modal_steps import RINGING, modal_grid
+from fefinger.mechanics.situation import Situation
+from fefinger.scene import builtin
+from fefinger.support.checks import InputError
+
+
+def scene(motion: ff.FrequencySweep | ff.RampHold | ff.Sampled, **ask: object) -> ff.Scene:
+    finger = ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse")
+    outputs = {"pressure": False, "fields": False, "strain": True, "rel_error": 0.3} | ask
+    return ff.Scene(finger=finger, motion=motion, ask=ff.Ask(**outputs))
+
+
+@pytest.fixture(autouse=True)
+def _own_cache(operators: Path) -> None:
+    """Keep to the operators of this session."""
+
+
+@pytest.fixture
+def loop(operators: Path) -> ff.Modal:
+    finger = ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse")
+    return ff.Modal(finger, ff.Flat(30), deepest=1.2)
+
+
+@pytest.mark.parametrize("control", ["depth", "force"])
+def test_a_slow_press_is_that_of_condensed(control: str) -> None:
+    motion = (
+        ff.RampHold(2.0, 0.8, hold=0.5)
+        if control == "depth"
+        else ff.ForceRampHold(1.0, 0.4, hold=0.5)
+    )
+    slow = scene(motion)
+    one, other = condensed.respond(slow), modal.respond(slow)
+    force = np.interp(one.time, other.time, other.force)
+    depth = np.interp(one.time, other.time, other.depth)
+    assert force == pytest.approx(one.force, abs=2e-3 * one.force.max())
+    assert depth == pytest.approx(one.depth, abs=2e-3 * one.depth.max())
+    assert other.strain[-1] == pytest.approx(one.strain[-1], abs=1e-3 * np.abs(one.strain).max())
+
+
+def test_a_slow_press_of_stiffening_tissue_is_that_of_pressed() -> None:
+    slow = builtin.load(
+        "flat-press", {"finger.resolution": "coarse", "motion.speed": 5, "motion.hold": 0.2}
+    )
+    one, other = pressed.respond(slow), modal.respond(slow)
+    assert np.interp(one.time, other.time, other.force) == pytest.approx(
+        one.force, abs=3e-3 * one.force.max()
+    )
+    assert other.finite
+    assert not dataclasses.replace(other, numbers={}).finite
+    assert any("times the moduli" in note for note in other.notes)
+
+
+@pytest.mark.parametrize(("tissue", "base"), [("maeno1998", condensed), ("calibrated_ah", pressed)])
+def test_the_fields_of_a_slow_press_are_those_without_inertia(
+    tissue: str, base: ModuleType
+) -> None:
+    finger = ff.Finger.subject("a.h.", tissue=tissue, resolution="coarse")
+    motion = ff.RampHold(2.0, 0.8, hold=0.3)
+    slow = ff.Scene(finger=finger, motion=motion, ask=ff.Ask(pressure=False, strain=False))
+    one, other = base.respond(slow).fields, modal.respond(slow).fields
+    for name in ("displacement", "strain"):
+        still, moving = getattr(one, name)[-1], getattr(other, name)[-1]
+        np.testing.assert_allclose(moving, still, atol=2e-3 * np.abs(still).max())
+
+
+def test_heavier_tissue_swings_more_slowly_with_the_modes_that_are_there(
+    loop: ff.Modal, operators: Path
+) -> None:
+    before = sorted((operators.parent / "modes").iterdir())
+    heavy = dataclasses.replace(
+        loop.finger,
+        skin=dataclasses.replace(loop.finger.skin, density=4400),
+        subcutaneous=dataclasses.replace(loop.finger.subcutaneous, density=4400),
+    )
+    slow = ff.Modal(heavy, ff.Flat(30), deepest=1.2)
+    assert slow.frequencies == pytest.approx(loop.frequencies / 2, rel=1e-9)
+    assert sorted((operators.parent / "modes").iterdir()) == before
+    skin = ff.Tissue(100, 0.48, 1.0, density=1000)
+    other = ff.Modal(dataclasses.replace(loop.finger, skin=skin), ff.Flat(30), deepest=1.2)
+    assert (other.frequencies != loop.frequencies).all()
+
+
+def test_units_fire_in_the_loop(loop: ff.Modal) -> None:
+    units, fired = loop.afferents(), np.zeros(len(loop.sites.types))
+    loop.rest(0.5, 10.0)
+    for k in range(3000):
+        step = loop.step(0.5 + 0.1 * np.sin(2 * np.pi * 200 * k * 1e-4), 1e-4)
+        units.step(step.strain, 1e-4)
+        fired[[unit for unit, _ in units.fired()]] += 1
+    assert fired[loop.sites.types.index("FAII")] > 20
+
+
+def test_in_a_loop_and_as_a_scene_it_is_the_same(loop: ff.Modal) -> None:
+    motion = ff.RampHold(40.0, 0.8, hold=0.02)
+    whole = modal.respond(scene(motion))
+    steps = modal_grid(motion, fast=False)
+    loop.reset()
+    forces = [0.0]
+    for dt, t in zip(np.diff(steps.time), steps.time[1:], strict=True):
+        forces.append(loop.step(float(motion.value(t)), float(dt)).force)
+    assert np.array(forces)[steps.stored] == pytest.approx(whole.force, abs=5e-3)
+
+
+def test_a_step_that_is_too_long_or_refused_leaves_the_finger_as_it_was(loop: ff.Modal) -> None:
+    loop.reset()
+    for k in range(1, 50):
+        loop.step(0.01 * k, 1e-4)
+    kept = loop.now.force
+    with pytest.raises(InputError, match=r"of at most 0\.0001 s"):
+        loop.step(0.5, 1e-3)
+    with pytest.raises(InputError, match="rim"):
+        loop.step(2.5, 1e-4)
+    once = loop.step(0.5, 1e-4).force
+    loop.reset()
+    for k in range(1, 50):
+        loop.step(0.01 * k, 1e-4)
+    assert loop.now.force == pytest.approx(kept, rel=1e-12)
+    assert loop.step(0.5, 1e-4).force == pytest.approx(once, rel=1e-9)
+
+
+def test_a_force_is_reached_and_contact_opens_and_closes(loop: ff.Modal) -> None:
+    loop.reset()
+    for force in (0.1, 0.3, 0.0, 0.0, 0.2):
+        assert loop.step_force(force, 1e-4).force == pytest.approx(force, rel=1e-6, abs=1e-12)
+    loop.reset()
+    forces = [
+        loop.step(0.2 + 0.5 * np.sin(2 * np.pi * 100 * k * 1e-4), 1e-4).force for k in range(300)
+    ]
+    assert min(forces) == 0.0 < max(forces)
+
+
+def test_a_preload_is_the_same_by_depth_and_by_force(loop: ff.Modal) -> None:
+    frequency = [20.0, 200.0]
+    by_depth = loop.harmonic(frequency, depth=0.8)
+    by_force = loop.harmonic(frequency, force=by_depth.preload_force)
+    assert by_force.preload_depth == pytest.approx(0.8, rel=1e-6)
+    assert by_force.stiffness == pytest.approx(by_depth.stiffness, rel=1e-6)
+    assert by_depth.lost(0.02) == pytest.approx(4 * by_depth.lost(0.01))
+    assert by_depth.impedance.real == pytest.approx(
+        1e3 * by_depth.stiffness.imag / (2 * np.pi * by_depth.frequency)
+    )
+
+
+@pytest.mark.parametrize(
+    ("frequency", "preload", "sentence"),
+    [
+        ([3000.0], {"depth": 0.8}, "half of the frequency of the last of 300 modes"),
+        ([0.0, 10.0], {"depth": 0.8}, "above 0 Hz"),
+        ([10.0], {}, "a depth in mm or a force in N"),
+        ([10.0], {"depth": 3.0}, "at most 1.2"),
+        ([10.0], {"force": 30.0}, "rim"),
+    ],
+)
+def test_a_harmonic_answer_that_cannot_be_given_is_a_sentence(
+    loop: ff.Modal, frequency: list[float], preload: dict[str, float], sentence: str
+) -> None:
+    with pytest.raises(InputError, match=sentence):
+        loop.harmonic(frequency, **preload)
+
+
+def test_a_mode_is_one_cycle_of_its_frequency_on_the_mesh(loop: ff.Modal, tmp_path: Path) -> None:
+    fields = loop.shape(2, frames=8)
+    assert fields.times[-1] == pytest.approx(7 / 8 / loop.frequencies[2])
+    assert np.linalg.norm(fields.displacement[0], axis=1).max() <= 1.0
+    np.testing.assert_allclose(fields.displacement[4], -fields.displacement[0], atol=1e-12)
+    loop.save_shape(tmp_path / "mode.vtkhdf", 0)
+    assert (tmp_path / "mode.vtkhdf").stat().st_size > 1000
+    with pytest.raises(InputError, match="expected a number from 0 to 299"):
+        loop.shape(300)
+
+
+def test_delays_are_those_of_the_phase(loop: ff.Modal) -> None:
+    found = loop.harmonic(np.geomspace(1.0, 100.0, 60), depth=0.8)
+    assert found.site_delay().shape == (60, len(loop.sites.points))
+    moved = found.skin[:, np.argmin(np.abs(found.skin_points[:, 0])), :]
+    delay = found.skin_delay()[:, np.argmin(np.abs(found.skin_points[:, 0]))]
+    largest = np.abs(moved).sum(axis=0).argmax()
+    turned = moved[:, largest] * np.exp(2j * np.pi * found.frequency * delay)
+    assert np.abs(np.angle(turned * np.sign(moved[0, largest].real))).max() < 1e-9
+
+
+def test_a_sweep_has_its_harmonic_answer_and_says_where_contact_opens() -> None:
+    calm, wild = (
+        scene(ff.FrequencySweep(0.3, amplitude=a, start=20, stop=200, seconds=0.1, settle=0.05))
+        for a in (0.001, 0.2)
+    )
+    one, other = modal.respond(calm), modal.respond(wild)
+    assert len(one.harmonic.frequency) == 200
+    assert one.harmonic.preload_depth == pytest.approx(0.3)
+    assert not any("mid-cycle" in note for note in one.notes)
+    assert any("mid-cycle" in note for note in other.notes)
+    assert any("Contact is lost" in note for note in other.notes)
+
+
+def test_a_sweep_stays_in_contact_by_its_fields() -> None:
+    with pytest.raises(InputError, match=r"motion\.amplitude: expected less than the preload"):
+        ff.FrequencySweep(0.3, amplitude=0.3, start=20, stop=200)
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "chosen"),
+    [
+        ("vibration-200Hz", {}, "modal"),
+        ("vibration-200Hz", {"motion.frequency": 2}, "pressed"),
+        ("flat-press", {}, "pressed"),
+        ("flat-press", {"finger.relaxation": "deviatoric", "motion.speed": 1000}, "solid"),
+    ],
+)
+def test_it_is_taken_where_inertia_matters_and_not_otherwise(
+    name: str, changes: dict[str, object], chosen: str
+) -> None:
+    assert ff.choose(builtin.load(name, changes)).mechanics == chosen
+
+
+def test_it_neither_slides_nor_rubs() -> None:
+    rough = dataclasses.replace(
+        scene(ff.RampHold(20, 0.5, hold=0.1)), indenter=ff.Flat(30, friction=0.5)
+    )
+    assert any(refusal.about == "ability" for refusal in modal.refuse(Situation.of(rough)))
+
+
+def test_the_error_of_statics_grows_with_frequency_and_speed() -> None:
+    errors = []
+    for frequency in (2.0, 20.0, 60.0, 200.0):
+        case = Situation.of(builtin.load("vibration-200Hz", {"motion.frequency": frequency}))
+        errors.append(vibration.statics_error(case)[0])
+    assert errors == sorted(errors)
+    assert errors[0] < 0.01 < errors[-1]
+
+
+def test_samples_too_coarse_for_their_band_are_doubted() -> None:
+    time = np.arange(400) / 1000.0
+    depth = 0.5 + 0.05 * np.sin(2 * np.pi * 180.0 * time)
+    coarse = scene(ff.Sampled(tuple(time.tolist()), tuple(depth.tolist())))
+    reasons = [refusal.reason for refusal in modal.refuse(Situation.of(coarse))]
+    assert any("sample the motion more finely" in reason for reason in reasons)
+
+
+def test_steps_are_short_while_the_finger_moves_and_rings_and_long_in_a_rest() -> None:
+    motion = ff.RampHold(50.0, 1.0, hold=5.0)
+    grid = modal_grid(motion, fast=False)
+    lengths, starts = np.diff(grid.time), grid.time[:-1]
+    quick = starts < 0.03 + RINGING
+    assert lengths[quick].max() <= grid.longest
+    assert lengths[~quick].max() > 0.01
+    assert (np.diff(grid.time[grid.stored]) > 0).all()
+    assert grid.time[grid.stored][-1] == pytest.approx(motion.duration)
+
+
+def test_a_wave_file_is_a_vibration_about_a_preload(tmp_path: Path) -> None:
+    samples = (20000 * np.sin(2 * np.pi * 250 * np.arange(800) / 8000)).astype("<i2")
+    data = samples.tobytes()
+    head = struct.pack(
+        "<4sI4s4sIHHIIHH4sI",
+        b"RIFF",
+        36 + len(data),
+        b"WAVE",
+        b"fmt ",
+        16,
+        1,
+        1,
+        8000,
+        16000,
+        2,
+        16,
+        b"data",
+        len(data),
+    )
+    (tmp_path / "hum.wav").write_bytes(head + data)
+    text = (
+        '[finger]\nsubject = "a.h."\n[motion]\nkind = "sampled"\nfile = "hum.wav"\n'
+        "amplitude = 0.02\npreload = 0.8\nsettle = 0.1\n"
+    )
+    (tmp_path / "hum.toml").write_text(text, encoding="utf-8")
+    motion = ff.Scene.from_toml(tmp_path / "hum.toml").motion
+    assert motion.value(0.0) == 0.0
+    assert motion.value(0.15) == pytest.approx(0.8)
+    assert motion.peak == pytest.approx(0.8 + 0.02 * 20000 / 32768, rel=1e-3)
+    assert 250.0 <= motion.highest_frequency < 350.0  # it starts and ends abruptly
+    (tmp_path / "no.wav").write_bytes(b"hello")
+    with pytest.raises(InputError, match="expected a WAV file"):
+        ff.Sampled.from_file(tmp_path / "no.wav", amplitude=0.1, preload=1.0)

@@ -1,0 +1,46 @@
+"""Suite `human`: what it compares, on presses of shipped tables and of its report."""
+
+import numpy as np
+import pytest
+from fefinger.validation.human import misses, suite
+from fefinger.validation.human.presses import DEFAULT, REPORT
+from fefinger.validation.suites import run
+
+from fefinger.mechanics.evidence.table import read
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
+
+
+def test_every_quick_case_is_as_known() -> None:
+    outcomes = run(["human"], quick=True)["human"]
+    assert len(outcomes) > 25
+    failed = [each for each in outcomes if each.verdict == "fail"]
+    assert not failed, [(each.case.name, each.value, each.failure) for each in failed]
+    assert {each.verdict for each in outcomes} == {"pass", "short"}
+
+
+def test_every_miss_is_the_name_of_a_case() -> None:
+    assert set(misses.MISSES) <= {case.name for case in suite.cases(quick=False)}
+
+
+def test_stiffness_is_the_slope_of_a_curve() -> None:
+    depth = np.linspace(0, 2, 401)
+    assert suite.stiffness(depth, depth**2, 1.0) == pytest.approx(2.0, rel=2e-3)
+
+
+def test_the_wave_speed_is_that_of_rayleigh_in_an_incompressible_half_space() -> None:
+    """c²/c_s² is the root of x³ - 8 x² + 24 x - 16 = 0 at a Poisson's ratio of 0.5."""
+    root = min(np.roots([1, -8, 24, -16]).real)
+    skin = Finger.subject(DEFAULT, tissue=library.PUBLISHED).skin
+    shear = np.sqrt(1e3 * skin.modulus / 3 / 1000)
+    found = suite.wave_speed(library.PUBLISHED, "skin", instantaneous=False)
+    assert found == pytest.approx(np.sqrt(root) * shear, rel=1e-3)
+
+
+def test_the_held_presses_bear_their_forces() -> None:
+    for force, row in read(REPORT)["held"].items():
+        assert row["force_N"] == pytest.approx(float(force), rel=1e-6)
+        x, pressure = np.array(row["x_mm"]), np.array(row["pressure_kPa"])
+        assert (np.diff(x) >= 0).all()
+        assert pressure.max() < 2.5 * row["highest_kPa"]
+    assert read(REPORT)["deep"][DEFAULT]["force_N"][-1] > 5.2

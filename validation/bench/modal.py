@@ -1,0 +1,124 @@
+"""How fast inertia is: modes of a finger, harmonic answers, a step in a loop, and a scene.
+
+Half the standard finger of a.h. with published tissue under the plate at 30 degrees. A step is
+timed in processor time of its thread, with as many end organs as a fingertip has. Baselines are
+what was aimed at.
+"""
+
+import resource
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from fefinger.validation.bench.suites import Figure, Progress
+
+from fefinger.fem.linalg.threads import one_thread
+from fefinger.mechanics.press.mode_store import finger_modes
+from fefinger.mechanics.press.operator import operator
+from fefinger.mechanics.realtime.modal import Modal
+from fefinger.results.records import Sites
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenters import Flat
+
+
+MESH, TISSUE = "standard", "maeno1998"
+DT, SHORT = 2e-4, 5e-5
+"""Steps in s; the short one resolves all modes."""
+
+STEPS, ORGANS, POINTS = 3000, 1000, 200
+DEEPEST = 2.0
+BAND = 1000.0  # Hz that the modes have to reach
+AIMS = {"modes": 120.0, "memory": 3.0, "points": 1.0, "step": 1.0, "scene": 10.0}
+
+
+@one_thread
+def figures(progress: Progress) -> list[Figure]:
+    """Measure modes, harmonic answers, steps and the scene vibration-200Hz."""
+    measured = _modes()
+    progress("modal", 0.4)
+    measured += _loop()
+    progress("modal", 0.7)
+    measured += _scene()
+    progress("modal", 1.0)
+    return measured
+
+
+def _finger() -> Finger:
+    """Return the finger that is measured."""
+    return Finger.subject("a.h.", tissue=TISSUE, resolution=MESH)
+
+
+def _modes() -> list[Figure]:
+    """Measure the modes of half the finger, which are computed anew."""
+    finger = _finger()
+    solid = operator(finger, half=True)
+    anonymous = replace(solid, identities=(None,))  # then nothing is read from the cache
+    started = time.process_time()
+    modes = finger_modes(finger, anonymous)
+    seconds = time.process_time() - started
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    return [
+        Figure(f"{len(modes.squares)} modes of half the finger", seconds, "CPU s", AIMS["modes"]),
+        Figure("frequency of the last of them, relaxed", modes.complete, "Hz", BAND),
+        Figure("peak memory until then", peak, "GB", AIMS["memory"]),
+    ]
+
+
+def _loop() -> list[Figure]:
+    """Measure harmonic answers, and steps with many end organs."""
+    one = Modal(_finger(), Flat(30), deepest=DEEPEST, dt=DT).sites
+    rng = np.random.default_rng(1)
+    places = rng.uniform(-0.4, 0.4, (ORGANS, 3)) * [1.0, 1.0, 0.25]
+    sites = Sites(
+        np.repeat(one.points[:1], ORGANS, axis=0) + places,
+        np.repeat(one.normals[:1], ORGANS, axis=0),
+        np.repeat(one.depths[:1], ORGANS),
+        ("SAI",) * ORGANS,
+    )
+    measured = [row for dt in (DT, SHORT) for row in _steps(sites, dt)]
+    quick = Modal(_finger(), Flat(30), deepest=DEEPEST)
+    frequency = np.geomspace(1.0, 400.0, POINTS)
+    started = time.process_time()
+    quick.harmonic(frequency, depth=1.0)
+    first = time.process_time() - started
+    started = time.process_time()
+    quick.harmonic(frequency, depth=0.7)
+    again = time.process_time() - started
+    return [
+        *measured,
+        Figure(f"harmonic answer at {POINTS} frequencies, first", first, "CPU s"),
+        Figure(f"harmonic answer at {POINTS} frequencies, again", again, "CPU s", AIMS["points"]),
+    ]
+
+
+def _steps(sites: Sites, dt: float) -> list[Figure]:
+    """Measure steps of `dt` s with the modes that they resolve."""
+    loop = Modal(_finger(), Flat(30), deepest=DEEPEST, sites=sites, dt=dt, precision="single")
+    spent = []
+    for step in range(STEPS):
+        depth = min(1.0, 20 * step * dt) + 0.05 * np.sin(2 * np.pi * 150 * step * dt)
+        started = time.thread_time()
+        loop.step(max(depth, 0.0), dt)
+        spent.append(1e3 * (time.thread_time() - started))
+    modes, nodes = loop.body.shares.shape
+    what = f"{1e3 * dt:g} ms, {modes} modes, {nodes} contact nodes, {ORGANS} end organs"
+    return [
+        Figure(f"step of {what}: median", float(np.median(spent)), "ms", AIMS["step"]),
+        Figure(f"step of {what}: 99 %", float(np.quantile(spent, 0.99)), "ms"),
+    ]
+
+
+def _scene() -> list[Figure]:
+    """Measure `fefinger run vibration-200Hz` once more, when all that is kept is at hand."""
+    command = [sys.executable, "-m", "fefinger", "run", "vibration-200Hz", "--json"]
+    run = partial(subprocess.run, command, capture_output=True, check=True)
+    run()
+    started, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
+    run()
+    wall, after = time.perf_counter() - started, resource.getrusage(resource.RUSAGE_CHILDREN)
+    spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    what = "fefinger run vibration-200Hz, from kept modes"
+    return [Figure(what, spent, "CPU s", AIMS["scene"]), Figure(what, wall, "s", AIMS["scene"])]

@@ -1,0 +1,1 @@
+"""Suite `waves`: inertia and vibration of the finger."""

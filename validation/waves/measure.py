@@ -1,0 +1,172 @@
+"""Measures what inertia changes, what modes leave out, and what both cost: `reports/modal.json`.
+
+    python -m fefinger.validation.waves.measure reports/modal.json
+
+The planner reads it (`mechanics/evidence/vibration.py`). Statics are compared with inertia in one
+linear finger: in frequency as the change of the dynamic stiffness under an indenter, in time as the
+largest change of the force of a ramp over its peak.
+"""
+
+import json
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fefinger.validation.provenance import provenance
+
+from fefinger.fem.contact.modal_march import ModalContact
+from fefinger.fem.contact.oscillators import complex_modulus
+from fefinger.mechanics.press.mode_store import FingerModes, finger_modes
+from fefinger.mechanics.press.operator import operator
+from fefinger.mechanics.realtime.modal import Modal
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.inertia import wave_speed
+from fefinger.scene.motions import Ramp
+from fefinger.support.arrays import Array
+
+
+SUBJECTS = ("d.p.", "d.s.", "a.h.", "p.w.")
+TISSUE = "maeno1998"
+OBJECTS: dict[str, Indenter] = {"flat-30": Flat(30), "sphere-5": Sphere(5)}
+PARTS = 0.05, 0.1, 0.15
+"""Preloads over the thickness of the finger."""
+
+REDUCED = np.geomspace(0.005, 0.6, 48)
+"""Frequency x thickness of the tissue / wave speed, with the modulus at that frequency."""
+
+RATIOS = np.linspace(0.02, 0.4, 39)
+"""Frequencies over that of the last mode."""
+
+SPEEDS = 20.0, 60.0, 200.0, 500.0, 1000.0, 2000.0
+"""Speeds of ramps in mm/s to a tenth of the thickness."""
+
+
+def frequencies(finger: Finger, reduced: Array) -> Array:
+    """Frequencies (n,) in Hz at which frequency x thickness / wave speed has given values."""
+    tried = np.geomspace(0.1, 5000, 4000)
+    speeds = wave_speed(finger) * np.sqrt(np.abs(modulus(finger, tried)))
+    return np.asarray(np.interp(reduced, tried * finger.pulp / speeds, tried))
+
+
+def modulus(finger: Finger, frequency: Array) -> Array:
+    """Complex modulus (n_f,) of a finger over the long-time one."""
+    prony = finger.prony
+    weights = np.array(prony.weights[1:]) / prony.weights[0]
+    return np.asarray(complex_modulus(weights, np.array(prony.v), frequency))
+
+
+def vibrations(finger: Finger) -> Iterator[dict[str, Any]]:
+    """Yield the change of the dynamic stiffness by inertia, per object and preload."""
+    frequency = frequencies(finger, REDUCED)
+    for name, indenter in OBJECTS.items():
+        loop = Modal(finger, indenter, deepest=max(PARTS) * finger.thickness)
+        for part in PARTS:
+            answer = loop.harmonic(frequency, depth=part * finger.thickness)
+            slow = loop.harmonic([1e-3], depth=part * finger.thickness).stiffness[0]
+            still = slow / modulus(finger, np.array([1e-3])) * modulus(finger, frequency)
+            yield {
+                "object": name,
+                "part": part,
+                "reduced": REDUCED.tolist(),
+                "error": np.abs(answer.stiffness / still - 1).tolist(),
+            }
+
+
+def ramps(finger: Finger) -> Iterator[dict[str, float]]:
+    """Yield the largest change of the force of ramps by inertia, over their peak."""
+    depth = 0.1 * finger.thickness
+    loop = Modal(finger, Flat(30), deepest=1.1 * depth)
+    body, on_pad = loop.body, loop.body.static.patch
+    for speed in SPEEDS:
+        motion = Ramp(speed, depth)
+        dt = min(1e-4, motion.duration / 100)
+        forces = []
+        for longest in (dt * 1.001, 0.0):
+            contact = ModalContact(
+                body.oscillators, body.shares, body.rest, on_pad.gap, on_pad.projected, longest
+            )
+            force = []
+            for t in np.arange(1, int(motion.duration / dt) + 1) * dt:
+                assert contact.step(dt, float(motion.value(t)), by_force=False) == 0
+                force.append(float(on_pad.projected @ contact.lcp.x))
+            forces.append(np.array(force))
+        change = np.abs(forces[0] - forces[1]).max() / forces[0].max()
+        yield {"speed_over_wave": speed / wave_speed(finger), "error": float(change)}
+
+
+def truncation(finger: Finger) -> Iterator[dict[str, float]]:
+    """Yield what the modes of the time answer leave out, by frequency over the last mode's.
+
+    Over the stiffness without inertia.
+    """
+    depth = 0.1 * finger.thickness
+    loop = Modal(finger, Flat(30), deepest=depth)
+    vibrating = loop.vibrating
+    full, solid = vibrating.body, vibrating.solid
+    active = np.flatnonzero(vibrating.preload(depth, None)[1] > 0)
+    reduced = RATIOS
+    frequency = np.geomspace(1.0, 5000.0, 4000)
+    last = np.sqrt(np.abs(modulus(finger, frequency))) * loop.modes.complete
+    chosen = np.interp(reduced, frequency / last, frequency)
+    reference = loop.harmonic(chosen, depth=depth).stiffness
+    slow = loop.harmonic([1e-3], depth=depth).stiffness[0]
+    still = np.abs(slow / modulus(finger, np.array([1e-3])) * modulus(finger, chosen))
+    weights = full.static.patch.projected[active]
+    for ratio, f, wanted, scale in zip(reduced, chosen, reference, still, strict=True):
+        g = full.oscillators.modulus(np.array([f]))[0]
+        receptance = full.oscillators.receptance(np.array([f]))[0]
+        shares = full.shares[:, active]
+        flexibility = full.rest[np.ix_(active, active)] / g + (shares.T * receptance) @ shares
+        sides = 2.0 if solid.half else 1.0
+        stiffness = sides * 1e-3 * weights @ np.linalg.solve(flexibility, weights)
+        yield {"ratio": float(ratio), "error": float(abs(stiffness - wanted) / scale)}
+
+
+def seconds(subject: str, mesh: str) -> dict[str, float]:
+    """CPU seconds of the modes of half a finger, of reading them on a pad, and of a step."""
+    finger = Finger.subject(subject, tissue=TISSUE, resolution=mesh)
+    solid = operator(finger, half=True)
+    anonymous = replace(solid, identities=(None,))  # then nothing is read from the cache
+    started = time.process_time()
+    modes: FingerModes = finger_modes(finger, anonymous)
+    build = time.process_time() - started
+    Modal(finger, Flat(30), deepest=1.5)  # puts what is kept into the cache
+    started = time.process_time()
+    loop = Modal(finger, Flat(30), deepest=1.5)
+    setup = time.process_time() - started
+    started = time.process_time()
+    for k in range(1, 1001):
+        loop.step(0.001 * k, 1e-4)
+    step = (time.process_time() - started) / 1000
+    return {"build": build, "setup": setup, "step": step, "complete_hz": modes.complete}
+
+
+def main(path: str) -> None:
+    """Measure all, and write the report."""
+    fingers = [Finger.subject(name, tissue=TISSUE, resolution="coarse") for name in SUBJECTS]
+    record = {
+        **provenance("python -m fefinger.validation.waves.measure"),
+        "tissue": TISSUE,
+        "subjects": SUBJECTS,
+        "mesh": "coarse",
+        "vibration": [row for finger in fingers for row in vibrations(finger)],
+        "ramp": [row for finger in fingers for row in ramps(finger)],
+        "truncation": [row for finger in fingers for row in truncation(finger)],
+        "last_mode": [
+            finger_modes(f, operator(f, half=True)).complete * f.thickness / wave_speed(f)
+            for f in fingers
+        ],
+        "seconds": {mesh: seconds("a.h.", mesh) for mesh in ("coarse", "standard")},
+    }
+    rounded = json.loads(json.dumps(record), parse_float=lambda text: float(f"{float(text):.3g}"))
+    Path(path).write_text(json.dumps(rounded) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

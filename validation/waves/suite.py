@@ -1,0 +1,186 @@
+"""Suite `waves`: inertia against closed forms, a second method, and published fingers."""
+
+from collections.abc import Iterator
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+from fefinger.validation.case import Case, Expected, Noted
+from fefinger.validation.waves import bodies, drawings, finger, loops
+
+
+TENTH_PERCENT = 1e-3
+
+
+def layer_error(cells: int) -> float:
+    """Return the largest relative error of a shear layer on a moving base from 1 Hz to 1 kHz."""
+    frequency = np.geomspace(1.0, 1000.0, 120)
+    exact = bodies.layer_exact(frequency)
+    return float(np.abs(bodies.on_moving_base(cells, frequency) / exact - 1).max())
+
+
+def layer_order() -> float:
+    """Return the order of convergence of the third frequency of a layer held at its base."""
+    exact = 5 * bodies.shear_speed(bodies.PULP) / (4 * bodies.HEIGHT)
+    coarse, fine = (bodies.shear_layer(cells).modes.frequencies[2] / exact - 1 for cells in (6, 12))
+    return float(np.log2(coarse / fine))
+
+
+@cache
+def ball_errors(*, twisting: bool, finest: int) -> tuple[float, ...]:
+    """Return the relative errors of a frequency of a ball on successively halved meshes."""
+    root = bodies.torsional_root() if twisting else bodies.spheroidal_root()
+    exact = root * bodies.shear_speed(bodies.INCOMPRESSIBLE) / (2 * np.pi)
+    meshes = [bodies.ball(number, twisting=twisting) for number in range(2, finest + 1)]
+    return tuple(float(mesh.modes.frequencies[0] / exact - 1) for mesh in meshes)
+
+
+def ball_limit(*, twisting: bool, finest: int) -> float:
+    """Return the relative error of a frequency of a ball, extrapolated with order 2."""
+    coarse, fine = ball_errors(twisting=twisting, finest=finest)[-2:]
+    return (4 * fine - coarse) / 3
+
+
+def ball_order(*, twisting: bool, finest: int) -> float:
+    """Return the order of convergence of a frequency of a ball."""
+    coarse, fine = ball_errors(twisting=twisting, finest=finest)[-2:]
+    return float(np.log2(coarse / fine))
+
+
+def half_space_error(edge: float) -> Noted:
+    """Return the largest error of a vibrating disc on a half-space from 300 to 700 Hz."""
+    body, load = bodies.half_space(edge)
+    frequencies = np.array([300.0, 400.0, 500.0, 600.0, 700.0])
+    weights = bodies.LOSSY
+    found = body.receptance(load, frequencies, relaxation=weights) / load.sum()
+    exact = np.array([bodies.half_space_exact(f) for f in frequencies])
+    errors = np.abs(found - exact) / np.abs(exact)
+    each = zip(frequencies, errors, strict=True)
+    text = ", ".join(f"{100 * error:.2g} % at {f:g} Hz" for f, error in each)
+    return Noted(float(errors.max()), text)
+
+
+def cases(*, quick: bool) -> Iterator[Case]:
+    """Yield the cases; the quick ones need no finger of their own."""
+    yield from _closed_forms(quick=quick)
+    yield from _loops()
+    if not quick:
+        yield from _fingers()
+
+
+def _closed_forms(*, quick: bool) -> Iterator[Case]:
+    yield Case(
+        "viscoelastic shear layer on a moving base, 1 Hz to 1 kHz: largest error",
+        partial(layer_error, 12),
+        Expected.between(0.0, TENTH_PERCENT, "1"),
+        "1 / cos(k h) with the complex modulus; 12 modes and the static term",
+    )
+    yield Case(
+        "layer held at its base: order of convergence of the third frequency",
+        layer_order,
+        Expected(4.0, 0.3, "1"),
+        "(2 n - 1) c / 4 h; quadratic elements",
+    )
+    finest = 3 if quick else 4
+    for twisting, name, source in (
+        (True, "torsional", "j2(x) = x j3(x)"),
+        (False, "spheroidal", "no traction on a gradient and a double curl (Lamb 1882)"),
+    ):
+        yield Case(
+            f"free incompressible ball, lowest {name} frequency: extrapolated error",
+            partial(ball_limit, twisting=twisting, finest=finest),
+            Expected(0.0, 3e-4 if quick else 5e-5, "1"),
+            source,
+        )
+        yield Case(
+            f"free incompressible ball, lowest {name} frequency: order of convergence",
+            partial(ball_order, twisting=twisting, finest=finest),
+            Expected(2.0, 0.05, "1"),
+            "flat facets on a ball",
+        )
+    yield Case(
+        "disc of 1 mm that vibrates a lossy half-space, 300 to 700 Hz: largest error",
+        partial(half_space_error, 0.5),
+        Expected.between(0.0, 0.01, "1"),
+        "Lamb's integral, Miller and Pursey (1954); held 24 mm away, where waves have died out",
+        reason="the modes that are left out, and the edge of the disc, where strain is singular",
+    )
+
+
+def _loops() -> Iterator[Case]:
+    """Yield the cases of stepping through time, on half a coarse finger."""
+    yield Case(
+        "static limit: force, strain and pressure of `condensed`, largest difference",
+        loops.static_difference,
+        Expected.between(0.0, 1e-12, "1"),
+        "`condensed` on the same mesh, ramp and rest in long steps",
+    )
+    yield Case(
+        "time against frequency, one mode and a static rest: amplitude of a prescribed motion",
+        loops.one_mode_difference,
+        Expected.between(0.0, 1e-6, "1"),
+        "closed form; steps of a 4000th and an 8000th of a cycle, extrapolated",
+    )
+    yield Case(
+        "time against frequency on a finger at 200 Hz: force in 60 steps per cycle",
+        partial(loops.finger_difference, 60),
+        Expected.between(0.0, 3e-3, "1"),
+        "the same modes in closed form",
+    )
+    yield Case(
+        "time against frequency on a finger at 200 Hz: order in the length of the step",
+        loops.finger_order,
+        Expected(2.0, 0.25, "1"),
+        "the same modes in closed form; 60 and 120 steps per cycle",
+    )
+    yield Case(
+        "energy: work of the indenter less what is stored, moves and is lost, over the work",
+        loops.energy_difference,
+        Expected.between(0.0, 3e-3, "1"),
+        "a press at 200 mm/s that rings, in steps of 20 us",
+    )
+    yield Case(
+        "passivity and causality: largest real part of all poles, over their modulus",
+        loops.largest_growth,
+        Expected.between(-2.0, 0.0, "1"),
+        "every pole decays, so that nothing comes before its cause",
+    )
+    yield Case(
+        "causality: share of the answer to a knock that comes before it",
+        loops.before_the_knock,
+        Expected.between(0.0, 1e-3, "1"),
+        "inverse Fourier transform of the harmonic answer of a mode and its rest",
+    )
+    yield Case(
+        "linearity: force of twice the amplitude over twice the force, less 1",
+        loops.nonlinearity,
+        Expected.between(0.0, 1e-5, "1"),
+        "1 and 2 nm about 1 mm, at 150 Hz: the contact stays as it is",
+    )
+
+
+def _fingers() -> Iterator[Case]:
+    """Yield the verdicts on fingers, and what needs modes of its own."""
+    yield Case(
+        "mirror: force and strain under balls at both sides of the finger, largest difference",
+        finger.mirror_difference,
+        Expected.between(0.0, 1e-6, "1"),
+        "mirror image of the scene",
+    )
+    yield Case(
+        "stated error of the modes against what 900 of them change, 50 to 450 Hz: share that holds",
+        finger.stated_errors_hold,
+        Expected.between(0.95, 1.0, "1"),
+        "three times as many modes on the same mesh",
+    )
+    yield from finger.verdicts()
+
+
+def figures() -> Iterator[tuple[str, Any]]:
+    """Yield caption and Figure: impedance, displacement of the skin and modes of a finger."""
+    yield from drawings.figures()
+
+
+def finding() -> dict[str, Any]:
+    """Return what the suite found, in words."""
+    return {"texts": list(drawings.TEXTS)}
