@@ -57,7 +57,7 @@ def save(
         f"{name}.html": html(
             record, figures, provenance, data=f"{name}.json", findings=findings or {}
         ),
-        f"{name}.json": json.dumps(record | {"provenance": provenance}, indent=1) + "\n",
+        f"{name}.json": json.dumps(record | {"provenance": provenance}) + "\n",
     }
     atomic_write.write(folder, texts)
 

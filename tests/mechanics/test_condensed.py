@@ -184,9 +184,10 @@ def test_accuracy_is_refused_as_linear_does() -> None:
 
 
 def test_the_error_is_that_of_a_mesh_that_does_not_follow_the_touch() -> None:
-    error, source = condensed.error(Situation.of(scene("hold", indenter=ff.Flat(45))))
-    assert error > linear.error(Situation.of(scene("hold", indenter=ff.Flat(45))))[0]
-    assert "reports/condensed-cost.json, flat-45" in source
+    steep = Situation.of(scene("hold", indenter=ff.Flat(45)))
+    error, source = condensed.error(steep)
+    assert error > linear.error(steep)[0]
+    assert "reports/press-mesh.json, maeno1998/flat-45" in source
     assert np.isinf(condensed.error(Situation.of(scene("hold", indenter=ff.Sphere(2.0))))[0])
 
 

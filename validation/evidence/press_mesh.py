@@ -187,7 +187,7 @@ def main(folder: Path) -> None:
         rows[name] = row(measurement)
         command = "python -m fefinger.validation.evidence.press_mesh reports"
         kept = {key: rows[key] for key in MEASUREMENTS if key in rows}
-        path.write_text(json.dumps(provenance(command) | {"rows": kept}, indent=1) + "\n")
+        path.write_text(json.dumps(provenance(command) | {"rows": kept}) + "\n")
         print(name, np.round(rows[name].get("force_N", [0])[-1], 3), flush=True)  # progress
 
 

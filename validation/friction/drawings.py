@@ -10,6 +10,7 @@ from fefinger.view.figures import COLORS, INK, STEEL, figure, style
 
 
 SIZE = (8.6, 3.0)  # inches
+THINNED = 12  # steps of a curve from one drawn point to the next
 
 
 def cycle(body: Body, size: int) -> Any:
@@ -42,7 +43,7 @@ def cycle(body: Body, size: int) -> Any:
 
 def stick() -> Any:
     """Draw the part of the contact that sticks on the finger, by sphere theory and as recorded."""
-    q, part = finger.stick_curve(finger.FINGER)
+    q, part = (each[::THINNED] for each in finger.stick_curve(finger.FINGER))
     line = np.linspace(0, 1, 200)
     with style():
         drawn = figure(4.6, 3.2)

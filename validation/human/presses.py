@@ -138,7 +138,7 @@ def main(folder: Path) -> None:
         "angles": {f"{angle:g}": held(DEFAULT, 0.7, angle) for angle in ANGLES},
         "deep": {name: deep(name) for name in (DEFAULT, "means")},
     }
-    (folder / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+    (folder / REPORT).write_text(json.dumps(report) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -138,10 +138,10 @@ def main(folder: Path) -> None:
         for scene in drawn(name):
             if scene.name not in report[name]:
                 report[name][scene.name] = compared(scene)
-                path.write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+                path.write_text(json.dumps(report) + "\n", encoding="utf-8")
                 print(scene.name, report[name][scene.name].get("loading"), flush=True)
     report["costs"] = costs()
-    path.write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+    path.write_text(json.dumps(report) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

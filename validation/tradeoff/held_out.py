@@ -298,7 +298,7 @@ def main(folder: Path) -> None:
 
 def _put(path: Path, report: dict[str, Any]) -> None:
     with moved(path) as new:
-        new.write_text(json.dumps(finite(report), indent=1) + "\n", encoding="utf-8")
+        new.write_text(json.dumps(finite(report)) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

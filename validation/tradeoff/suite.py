@@ -277,7 +277,7 @@ def write(folder: Path) -> None:
 
 def _put(target: Path, data: dict[str, Any]) -> None:
     with moved(target) as new:
-        new.write_text(json.dumps(finite(data), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        new.write_text(json.dumps(finite(data), allow_nan=False) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

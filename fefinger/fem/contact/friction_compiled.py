@@ -294,6 +294,26 @@ def _matrix(s: FrictionState, q: int) -> Array:
 
 
 @njit(cache=True)
+def _solved(matrix: Array, right: Array, values: Array) -> bool:
+    """Solve a linear system; False if it is singular."""
+    try:
+        values[:] = np.linalg.solve(matrix, right)
+    except Exception:  # numba knows no other
+        return False
+    return True
+
+
+@njit(cache=True)
+def _inverted(matrix: Array, inverse: Array) -> bool:
+    """Invert a matrix; False if it is singular."""
+    try:
+        inverse[:] = np.linalg.inv(matrix)
+    except Exception:
+        return False
+    return True
+
+
+@njit(cache=True)
 def _newton(s: FrictionState) -> int:
     """Solve for the iterate at which all projections are as at this one, into `start`.
 
@@ -310,9 +330,7 @@ def _newton(s: FrictionState) -> int:
     values = np.empty(q)
     if same:
         if s.counts[INVERTED] == 0:
-            try:
-                s.inverse[:q, :q] = np.linalg.inv(_matrix(s, q))
-            except Exception:
+            if not _inverted(_matrix(s, q), s.inverse[:q, :q]):
                 s.counts[KEPT] = 0
                 return 0
             s.counts[INVERTED] = 1
@@ -328,9 +346,7 @@ def _newton(s: FrictionState) -> int:
                 + s.row[a, 1] * s.constant[i + 1]
                 + s.row[a, 2] * s.constant[i + 2]
             )
-        try:
-            values[:] = np.linalg.solve(_matrix(s, q), right)
-        except Exception:  # numba knows no other; a singular matrix
+        if not _solved(_matrix(s, q), right, values):
             s.counts[KEPT] = 0
             return 0
     s.start[: 3 * s.counts[K]] = 0.0
@@ -340,7 +356,7 @@ def _newton(s: FrictionState) -> int:
     return q
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(cache=True, fastmath={"contract", "reassoc"})
 def _correct(s: FrictionState, values: Array) -> None:
     """Set `values` (q,) to the unknowns, corrected by the inverse times their residual."""
     q = len(values)

@@ -227,7 +227,7 @@ def follow_course(
     reach = SPREAD * problem.REACH * press.expected_depth
     for _ in range(problem.ATTEMPTS):
         contact = contact_surface(body.space, body.pad, body.normals, press.obstacle, reach)
-        limits.check_under(press.motion, len(contact))
+        limits.check_under(press.motion, contact.on.beyond)
         history = _on_candidates(press, elements, contact, course, stages, allowance)
         pressed = np.asarray((history.pressure > 0).any(axis=0))
         _check_contact(body, contact, history)

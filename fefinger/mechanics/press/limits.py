@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.scene.motion import Motion
@@ -13,14 +14,23 @@ if TYPE_CHECKING:
     from fefinger.fem.contact.obstacle import Obstacle
 
 NOTHING_UNDER = (
-    "indenter: expected it over the pad, received one that no vertex of the pad is under; move it, "
-    "or take a larger indenter or a finer mesh (finger.resolution)"
+    "indenter: expected it over the pad, received one that hardly a vertex of the pad is under; "
+    "move it, or take a larger indenter or a finer mesh (finger.resolution)"
 )
 
 
-def check_under(motion: Motion, count: int) -> None:
-    """Raise InputError if the indenter has `count` = 0 vertices of the pad under it."""
-    if count == 0:
+FEWEST = 3
+"""Vertices of the pad under a ball or another object that ends, below which it is not resolved."""
+
+
+def check_under(motion: Motion, beyond: NDArray[np.bool_]) -> None:
+    """Raise InputError if an indenter has too few vertices of the pad under it.
+
+    beyond (n,): whether it has ended at its candidates.
+    """
+    if beyond.any() and (~beyond).sum() < FEWEST:
+        raise InputError(NOTHING_UNDER)
+    if not len(beyond):
         raise InputError(unresolved(motion.peak) if motion.control == "depth" else NOTHING_UNDER)
 
 

@@ -117,7 +117,8 @@ def touched(
     reach = problem.REACH * press.expected_depth
     for rings in range(problem.ATTEMPTS):
         candidates = _candidates(press, reach, rings)
-        limits.check_under(motion, len(candidates.vertices))
+        ended = press.obstacle.beyond(body.space.points[candidates.vertices])
+        limits.check_under(motion, ended)
         with stages.stage("unit loads") as report:
             reduced = sliding.reduced_to(press, candidates, where, probe, report)
         with stages.stage("contact") as report:
