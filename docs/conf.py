@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 
-# Two agents of one build share its cores: numerical libraries keep to one thread.
+# The workers of a study share the cores: numerical libraries keep to one thread.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import matplotlib as mpl
