@@ -30,7 +30,8 @@ class Pose(NamedTuple):
     def places(self, across: Array) -> Array:
         """Return the points (..., 3) of the surface at places across the travel, inf beyond it."""
         height = self.profile.height(across)[0]
-        frame, there = self.frame, np.isfinite(height)[..., None]
+        frame = self.frame
+        there = (np.isfinite(height) & ~self.profile.beyond(across))[..., None]
         back = np.where(there, height[..., None], 0.0) * frame[2]
         return np.where(there, self.origin + across @ frame[:2] - back, np.inf)
 

@@ -71,6 +71,4 @@ if __name__ == "__main__":
     target = Path(sys.argv[1]) / CALIBRATED
     rows = {name: row(name) for name in sys.argv[2:] or SUBJECTS}
     stored = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else {}
-    target.write_text(
-        json.dumps(report(stored | rows), allow_nan=False) + "\n", encoding="utf-8"
-    )
+    target.write_text(json.dumps(report(stored | rows), allow_nan=False) + "\n", encoding="utf-8")
