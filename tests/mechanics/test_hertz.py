@@ -158,12 +158,13 @@ def test_the_first_coefficient_of_the_layer_is_the_integral_of_its_kernel():
 TILTED = ff.Flat(tilt=5)
 """A plate that the trade-off has not measured."""
 
+STRANGE = ff.Finger.subject("a.h.", tissue="saal2017")
 REFUSED = [
     ({"ask": ff.Ask()}, "ability", "ask.fields: it has no mesh"),
     ({"indenter": TILTED}, "accuracy", "contact radius / tissue thickness = 0.53 > 0.1"),
     ({"indenter": TILTED}, "accuracy", "skin modulus / subcutaneous modulus = 3,"),
     ({"indenter": ff.Sphere(1.0)}, "accuracy", "contact radius / radius of the object = 0.68"),
-    ({"indenter": replace(TILTED, angle=45)}, "accuracy", "angle = 45 degrees"),
+    ({"indenter": ff.Flat(45), "finger": STRANGE}, "accuracy", "angle = 45 degrees"),
     ({"indenter": ff.Flat(tilt=5)}, "accuracy", "tilt = 5 > 0"),
     ({"indenter": ff.Sphere(5.0, at=(3.0, 0.0))}, "accuracy", "from the middle = 3 > 2 mm"),
 ]
