@@ -214,7 +214,7 @@ def trade_off():
 
 
 def measured():
-    """Return times in s and errors of every candidate, by its name, and which scenes they are of."""
+    """Return times in s and errors of every candidate by its name, and of which scenes."""
     report, found = trade_off(), {}
     held_out = "held_out" in report
     for scene in report["held_out" if held_out else "scenes"].values():
