@@ -33,13 +33,14 @@ extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
-    "sphinx.ext.mathjax",
     "sphinx.ext.napoleon",
+    "formulas",
     "sphinx_copybutton",
     "sphinx_gallery.gen_gallery",
 ]
 exclude_patterns = ["_build", "gallery", "generated", "**/GALLERY_HEADER.rst"]
 templates_path = ["_templates"]
+html_math_renderer = "mathml"
 html_theme = "furo"
 html_title = f"fefinger {version}"
 html_static_path = ["_static"]
