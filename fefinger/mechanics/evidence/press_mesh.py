@@ -45,8 +45,9 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     """Return the measured error of a quantity: of finite strain that of its mesh."""
     names, reason = between(case.indenter)
     parts = _presses(candidate, case, quantity, names)
-    if not _deep_enough(parts) and case.indenter.flat is not None:
-        parts = _presses(candidate, case, quantity, around(case.indenter.flat.angle)) or parts
+    flat = case.indenter.flat
+    if flat is not None and not flat.tilt and not _deep_enough(parts):
+        parts = _presses(candidate, case, quantity, around(flat.angle)) or parts
     if not parts:
         return Known(math.nan, f"not known: {reason or 'nothing like it was pressed'}")
     if not _deep_enough(parts):
