@@ -17,7 +17,7 @@ from fefinger.mechanics.evidence import reached_depth
 from fefinger.mechanics.evidence.table import PRESS_MESH, Measured, read, table
 from fefinger.mechanics.evidence.tradeoff import BEYOND, NEAR
 from fefinger.mechanics.situation import Situation
-from fefinger.results.candidate import Candidate
+from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.scene import library
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS
@@ -43,26 +43,21 @@ UNKNOWN = Known(math.nan, "not known: it was not measured")
 
 def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Known:
     """Return the measured error of a quantity: of finite strain that of its mesh."""
-    finite = candidate.mechanics == "solid"
     names, reason = between(case.indenter)
-    tissue = MAIN if finite else library.PUBLISHED
-    presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    subject = case.finger.subject_name if reached_depth.calibrated(case.finger) else ""
-    parts = []
-    for name in names:
-        own, label = f"{subject}/{name}", f"{tissue}/{name}"
-        press = presses.get(own) if finite and own in presses else presses.get(label)
-        if press is not None:
-            parts.append((press, _reached(press, case)))
+    parts = _presses(candidate, case, quantity, names)
+    flat = case.indenter.flat
+    if flat is not None and not flat.tilt and not _deep_enough(parts):
+        parts = _presses(candidate, case, quantity, around(flat.angle)) or parts
     if not parts:
         return Known(math.nan, f"not known: {reason or 'nothing like it was pressed'}")
-    if not any(part <= BEYOND * press.part[-1] for press, part in parts):
+    if not _deep_enough(parts):
         press, part = max(parts, key=lambda each: each[0].part[-1])
         return Known(
             math.nan,
             f"not known: it goes to {part:.2g} of the finger's thickness, and presses like it were "
             f"measured to {press.part[-1]:.2g}",
         )
+    finite, subject = MECHANICS[candidate.mechanics].finite, _subject(case)
     largest = max(_largest(press, part) for press, part in parts)
     others = any(press.press.partition("/")[0] != subject for press, _ in parts)
     margin = _other_fingers(candidate, quantity) if finite and others else 0.0
@@ -71,6 +66,31 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     if margin:
         source += f", and {percent(margin)} for another finger"
     return Known(largest + margin, source)
+
+
+def _subject(case: Situation) -> str:
+    """Return the subject whose calibrated finger is that of the scene; "" for others."""
+    return (case.finger.subject_name or "") if reached_depth.calibrated(case.finger) else ""
+
+
+def _presses(
+    candidate: Candidate, case: Situation, quantity: str, names: Iterable[str]
+) -> list[tuple[Measured, float]]:
+    """Return the presses of some objects, and the depth over thickness that a scene is in each."""
+    finite = MECHANICS[candidate.mechanics].finite
+    tissue = MAIN if finite else library.PUBLISHED
+    presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
+    found = []
+    for name in names:
+        own, label = f"{_subject(case)}/{name}", f"{tissue}/{name}"
+        press = presses.get(own) if finite and own in presses else presses.get(label)
+        if press is not None:
+            found.append((press, _reached(press, case)))
+    return found
+
+
+def _deep_enough(parts: list[tuple[Measured, float]]) -> bool:
+    return any(part <= BEYOND * press.part[-1] for press, part in parts)
 
 
 def _reached(press: Measured, case: Situation) -> float:
@@ -127,6 +147,16 @@ def between(indenter: Indenter) -> tuple[tuple[str, ...], str]:
     if not indenter.sharp:
         return _round(indenter)
     return _edges(indenter)
+
+
+def around(angle: float) -> tuple[str, ...]:
+    """Return the plates next to an angle in degrees on either side, without one at it."""
+    plates = {
+        name: each.flat.angle
+        for name, each in objects().items()
+        if each.flat is not None and not each.flat.tilt
+    }
+    return _beside({name: own for name, own in plates.items() if own != angle}, angle)
 
 
 def _plates(indenter: Indenter) -> tuple[tuple[str, ...], str]:
