@@ -11,6 +11,7 @@ import pytest
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import INDENTERS
+from fefinger.scene.key_texts import TEXTS
 from fefinger.scene.motion import LIMITS
 from fefinger.scene.motions import MOTIONS
 from fefinger.scene.population import LAYOUTS
@@ -19,6 +20,7 @@ from fefinger.scene.schema import BOUNDS, CHOICES, schema
 from fefinger.scene.tissue import Tissue
 from fefinger.scene.toml import FROM_FILE, keys
 from fefinger.support.checks import InputError
+from fefinger.theory.relaxation import Prony
 
 
 SCHEMA = schema()
@@ -180,3 +182,11 @@ def test_needs_the_tables_that_the_reader_needs(part):
         False,
         False,
     )
+
+
+def test_every_text_belongs_to_a_key():
+    names = {name for reader in FROM_FILE.values() for name in reader.keys}
+    records = (Finger, Prony, *(each for kinds in KINDS.values() for each in kinds.values()))
+    names |= {field.name for record in records for field in fields(record)}
+    for name in set(TEXTS) - set(KINDS):
+        assert name.rpartition(".")[2] in names

@@ -1,0 +1,50 @@
+"""What the documentation states of the code, without building it."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def generate():
+    """Return the module that writes pages from the code."""
+    spec = importlib.util.spec_from_file_location("generate", ROOT / "docs" / "generate.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_page_of_the_api_lists_every_public_name(generate):
+    generate.check_api(ROOT / "docs")
+
+
+def test_a_public_name_that_is_not_listed_is_reported(generate, tmp_path):
+    text = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    (tmp_path / "api.md").write_text(text.replace("   Sphere\n", ""), encoding="utf-8")
+    with pytest.raises(ValueError, match="'Sphere'"):
+        generate.check_api(tmp_path)
+
+
+def test_every_extra_and_every_command_is_described(generate):
+    assert "`nwb`" in "\n".join(generate.extras())
+    assert "## `fefinger run`" in "\n".join(generate.commands())
+
+
+def test_a_key_has_its_values_its_default_and_its_meaning(generate):
+    from fefinger.scene.schema import schema
+
+    text = "\n".join(generate.keys(schema()))
+    assert '| `cut` | `"fixed"`, `"nail"` | `"fixed"` | Boundary condition' in text
+    assert "| `speed` | number > 0 | needed | Speed in mm/s |" in text
+
+
+def test_the_readme_is_a_page_and_begins_with_the_two_commands():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 100
+    blocks = text.split("```sh\n")[1:3]
+    assert "fefinger run flat-press -o out" in blocks[0]
+    assert "pytest" in blocks[1]
