@@ -47,16 +47,20 @@ def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
         yield KeyNumber("peak force", f"{result.force[step]:.3g} N", error, 1, end)
     deepest = int(np.argmax(result.depth))
     error = errors.get("depth", math.nan) if by_force else None
-    rank = 2 if by_force else 6
+    rank = 2 if by_force else 7
     when = f"at {moment(result.time[deepest])}"
     yield KeyNumber("largest depth", f"{result.depth[deepest]:.3g} mm", error, rank, when)
+    if result.lateral is not None:
+        lateral = np.linalg.norm(result.lateral.force, axis=1)
+        when = f"at {moment(result.time[np.argmax(lateral)])}"
+        yield KeyNumber("largest lateral force", f"{lateral.max():.3g} N", math.nan, 3, when)
     if result.contact_area is not None and np.isfinite(result.contact_area).any():
         value = f"{np.nanmax(result.contact_area):.3g} mm²"
-        yield KeyNumber("largest contact area", value, errors.get("area", math.nan), 3)
+        yield KeyNumber("largest contact area", value, errors.get("area", math.nan), 4)
     if result.pressure is not None and result.pad is not None:
         value = f"{highest(result.pad, result.pressure):.3g} kPa"
         error = errors.get("pressure", math.nan)
-        yield KeyNumber("highest pressure over 1 mm²", value, error, 5)
+        yield KeyNumber("highest pressure over 1 mm²", value, error, 6)
     if result.strain is not None and result.sites is not None and result.strain.size:
         yield _strain(result, errors.get("strain", math.nan))
     if result.spikes is not None:
@@ -85,7 +89,7 @@ def _strain(result: ResultRecord, error: float) -> KeyNumber:
     about = "at the end organs of " + ", ".join(f"{k} {x:.3g} %" for k, x in largest.items() if k)
     if len(largest) == 1:
         about = f"at an end organ {depths[np.argmax(by_site)]:.3g} mm deep"
-    return KeyNumber("largest compressive strain", f"{by_site.max():.3g} %", error, 4, about)
+    return KeyNumber("largest compressive strain", f"{by_site.max():.3g} %", error, 5, about)
 
 
 def moment(seconds: float) -> str:
