@@ -27,7 +27,7 @@ from fefinger.support.checks import ConvergenceError, InputError
 
 Array = NDArray[np.float64]
 
-REPORT = "human.json"
+REPORT = "human-presses.json"
 
 SUBJECTS = ("d.p.", "d.s.", "a.h.", "p.w.")
 
