@@ -1,4 +1,4 @@
-"""Configuration of the documentation: `python -m sphinx -W -b html docs docs/_build/html`."""
+"""Configuration of the documentation: `sphinx-build -W -b html docs docs/_build/html`."""
 
 import logging
 import os
