@@ -59,7 +59,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
         return refusals(name, "ability", unable)
     doubts = [*too_small(case), *too_soft(case.finger), *unmeasured(case.finger)]
     if not is_measured(Candidate(name, case.mesh), case):
-        doubts += [*too_sharp(case), *_deep(case), *_unlawful(case.finger)]
+        doubts += [*too_sharp(case), *_deep(case), *unlawful(case.finger)]
     return proximal_cut.reached(name, case) + refusals(name, "accuracy", doubts)
 
 
@@ -81,7 +81,7 @@ def _deep(case: Situation) -> tuple[Doubt, ...]:
     return (Doubt("motion", reason),)
 
 
-def _unlawful(finger: Finger) -> list[Doubt]:
+def unlawful(finger: Finger) -> list[Doubt]:
     """Return the tissues whose law is not the one that small strain was compared with."""
     doubts = []
     for layer in ("skin", "subcutaneous"):
@@ -162,6 +162,8 @@ def once(case: Situation) -> float:
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     """Return the expected relative error, of mesh and small strain, and its source."""
+    if unlawful(case.finger):
+        return UNKNOWN
     candidate = Candidate(name, case.mesh)
     found = measured(candidate, case, quantity)
     if found is None and quantity == "force":

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 _TYPES = ("SAI", "SAII", "FAI", "FAII")
 
-_LAYER = {"modulus": "kPa", "thickness": "mm"}
+_LAYER = {"modulus": "kPa", "thickness": "mm", "density": "kg_per_m3"}
 
 _RELAXING = {"v": "per_s"}
 
@@ -20,12 +20,15 @@ UNITS: dict[str, dict[str, str]] = {
     "finger.subcutaneous.prony": _RELAXING,
     "indenter": {
         **dict.fromkeys(("angle", "tilt", "roll"), "deg"),
+        **dict.fromkeys(("spacing", "height", "diameter", "edge", "cell", "start", "size"), "mm"),
         **dict.fromkeys(("radius", "radii", "at", "width", "corner"), "mm"),
         **dict.fromkeys(("period", "ridge", "depth", "shift", "x", "y", "heights"), "mm"),
     },
     "motion": {
         **{"speed": "mm_per_s", "depth": "mm", "loading_rate": "N_per_s", "force": "N"},
-        **{"amplitude": "mm", "preload": "mm", "frequency": "Hz"},
+        **{"amplitude": "mm", "preload": "mm", "direction": "deg", "approach": "mm_per_s"},
+        **dict.fromkeys(("frequency", "start", "stop"), "Hz"),
+        **dict.fromkeys(("distance", "x", "y"), "mm"),
         **dict.fromkeys(("hold", "settle", "held", "seconds", "corner", "time"), "s"),
     },
     "ask": {"seconds": "s"},
@@ -37,6 +40,9 @@ UNITS: dict[str, dict[str, str]] = {
     "ask.population.densities": dict.fromkeys(_TYPES, "per_cm2"),
 }
 """Units of the fields of a scene, by table: a name may have different units in two tables."""
+
+FORCED = {"motion.amplitude": "N", "motion.approach": "N_per_s"}
+"""Units that differ where the motion prescribes the force."""
 
 
 MEASURES = {
@@ -64,8 +70,15 @@ ERRORS = {
 """Columns of the expected relative errors of measures."""
 
 SHORT = {
-    **{"N_per_mm": "N/mm", "N_per_s": "N/s", "mm_per_s": "mm/s", "mm2": "mm²", "percent": "%"},
-    **{"uA_per_cm2": "uA/cm²", "per_cm2": "1/cm²", "per_s": "1/s"},
+    **{
+        "kg_per_m3": "kg/m³",
+        "N_per_mm": "N/mm",
+        "N_per_s": "N/s",
+        "mm_per_s": "mm/s",
+        "mm2": "mm²",
+        "percent": "%",
+    },
+    **{"uA_per_cm2": "uA/cm²", "per_cm2": "1/cm²", "per_s": "1/s", "kg_per_m3": "kg/m³"},
     **{unit: unit for unit in ("kPa", "deg", "mm", "Hz", "N", "s")},
 }
 """Units as suffixes of column names, longer ones first, and as they are printed."""
@@ -74,12 +87,12 @@ SHORT = {
 def column(field: str, kind: str = "") -> str:
     """Return the name of the column of a field of the scene, with its unit.
 
-    `kind` is that of the motion, whose amplitude is a force or a depth.
+    `kind` is that of the motion, whose amplitude and approach are those of a force or a depth.
     """
     table, _, name = field.rpartition(".")
     unit = UNITS.get(table, {}).get(name, "")
-    if field == "motion.amplitude" and kind.startswith("force"):
-        unit = "N"
+    if kind.startswith("force"):
+        unit = FORCED.get(field, unit)
     return f"{field}_{unit}" if unit else field
 
 

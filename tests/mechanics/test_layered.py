@@ -137,8 +137,8 @@ def test_the_contacts_of_a_stack_are_solved_once(monkeypatch):
 
 
 def test_the_ladder_holds_it_between_the_half_space_and_the_finite_elements():
-    rungs = ("lumped", "hertz", "layered", "condensed", "pressed", "linear", "solid")
-    assert mechanics.names() == rungs
+    names = mechanics.names()
+    assert names.index("hertz") < names.index("layered") < names.index("linear")
     rungs = ff.explain(
         published.load("sphere-press", {"ask.fields": False, "ask.spikes": []})
     ).rungs

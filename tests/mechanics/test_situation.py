@@ -67,10 +67,10 @@ def test_a_plan_builds_no_scene_again_and_counts_time_steps_once_per_mesh(
 
 FIELDS: list[tuple[dict[str, Any], str, str]] = [
     ({"ask__pressure": True}, "lumped", "ask.pressure"),
-    ({"indenter__angle": 40.0}, "layered", "indenter.angle"),
+    ({"indenter__tilt": 4.0}, "layered", "indenter.tilt"),
     ({"finger__nail": "free"}, "condensed", "finger.nail"),
     ({"motion__depth": 2.1, "motion__corner": 0.0}, "linear", "motion"),
-    ({"indenter": {"kind": "sphere", "radius": 1.0}}, "solid", "indenter.radius"),
+    ({"indenter": {"kind": "sphere", "radius": 1.0}}, "linear", "indenter.radius"),
     ({"ask__solver": "iterative"}, "solid", "ask.solver"),
 ]
 

@@ -79,7 +79,7 @@ MOTIONS: dict[str, tuple[str, Motion]] = {
 }
 """Base scenes: which press each is of, and its motion. The sinusoid unloads to first touch."""
 
-N_HELD_OUT, SEED = 28, 30
+N_HELD_OUT, SEED = 32, 30
 
 TOLERANCES = (0.02, 0.05, 0.1, 0.2, 0.4)
 

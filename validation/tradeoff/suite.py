@@ -145,7 +145,7 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
             source,
         )
 
-    yield asked("held-out scenes", "scenes", 28.0, 4.0, "drawn by seed; `solid` answers them")
+    yield asked("held-out scenes", "scenes", 32.0, 4.0, "drawn by seed; `solid` answers them")
     yield asked("tolerance met by the picks", "tolerance_met", 1.0, 0.05, "95 % of the scenes")
     for quantity, said in SAID.items():
         for whose, key in WHOSE.items():

@@ -45,6 +45,8 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     """Return the measured error of a quantity: of finite strain that of its mesh."""
     names, reason = between(case.indenter)
     parts = _presses(candidate, case, quantity, names)
+    if len(parts) < len(names) and _aside(case.indenter):
+        parts = []  # the missing press is the one that is like it
     flat = case.indenter.flat
     if flat is not None and not flat.tilt and not _deep_enough(parts):
         parts = _presses(candidate, case, quantity, around(flat.angle)) or parts
@@ -66,6 +68,12 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     if margin:
         source += f", and {percent(margin)} for another finger"
     return Known(largest + margin, source)
+
+
+def _aside(indenter: Indenter) -> bool:
+    """Return whether an object is tilted, or away from the middle of the pad."""
+    away = float(np.hypot(*(indenter.place or (0.0, 0.0)))) > NEAR
+    return away or bool(indenter.plate is not None and indenter.plate.tilt)
 
 
 def _subject(case: Situation) -> str:

@@ -28,9 +28,8 @@ def check_under(motion: Motion, beyond: NDArray[np.bool_]) -> None:
 
     beyond (n,): whether it has ended at its candidates.
     """
-    if beyond.any() and (~beyond).sum() < FEWEST:
-        raise InputError(NOTHING_UNDER)
-    if not len(beyond):
+    few = beyond.any() and (~beyond).sum() < FEWEST
+    if few or not len(beyond):
         raise InputError(unresolved(motion.peak) if motion.control == "depth" else NOTHING_UNDER)
 
 
