@@ -208,33 +208,24 @@ def judged(suite):
     return record, [case["verdict"] for group in cases for case in group]
 
 
-def trade_off():
-    """Return the report of the trade-off."""
-    return json.loads((REPORTS / "tradeoff.json").read_text(encoding="utf-8"))
+def held_out():
+    """Return the report of the held-out scenes."""
+    return json.loads((REPORTS / "held-out.json").read_text(encoding="utf-8"))
 
 
 def measured():
-    """Return times in s and errors of every candidate by its name, and of which scenes."""
-    report, found = trade_off(), {}
-    held_out = "held_out" in report
-    for scene in report["held_out" if held_out else "scenes"].values():
+    """Return times in s and errors of every candidate by its name."""
+    found = {}
+    for scene in held_out()["scenes"].values():
         for name, each in scene["candidates"].items():
-            seconds, errors = (
-                (each["seconds"], each["actual"]) if held_out else (each["expected_s"], each)
-            )
-            found.setdefault(name, []).append((seconds, errors))
-    return found, HELD_OUT if held_out else OTHERS
-
-
-HELD_OUT = "These are held-out scenes, from which no rule of the planner was derived."
-OTHERS = "These are scenes that the rules of the planner were derived from; no others are reported."
+            found.setdefault(name, []).append((each["seconds"], each["actual"]))
+    return found
 
 
 def front() -> Iterator[str]:
     """Give medians of time and of true errors of every candidate."""
-    found, which = measured()
     rows = []
-    for name, each in found.items():
+    for name, each in measured().items():
         errors = [
             [errors[quantity] for _, errors in each if quantity in errors]
             for quantity in QUANTITIES
@@ -245,15 +236,12 @@ def front() -> Iterator[str]:
         ("mechanics and mesh", "scenes", "time of a first answer / s", *QUANTITIES.values()),
         ((name, count, f"{seconds:.2g}", *errors) for seconds, name, count, errors in sorted(rows)),
     )
-    yield which
+    yield "These are held-out scenes, from which no rule of the planner was derived."
 
 
 def kept() -> Iterator[str]:
     """Give how often stated errors held on the held-out scenes."""
-    summary = trade_off().get("summary")
-    if summary is None:
-        yield "The report of the trade-off holds no held-out scenes now."
-        return
+    summary = held_out()["summary"]
     yield from table(
         ("quantity", "stated errors of the planner's choices that held"),
         (

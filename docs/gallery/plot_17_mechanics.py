@@ -2,7 +2,7 @@
 The mechanics compared: error against time
 ==========================================
 
-The measured front: medians over the scenes of ``reports/tradeoff.json``.
+The measured front: medians over the held-out scenes of ``reports/held-out.json``.
 """
 
 import json
@@ -16,13 +16,11 @@ import fefinger as ff
 from fefinger.results.candidate import MECHANICS
 
 
-report = json.loads((Path(fefinger.reports.__path__[0]) / "tradeoff.json").read_text())
+report = json.loads((Path(fefinger.reports.__path__[0]) / "held-out.json").read_text())
 measured = {}
-for scene in report.get("held_out", report["scenes"]).values():
+for scene in report["scenes"].values():
     for name, each in scene["candidates"].items():
-        seconds = each.get("seconds", each.get("expected_s"))
-        error = each.get("actual", each)["force"]
-        measured.setdefault(name, []).append((seconds, error))
+        measured.setdefault(name, []).append((each["seconds"], each["actual"]["force"]))
 
 fig, axis = plt.subplots(figsize=(7, 4), layout="constrained")
 for name, rows in measured.items():
