@@ -151,10 +151,14 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
         for whose, key in WHOSE.items():
             yield _kept(
                 f"stated error kept by {whose}: {said}",
-                lambda key=key, quantity=quantity: float(data()["summary"][key][quantity]),
+                partial(_share_of, data, key, quantity),
                 float(reported()["summary"][key][quantity]),
             )
     yield from _cost(data)
+
+
+def _share_of(data: Callable[[], dict[str, Any]], key: str, quantity: str) -> float:
+    return float(data()["summary"][key][quantity])
 
 
 KEPT = 0.95
