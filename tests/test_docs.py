@@ -1,6 +1,7 @@
 """What the documentation states of the code, without building it."""
 
 import importlib.util
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -48,3 +49,13 @@ def test_the_readme_is_a_page_and_begins_with_the_two_commands():
     blocks = text.split("```sh\n")[1:3]
     assert "fefinger run flat-press -o out" in blocks[0]
     assert "pytest" in blocks[1]
+
+
+def test_every_folder_of_modules_is_a_package_of_the_wheel():
+    """One that is missing works from the checkout, and not for who installs the wheel."""
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    listed = set(tomllib.loads(text)["tool"]["setuptools"]["packages"])
+    for top, name in (("fefinger", "fefinger"), ("validation", "fefinger.validation")):
+        for init in (ROOT / top).rglob("__init__.py"):
+            parts = init.parent.relative_to(ROOT / top).parts
+            assert ".".join((name, *parts)) in listed
