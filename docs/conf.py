@@ -17,6 +17,7 @@ import fefinger
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 
+# Modules of this folder, which is on the path only now.
 import generate  # noqa: E402
 from pictures import shown_figures  # noqa: E402
 

@@ -9,6 +9,7 @@ import tempfile
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+from pynwb import NWBHDF5IO
 
 import fefinger as ff
 
@@ -34,8 +35,6 @@ plt.show()
 # %%
 # NWB: units with their spike times, for the tools of electrophysiology.
 result.spikes.to_nwb(folder / "spikes.nwb")
-from pynwb import NWBHDF5IO  # noqa: E402
-
 
 with NWBHDF5IO(folder / "spikes.nwb", "r") as file:
     units = file.read().units

@@ -47,7 +47,7 @@ def _base(finger: Finger) -> ModuleType:
 
 
 def _doubts(case: Situation) -> list[Doubt]:
-    """Return what of a motion lies beyond the modes that are computed."""
+    """Return the doubts about a motion with frequencies beyond the computed modes."""
     return vibration.doubts(case)
 
 

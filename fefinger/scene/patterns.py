@@ -205,7 +205,7 @@ class Text(Raised):
         raise NotImplementedError
 
     def inside(self, x: Array, y: Array) -> Array:
-        """Return how far (n_x, n_y) mm the nodes of a grid lie inside the outline."""
+        """Compute the signed distance (n_x, n_y) mm of grid nodes from the outline, inside > 0."""
         raise NotImplementedError
 
     @property
@@ -296,7 +296,7 @@ class Braille(Text):
         return float(self.centers[:, 0].max()), 2 * self.spacing
 
     def inside(self, x: Array, y: Array) -> Array:
-        """Return how far (n_x, n_y) mm the nodes of a grid lie inside a dot."""
+        """Compute the signed distance (n_x, n_y) mm of grid nodes from a dot, inside > 0."""
         from scipy.spatial import cKDTree
 
         places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
@@ -359,7 +359,7 @@ class Letters(Text):
         return float(every[:, 0].max()), 2 * float(np.abs(every[:, 1]).max())
 
     def inside(self, x: Array, y: Array) -> Array:
-        """Return how far (n_x, n_y) mm the nodes of a grid lie inside the letters."""
+        """Compute the signed distance (n_x, n_y) mm of grid nodes from the letters, inside > 0."""
         from matplotlib.path import Path
         from scipy.ndimage import gaussian_filter
         from scipy.spatial import cKDTree

@@ -194,7 +194,7 @@ def _of_type(hint: Any) -> Schema:
 
 
 def summary(record: type[Any]) -> str:
-    """Return what a record is: its docstring up to the parameters, in one paragraph."""
+    """Return the docstring of a record up to its parameters, as one paragraph."""
     text = inspect.cleandoc(record.__doc__ or "")
     return " ".join(text.split("\nParameters\n")[0].replace("`", "").split())
 

@@ -73,6 +73,7 @@ def drag(speed: float) -> tuple[float, float]:
     shift[1:, 0] = speed * steps
     history = slide(
         flexibility(wave),
+        # A wave has the distances and slopes that `slide` reads of `Heights`, without a pad.
         wave,  # type: ignore[arg-type]
         np.full(NODES, wave.share),
         Relaxation(np.array(PRONY.weights), np.array(PRONY.v), NODES),

@@ -298,7 +298,7 @@ def _solved(matrix: Array, right: Array, values: Array) -> bool:
     """Solve a linear system; False if it is singular."""
     try:
         values[:] = np.linalg.solve(matrix, right)
-    except Exception:  # numba knows no other
+    except Exception:  # numba compiles no narrower clause; a singular matrix is the only error
         return False
     return True
 
@@ -308,7 +308,7 @@ def _inverted(matrix: Array, inverse: Array) -> bool:
     """Invert a matrix; False if it is singular."""
     try:
         inverse[:] = np.linalg.inv(matrix)
-    except Exception:
+    except Exception:  # as in `_solved`
         return False
     return True
 

@@ -14,7 +14,13 @@ from numba import njit
 from fefinger.fem.contact import friction_compiled as friction
 from fefinger.fem.contact.friction_compiled import FrictionState
 from fefinger.fem.contact.lcp_compiled import CORRECTIONS, DONE, MISSED, Floats, accumulate
-from fefinger.fem.contact.step_compiled import PadState, load_history, store_history
+from fefinger.fem.contact.step_compiled import (
+    PadState,
+    corrected,
+    excess_force,
+    load_history,
+    store_history,
+)
 from fefinger.fem.elements.spaces import Array, Integers
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY, SMALL_FORCE
@@ -140,27 +146,17 @@ def _at_force(s: FrictionState, m: PadState, c: Grip, g: float, force: float) ->
         failed = _at_depth(s, m, c, g, depth)
         if failed != DONE:
             return failed
-        excess = -force
-        for j in range(len(c.projected)):
-            excess += c.projected[j] * s.x[j]
+        excess = excess_force(c.projected, s.x, force)
         if abs(excess) <= close:
             m.depth[0] = depth
             return DONE
-        if excess < 0.0:
-            low = depth
-        else:
-            high = depth
         slope = (excess - last) / (depth - last_depth) if depth != last_depth else 0.0
         if last == -force and c.stiffness[0] > slope:
             slope = c.stiffness[0]  # the first secant, from first touch, is too soft
         last_depth, last = depth, excess
         if slope > 0.0:
             c.stiffness[0] = slope
-            depth -= excess / slope
-        else:
-            depth = 2.0 * depth - touch
-        if not (low < depth and depth < high):
-            depth = (low + high) / 2.0 if np.isfinite(high) else low + 2.0 * (low - touch)
+        depth, low, high = corrected(depth, excess, slope, low, high, touch)
     return MISSED
 
 

@@ -23,6 +23,8 @@ from fefinger.fem.contact.oscillators import Complex, Oscillators
 from fefinger.fem.contact.step_compiled import (
     Output,
     PadState,
+    corrected,
+    excess_force,
     load_history,
     reset,
     store_history,
@@ -214,20 +216,13 @@ def _solve(s: LcpState, m: PadState, target: float, by_force: bool) -> int:
         failed = _at_depth(s, m, depth, work)
         if failed != DONE:
             return failed
-        excess = -target
-        for j in range(len(m.projected)):
-            excess += m.projected[j] * s.x[j]
+        excess = excess_force(m.projected, s.x, target)
         if abs(excess) <= close:
             m.depth[0] = depth
             return DONE
-        if excess < 0.0:
-            low = depth
-        else:
-            high = depth
-        rise = contact.slope(s, m.projected)
-        depth = depth - excess / rise if rise > 0.0 else 2.0 * depth - first_touch
-        if not (low < depth and depth < high):
-            depth = (low + high) / 2.0 if np.isfinite(high) else low + 2.0 * (low - first_touch)
+        depth, low, high = corrected(
+            depth, excess, contact.slope(s, m.projected), low, high, first_touch
+        )
     return MISSED
 
 

@@ -103,7 +103,7 @@ def slide_with_friction(
 
 
 def sticks(pressure: Array, traction: Array, mu: float) -> NDArray[np.bool_]:
-    """Return which vertices (..., n) under pressure have less than the traction of slip."""
+    """Flag the vertices (..., n) under pressure with less than the traction of slip."""
     size = np.hypot(traction[..., 0, :], traction[..., 1, :])
     return np.asarray((pressure > 0) & (size < mu * pressure * (1 - STUCK)))
 

@@ -241,6 +241,34 @@ def _pressure_at_depth(s: LcpState, m: PadState, stiffness: float, depth: float)
 
 
 @njit(cache=True)
+def excess_force(projected: Array, pressure: Array, force: float) -> float:
+    """Force in mN of a pressure (n,) kPa on areas (n,) mm² beyond a prescribed one."""
+    excess = -force
+    for j in range(len(projected)):
+        excess += projected[j] * pressure[j]
+    return excess
+
+
+@njit(cache=True)
+def corrected(
+    depth: float, excess: float, rise: float, low: float, high: float, first_touch: float
+) -> tuple[float, float, float]:
+    """Correct a depth in mm by Newton's method, inside a bracket that may be open above.
+
+    `excess` mN is that of the force at this depth, `rise` mN/mm its slope, 0 or less if unknown.
+    Return the next depth and the bracket.
+    """
+    if excess < 0.0:
+        low = depth
+    else:
+        high = depth
+    depth = depth - excess / rise if rise > 0.0 else 2.0 * depth - first_touch
+    if not (low < depth and depth < high):
+        depth = (low + high) / 2.0 if np.isfinite(high) else low + 2.0 * (low - first_touch)
+    return depth, low, high
+
+
+@njit(cache=True)
 def _pressure_at_force(s: LcpState, m: PadState, g: float, force: float) -> int:
     """Solve for pressure and depth at a force in mN, as `viscoelastic.depth_at`."""
     first_touch = np.inf
@@ -259,20 +287,13 @@ def _pressure_at_force(s: LcpState, m: PadState, g: float, force: float) -> int:
         failed = _pressure_at_depth(s, m, g, depth)
         if failed != DONE:
             return failed
-        excess = -force
-        for j in range(len(m.projected)):
-            excess += m.projected[j] * s.x[j]
+        excess = excess_force(m.projected, s.x, force)
         if abs(excess) <= close:
             m.depth[0] = depth
             return DONE
-        if excess < 0.0:
-            low = depth
-        else:
-            high = depth
-        rise = g * contact.slope(s, m.projected)
-        depth = depth - excess / rise if rise > 0.0 else 2.0 * depth - first_touch
-        if not (low < depth and depth < high):
-            depth = (low + high) / 2.0 if np.isfinite(high) else low + 2.0 * (low - first_touch)
+        depth, low, high = corrected(
+            depth, excess, g * contact.slope(s, m.projected), low, high, first_touch
+        )
     return MISSED
 
 

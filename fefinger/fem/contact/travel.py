@@ -52,7 +52,10 @@ class Swept:
 
 
 def envelope(obstacle: Obstacle, path: Array) -> Rigid:
-    """Return what the candidates of a path (n, 2) mm are chosen by; of a plate, its plane."""
+    """Return the union of an obstacle along a path (n, 2) mm, by which candidates are chosen.
+
+    That of a plate with a level texture is its plane.
+    """
     if obstacle.profile.level:
         return Obstacle(obstacle.axis, obstacle.origin, Plane())
     length = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))

@@ -124,13 +124,13 @@ def solved(
 
 
 def distances(press: Press, on: Patch) -> Array:
-    """Return how far (n_t, n_near) mm the indenter is ahead of the neighborhood of a patch."""
+    """Compute the distances (n_t, n_near) mm of the neighborhood of a patch from the indenter."""
     near = Heights.over(press.obstacle, press.body.space.points[on.neighborhood.vertices])
     return near.distances(press.motion.shift(press.time))
 
 
 def lateral(press: Press, history: SmallStrainHistory, pad: Pad, column: Integers) -> Lateral:
-    """Return what the answer says of path and friction; `column` (n_pad,) as of `whole_pad`."""
+    """Collect path, lateral force and friction; `column` (n_pad,) as of `whole_pad`."""
     on, contact, half = history.reduced.patch, history.contact, press.body.half
     sliding = contact.sliding
     assert sliding is not None
@@ -179,7 +179,7 @@ def _torque(press: Press, history: SmallStrainHistory) -> Array:
 
 
 def notes(press: Press, history: SmallStrainHistory) -> tuple[str, ...]:
-    """Return what has to be said of a press with a path or with friction, and how it went."""
+    """Return the notes on a press with a path or with friction, and its outcome in words."""
     if not press.slides:
         return ()
     if not press.friction:

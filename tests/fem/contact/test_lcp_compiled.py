@@ -6,6 +6,7 @@ from fefinger.validation.oracles.march import march
 
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.step_compiled import corrected
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY
@@ -134,3 +135,16 @@ def test_a_reset_forgets(pad: tuple) -> None:
             answers.append(state.x.copy())
         first.append(np.array(answers))
     assert np.array_equal(*first)
+
+
+def test_a_corrected_depth_stays_in_its_bracket_and_finds_a_root_of_a_stiffening_force() -> None:
+    """Newton's method on d^3 - 2 from first touch at 0, with and without a slope."""
+    for slope_known in (True, False):
+        depth, low, high = 0.1, 0.0, np.inf
+        for _ in range(200):
+            excess = depth**3 - 2.0
+            rise = 3 * depth**2 if slope_known else 0.0
+            depth, low, high = corrected(depth, excess, rise, low, high, 0.0)
+            assert low <= depth <= high
+            assert low**3 <= 2.0 <= high**3
+        assert depth == pytest.approx(2.0 ** (1 / 3), rel=1e-9)
