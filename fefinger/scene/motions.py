@@ -1,14 +1,13 @@
 """The motions of a scene: ramps, holds, sinusoids and samples, of depth in mm or force in N.
 
-Each class holds its fields; how it moves is in its base, a shape of `motion.py`.
+Each class holds its fields; how it moves is in its base, a shape of `motion_shapes.py`.
 """
 
 from dataclasses import KW_ONLY, dataclass, field
 from typing import final
 
-from fefinger.scene.motion import (
-    AS_LONG_AS_FITS,
-    Motion,
+from fefinger.scene.motion import AS_LONG_AS_FITS, Motion
+from fefinger.scene.motion_shapes import (
     RampHoldMotion,
     RampMotion,
     RampSinusoidMotion,

@@ -1,6 +1,6 @@
 """Motions with a path: the indenter is pressed, and moves across its direction of travel.
 
-A shape is abstract, as in `motion.py`; `motions.py` has the final classes. x and y of a path lie in
+A shape is abstract, as in `motion_shapes.py`; `motions.py` has the final classes. x and y of a path lie in
 the plane across the travel: x distal, y radial, those of a plate before its `roll`.
 """
 
@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.scene.motion import RampMotion, SampledMotion, rest_limit
+from fefinger.scene.motion_shapes import RampMotion, SampledMotion, rest_limit
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.checks import InputError, numbers
 from fefinger.support.csv_columns import read_columns

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.fem.contact import friction_compiled
+from fefinger.fem.contact import friction_compiled, friction_state
 from fefinger.fem.contact.lcp_compiled import DONE
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics import condensed, linear
@@ -173,7 +173,7 @@ def test_friction_finds_the_law_for_every_coefficient_from_rest_and_from_before(
     basis = rng.normal(size=(60, 60))
     matrix = basis @ basis.T / 60 + 0.05 * np.eye(60)
     for mu in (0.0, 0.1, 0.5):
-        state = friction_compiled.friction_state(matrix, mu)
+        state = friction_state.friction_state(matrix, mu)
         for _ in range(5):
             offset = rng.normal(size=60)
             assert friction_compiled.solve(state, offset, 1e-10) == DONE
@@ -190,7 +190,7 @@ def test_friction_finds_the_law_for_every_coefficient_from_rest_and_from_before(
 def test_a_flexibility_without_an_inverse_ends_in_a_failure_not_in_an_exception():
     flat = np.zeros((6, 6))
     flat[:2, :2] = 1.0  # two vertices that move as one, and not along the plane
-    state = friction_compiled.friction_state(flat, 0.3)
+    state = friction_state.friction_state(flat, 0.3)
     offset = np.array([-1.0, -2.0, 0.0, 0.0, 0.0, 0.0])
     outcome = friction_compiled.solve(state, offset, 1e-10)
     assert outcome != DONE or (flat @ state.x + offset)[:2].min() > -1e-9

@@ -5,7 +5,7 @@ from fefinger.validation.friction.sheared import CONTACT, RADIUS, contact, limit
 from fefinger.validation.oracles.coulomb import projected
 from numpy.typing import NDArray
 
-from fefinger.fem.contact import friction_compiled
+from fefinger.fem.contact import friction_compiled, friction_state
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.lcp_compiled import DONE
 from fefinger.support.tolerances import COMPLEMENTARITY
@@ -19,7 +19,7 @@ HUGE = 1e9
 
 def solved(flexibility: Array, offset: Array, mu: float) -> Array:
     """Return pressures and tractions (3n,) of one contact without a past."""
-    state = friction_compiled.friction_state(flexibility, mu)
+    state = friction_state.friction_state(flexibility, mu)
     outcome = friction_compiled.solve(state, offset, COMPLEMENTARITY)
     if outcome != DONE:
         message = f"friction: no solution, outcome {outcome}"

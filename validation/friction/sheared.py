@@ -15,7 +15,7 @@ from fefinger.validation.oracles.mindlin import Mindlin
 from fefinger.validation.problems.shear_block import ShearBlock
 from numpy.typing import NDArray
 
-from fefinger.fem.contact import friction_compiled, friction_step, step_compiled
+from fefinger.fem.contact import friction_state, friction_step, step_compiled
 from fefinger.fem.contact.lcp_compiled import DONE
 from fefinger.fem.contact.sliding_march import sticks
 
@@ -83,7 +83,7 @@ def sheared(body: Body, size: int, path: Array, mu: float = MU) -> Sheared:
     """Press to the depth of CONTACT and shear along a path (k,) mm."""
     on = contact(body, size)
     count = len(on.areas)
-    state = friction_compiled.friction_state(on.flexibility, mu)
+    state = friction_state.friction_state(on.flexibility, mu)
     memory = step_compiled.pad_state(
         np.zeros(3 * count), np.zeros(3 * count), np.zeros(0), np.zeros(0)
     )

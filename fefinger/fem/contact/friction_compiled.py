@@ -12,13 +12,21 @@ Vectors of 3n have the pressures first, then the tractions along x, then those a
 in question are compressed into a block with three rows for each of them.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
 
+from fefinger.fem.contact.friction_state import (
+    INVERTED,
+    KEPT,
+    SOLVED,
+    SWEPT,
+    FrictionState,
+    K,
+    join,
+    leave,
+)
 from fefinger.fem.contact.lcp_compiled import DONE, ENDLESS, SINGULAR, accumulate
-from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.fem.elements.spaces import Array
 
 
 CONE = 1e-10  # residual that counts as none, over the largest pressure
@@ -30,139 +38,6 @@ REFRESHED = 8  # steps with an inverse after which it is computed anew, the next
 ROUNDS = 60  # of vertices that join
 
 KINDS = 5  # of unknowns
-
-K, SOLVED, SWEPT, KEPT, INVERTED = 0, 1, 2, 3, 4
-"""Indices of `FrictionState.counts`: vertices in the block; Newton steps, and sweeps; unknowns of
-the last matrix, and whether its inverse is at hand."""
-
-
-class FrictionState(NamedTuple):
-    """State of the contact problem with friction: F x + b against both projections.
-
-    flexibility F (3n, 3n); mu (1,); x and moved = F x (3n,); block (3n, 3n): rows of the vertices
-    `where` (n,) in question, whose position is `place` (n,) or -1; compressed, constant and rest
-    (3n,): x, b and F x + b of the block; before and start (3n,): ends of a Newton step; vertex and
-    extra (3n,), column and row (3n, 3), code and kept (3n,): its unknowns, and those of the last
-    matrix, with its inverse (3n, 3n); counts (5,); residual (1,): of the last
-    solution; chosen and factor (3n,): work; saved (2, 3n) and saved_where (n + 1,): x, moved and
-    the vertices at the last `save`.
-    """
-
-    flexibility: Array
-    mu: Array
-    x: Array
-    moved: Array
-    block: Array
-    where: Integers
-    place: Integers
-    compressed: Array
-    constant: Array
-    rest: Array
-    before: Array
-    start: Array
-    vertex: Integers
-    extra: Array
-    column: Array
-    row: Array
-    code: Integers
-    kept: Integers
-    inverse: Array
-    counts: Integers
-    residual: Array
-    chosen: Integers
-    factor: Array
-    saved: Array
-    saved_where: Integers
-
-
-def friction_state(flexibility: Array, mu: float) -> FrictionState:
-    """Allocate the state of a flexibility (3n, 3n) and a coefficient, without contact."""
-    n = len(flexibility) // 3
-    return FrictionState(
-        flexibility=np.array(flexibility, order="C"),
-        mu=np.array([mu], dtype=np.float64),
-        x=np.zeros(3 * n),
-        moved=np.zeros(3 * n),
-        block=np.zeros((3 * n, 3 * n)),
-        where=np.zeros(n, dtype=np.int64),
-        place=np.full(n, -1, dtype=np.int64),
-        compressed=np.zeros(3 * n),
-        constant=np.zeros(3 * n),
-        rest=np.zeros(3 * n),
-        before=np.zeros(3 * n),
-        start=np.zeros(3 * n),
-        vertex=np.zeros(3 * n, dtype=np.int64),
-        extra=np.zeros(3 * n),
-        column=np.zeros((3 * n, 3)),
-        row=np.zeros((3 * n, 3)),
-        code=np.zeros(3 * n, dtype=np.int64),
-        kept=np.zeros(3 * n, dtype=np.int64),
-        inverse=np.zeros((3 * n, 3 * n)),
-        counts=np.zeros(5, dtype=np.int64),
-        residual=np.zeros(1),
-        chosen=np.zeros(3 * n, dtype=np.int64),
-        factor=np.zeros(3 * n),
-        saved=np.zeros((2, 3 * n)),
-        saved_where=np.zeros(n + 1, dtype=np.int64),
-    )
-
-
-@njit(cache=True)
-def release(s: FrictionState) -> None:
-    """Reset to the state without contact."""
-    s.place[:] = -1
-    s.counts[:] = 0
-    s.x[:] = 0.0
-    s.moved[:] = 0.0
-
-
-@njit(cache=True)
-def save(s: FrictionState) -> None:
-    """Save the present solution."""
-    s.saved[0], s.saved[1] = s.x, s.moved
-    s.saved_where[0] = s.counts[K]
-    s.saved_where[1:] = s.where
-
-
-@njit(cache=True)
-def restore(s: FrictionState) -> None:
-    """Restore the saved solution and its vertices."""
-    s.place[:] = -1
-    s.counts[K] = 0
-    for i in range(s.saved_where[0]):
-        _join(s, s.saved_where[1 + i])
-    s.x[:], s.moved[:] = s.saved[0], s.saved[1]
-
-
-@njit(cache=True)
-def _join(s: FrictionState, vertex: int) -> None:
-    """Add a vertex to the block."""
-    n, k, f = len(s.where), s.counts[K], s.flexibility
-    s.where[k], s.place[vertex] = vertex, k
-    s.counts[K] = k + 1
-    for a in range(3):
-        row = f[a * n + vertex]
-        for i in range(k + 1):
-            for b in range(3):
-                value = row[b * n + s.where[i]]
-                s.block[3 * k + a, 3 * i + b] = value
-                s.block[3 * i + b, 3 * k + a] = value
-
-
-@njit(cache=True)
-def _leave(s: FrictionState, vertex: int) -> None:
-    """Remove a vertex from the block: the last one takes its place."""
-    last, at = s.counts[K] - 1, s.place[vertex]
-    if at != last:
-        for a in range(3):
-            s.block[3 * at + a, : 3 * last + 3] = s.block[3 * last + a, : 3 * last + 3]
-        for a in range(3):
-            for j in range(3 * last + 3):
-                s.block[j, 3 * at + a] = s.block[j, 3 * last + a]
-        s.where[at] = s.where[last]
-        s.place[s.where[at]] = at
-    s.place[vertex] = -1
-    s.counts[K] = last
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -470,7 +345,7 @@ def solve(s: FrictionState, offset: Array, tolerance: float) -> int:
             if s.place[j] < 0 and s.moved[j] + offset[j] < -tolerance * scale:
                 if not s.flexibility[j, j] > 0.0:
                     return SINGULAR
-                _join(s, j)
+                join(s, j)
                 joined += 1
         if joined == 0 and (number > 0 or s.counts[K] == 0):
             return DONE
@@ -497,5 +372,5 @@ def _unload(s: FrictionState) -> None:
         if s.x[s.where[i]] > 0.0:
             i += 1
         else:
-            _leave(s, s.where[i])
+            leave(s, s.where[i])
     product(s)

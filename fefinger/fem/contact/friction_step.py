@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from fefinger.fem.contact import friction_compiled as friction
-from fefinger.fem.contact.friction_compiled import FrictionState
+from fefinger.fem.contact.friction_state import FrictionState, release, restore, save
 from fefinger.fem.contact.lcp_compiled import CORRECTIONS, DONE, MISSED, Floats, accumulate
 from fefinger.fem.contact.step_compiled import (
     PadState,
@@ -62,7 +62,7 @@ def grip(gap: Array, projected: Array) -> Grip:
 @njit(cache=True)
 def reset(s: FrictionState, m: PadState, c: Grip) -> None:
     """Reset the pad to rest: no contact and no history."""
-    friction.release(s)
+    release(s)
     for array in (m.terms, m.moved_terms):
         array[:] = 0.0
     for row in (m.elastic, m.moved_elastic, m.depth, m.peak, c.slip, c.lost, c.stiffness):
@@ -85,7 +85,7 @@ def step(
     Return DONE or a failure, after which the state is as it was.
     """
     n, depth, peak = len(c.gap), m.depth[0], m.peak[0]
-    friction.save(s)
+    save(s)
     g = load_history(m, dt)
     for j in range(n):
         for a, moved in ((1, x), (2, y)):
@@ -100,7 +100,7 @@ def step(
         if failed == DONE and s.x[j] > 0.0:
             failed = c.limits[j]
     if failed != DONE:
-        friction.restore(s)
+        restore(s)
         m.depth[0], m.peak[0] = depth, peak
         return failed
     _slip(s, m, c, g)

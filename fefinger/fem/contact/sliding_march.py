@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.fem.contact import friction_compiled, friction_step, step_compiled
+from fefinger.fem.contact import friction_state, friction_step, step_compiled
 from fefinger.fem.contact import lcp_compiled as contact
 from fefinger.fem.contact.travel import Travel
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, Sliding
@@ -74,7 +74,7 @@ def slide_with_friction(
         As `slide`; and if no traction fits the law of friction.
     """
     n = len(projected)
-    s = friction_compiled.friction_state(flexibility, mu)
+    s = friction_state.friction_state(flexibility, mu)
     m = step_compiled.pad_state(
         np.zeros(3 * n), np.zeros(3 * n), relaxation.weights, relaxation.rates
     )
@@ -99,7 +99,7 @@ def slide_with_friction(
         progress((k + 1) / count)
     pressure, traction = np.ascontiguousarray(x[:, :n]), x[:, n:].reshape(count, 2, n)
     sliding = Sliding(shift, slopes, traction, slip, sticks(pressure, traction, mu), lost, worst)
-    return History(depth, pressure, elastic, int(s.counts[friction_compiled.SOLVED]), sliding)
+    return History(depth, pressure, elastic, int(s.counts[friction_state.SOLVED]), sliding)
 
 
 def sticks(pressure: Array, traction: Array, mu: float) -> NDArray[np.bool_]:

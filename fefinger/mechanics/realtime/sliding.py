@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import OutsideError, faces_down
-from fefinger.fem.contact import friction_compiled, friction_step, lcp_compiled, step_compiled
+from fefinger.fem.contact import friction_state, friction_step, lcp_compiled, step_compiled
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.sliding_march import sticks
 from fefinger.fem.contact.travel import Travel
@@ -120,7 +120,7 @@ class Sliding:
         self._memory = step_compiled.pad_state(np.zeros(size), areas, weights, rates)
         self._grip = friction_step.grip(np.zeros(count), on.projected)
         self._state = lcp_compiled.lcp_state(np.zeros((0, 0)) if mu else reduced.flexibility)
-        self._gripping = friction_compiled.friction_state(
+        self._gripping = friction_state.friction_state(
             reduced.flexibility if mu else np.zeros((0, 0)), mu
         )
         self._chosen = np.zeros(size, dtype=np.int64)

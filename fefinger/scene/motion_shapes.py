@@ -1,0 +1,349 @@
+"""Shapes of motions in time: ramp, hold, trapezoid, sinusoid, sweep, samples.
+
+A shape is abstract: `motions.py` has its two final classes, of depth in mm and of force in N, which
+hold the fields.
+"""
+
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fefinger.scene.motion import LIMITS, Motion
+from fefinger.scene.trajectory import Sweep, Trajectory, Wave
+from fefinger.support.checks import InputError, number, numbers, reject_unknown
+from fefinger.support.csv_columns import read_columns
+from fefinger.support.wave_file import read_wave
+
+
+Array = NDArray[np.float64]
+
+ANSWERED = 200
+"""Frequencies at which a sweep is answered in closed form."""
+
+FEWEST_SAMPLES = 64
+"""Samples from which on a motion has a spectrum."""
+
+UNEVEN = 1e-3
+"""Relative difference of the times between samples that counts as none."""
+
+LEFT_OUT = 1e-2
+"""Share of the power of the speed beyond the highest frequency of samples."""
+
+SETTLE = 0.2
+"""Time in s of the approach to a preload before a waveform from a file, and of the rest after."""
+
+
+class RampMotion(Motion):
+    """A ramp from rest to a depth or a force, which ends while moving."""
+
+    corner: float
+
+    @property
+    def level(self) -> float:
+        """Depth in mm or force in N at the end of the ramp."""
+        return float(getattr(self, self.control))
+
+    @property
+    def top(self) -> float:
+        """Length of the ramp in s, with sharp corners."""
+        pace = getattr(self, "loading_rate" if self.control == "force" else "speed")
+        return float(self.level / pace)
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The length of the ramp in s."""
+        return (self.top,)
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The ramp."""
+        return Trajectory.through([0, self.top], [0, self.level], corner=self.corner, stop=False)
+
+    def ramp_and_rest(self, hold: float) -> Trajectory:
+        """Return the ramp, and a rest of `hold` s after its corner."""
+        rest = hold + self.corner / 2
+        times, levels = [0, self.top, self.top + rest], [0, self.level, self.level]
+        if rest == 0:
+            times, levels = times[:2], levels[:2]
+        return Trajectory.through(times, levels, corner=self.corner, stop=False)
+
+
+def rest_limit(hold: float) -> tuple[float, ...]:
+    """Return twice the length of a rest in s, the longest corner before it; none without rest."""
+    return (2 * hold,) if hold else ()
+
+
+class RampHoldMotion(RampMotion):
+    """A ramp and a rest of `hold` s."""
+
+    hold: float
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The length of the ramp in s, and twice that of the rest."""
+        return self.top, *rest_limit(self.hold)
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Ramp and rest."""
+        return self.ramp_and_rest(self.hold)
+
+
+class TrapezoidMotion(RampMotion):
+    """A ramp, a rest of `hold` s and the same ramp back to 0."""
+
+    hold: float
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Both ramps and the rest."""
+        top, rest = self.top, self.hold + self.corner
+        times, levels = [0, top, top + rest, 2 * top + rest], [0, self.level, self.level, 0]
+        if rest == 0:
+            times, levels = [0, top, 2 * top], [0, self.level, 0]
+        return Trajectory.through(times, levels, corner=self.corner, stop=True)
+
+
+class RampSinusoidMotion(RampMotion):
+    """A ramp, a rest of `settle` s, and `cycles` of a sine about the level of the ramp."""
+
+    amplitude: float
+    frequency: float
+    cycles: int
+    settle: float
+
+    @property
+    def steady_level(self) -> float:
+        """The level of the ramp."""
+        return self.level
+
+    @property
+    def rest(self) -> float:
+        """Length of the rest in s."""
+        return self.settle
+
+    @property
+    def periods(self) -> int:
+        """Number of cycles of the sine."""
+        return self.cycles
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The lengths in s of the ramp and of the sine, and twice that of the rest."""
+        return self.top, *rest_limit(self.rest), self.periods / self.frequency
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Ramp, rest and sine; InputError for a force that would pull."""
+        longest = self.periods / self.frequency
+        if self.corner > longest:
+            msg = (
+                f"motion.corner: expected at most the length of the sinusoid, {longest:g} s, "
+                f"received {self.corner:g}; 0 starts it at once"
+            )
+            raise InputError(msg)
+        if self.control == "force" and self.amplitude >= self.level:
+            msg = (
+                f"motion.amplitude: expected less than the mean force of {self.level:g} N, "
+                f"received {self.amplitude:g}; a contact cannot pull"
+            )
+            raise InputError(msg)
+        base = self.ramp_and_rest(self.rest)
+        wave = Wave(base.duration, self.amplitude, self.frequency, self.corner)
+        return base.followed_by(wave, self.periods)
+
+
+class SweepMotion(RampMotion):
+    """A ramp, a rest of `settle` s, and a sine about its level that runs through frequencies."""
+
+    amplitude: float
+    start: float
+    stop: float
+    seconds: float
+    settle: float
+
+    @property
+    def steady_level(self) -> float:
+        """The level of the ramp."""
+        return self.level
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The lengths in s of the ramp and of the sine, and twice that of the rest."""
+        return self.top, *rest_limit(self.settle), self.seconds
+
+    @property
+    def frequencies(self) -> Array:
+        """Frequencies (ANSWERED,) in Hz from `start` to `stop`, even per octave."""
+        return np.geomspace(self.start, self.stop, ANSWERED)
+
+    @property
+    def recorded_from(self) -> float:
+        """The start of the sine in s."""
+        return self.ramp_and_rest(self.settle).duration
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Ramp, rest and sine; InputError for an amplitude that leaves the finger."""
+        if self.amplitude >= self.level:
+            msg = (
+                f"motion.amplitude: expected less than the preload of {self.level:g} {self.unit}, "
+                f"received {self.amplitude:g}; a sweep stays in contact"
+            )
+            raise InputError(msg)
+        base, highest = self.ramp_and_rest(self.settle), max(self.start, self.stop)
+        wave = Sweep(
+            start=base.duration,
+            amplitude=self.amplitude,
+            frequency=highest,
+            rise=self.corner,
+            first=self.start,
+            last=self.stop,
+            length=self.seconds,
+        )
+        return base.followed_by(wave, self.seconds * highest)
+
+
+class SinusoidMotion(Motion):
+    """`cycles` of a sine from nothing to twice its amplitude, at rest at both ends."""
+
+    amplitude: float
+    frequency: float
+    cycles: int
+
+    @property
+    def steady_level(self) -> float:
+        """The mean: one amplitude."""
+        return self.amplitude
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The sine."""
+        wave = Wave(0.0, self.amplitude, self.frequency, 0.0, phase=-np.pi / 2)
+        return Trajectory.level(self.amplitude, wave, self.cycles)
+
+
+class SampledMotion(Motion):
+    """Times in s from 0 on, and a column named as `control`; straight lines between them."""
+
+    time: tuple[float, ...]
+    corner: float
+
+    @property
+    def sample_rate(self) -> float | None:
+        """Samples per s; None where they are uneven or few."""
+        steps = np.diff(self.time)
+        if len(steps) < FEWEST_SAMPLES or np.ptp(steps) > UNEVEN * steps.mean():
+            return None
+        return float(1 / steps.mean())
+
+    @cached_property
+    def highest_frequency(self) -> float | None:
+        """Frequency in Hz below which lies all but a hundredth of the power of the speed."""
+        rate = self.sample_rate
+        if rate is None:
+            return None
+        speed = np.diff(getattr(self, self.control)) * rate
+        power = np.abs(np.fft.rfft(speed)) ** 2
+        if not power.sum() > 0:
+            return None
+        place = int(np.searchsorted(np.cumsum(power), (1 - LEFT_OUT) * power.sum()))
+        return float(np.fft.rfftfreq(len(speed), 1 / rate)[place]) or None
+
+    @property
+    def steady_level(self) -> float:
+        """The mean of the samples where they are above 0."""
+        values = np.array(getattr(self, self.control))
+        return float(values[values > 0].mean())
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The lines; InputError for times or values that are none of a motion."""
+        values = getattr(self, self.control)
+        self._check_samples(self.control, values)
+        return Trajectory.through(self.time, values, corner=self.corner, stop=False)
+
+    def _check_fields(self) -> dict[str, Any]:
+        self._set(corner=number("motion.corner", self.corner, **LIMITS["corner"]))
+        for name in ("time", self.control):
+            self._set(**{name: numbers(f"motion.{name}", getattr(self, name))})
+        return {}
+
+    def _check_samples(self, name: str, values: tuple[float, ...]) -> None:
+        time = self.time
+        if len(time) != len(values) or len(time) < 2:
+            msg = (
+                f"motion.{name}: expected as many values as times, at least 2, "
+                f"received {len(values)} values and {len(time)} times"
+            )
+            raise InputError(msg)
+        if time[0] != 0:
+            msg = (
+                f"motion.time: expected times that start at 0 s, received {time[0]:g} first; "
+                "subtract it from all of them"
+            )
+            raise InputError(msg)
+        for i, (before, after) in enumerate(pairwise(time), start=1):
+            if after <= before:
+                msg = (
+                    f"motion.time[{i}]: expected a time above {before!r} s, received {after!r}; "
+                    "sort the samples and keep one of each time"
+                )
+                raise InputError(msg)
+        if max(values) <= 0:
+            msg = (
+                f"motion.{name}: expected a value above 0, received at most {max(values):g}; "
+                "so the indenter never touches the finger"
+            )
+            raise InputError(msg)
+        if name == "force" and min(values) < 0:
+            msg = (
+                f"motion.force: expected forces of at least 0 N, received {min(values):g}; "
+                "a contact cannot pull"
+            )
+            raise InputError(msg)
+
+    @classmethod
+    def from_file(cls, file: str | Path, **options: Any) -> Self:
+        """Read a motion from a CSV file, or from a WAV file with the `options` of `from_wav`."""
+        if Path(file).suffix.lower() == ".wav":
+            return cls.from_wav(file, **options)
+        reject_unknown("motion", options, ("corner",))
+        return cls.from_csv(file, **options)
+
+    @classmethod
+    def from_wav(
+        cls, file: str | Path, *, amplitude: float, preload: float, settle: float = SETTLE
+    ) -> Self:
+        """Read a waveform, as a vibration about a preload.
+
+        Its full scale is `amplitude` in mm or N; the preload is reached within `settle` s, and
+        held as long. Of several channels the first is taken.
+
+        Raises
+        ------
+        InputError
+            No WAV file, or one without sound.
+        """
+        amplitude = number("motion.amplitude", amplitude, above=0)
+        preload = number("motion.preload", preload, above=0)
+        settle = number("motion.settle", settle, above=0, unit="s")
+        rate, wave = read_wave("motion.file", Path(file))
+        ramp = int(np.ceil(settle * rate))
+        way = np.minimum(np.arange(2 * ramp) / ramp, 1.0)
+        approach = preload * (1 - np.cos(np.pi * way)) / 2
+        values = np.concatenate([approach, preload + amplitude * wave])
+        times = np.arange(len(values)) / rate
+        given: dict[str, Any] = {"time": tuple(times.tolist()), cls.control: tuple(values.tolist())}
+        return cls(**given)
+
+    @classmethod
+    def from_csv(cls, file: str | Path, *, corner: float = 0.0) -> Self:
+        """Read the columns time (s) and depth (mm) or force (N), named in the first line."""
+        time, values = read_columns("motion.file", Path(file), ("time", cls.control))
+        columns: dict[str, Any] = {"time": time, cls.control: values, "corner": corner}
+        return cls(**columns)
