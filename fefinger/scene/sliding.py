@@ -1,7 +1,7 @@
 """Motions with a path: the indenter is pressed, and moves across its direction of travel.
 
-A shape is abstract, as in `motion_shapes.py`; `motions.py` has the final classes. x and y of a path lie in
-the plane across the travel: x distal, y radial, those of a plate before its `roll`.
+A shape is abstract, as in `motion_shapes.py`; `motions.py` has the final classes. x and y of a path
+lie in the plane across the travel: x distal, y radial, those of a plate before its `roll`.
 """
 
 from functools import cached_property

@@ -78,6 +78,12 @@ def stiffness_ratio(subject: str, at: float) -> Noted:
     return Noted(ours / theirs, f"{ours:.3g} N/mm; the subject {theirs:.3g} N/mm")
 
 
+def force_ratio(subject: str) -> Noted:
+    """Return the largest force of the finger over that of the subject at the same depth."""
+    ours, theirs = float(pressed(subject).force.max()), float(law(subject)[1].max())
+    return Noted(ours / theirs, f"{ours:.3g} N; the subject {theirs:.3g} N")
+
+
 def held_share(subject: str) -> Noted:
     """Return the force after 5 s of hold over its peak, minus that of Table 2.1."""
     ours, theirs = pressed(subject).force, law(subject)[1]
@@ -153,6 +159,8 @@ def _stiffness(subject: str) -> Iterator[Case]:
         name = f"stiffness at {at:g} N over that of the subject, {subject}"
         measure, expected = partial(stiffness_ratio, subject, at), _close(1.0, TENTH)
         yield _case(name, measure, expected, STIFFNESS)
+    name = f"force at {DEPTH[subject]:g} mm over that of the subject, {subject}"
+    yield _case(name, partial(force_ratio, subject), _close(1.0, TENTH), STIFFNESS)
 
 
 def _relaxation(subject: str) -> Iterator[Case]:

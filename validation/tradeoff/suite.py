@@ -219,7 +219,7 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
         "in the median with that of the cheapest that will do",
         wanted=0.0 if short else None,
         shortfall=(
-            "`lumped`, in milliseconds, would have done in six scenes of objects and tissue whose "
+            "`lumped`, in milliseconds, would have done in five scenes of objects and tissue whose "
             "law was not identified, where no error of it is known"
             if short
             else ""
