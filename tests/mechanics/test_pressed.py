@@ -255,6 +255,23 @@ def test_a_press_by_force_ends_where_it_bears_it() -> None:
     assert np.diff(response.depth)[-1] > 0, "it creeps"
 
 
+@pytest.mark.parametrize("subject", ["a.h.", "d.p.", "d.s.", "p.w."])
+@pytest.mark.parametrize("indenter", [Flat(30), Sphere(5.0)], ids=["plate", "ball"])
+def test_shipped_presses_are_found_and_are_of_the_candidates_of_today(
+    subject: str, indenter, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    for mesh in ("coarse", "standard"):
+        finger = Finger.subject(subject, resolution=mesh)
+        depth, force = elastic_store.deepest_at_hand(finger, indenter, Ramp(1.0, 0.5))
+        assert depth > 0.1 * finger.thickness
+        assert force > 0.1
+    asked = scene(Ramp(60, 0.5), Finger.subject(subject, resolution="coarse"))
+    response = pressed.respond(replace(asked, indenter=indenter))
+    assert response.force.max() > 0
+    assert not (tmp_path / "fefinger" / "elastic").exists(), "nothing was solved anew"
+
+
 def _table() -> ElasticPress:
     """Return a small table of that finger under the plate, without solving it."""
     from fefinger.mechanics.press.carried import METHOD
