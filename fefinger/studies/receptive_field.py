@@ -130,7 +130,7 @@ def receptive_field(
     branched, seed
         Whether units have the published numbers of end organs, and the seed of their places.
     mechanics
-        Name of the mechanics; by default the cheapest that does not refuse.
+        Name of the mechanics; by default the cheapest for all places that does not refuse.
     progress
         Called with "places" and the fraction that is done.
 
@@ -155,7 +155,8 @@ def receptive_field(
     asked = _with_units(builtin.given(scene), choices("kinds", kinds, TYPES), branched, seed)
     lines = spacing * np.arange(-count, count + 1)
     places = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
-    plan = choose(_moved(asked, ASIDE), mechanics)
+    aside = _moved(asked, ASIDE)
+    plan = choose(aside, mechanics or cheapest(aside, len(places)))
     press = partial(_pressed, asked, plan)
     response, _ = press(np.zeros(2))
     impulses, on, left_out = [], np.ones(len(places), bool), []
@@ -209,3 +210,21 @@ def _moved(scene: "Scene", place: Array) -> "Scene":
     """Return the scene with its object at a place (2,) mm."""
     x, y = place.tolist()
     return replace(scene, indenter=scene.indenter.moved((x, y)))
+
+
+def cheapest(scene: "Scene", count: int) -> str | None:
+    """Return the mechanics that answers `count` such scenes first; None where all refuse.
+
+    What a mechanics builds once, as the operator of `condensed`, serves all of them.
+    """
+    from fefinger.mechanics import get
+    from fefinger.mechanics.situation import Situation
+    from fefinger.plan import rungs
+
+    case, total = Situation.of(scene), {}
+    for rung in rungs(scene):
+        if not rung.refusals and np.isfinite(rung.error):
+            on = case if rung.resolution is None else case.on(rung.resolution)
+            once = get(rung.mechanics).once(on)
+            total[rung.mechanics] = once + count * (rung.seconds - once)
+    return min(total, key=total.__getitem__, default=None)

@@ -3,13 +3,15 @@
 import json
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.studies.receptive_field import FILES, ReceptiveField
+from fefinger.scene import builtin
+from fefinger.studies.receptive_field import FILES, ReceptiveField, cheapest
 from fefinger.support.checks import InputError
 
 
@@ -97,3 +99,14 @@ def test_it_writes_a_table_and_a_picture(field, tmp_path):
 def test_what_has_no_field_is_refused_in_a_sentence(options, message, capsys):
     assert main(["field", *options]) == 2
     assert message in capsys.readouterr().err
+
+
+def test_many_places_share_what_a_mechanics_builds_once(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    scene = builtin.load("pin-hold", {"indenter.at": [0.5, 0.5]})
+    assert cheapest(scene, 1) == "linear"
+    assert cheapest(scene, 1000) == "condensed"
+    refused = builtin.load("pin-hold", {"indenter.at": [0.5, 0.5], "ask.rel_error": 1e-6})
+    assert cheapest(refused, 1) is None
