@@ -4,6 +4,8 @@ The formula is in `theory/lumped/spring.py`, its proof in the tests of it; whose
 in `evidence/lumped_law.py`.
 """
 
+import math
+
 from fefinger.mechanics.evidence.lumped_law import Law, law
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.press.limits import check_reached
@@ -81,10 +83,10 @@ def once(case: Situation) -> float:
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     """Return the relative error of the force against `solid` of the same finger, and its source.
 
-    Not a number where no press has identified the law of the scene's finger under its plate.
+    Not a number where the law of the scene's finger was not compared under such an object.
     """
     found = law(case)
-    if quantity != "force" or found.doubt or case.indenter.flat is None:
+    if quantity != "force" or math.isnan(found.error):
         return float("nan"), "not known: no press like it was measured"
     said = f"{found.evidence}; {SINUSOIDS}" if found.printed else found.evidence
     return found.error + NUMERICAL, said
@@ -143,6 +145,8 @@ def _doubts(case: Situation) -> list[Doubt]:
     """Return in which way the scene differs from what was measured, with the numbers."""
     flat, found = case.indenter.flat, law(case)
     doubts = [Doubt("finger", found.doubt)] if found.doubt else []
+    if not math.isnan(found.error):
+        return _too_hard(case, found) if found.printed else []
     if flat is None:
         reason = f"indenter = {case.indenter.kind}: it was measured with a flat plate"
         doubts.append(Doubt("indenter", reason))

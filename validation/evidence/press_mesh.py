@@ -7,8 +7,8 @@ Each press is the elastic one that `pressed` and `solid` share: a ramp of relaxe
 and the standard mesh are compared; the error of the standard one is what is left of their
 difference if errors are of order 2 in the size of the cells, and that of the fine one follows from
 its size. On published tissue, `tradeoff.json` has the smooth plates up to
-30 degrees and the balls in the middle of the pad; under the other objects, every mechanics is
-compared with finite strain on the finest mesh here.
+30 degrees and the balls in the middle of the pad; under the other objects, and on the calibrated
+fingers under all of them, every mechanics is compared with finite strain on the finest mesh here.
 """
 
 import json
@@ -21,8 +21,10 @@ import numpy as np
 from fefinger.validation.evidence.linear import ORDER
 from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff.errors import Press, errors, left
+from numpy.typing import NDArray
 
 from fefinger.mechanics import get
+from fefinger.mechanics.evidence import lumped_law
 from fefinger.mechanics.evidence.table import PRESS_MESH
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.mechanics.situation import Situation
@@ -39,11 +41,16 @@ from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.relaxation import Prony
 
 
+MEAN_SIZE = (14.25, 11.0)
+"""Width and thickness in mm of the finger of mean size: means of the four subjects."""
+
+
 @dataclass(frozen=True)
 class Measurement:
     """A press: subject whose finger is pressed, object, and depth over the thickness.
 
-    The tissue is that calibrated on the subject, or a published one.
+    The tissue is that calibrated on the subject, or a published one; MEANS is a finger of mean
+    size, with the tissue that is calibrated on the means.
     """
 
     subject: str
@@ -51,9 +58,16 @@ class Measurement:
     part: float
     tissue: str | None = None
 
+    @property
+    def finger(self) -> Finger:
+        """The finger that is pressed, with its own relaxation."""
+        if self.subject == library.MEANS:
+            return Finger(*MEAN_SIZE)
+        return Finger.subject(self.subject, tissue=self.tissue)
+
     def scene(self, resolution: str | None) -> Scene:
         """Return the ramp of relaxed tissue on a mesh."""
-        finger = Finger.subject(self.subject, resolution=resolution or STANDARD, tissue=self.tissue)
+        finger = replace(self.finger, resolution=resolution or STANDARD)
         depth = self.part * finger.thickness
         return Scene(
             finger=replace(finger, prony=Prony((1.0,), ())),
@@ -79,32 +93,42 @@ OBJECTS: dict[str, tuple[Indenter, float]] = {
     "grating-10": (Grating(period=4.0, ridge=2.0, depth=0.6, angle=10.0), 0.15),
     "tilt-15": (Flat(30, tilt=15.0), 0.15),
     "sphere-5, 4 mm beside": (Sphere(5, at=(0.0, 4.0)), 0.12),
+    "grating-6": (Grating(period=6.0, ridge=3.0, depth=0.8), 0.15),
+    "bar-4": (Bar(width=4.0, corner=2.0), 0.12),
 }
 """Objects pressed into the finger of a.h., and how deep; the ones that more depends on first."""
 
-MEASUREMENTS = {
-    **{f"a.h./{name}": Measurement("a.h.", *each) for name, each in list(OBJECTS.items())[:7]},
-    **{
-        f"{subject}/{name}": Measurement(subject, *OBJECTS[name])
-        for subject in ("d.s.", "d.p.", "p.w.")
-        for name in ("flat-30", "sphere-5")
-    },
-    **{f"a.h./{name}": Measurement("a.h.", *each) for name, each in list(OBJECTS.items())[7:]},
-}
+SHARED = ("flat-60", "flat-45", "sphere-10", "bar", "flat-0", "grating", "cylinder", "sphere-2")
+"""Objects that the other calibrated fingers are pressed by, beside the plate and ball of each."""
 
-OTHERS = ("grating", "bar", "cylinder", "flat-60", "flat-45", "pin")
+OTHER_SUBJECTS = ("d.s.", "d.p.", "p.w.")
+
+OTHERS = ("grating", "bar", "cylinder", "flat-60", "flat-45", "pin", "grating-6", "bar-4")
 """Objects that `tradeoff.json` does not have: all mechanics press them into published tissue."""
 
-MEASUREMENTS |= {
-    f"{library.PUBLISHED}/{name}": Measurement("a.h.", *OBJECTS[name], library.PUBLISHED)
-    for name in OTHERS
+MEASUREMENTS = {
+    **{f"a.h./{name}": Measurement("a.h.", *each) for name, each in OBJECTS.items()},
+    **{
+        f"{library.PUBLISHED}/{name}": Measurement("a.h.", *OBJECTS[name], library.PUBLISHED)
+        for name in OTHERS
+    },
+    **{
+        f"{subject}/{name}": Measurement(subject, *OBJECTS[name])
+        for name in ("flat-30", "sphere-5")
+        for subject in (*OTHER_SUBJECTS, library.MEANS)
+    },
+    **{
+        f"{subject}/{name}": Measurement(subject, *OBJECTS[name])
+        for name in SHARED
+        for subject in OTHER_SUBJECTS
+    },
 }
 
 CHEAPER = (
     *("hertz", "layered", "condensed coarse", "condensed standard"),
     *("linear coarse", "linear standard"),
 )
-"""Candidates that are compared with finite strain on published tissue."""
+"""Candidates that are compared with finite strain."""
 
 MESHES = ("coarse", "standard")
 
@@ -128,21 +152,28 @@ def row(measurement: Measurement) -> dict[str, Any]:
     remaining = {name: size * each for name, each in errors(presses["coarse"], true).items()}
     fine = {name: FINE * each for name, each in remaining.items()}
     found = {"solid fine": fine, "solid standard": remaining}
-    others = {"solid coarse": presses["coarse"]}
-    if measurement.tissue is not None:
-        others |= _cheaper(measurement)
+    others = {"solid coarse": presses["coarse"]} | _cheaper(measurement)
     for label, each in others.items():
         apart = errors(each, true)
         found[label] = {name: apart[name] + remaining[name] for name in STATED}
+    rows = {label: {name: _short(each[name]) for name in STATED} for label, each in found.items()}
+    if measurement.tissue is None:
+        apart = _lumped(measurement, true) + remaining["force"]
+        rows["lumped"] = {"force": _short(apart)}
     return record | {
         "unknowns": unknowns,
         "depth_mm": _short(true.depth[true.at]),
         "force_N": _short(true.force[true.at]),
         "area_mm2": _short(true.area[true.at]),
-        "errors": {
-            label: {name: _short(each[name]) for name in STATED} for label, each in found.items()
-        },
+        "errors": rows,
     }
+
+
+def _lumped(measurement: Measurement, true: Press) -> NDArray[np.float64]:
+    """Return the errors (n,) of the relaxed force by the law of a calibrated finger."""
+    law = lumped_law.law(Situation.of(replace(measurement.scene(None), finger=measurement.finger)))
+    force = law.prony.long_time * np.array([law.spring.force(depth) for depth in true.depth])
+    return errors(replace(true, force=force), true)["force"]
 
 
 def _cheaper(measurement: Measurement) -> dict[str, Press]:
@@ -168,7 +199,8 @@ def _described(measurement: Measurement) -> dict[str, Any]:
         "indenter": scene["indenter"],
         "part": measurement.part,
         "tissue": measurement.tissue,
-        "thickness_mm": Finger.subject(measurement.subject).thickness,
+        "thickness_mm": measurement.finger.thickness,
+        "subcutaneous_kPa": measurement.finger.subcutaneous.modulus,
     }
 
 

@@ -23,6 +23,7 @@ from fefinger.validation.tradeoff import scenes
 from numpy.typing import NDArray
 
 from fefinger.mechanics import get
+from fefinger.mechanics.evidence import machine
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mesh.store import load_or_build
 from fefinger.results import pressure as pressures
@@ -164,12 +165,13 @@ def _at_first(run: Run) -> Iterator[None]:
 
 @contextmanager
 def empty_cache() -> Iterator[None]:
-    """Let the cache have meshes alone."""
+    """Let the cache have meshes and the speed of the machine alone."""
     (cache.root() / "meshes").mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory() as folder:
         alone = Path(folder) / "fefinger"
         alone.mkdir()
-        (alone / "meshes").symlink_to(cache.root() / "meshes")
+        for each in (cache.root() / "meshes", machine.kept_path()):
+            (alone / each.name).symlink_to(each)
         before = os.environ.get("XDG_CACHE_HOME")
         os.environ["XDG_CACHE_HOME"] = folder
         try:
@@ -221,14 +223,15 @@ def taxels(response: Response, step: int) -> Array:
     assert response.pad is not None
     assert response.pressure is not None
     assert response.centroid is not None
-    pressure = response.pressure[step]
+    pressure, out = response.pressure[step], np.zeros((TAXELS, TAXELS))
+    if not (pressure > 0).any():
+        return out
     pad = pressures.pressed(response.pad, pressure > 0)
     fine = pressures.net(pad, pressures.cuts(pad, FINE))
     force, points = fine.loads @ pressure, fine.between @ pad.points
     place = (points[:, :2] - response.centroid[step]) / PITCH + TAXELS // 2
     low = np.clip(np.floor(place).astype(int), 0, TAXELS - 2)
     part = np.clip(place - low, 0.0, 1.0)
-    out = np.zeros((TAXELS, TAXELS))
     for dx in (0, 1):
         for dy in (0, 1):
             share = np.abs(1 - dx - part[:, 0]) * np.abs(1 - dy - part[:, 1])

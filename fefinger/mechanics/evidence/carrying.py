@@ -12,7 +12,6 @@ import numpy as np
 from fefinger.mechanics.evidence import reports
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.table import CARRYING, read, table
-from fefinger.mechanics.press.elastic_store import deepest_at_hand
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.scene.motion import Motion
@@ -65,6 +64,9 @@ def _largest(quantity: str) -> float:
 
 def at_hand(case: Situation) -> bool:
     """Return whether the press of a scene is shipped or cached, to its depth or force."""
+    # Imported here: errors are asked of scenes that need no mesh.
+    from fefinger.mechanics.press.elastic_store import deepest_at_hand
+
     depth, force = deepest_at_hand(case.finger, case.indenter, case.motion)
     reached = depth if case.motion.control == "depth" else force
     return reached > 0 and reached >= case.peak * (1 - 1e-9)

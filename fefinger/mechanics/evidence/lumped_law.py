@@ -5,12 +5,13 @@ published tissue (`reports/lumped-force.json`). A finger that was calibrated on 
 thesis has the law of Table 2.1, which it was fitted to.
 """
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger.mechanics.evidence import reached_depth
+from fefinger.mechanics.evidence import press_mesh, reached_depth
 from fefinger.mechanics.evidence.stated_errors import motion_shares, moving, stated
 from fefinger.mechanics.evidence.table import LUMPED, table
 from fefinger.mechanics.evidence.tradeoff import measured_tissue
@@ -117,17 +118,20 @@ def _misfit(case: Situation, press: str) -> tuple[float, str]:
     force, error = (
         table().presses(LUMPED, quantity, LAW)[press] for quantity in ("force", "error of force")
     )
-    angle, unknown = force.conditions["angle"], float("nan")
-    if case.indenter.flat != (angle, 0.0):
-        return unknown, f"not known: its finger was calibrated under {angle:g} degrees"
-    depth = case.finger.thickness * case.depth_over_thickness(force)
-    if depth > force.deepest:
-        return unknown, f"not known: its finger was calibrated to {force.deepest:g} mm"
-    shares = motion_shares(LAW, "force")
-    misfit = error.at(depth) * (1 + moving(shares, (f"flat-{angle:g}",)))
+    angle, fitted = force.conditions["angle"], f"reports/{LUMPED}"
+    if case.indenter.flat == (angle, 0.0):
+        depth = case.finger.thickness * case.depth_over_thickness(force)
+        if depth > force.deepest:
+            return float("nan"), f"not known: its finger was calibrated to {force.deepest:g} mm"
+        misfit = error.at(depth)
+    else:
+        misfit, fitted = press_mesh.error(LAW, case)
+    if math.isnan(misfit):
+        return misfit, fitted
+    misfit *= 1 + moving(motion_shares(LAW, "force"), (f"flat-{angle:g}",))
     relaxing = table().value(LUMPED, "relaxing error", LAW, press)
     more = relaxing if case.finger.prony.v else 0.0
-    source = f"reports/{LUMPED}: Table 2.1 against the finger that was fitted to it"
+    source = f"{fitted}: Table 2.1 against the finger that was fitted to it"
     return misfit + more, f"{source}, and {percent(more)} for what relaxation adds"
 
 

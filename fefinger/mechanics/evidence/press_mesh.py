@@ -1,34 +1,57 @@
 """Errors measured under many objects: of the mesh at finite strain, and of all that is cheaper.
 
-`reports/press-mesh.json` holds presses of the calibrated fingers, in which finite strain on each
-mesh is compared with a finer one; and presses of published tissue under objects that the trade-off
-does not have, in which every mechanics is compared with finite strain. A scene has the largest
-error of the presses that its object lies between, at its depth over the thickness of the finger.
+`reports/press-mesh.json` holds presses of the calibrated fingers, and of published tissue under
+objects that the trade-off does not have. Finite strain on each mesh is compared with a finer one,
+every other mechanics with finite strain. A plate or ball has the error between those of the presses
+on either side of it, any other object the largest of the presses that it lies between; at its depth
+over the thickness of the finger.
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fefinger.mechanics.evidence import reached_depth
-from fefinger.mechanics.evidence.table import PRESS_MESH, Measured, read, table
-from fefinger.mechanics.evidence.tradeoff import BEYOND, NEAR
+from fefinger.mechanics.evidence import carrying, reached_depth
+from fefinger.mechanics.evidence.pressed_objects import (
+    around,
+    aside,
+    between,
+    objects,
+    place,
+    place_on,
+    same,
+)
+from fefinger.mechanics.evidence.table import PRESS_MESH, Measured, table
+from fefinger.mechanics.evidence.tradeoff import BEYOND, HELD
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.scene import library
-from fefinger.scene.indenter import Indenter
-from fefinger.scene.indenters import INDENTERS
+from fefinger.scene.finger import Finger
 from fefinger.support.text import percent
+from fefinger.theory.relaxation import hereditary_integral
 
 
 MAIN = "a.h."
 """Subject whose finger was pressed by every object."""
 
-SAME = 1e-9
-"""Relative difference of sizes that are the same."""
+LAW = Candidate("lumped")
+
+QUANTILE = 0.95
+"""Share of the depths of all presses that a margin covers."""
+
+
+LOCAL = ("pressure", "area")
+
+DEPTHS = 2.0
+"""Factor of the depth within which presses tell a margin: errors fall steeply from first touch."""
+
+ABOUT = 1.25
+"""Factor of the depth over which local errors under edges are taken together: two to four of the
+depths that were measured."""
 
 
 class Known(NamedTuple):
@@ -45,7 +68,7 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     """Return the measured error of a quantity: of finite strain that of its mesh."""
     names, reason = between(case.indenter)
     parts = _presses(candidate, case, quantity, names)
-    if len(parts) < len(names) and _aside(case.indenter):
+    if len(parts) < len(names) and aside(case.indenter):
         parts = []  # the missing press is the one that is like it
     flat = case.indenter.flat
     if flat is not None and not flat.tilt and not _deep_enough(parts):
@@ -59,42 +82,112 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
             f"not known: it goes to {part:.2g} of the finger's thickness, and presses like it were "
             f"measured to {press.part[-1]:.2g}",
         )
-    finite, subject = MECHANICS[candidate.mechanics].finite, _subject(case)
-    largest = max(_largest(press, part) for press, part in parts)
-    others = any(press.press.partition("/")[0] != subject for press, _ in parts)
-    margin = _other_fingers(candidate, quantity) if finite and others else 0.0
+    local = case.indenter.sharp and quantity != "force"
+    read = _about if local else _at
+    values = [_through(case, press, part, read(press, part), quantity) for press, part in parts]
+    error, margins = max(values), [0.0]
+    # Which vertices bear the pressure is by chance at any depth.
+    depth = None if quantity in LOCAL else parts[0][1]
+    where = place(case.indenter)
+    share = _share(where, parts)
+    if where is not None and share is not None:
+        error = (1 - share) * values[0] + share * values[1]
+        margins.append(_margin(_between(candidate, quantity, where[0]), depth))
+    if local and _object_of(parts[0][0]) not in same(case.indenter):
+        margins.append(_margin(_other_edges(candidate, quantity, case.indenter.kind), depth))
+    if not _measured_finger(candidate, case, parts):
+        margins.append(_margin(_other_fingers(candidate, quantity), depth))
+    if _carried(candidate, case):
+        margins.append(max(1 - error, 0.0) * carrying.error(case, quantity))
+    margin = math.hypot(*margins)  # of causes that do not know of each other
     pressed = " and ".join(press.press for press, _ in parts)
-    source = f"reports/{PRESS_MESH}, {pressed}: {percent(largest)}"
+    source = f"reports/{PRESS_MESH}, {pressed}: {percent(error)}"
     if margin:
-        source += f", and {percent(margin)} for another finger"
-    return Known(largest + margin, source)
+        source += f", and {percent(margin)} of margin"
+    return Known(error + margin, source)
 
 
-def _aside(indenter: Indenter) -> bool:
-    """Return whether an object is tilted, or away from the middle of the pad."""
-    away = float(np.hypot(*(indenter.place or (0.0, 0.0)))) > NEAR
-    return away or bool(indenter.plate is not None and indenter.plate.tilt)
+def _subject(finger: Finger) -> str:
+    """Return the name of the calibrated finger in the report that has the tissue of a finger."""
+    names = (*library.pawluk_bulk(), library.MEANS)
+    fitted = {library.calibrated_name(name): name for name in names}
+    return fitted.get(finger.tissue, "")
 
 
-def _subject(case: Situation) -> str:
-    """Return the subject whose calibrated finger is that of the scene; "" for others."""
-    return (case.finger.subject_name or "") if reached_depth.calibrated(case.finger) else ""
+def stiffening(finger: Finger) -> bool:
+    """Return whether the tissue of a finger is a calibrated one, with nothing changed."""
+    tissues = library.tissue_set(finger.tissue)
+    return (
+        bool(_subject(finger))
+        and (finger.skin, finger.subcutaneous) == (tissues.skin, tissues.subcutaneous)
+        and finger.surface is None
+        and finger.relaxation == "whole"
+        and (finger.bone, finger.nail, finger.cut) == HELD
+    )
+
+
+def _measured_finger(
+    candidate: Candidate, case: Situation, presses: list[tuple[Measured, float]]
+) -> bool:
+    """Return whether all presses are of the finger of the scene.
+
+    Small strain on published tissue has no other finger in the report.
+    """
+    if case.measured_tissue:
+        return case.finger.subject_name == MAIN or not MECHANICS[candidate.mechanics].finite
+    own = reached_depth.calibrated(case.finger) and case.finger.subject_name
+    return all(press.press.partition("/")[0] == own for press, _ in presses)
+
+
+def _carried(candidate: Candidate, case: Situation) -> bool:
+    """Return whether an error is of small strain on tissue that stiffens, and of a motion.
+
+    Not that of a law of the force, whose relaxation is compared with measured presses.
+    """
+    if candidate == LAW or MECHANICS[candidate.mechanics].finite:
+        return False
+    return not case.measured_tissue and case.motion.control == "depth"
 
 
 def _presses(
     candidate: Candidate, case: Situation, quantity: str, names: Iterable[str]
 ) -> list[tuple[Measured, float]]:
     """Return the presses of some objects, and the depth over thickness that a scene is in each."""
-    finite = MECHANICS[candidate.mechanics].finite
-    tissue = MAIN if finite else library.PUBLISHED
+    published = case.measured_tissue and not MECHANICS[candidate.mechanics].finite
+    tissue = library.PUBLISHED if published else MAIN
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     found = []
     for name in names:
-        own, label = f"{_subject(case)}/{name}", f"{tissue}/{name}"
-        press = presses.get(own) if finite and own in presses else presses.get(label)
+        own, label = f"{_subject(case.finger)}/{name}", f"{tissue}/{name}"
+        press = presses.get(own, presses.get(label)) if not published else presses.get(label)
         if press is not None:
-            found.append((press, _reached(press, case)))
+            found.append((press, _reached(press, case) * _sooner(press, case.finger)))
     return found
+
+
+def _sooner(press: Measured, finger: Finger) -> float:
+    """Return by what a finger is less deep than a press where small strain errs as much.
+
+    Tissue of Demiray's law stiffens by its exponent times I1 - 3, which grows as the square of the
+    depth. 1 where the error is of a mesh, or on published tissue.
+    """
+    return _stiffer(press, finger.subcutaneous.exponent)
+
+
+def _stiffer(press: Measured, exponent: float | None) -> float:
+    """Return the root of an exponent over that of the tissue of a press."""
+    there = _exponent(press)
+    if MECHANICS[press.candidate.mechanics].finite or exponent is None or there is None:
+        return 1.0
+    return math.sqrt(exponent / there)
+
+
+def _exponent(press: Measured) -> float | None:
+    """Return the exponent of the tissue of a press; None of published tissue."""
+    subject = press.press.partition("/")[0]
+    if subject == library.PUBLISHED:
+        return None
+    return library.tissue_set(library.calibrated_name(subject)).subcutaneous.exponent
 
 
 def _deep_enough(parts: list[tuple[Measured, float]]) -> bool:
@@ -107,149 +200,136 @@ def _reached(press: Measured, case: Situation) -> float:
     return case.depth_over_thickness(force)
 
 
-def _largest(press: Measured, part: float) -> float:
+def _at(press: Measured, part: float) -> float:
     """Return the error of a press at a depth over thickness: constant beyond those measured."""
     return float(np.interp(part, press.part, press.values))
 
 
+def _about(press: Measured, part: float) -> float:
+    """Return the largest error of a press about a depth over thickness.
+
+    Which vertices an edge or ridge touches changes with the depth and by chance.
+    """
+    around_it = part * np.linspace(1 / ABOUT, ABOUT, 9)
+    return float(np.interp(around_it, press.part, press.values).max())
+
+
+def _through(case: Situation, press: Measured, part: float, error: float, quantity: str) -> float:
+    """Return the error through a motion of small strain on tissue that stiffens.
+
+    What of the force is wrong grows faster with the depth than the force, and relaxation weighs
+    the latest growth most: both are carried by the hereditary integral, as the force is. Highest
+    pressures follow the force. Where the force is prescribed it is the error at its depth.
+    """
+    if not _carried(press.candidate, case) or quantity not in ("force", "pressure"):
+        return error
+    force = table().presses(PRESS_MESH, "force", Candidate("solid"))[press.press]
+    parts = np.concatenate([[0.0], press.part])
+    forces = np.concatenate([[0.0], force.values])
+    apart = np.concatenate([[0.0], press.values * force.values])
+    time = case.times
+    depth = (
+        np.asarray(case.motion.value(time)) / case.finger.thickness * _sooner(press, case.finger)
+    )
+    whole, wrong = (
+        np.abs(hereditary_integral(case.finger.prony, time, np.interp(depth, parts, values)))
+        for values in (forces, apart)
+    )
+    return max(error, float(wrong.max() / whole.max()))
+
+
+def _share(where: tuple[str, float] | None, parts: list[tuple[Measured, float]]) -> float | None:
+    """Return where an object lies between two presses, from 0 at the first to 1 at the second.
+
+    None for an object that is no plate or ball in the middle of the pad, or has no two neighbors;
+    and on published tissue, where too few were pressed to tell the margin for it.
+    """
+    published = f"{library.PUBLISHED}/"
+    if where is None or len(parts) != 2 or parts[0][0].press.startswith(published):
+        return None
+    axis, here = where
+    low, high = (place_on(axis, _object_of(press)) for press, _ in parts)
+    if low is None or high is None:
+        return None
+    return min(max((here - low) / (high - low), 0.0), 1.0)
+
+
+def _object_of(press: Measured) -> str:
+    return press.press.partition("/")[2]
+
+
+Missed = tuple[NDArray[np.float64], NDArray[np.float64]]
+"""Depths over thickness (n,), and by what an error there exceeds what was told of it (n,)."""
+
+
+def _margin(missed: Missed, part: float | None) -> float:
+    """Return what QUANTILE of the depths about a depth over thickness, or of all, do not exceed."""
+    parts, values = missed
+    near = values[[part is None or part / DEPTHS < each < part * DEPTHS for each in parts]]
+    chosen = near if near.size else values
+    return max(float(np.quantile(chosen, QUANTILE)), 0.0) if chosen.size else 0.0
+
+
 @cache
-def _other_fingers(candidate: Candidate, quantity: str) -> float:
-    """Return by how much the error was larger in the presses of other fingers, at most."""
+def _between(candidate: Candidate, quantity: str, axis: str) -> Missed:
+    """Return half of what the errors in presses of MAIN exceed those between their neighbors by.
+
+    Half, as leaving a press out doubles the gap.
+    """
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    more = [0.0]
+    row = {
+        where: press
+        for press in presses.values()
+        if press.press.startswith(f"{MAIN}/")
+        and (where := place_on(axis, _object_of(press))) is not None
+    }
+    places, missed = sorted(row), []
+    for low, here, high in zip(places, places[1:], places[2:], strict=False):
+        share = (here - low) / (high - low)
+        deepest = min(row[low].part[-1], row[high].part[-1])
+        for part, value in zip(row[here].part, row[here].values, strict=True):
+            if part <= deepest:
+                told = (1 - share) * _at(row[low], part) + share * _at(row[high], part)
+                missed.append((part, (value - told) / 2))
+    return _columns(missed)
+
+
+@cache
+def _other_edges(candidate: Candidate, quantity: str, kind: str) -> Missed:
+    """Return half of what errors under edges of a kind exceed those under all others of it by."""
+    presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
+    missed = []
+    for tissue in (MAIN, library.PUBLISHED):
+        row = [
+            press
+            for press in presses.values()
+            if press.press.startswith(f"{tissue}/") and objects()[_object_of(press)].kind == kind
+        ]
+        for press in row:
+            others = [other for other in row if other is not press]
+            for part, value in zip(press.part, press.values, strict=True):
+                told = [_about(other, part) for other in others if part <= other.part[-1]]
+                if told:
+                    missed.append((part, (value - max(told)) / 2))
+    return _columns(missed)
+
+
+@cache
+def _other_fingers(candidate: Candidate, quantity: str) -> Missed:
+    """Return what the errors in presses of other fingers exceed those of MAIN by."""
+    presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
+    more = []
     for name, press in presses.items():
         subject, _, object_ = name.partition("/")
         main = presses.get(f"{MAIN}/{object_}")
         if main is not None and subject not in (MAIN, library.PUBLISHED):
-            parts = press.part[press.part <= main.part[-1]]
-            more += [_largest(press, part) - _largest(main, part) for part in parts]
-    return max(more)
+            parts = press.part * _stiffer(main, _exponent(press))
+            for part, value in zip(parts, press.values, strict=True):
+                if part <= main.part[-1]:
+                    more.append((part, value - _at(main, part)))
+    return _columns(more)
 
 
-@cache
-def objects() -> Mapping[str, Indenter]:
-    """Return the objects that were pressed, by name."""
-    found = {}
-    for label, row in read(PRESS_MESH)["rows"].items():
-        found[label.partition("/")[2]] = _object(row["indenter"])
-    return found
-
-
-def _object(fields: Mapping[str, Any]) -> Indenter:
-    given: dict[str, Any] = {
-        key: tuple(value) if isinstance(value, list) else value
-        for key, value in fields.items()
-        if key != "kind"
-    }
-    return INDENTERS[fields["kind"]](**given)
-
-
-def between(indenter: Indenter) -> tuple[tuple[str, ...], str]:
-    """Return the names of the presses that an object lies between, and why there are none.
-
-    A plate lies between plates by its angle, a ball by its curvature, of which that of the 30
-    degree plate is 0; an object with edges is like those of its kind that are as sharp or sharper.
-    """
-    if indenter.flat is not None:
-        return _plates(indenter)
-    if not indenter.sharp:
-        return _round(indenter)
-    return _edges(indenter)
-
-
-def around(angle: float) -> tuple[str, ...]:
-    """Return the plates next to an angle in degrees on either side, without one at it."""
-    plates = {
-        name: each.flat.angle
-        for name, each in objects().items()
-        if each.flat is not None and not each.flat.tilt
-    }
-    return _beside({name: own for name, own in plates.items() if own != angle}, angle)
-
-
-def _plates(indenter: Indenter) -> tuple[tuple[str, ...], str]:
-    assert indenter.flat is not None
-    angle, tilt = indenter.flat
-    plates = {name: each.flat for name, each in objects().items() if each.flat is not None}
-    names = _beside({name: own.angle for name, own in plates.items() if not own.tilt}, angle)
-    if not tilt:
-        return names, ""
-    tilted = {name: own.tilt for name, own in plates.items() if own.tilt >= abs(tilt)}
-    if not tilted:
-        most = max(own.tilt for own in plates.values())
-        return (), f"indenter.tilt is measured to {most:g} degrees"
-    return (*names, min(tilted, key=tilted.__getitem__)), ""
-
-
-def _round(indenter: Indenter) -> tuple[tuple[str, ...], str]:
-    """Return the balls next to a round object, by its smallest and its largest radius."""
-    balls = {
-        name: 1 / each.ball_radius
-        for name, each in objects().items()
-        if each.ball_radius is not None and each.place is None
-    }
-    sharpest, away = max(balls.values()), float(np.hypot(*(indenter.place or (0.0, 0.0))))
-    curvatures = [1 / radius for radius in indenter.hertzian or (indenter.least_radius,)]
-    if max(curvatures) > sharpest * (1 + SAME):
-        return (), f"round objects are measured to radii of {1 / sharpest:g} mm"
-    known = balls | {"flat-30": 0.0}
-    names = [name for each in curvatures for name in _beside(known, each)]
-    if away > NEAR:
-        aside = {
-            name: float(np.hypot(*each.place))
-            for name, each in objects().items()
-            if each.ball_radius is not None and each.place is not None
-        }
-        far = [name for name, each in aside.items() if each >= away * (1 - SAME)]
-        if not far:
-            most = max(aside.values(), default=NEAR)
-            return (), f"round objects are measured to {most:g} mm from the middle of the pad"
-        names.append(min(far, key=aside.__getitem__))
-    if indenter.ball_radius is None:
-        names += [
-            name
-            for name, each in objects().items()
-            if each.kind == indenter.kind and each.least_radius <= indenter.least_radius
-        ]
-    return tuple(dict.fromkeys(names)), ""
-
-
-def _edges(indenter: Indenter) -> tuple[tuple[str, ...], str]:
-    """Return the presses by objects of a kind that are as sharp or sharper, at angles around."""
-    kind = {name: each for name, each in objects().items() if each.kind == indenter.kind}
-    if not kind:
-        return (), f"no object of kind {indenter.kind!r} was pressed"
-    sharper = {
-        name: each
-        for name, each in kind.items()
-        if each.least_radius <= indenter.least_radius * (1 + SAME)
-        and each.narrowest <= indenter.narrowest * (1 + SAME)
-    }
-    if not sharper:
-        sharp = min(kind.values(), key=lambda each: each.narrowest)
-        return (), (
-            f"objects of kind {indenter.kind!r} are measured to widths of {sharp.narrowest:g} mm "
-            f"and radii of {sharp.least_radius:.3g} mm"
-        )
-    plate, place = indenter.plate, indenter.place
-    if place is not None and float(np.hypot(*place)) > NEAR:
-        return (), f"objects with edges are measured to {NEAR:g} mm from the middle of the pad"
-    if plate is None:
-        return tuple(sharper), ""
-    angles = {name: each.plate.angle for name, each in sharper.items() if each.plate is not None}
-    if plate.tilt or not min(angles.values()) <= plate.angle <= max(angles.values()):
-        low, high = min(angles.values()), max(angles.values())
-        return (), f"they are measured at angles of {low:g} to {high:g} degrees, without tilt"
-    return _beside(angles, plate.angle), ""
-
-
-def _beside(known: Mapping[str, float], value: float) -> tuple[str, ...]:
-    """Return the names on either side of a value, or those at it; the last beyond all."""
-    return tuple(dict.fromkeys((_last(known, value, -1), _last(known, value, 1))))
-
-
-def _last(known: Mapping[str, float], value: float, side: int) -> str:
-    """Return the name next to a value on one side of it, or the nearest of all."""
-    there = [name for name, each in known.items() if side * (each - value) >= -SAME]
-    candidates: Iterable[str] = there or known
-    return min(candidates, key=lambda name: abs(known[name] - value))
+def _columns(pairs: list[tuple[float, float]]) -> Missed:
+    parts, values = np.array(pairs).reshape(-1, 2).T
+    return parts, values

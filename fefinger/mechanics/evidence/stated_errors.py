@@ -78,10 +78,11 @@ def stated(candidate: Candidate, case: Situation, quantity: str = "force") -> St
     model = errors[1] * _rule(f"factor of direct runs, {quantity}", mechanics)
     if quantity == "force" and not same_size:
         model *= _rule("factor of other fingers", mechanics)
-    margin = moving(motion_shares(candidate, quantity), names) * sum(errors)
+    margins = [moving(motion_shares(candidate, quantity), names) * sum(errors)]
     if not same_size or len(names) > 1:
-        margin += _rule(f"margin between presses, {quantity}", candidate)
-    margin += DRAWN * scatter(candidate, deepest, quantity)
+        margins.append(_rule(f"margin between presses, {quantity}", candidate))
+    margins.append(DRAWN * scatter(candidate, deepest, quantity))
+    margin = math.hypot(*margins)  # of causes that do not know of each other
     source = (
         f"reports/{REPORT}, {' and '.join(names)}: {percent(numerical)} of mesh and steps, "
         f"{percent(model)} of the model, {percent(margin)} of margin"
@@ -119,14 +120,49 @@ def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> 
     """
     own = stated(candidate, case, quantity)
     if own is not None:
-        return Known(own.error, own.source)
+        return _on_its_mesh(own, candidate, case, quantity)
     finite = MECHANICS[candidate.mechanics].finite
-    raised = case.indenter.raised  # measured while they slide, by `reports.RAISED`
-    if not finite and (raised or not (case.measured_tissue and case.place is None)):
+    if not finite and not _pressed(case):
         return None
     found = press_mesh.error(candidate, case, quantity)
+    if not finite and math.isnan(found.error) and not case.measured_tissue:
+        return None
+    mesh = _of_mesh(candidate, case, quantity)
+    if mesh is not None and mesh.error > found.error:
+        found = mesh
     steps = _rule(f"error of time steps, {quantity}", Candidate(candidate.mechanics))
     return Known(found.error + steps, found.source)
+
+
+def _of_mesh(candidate: Candidate, case: Situation, quantity: str) -> Known | None:
+    """Return the error of the mesh of a candidate in presses under the same object, but of force.
+
+    The mesh of an object decides which points bear the pressure, whatever the tissue and the
+    strain: so it was compared with a finer one. The force has its own evidence.
+    """
+    if quantity == "force" or candidate.resolution is None:
+        return None
+    if case.motion.control == "force" and case.neighbors:  # those presses bear another force
+        deepest = max(map(case.deepest, case.neighbors)) * case.finger.thickness
+        case = replace(case, motion=Ramp(60.0, deepest, corner=0.0))
+    return press_mesh.error(Candidate("solid", candidate.resolution), case, quantity)
+
+
+def _on_its_mesh(own: Stated, candidate: Candidate, case: Situation, quantity: str) -> Known:
+    """Return a stated error whose part of the mesh is no smaller than in presses like the scene."""
+    mesh = _of_mesh(candidate, case, quantity)
+    if mesh is None or not mesh.error > own.numerical:
+        return Known(own.error, own.source)
+    more = mesh.error - own.numerical
+    return Known(own.error + more, f"{own.source}; of the mesh {mesh.source}")
+
+
+def _pressed(case: Situation) -> bool:
+    """Return whether small strain was compared with finite strain on such a finger and object."""
+    if case.indenter.raised:  # measured while they slide, by `reports.RAISED`
+        return False
+    published = case.measured_tissue and case.place is None
+    return published or press_mesh.stiffening(case.finger)
 
 
 def spikes(candidate: Candidate, case: Situation) -> dict[str, float]:

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.results.candidate import Candidate
-from fefinger.scene.finger import Finger
 from fefinger.support.package_data import report
 
 
@@ -278,11 +277,7 @@ def _press_mesh(name: str) -> Iterator[Measured]:
     for press, row in read(name)["rows"].items():
         if "refused" in row:
             continue
-        tissue = Finger.subject(row["subject"], tissue=row["tissue"])
-        conditions = {
-            "thickness_mm": row["thickness_mm"],
-            "subcutaneous_kPa": tissue.subcutaneous.modulus,
-        }
+        conditions = {key: row[key] for key in ("thickness_mm", "subcutaneous_kPa")}
         depth, candidate = row["depth_mm"], Candidate("solid")
         yield _entry(name, candidate, "force", press, row["force_N"], depth, conditions)
         for label, errors in row["errors"].items():

@@ -1,0 +1,188 @@
+"""The objects of the presses in `reports/press-mesh.json`, and between which an object lies."""
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from fefinger.mechanics.evidence.table import PRESS_MESH, read
+from fefinger.mechanics.evidence.tradeoff import NEAR
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import INDENTERS
+
+
+PLATE = "flat-30"
+"""The plate that a ball of no curvature is."""
+
+SAME = 1e-9
+"""Relative difference of sizes that are the same."""
+
+
+@cache
+def objects() -> Mapping[str, Indenter]:
+    """Return the objects that were pressed, by name."""
+    found = {}
+    for label, row in read(PRESS_MESH)["rows"].items():
+        found[label.partition("/")[2]] = _object(row["indenter"])
+    return found
+
+
+def _object(fields: Mapping[str, Any]) -> Indenter:
+    given: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value
+        for key, value in fields.items()
+        if key != "kind"
+    }
+    return INDENTERS[fields["kind"]](**given)
+
+
+def between(indenter: Indenter) -> tuple[tuple[str, ...], str]:
+    """Return the names of the presses that an object lies between, and why there are none.
+
+    A plate lies between plates by its angle, a ball by its curvature, of which that of the 30
+    degree plate is 0; an object with edges is like those of its kind that are as sharp or sharper.
+    """
+    if indenter.flat is not None:
+        return _plates(indenter)
+    if not indenter.sharp:
+        return _round(indenter)
+    return _edges(indenter)
+
+
+def same(indenter: Indenter) -> tuple[str, ...]:
+    """Return the names of an object among those that were pressed."""
+    return tuple(name for name, each in objects().items() if each == indenter)
+
+
+def around(angle: float) -> tuple[str, ...]:
+    """Return the plates next to an angle in degrees on either side, without one at it."""
+    plates = {
+        name: each.flat.angle
+        for name, each in objects().items()
+        if each.flat is not None and not each.flat.tilt
+    }
+    return _beside({name: own for name, own in plates.items() if own != angle}, angle)
+
+
+def _plates(indenter: Indenter) -> tuple[tuple[str, ...], str]:
+    assert indenter.flat is not None
+    angle, tilt = indenter.flat
+    plates = {name: each.flat for name, each in objects().items() if each.flat is not None}
+    names = _beside({name: own.angle for name, own in plates.items() if not own.tilt}, angle)
+    if not tilt:
+        return names, ""
+    tilted = {name: own.tilt for name, own in plates.items() if own.tilt >= abs(tilt)}
+    if not tilted:
+        most = max(own.tilt for own in plates.values())
+        return (), f"indenter.tilt is measured to {most:g} degrees"
+    return (*names, min(tilted, key=tilted.__getitem__)), ""
+
+
+def _round(indenter: Indenter) -> tuple[tuple[str, ...], str]:
+    """Return the balls next to a round object, by its smallest and its largest radius."""
+    balls = {
+        name: 1 / each.ball_radius
+        for name, each in objects().items()
+        if each.ball_radius is not None and each.place is None
+    }
+    sharpest, away = max(balls.values()), float(np.hypot(*(indenter.place or (0.0, 0.0))))
+    curvatures = [1 / radius for radius in indenter.hertzian or (indenter.least_radius,)]
+    if max(curvatures) > sharpest * (1 + SAME):
+        return (), f"round objects are measured to radii of {1 / sharpest:g} mm"
+    known = balls | {PLATE: 0.0}
+    names = [name for each in curvatures for name in _beside(known, each)]
+    if away > NEAR:
+        aside = {
+            name: float(np.hypot(*each.place))
+            for name, each in objects().items()
+            if each.ball_radius is not None and each.place is not None
+        }
+        far = [name for name, each in aside.items() if each >= away * (1 - SAME)]
+        if not far:
+            most = max(aside.values(), default=NEAR)
+            return (), f"round objects are measured to {most:g} mm from the middle of the pad"
+        names.append(min(far, key=aside.__getitem__))
+    if indenter.ball_radius is None:
+        names += [
+            name
+            for name, each in objects().items()
+            if each.kind == indenter.kind and each.least_radius <= indenter.least_radius
+        ]
+    return tuple(dict.fromkeys(names)), ""
+
+
+def _edges(indenter: Indenter) -> tuple[tuple[str, ...], str]:
+    """Return the presses by objects of a kind that are as sharp or sharper, and the next blunter.
+
+    At the angles around, of those that were pressed at several.
+    """
+    kind = {name: each for name, each in objects().items() if each.kind == indenter.kind}
+    if not kind:
+        return (), f"no object of kind {indenter.kind!r} was pressed"
+    sharper = {name: each for name, each in kind.items() if _as_sharp(each, indenter)}
+    if not sharper:
+        sharp = min(kind.values(), key=lambda each: each.narrowest)
+        return (), (
+            f"objects of kind {indenter.kind!r} are measured to widths of {sharp.narrowest:g} mm "
+            f"and radii of {sharp.least_radius:.3g} mm"
+        )
+    plate, place = indenter.plate, indenter.place
+    if place is not None and float(np.hypot(*place)) > NEAR:
+        return (), f"objects with edges are measured to {NEAR:g} mm from the middle of the pad"
+    same = any(_as_sharp(indenter, each) for each in sharper.values())
+    blunter = () if same else tuple(kind.keys() - sharper.keys())
+    if plate is None:
+        return (*sharper, *blunter), ""
+    angles = {name: each.plate.angle for name, each in sharper.items() if each.plate is not None}
+    if plate.tilt or not min(angles.values()) <= plate.angle <= max(angles.values()):
+        low, high = min(angles.values()), max(angles.values())
+        return (), f"they are measured at angles of {low:g} to {high:g} degrees, without tilt"
+    return (*_beside(angles, plate.angle), *blunter), ""
+
+
+def _as_sharp(one: Indenter, other: Indenter) -> bool:
+    """Return whether an object with edges is as sharp as another, or sharper."""
+    return one.least_radius <= other.least_radius * (
+        1 + SAME
+    ) and one.narrowest <= other.narrowest * (1 + SAME)
+
+
+def _beside(known: Mapping[str, float], value: float) -> tuple[str, ...]:
+    """Return the names on either side of a value, or those at it; the last beyond all."""
+    return tuple(dict.fromkeys((_last(known, value, -1), _last(known, value, 1))))
+
+
+def _last(known: Mapping[str, float], value: float, side: int) -> str:
+    """Return the name next to a value on one side of it, or the nearest of all."""
+    there = [name for name, each in known.items() if side * (each - value) >= -SAME]
+    candidates: Iterable[str] = there or known
+    return min(candidates, key=lambda name: abs(known[name] - value))
+
+
+def aside(indenter: Indenter) -> bool:
+    """Return whether an object is tilted, or away from the middle of the pad."""
+    away = float(np.hypot(*(indenter.place or (0.0, 0.0)))) > NEAR
+    return away or bool(indenter.plate is not None and indenter.plate.tilt)
+
+
+def place(indenter: Indenter) -> tuple[str, float] | None:
+    """Return the axis on which an object lies among others, and where: plates by their angle.
+
+    Balls by their curvature, of which that of the 30 degree plate is 0; None for all others.
+    """
+    if aside(indenter):
+        return None
+    if indenter.flat is not None:
+        return "angle", indenter.flat.angle
+    if indenter.ball_radius is not None and indenter.place is None:
+        return "curvature", 1 / indenter.ball_radius
+    return None
+
+
+def place_on(axis: str, name: str) -> float | None:
+    """Return where an object that was pressed lies on an axis; None where it does not."""
+    if (axis, name) == ("curvature", PLATE):
+        return 0.0
+    found = place(objects()[name])
+    return found[1] if found is not None and found[0] == axis else None
