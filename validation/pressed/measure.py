@@ -138,10 +138,19 @@ def main(folder: Path) -> None:
         for scene in drawn(name):
             if scene.name not in report[name]:
                 report[name][scene.name] = compared(scene)
-                path.write_text(json.dumps(report) + "\n", encoding="utf-8")
+                path.write_text(json.dumps(_short(report)) + "\n", encoding="utf-8")
                 print(scene.name, report[name][scene.name].get("loading"), flush=True)
     report["costs"] = costs()
-    path.write_text(json.dumps(report) + "\n", encoding="utf-8")
+    path.write_text(json.dumps(_short(report)) + "\n", encoding="utf-8")
+
+
+def _short(value: Any) -> Any:
+    """Round all numbers of a report to five digits."""
+    if isinstance(value, dict):
+        return {key: _short(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_short(each) for each in value]
+    return float(f"{value:.5g}") if isinstance(value, float) else value
 
 
 if __name__ == "__main__":

@@ -45,9 +45,16 @@ RULES = (
     "runs of `solid` through the base scenes find it larger; what shorter time steps change is "
     "added. Up to 6 % beyond the deepest press errors grow on as before it. The mesher drew at "
     "random when they were made: twice the standard deviation over twenty-four meshes of one "
-    "finger (reports/mesh-scatter.json) is added. Tissue that stiffens, other objects and steeper "
-    "plates have the errors of reports/press-mesh.json, finite strain carried through time those "
-    "of reports/carrying.json. The held-out scenes were drawn after all of these rules."
+    "finger (reports/mesh-scatter.json) is one more margin. Margins are of causes that do not know "
+    "of each other: their squares are added. Tissue that stiffens, other objects and steeper "
+    "plates have the errors of reports/press-mesh.json: between two plates or balls, the largest "
+    "of those that another object lies between, with margins for what lies between and for other "
+    "fingers. On tissue that stiffens the error of small strain is carried through the motion, and "
+    "reached less deep by the root of the exponent. Highest pressure and area are no better known "
+    "than the mesh under the same object; under edges, than at the depths around. Finite strain "
+    "carried through time has the errors of reports/carrying.json. The held-out scenes were drawn "
+    "and answered after all of these rules; 32 scenes that were held out before are those of "
+    "development, on which the rules were tried."
 )
 
 SHARED = "Presses are of relaxed tissue and carry to every motion by nested contact with one G."
@@ -76,11 +83,12 @@ def fresh() -> dict[str, Any]:
 @cache
 def judged() -> dict[str, Any]:
     """Return the held-out scenes and their summary, with what the planner states now."""
-    errors = table.read(held_out.REPORT)["errors"]
+    report = table.read(held_out.REPORT)
+    errors, taken = report["errors"], report["taken"]
     rows = {
-        key: held_out.judge(scene, errors[key])
+        key: held_out.judge(scene, errors[key], taken[key])
         for key, scene in scenes.held_out().items()
-        if errors[key]
+        if errors.get(key)
     }
     return {"scenes": rows, "summary": held_out.summary(rows)}
 
@@ -145,7 +153,7 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
             source,
         )
 
-    yield asked("held-out scenes", "scenes", 32.0, 4.0, "drawn by seed; `solid` answers them")
+    yield asked("held-out scenes", "scenes", 21.0, 2.0, "drawn by seed; `solid` answers them")
     yield asked("tolerance met by the picks", "tolerance_met", 1.0, 0.05, "95 % of the scenes")
     for quantity, said in SAID.items():
         for whose, key in WHOSE.items():
@@ -219,8 +227,8 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
         "in the median with that of the cheapest that will do",
         wanted=0.0 if short else None,
         shortfall=(
-            "`lumped`, in milliseconds, would have done in five scenes of objects and tissue whose "
-            "law was not identified, where no error of it is known"
+            "a cheaper mechanics is within the tolerance by chance in some scenes: in milliseconds "
+            "the law of a finger (`lumped`) under objects for which it was not identified"
             if short
             else ""
         ),
@@ -274,7 +282,16 @@ def finding() -> dict[str, Any]:
     """Return the text of the report: the verdict on the held-out scenes, and tables."""
     from fefinger.validation.tradeoff import texts
 
-    return texts.finding(committed() | {"summary": reported()["summary"]})
+    return texts.finding(committed() | _own())
+
+
+def _own() -> dict[str, Any]:
+    """Return the held-out scenes with their summary, and that of the scenes of development."""
+    return {
+        "held_out": reported()["scenes"],
+        "summary": reported()["summary"],
+        "development": reported()["development"].get("summary", {}),
+    }
 
 
 def figures() -> Iterator[tuple[str, Any]]:
@@ -282,8 +299,7 @@ def figures() -> Iterator[tuple[str, Any]]:
     from fefinger.validation.tradeoff import figures as tradeoff_figures
 
     data = fresh() if fresh.cache_info().currsize else committed()
-    own = {"held_out": reported()["scenes"], "summary": reported()["summary"]}
-    yield from tradeoff_figures.figures(data | own | {"rules": committed()["rules"]})
+    yield from tradeoff_figures.figures(data | _own() | {"rules": committed()["rules"]})
 
 
 def write(folder: Path) -> None:

@@ -34,7 +34,7 @@ def finding(data: dict[str, Any]) -> dict[str, Any]:
     """Return sentences and tables of a report."""
     made = data.get("provenance", {})
     source = [f"Data of {made['date'][:10]}, commit {made['commit']}."] if made else []
-    sentences = [*texts(data["summary"]), *source]
+    sentences = [*texts(data["summary"]), *_developed(data["development"]), *source]
     return {"texts": sentences, "tables": [_stated(), _spikes(data["scenes"]), _settings(data)]}
 
 
@@ -66,8 +66,9 @@ def texts(summary: dict[str, Any]) -> list[str]:
         + ", ".join(f"{over[name]:.1f} ({SAID[name]})" for name in STATED)
         + ".",
         f"All choices together cost {summary['total_seconds_over_least']:.1f} times the least "
-        f"possible. {100 * summary['within_1.2']:.0f} % of them are {within}; the target is 85 %. "
-        "Reaching it would require stated errors that are almost exact: for a planner that knows "
+        f"possible. {100 * summary['within_1.2']:.0f} % of them are {within}; the target is 85 %."
+        f"{_taken(summary)} Reaching it would require stated errors that are almost exact: for a "
+        "planner that knows "
         "all actual errors and states them too large by one factor, the share is as follows: "
         f"{oracle}. The candidates differ widely in cost, so that a margin that excludes one of "
         "them leads to a much more expensive one. Smaller margins do not reach both targets: if "
@@ -75,6 +76,34 @@ def texts(summary: dict[str, Any]) -> list[str]:
         f"{within}, of stated errors that are upper bounds, and of choices within the tolerance "
         f"would be: {less}.",
     ]
+
+
+def _developed(summary: dict[str, Any]) -> list[str]:
+    """Return the verdict on the scenes of development, where they were judged."""
+    if not summary:
+        return []
+    picks, every = summary["stated_kept"], summary["stated_kept_by_all_candidates"]
+    return [
+        f"On the {summary['scenes']} scenes of development, which were held out until the present "
+        f"rules were tried on them, {100 * summary['within_1.2']:.0f} % of the choices are within "
+        f"{ENOUGH:g} times the least cost, all together cost "
+        f"{summary['total_seconds_over_least']:.1f} times the least, "
+        f"{100 * summary['tolerance_met']:.0f} % meet the tolerance, and stated errors are upper "
+        f"bounds in {_shares(picks, every)}."
+    ]
+
+
+def _taken(summary: dict[str, Any]) -> str:
+    """Return how the expected times compare with CPU seconds of the runs, where they were timed."""
+    if "expected_over_taken_seconds" not in summary:
+        return ""
+    each = ", ".join(
+        f"{name} {ratio:.2g}" for name, ratio in summary["expected_over_taken_seconds"].items()
+    )
+    return (
+        f" By the CPU seconds that the runs took, {100 * summary['within_1.2_as_taken']:.0f} % "
+        f"are. Expected over taken seconds, in the median: {each}."
+    )
 
 
 def _shares(picks: dict[str, float], every: dict[str, float]) -> str:
