@@ -181,13 +181,29 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
     willing = [rung for rung in rungs if _willing(rung)]
     if willing:
         return min(willing, key=lambda rung: rung.seconds)
-    relax = _relaxing(rungs) + _unchecked(case)
     msg = (
-        f"ask: no mechanics can answer this scene as it is asked\n\n{written(rungs)}\n\n"
-        f"{relax}{'Or name' if relax else 'Name'} a mechanics to run it all the same (where it is "
-        "able to); the result then records the refusals."
+        f"ask: no mechanics can answer this scene as it is asked. {_relaxing(rungs)}"
+        f"{_unchecked(case)}{_by_name(rungs)}\n\n{written(rungs)}"
     )
     raise InputError(msg)
+
+
+def _by_name(rungs: tuple[Rung, ...]) -> str:
+    """Suggest the mechanics to name: that with the fewest refusals and the smallest error."""
+    able = [rung for rung in rungs if all(refusal.about != "ability" for refusal in rung.refusals)]
+    if not able:
+        return "None is able to: the table says what would have to change."
+
+    def ranked(rung: Rung) -> tuple[float, ...]:
+        error = math.inf if math.isnan(rung.error) else rung.error
+        return len(rung.refusals), error, rung.seconds
+
+    best = min(able, key=ranked)
+    return (
+        f"Name {best.mechanics} (--mechanics {best.mechanics}) to run it all the same, in about "
+        f"{duration(best.seconds)}; the result then records what speaks against it: "
+        f"{'; '.join(refusal.reason for refusal in best.refusals)}."
+    )
 
 
 def _relaxing(rungs: tuple[Rung, ...]) -> str:
