@@ -1,9 +1,9 @@
 """Shapes of motions in time: ramp, hold, trapezoid, sinusoid, sweep, samples.
 
-A shape is abstract: `motions.py` has its two final classes, of depth in mm and of force in N, which
-hold the fields.
+A shape is abstract: `motions.py` has its two final classes, of depth in mm and of force in N.
 """
 
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -208,6 +208,7 @@ class SweepMotion(RampMotion):
         return base.followed_by(wave, self.seconds * highest)
 
 
+@dataclass(frozen=True)
 class SinusoidMotion(Motion):
     """`cycles` of a sine from nothing to twice its amplitude, at rest at both ends."""
 
@@ -227,11 +228,12 @@ class SinusoidMotion(Motion):
         return Trajectory.level(self.amplitude, wave, self.cycles)
 
 
+@dataclass(frozen=True)
 class SampledMotion(Motion):
     """Times in s from 0 on, and a column named as `control`; straight lines between them."""
 
     time: tuple[float, ...]
-    corner: float
+    corner: float = field(default=0.0, kw_only=True)
 
     @property
     def sample_rate(self) -> float | None:

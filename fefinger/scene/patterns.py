@@ -64,11 +64,6 @@ class Raised(PlateLike):
         return True
 
     @property
-    def turn(self) -> float:
-        """The roll in degrees."""
-        return self.roll
-
-    @property
     def flank(self) -> float:
         """Length in mm of their sides, seen from above."""
         return profiles.flank_of(self.edge, self.height)
@@ -94,7 +89,6 @@ class Raised(PlateLike):
         self._set("edge", above=0, unit="mm")
         check_flank(self.edge, self.height, width)
         self._set_angles()
-        self._set_roll()
 
 
 @final

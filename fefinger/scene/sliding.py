@@ -4,6 +4,7 @@ A shape is abstract, as in `motion_shapes.py`; `motions.py` has the final classe
 lie in the plane across the travel: x distal, y radial, those of a plate before its `roll`.
 """
 
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -107,6 +108,7 @@ class SlideMotion(RampMotion):
         return self.direction % 180 == 0
 
 
+@dataclass(frozen=True)
 class SampledPathMotion(SampledMotion):
     """Times in s from 0 on, columns x and y in mm, and one named as `control`; lines between."""
 
