@@ -1,7 +1,8 @@
 """From the strain at the end organs to spikes, and whether their counts depend on the mesh.
 
 `scene/population.py` describes a population, `mechanics/press/population.py` places it under the
-skin, `neural/units.py` makes units of end organs fire; this module puts the published anatomy in.
+skin. This module adds the published anatomy, and lets the units of a family fire: those of
+`recorded` in `neural/recorded_simulation.py`, those of `thesis` in `neural/units.py`.
 """
 
 from collections.abc import Sequence

@@ -1,6 +1,6 @@
 """Where the end organs lie, and the small flat press that they are measured against.
 
-Shared by all mechanics; needs no mesh.
+Shared by all mechanics; needs no mesh. Their strain is read by `fem/elements/recovery.py`.
 """
 
 from collections.abc import Callable
