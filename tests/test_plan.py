@@ -276,6 +276,14 @@ def test_the_ladder_is_a_table_with_errors_times_refusals_and_sources():
     assert "Times are for this machine" in text
 
 
+def test_refusals_that_differ_in_the_field_or_the_mesh_alone_are_written_once():
+    written = plan_text.ladder(plan.explain(published.load("flat-press")).rungs)
+    assert written.count("it gives force and depth alone") == 1
+    assert "ability: ask.pressure, ask.strain, ask.fields, ask.spikes: asked, but" in written
+    calibrated = plan_text.ladder(plan.explain(builtin.load("flat-press")).rungs)
+    assert "as on the standard mesh" in calibrated
+
+
 @pytest.mark.parametrize(
     ("value", "limit", "said"),
     [

@@ -22,13 +22,16 @@ SAID = {
 
 
 def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
-    """Return the ladder as a table, one line per refusal, and below it where the errors are from.
+    """Table of the ladder, a line per kind of refusal, and below it where the errors are from.
 
     The chosen rung is marked by a star.
     """
-    rows = []
+    rows, before = [], None
     for rung in rungs:
-        reasons = [f"{refusal.about}: {refusal.reason}" for refusal in rung.refusals]
+        reasons = _reasons(rung)
+        if before and rung.mechanics == before.mechanics and reasons == _reasons(before) != []:
+            reasons = [f"as on the {before.resolution} mesh"]
+        before = rung
         star = "*" if rung is chosen else ""
         mesh, error, seconds = rung.resolution or "-", percent(rung.error), duration(rung.seconds)
         first = reasons[0] if reasons else "chosen" if star else "good enough"
@@ -36,6 +39,16 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
         rows += [("", "", "", "", "", more) for more in reasons[1:]]
     heading = ("", "mechanics", "mesh", "error", "time", "refused because")
     return f"{table(rows, heading)}\n\n{_sources(rungs)}"
+
+
+def _reasons(rung: "Rung") -> list[str]:
+    """Refusals of a rung; those that differ in the field alone share a line."""
+    fields_of: dict[tuple[str, str], list[str]] = {}
+    for refusal in rung.refusals:
+        named = bool(refusal.field) and refusal.reason.startswith(refusal.field)
+        rest = refusal.reason.removeprefix(refusal.field) if named else refusal.reason
+        fields_of.setdefault((refusal.about, rest), []).append(refusal.field if named else "")
+    return [f"{about}: {', '.join(names)}{rest}" for (about, rest), names in fields_of.items()]
 
 
 def choice_line(plan: "Plan") -> str:
