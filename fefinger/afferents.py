@@ -10,10 +10,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.scene import library
 from fefinger.scene.population import Grid, Layout
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, number
 
 
@@ -31,9 +31,6 @@ RECORDED = (
     "input in mm is the displacement of a pin 1 mm wide that strains an end organ as much."
 )
 """Note on every result with units of the family `recorded`."""
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any) -> "SpikeTrains":

@@ -23,9 +23,9 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 
 
-Array = NDArray[np.float64]
 TYPES = ("SAI", "SAII", "FAI", "FAII")
 DEPTHS = (0.8, 1.8, 0.6, 3.0)
 AXIS = np.array([-0.5, 0.0, np.sqrt(0.75)])  # travel of a plate at 30 degrees

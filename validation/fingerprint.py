@@ -35,17 +35,16 @@ from typing import Any, TypeVar
 
 import numpy as np
 from fefinger.validation.unusable import BAD_COMMANDS, BAD_TABLES, FILES
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from fefinger.pipeline import run
 from fefinger.plan import choose, explain
 from fefinger.results.records import Plan
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 
 
-Array = NDArray[np.float64]
 Kind = TypeVar("Kind")
 Tables = dict[str, Any]
 

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.support import atomic_write
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.csv_columns import CsvTable, read_table
 from fefinger.support.text import strict_json, table
@@ -22,8 +22,6 @@ from fefinger.theory.lumped import identify, ramp_hold
 from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.lumped.identify import Identification
 
-
-Array = NDArray[np.float64]
 
 UNITS = {"time": "s", "position": "mm", "force": "N"}
 WAYS = ("thesis", "joint")

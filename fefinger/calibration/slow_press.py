@@ -27,13 +27,12 @@ from fefinger.scene.indenters import Flat
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support import cache
+from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 DAMAGED = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
 """Errors of reading a missing or damaged press, which is then solved again."""

@@ -22,11 +22,12 @@ from scipy.spatial import cKDTree
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.solvers import compressible
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.geometry import mirror
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.tolerances import REDUCED_COMPRESSIBILITY
 

@@ -14,8 +14,9 @@ from typing import Any, ClassVar, Self, final
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 
-Array = NDArray[np.float64]
+
 Heights = tuple[Array, Array, Array]
 """h (...,) mm, its slope (..., 2) and its curvature (..., 2, 2) in 1/mm."""
 

@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
-
-Array = NDArray[np.float64]
 
 WIDTHS = (6.0, 40.0)
 """Range in mm of the smaller sides of a fingertip's bounding box; outside, the unit is wrong."""

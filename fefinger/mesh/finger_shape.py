@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from fefinger.mesh.frame import PLATE
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shell import Array, Shell
+from fefinger.mesh.shell import Shell
 from fefinger.mesh.shell_triangles import Triangles
 from fefinger.scene.finger import BONE
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 

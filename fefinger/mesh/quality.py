@@ -9,10 +9,9 @@ from fefinger.geometry.facets import parts
 from fefinger.geometry.finger_mesh import BONE, REGIONS, FingerMesh, edges, volumes
 from fefinger.geometry.mirror import Halves
 from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL, fitted_radii
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 
-
-Array = NDArray[np.float64]
 
 MIN_DIHEDRAL = 8.0
 """Degrees; below it the condition of a Taylor-Hood element grows as 1/sin of the angle."""

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from fefinger.support.arrays import Array
 
-Array = NDArray[np.float64]
+
 Table = tuple[Array, Array]
 """Profile as x ascending to the tip and half size r(x), which is zero at the tip, mm."""
 

@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.mesh.shell import Array, Shell
+from fefinger.mesh.shell import Shell
+from fefinger.support.arrays import Array
 
 
 Triangles = tuple[Array, NDArray[np.int64]]

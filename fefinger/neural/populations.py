@@ -6,11 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.vocabulary import TYPES
 
-
-Array = NDArray[np.float64]
 
 NEIGHBORS = 8
 """Number of surface points that a projection interpolates between."""

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.results.records import Array, Pad
+from fefinger.results.records import Pad
+from fefinger.support.arrays import Array
 
 
 if TYPE_CHECKING:

@@ -14,14 +14,12 @@ from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.results.harmonic import Harmonic
 from fefinger.scene.inertia import quasistatic
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array, Integers
 
 
 if TYPE_CHECKING:
     from fefinger.neural.reference import Reference
     from fefinger.neural.trains import SpikeTrains
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 def green_lagrange(logs: Array) -> Array:

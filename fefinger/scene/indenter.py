@@ -7,6 +7,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol, Self
 import numpy as np
 
 from fefinger.geometry import profiles
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, numbers
 
 
@@ -196,7 +197,7 @@ class Placed(Indenter):
             object.__setattr__(self, "at", numbers("indenter.at", self.at, count=2, unit="mm"))
 
 
-def direction(plate: Inclined) -> profiles.Array:
+def direction(plate: Inclined) -> Array:
     """Return the unit normal (3,) of a plate towards the finger, which is its travel."""
     angle, tilt = np.radians(plate.angle), np.radians(plate.tilt)
     up = np.cos(angle)

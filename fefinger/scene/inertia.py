@@ -11,7 +11,8 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fefinger.support.arrays import Array
 
 
 if TYPE_CHECKING:
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
     from fefinger.scene.motion import Motion
     from fefinger.scene.scene import Scene
 
-
-Array = NDArray[np.float64]
 
 DENSITY = 1e-6
 """Density of soft tissue in kg/mm³, that of water."""

@@ -10,13 +10,12 @@ from functools import cached_property
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.scene.trajectory import Trajectory
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 
-
-Array = NDArray[np.float64]
 
 LONGEST = 1e9
 """s: a rest of thirty years, beyond which nothing is learned."""

@@ -10,16 +10,14 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.scene.motion import LIMITS, Motion
 from fefinger.scene.trajectory import Sweep, Trajectory, Wave
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, numbers, reject_unknown
 from fefinger.support.csv_columns import read_columns
 from fefinger.support.wave_file import read_wave
 
-
-Array = NDArray[np.float64]
 
 ANSWERED = 200
 """Frequencies at which a sweep is answered in closed form."""

@@ -9,15 +9,14 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.geometry import profiles
 from fefinger.scene.indenter import PlateLike
 from fefinger.scene.textured import check_flank
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice
 
 
-Array = NDArray[np.float64]
 Extent = tuple[tuple[float, float], tuple[float, float]]
 
 SAMPLES = 10

@@ -10,15 +10,13 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.scene.motion_shapes import RampMotion, SampledMotion, rest_limit
 from fefinger.scene.trajectory import Trajectory
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, numbers
 from fefinger.support.csv_columns import read_columns
-
-
-Array = NDArray[np.float64]
 
 
 class SlideMotion(RampMotion):

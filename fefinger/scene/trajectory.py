@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
-
-Array = NDArray[np.float64]
 
 _STRAIGHT = 1e-9
 """Change of slope, relative to the steepest one, below which a knot is no corner."""

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, choices, number
 from fefinger.support.vocabulary import TYPES
 
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
     from fefinger.scene.scene import Scene
     from fefinger.support.progress import Progress
 
-
-Array = NDArray[np.float64]
 
 MOST = 1000
 """Largest number of places: each is a press of its own."""

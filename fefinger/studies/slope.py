@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.results.records import Array
 from fefinger.studies.times import at
+from fefinger.support.arrays import Array
 
 
 WINDOW = 1.3

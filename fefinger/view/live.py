@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from fefinger.mechanics.realtime.show import FRAME, Frame, Show, compressive, status_line
 from fefinger.scene.finger import Finger
+from fefinger.support.arrays import Array
 from fefinger.view import film
 
-
-Array = NDArray[np.float64]
 
 COLORS = {"SAI": "#1b6ca8", "SAII": "#5aa469", "FAI": "#d35d6e", "FAII": "#8d6cab"}
 WINDOW = 2.0  # s of spikes on screen

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from fefinger.geometry import facets, mirror, section
 from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, volumes
 from fefinger.geometry.locate import locate
-from fefinger.results.records import Array, Fields, Integers
+from fefinger.results.records import Fields
+from fefinger.support.arrays import Array, Integers
 
 
 NAMES = {SKIN: "skin", SUBCUTANEOUS: "subcutaneous tissue", BONE: "bone"}

@@ -8,10 +8,8 @@ from numpy.typing import NDArray
 
 from fefinger.result import Result
 from fefinger.results.records import Fields
+from fefinger.support.arrays import Array
 from fefinger.view import frames, surfaces
-
-
-Array = NDArray[np.float64]
 
 
 @pytest.fixture

@@ -29,10 +29,9 @@ from fefinger.neural import recorded_compiled as compiled
 from fefinger.neural.recorded import BOUNDS, Recorded, units_of
 from fefinger.neural.recorded_simulation import LONGEST
 from fefinger.neural.recorded_vectorized import fire
+from fefinger.support.arrays import Array
 from fefinger.support.checks import choice
 
-
-Array = NDArray[np.float64]
 
 DRIVES = {"SAI": "compressive", "SAII": "tangent", "FAI": "tangent", "FAII": "compressive"}
 """Components of the strain that drive the types: those of the thesis and of Phillips & Johnson."""

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from fefinger.fem.contact import friction_state, friction_step, step_compiled
 from fefinger.fem.contact.lcp_compiled import DONE
 from fefinger.fem.contact.sliding_march import sticks
+from fefinger.support.arrays import Array
 
 
-Array = NDArray[np.float64]
 Body = Literal["block", "squares"]
 
 RADIUS, CONTACT, MODULUS, POISSON, MU = 10.0, 1.0, 100.0, 0.5, 0.3

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from fefinger.fem.contact.sliding_march import slide
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
+from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 NODES, LENGTH, HEIGHT, MODULUS, POISSON = 48, 2.0, 0.05, 60.0, 0.48
 PRONY = Prony((0.4, 0.35, 0.25), (200.0, 12.0))

@@ -21,10 +21,9 @@ from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import factor
+from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 REACH = 1.5  # contact radii to the last candidate vertex
 EXTENT = 5.0  # contact radii to the outer faces of a half-space

@@ -19,9 +19,9 @@ from fefinger.fem.elements.probe import strain_at, tensors
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import System, factor
+from fefinger.support.arrays import Array
 
 
-Array = NDArray[np.float64]
 Surface = Callable[[Array, Array], Array]
 """A function of x and y (...,) mm on the surface: a gap in mm or a pressure in kPa."""
 

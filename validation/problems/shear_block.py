@@ -19,9 +19,8 @@ from fefinger.fem.contact.patch import Patch, directed, patch
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import factor
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 REACH = 1.3  # contact radii to the last candidate vertex
 EXTENT = 4.0  # contact radii to the outer faces

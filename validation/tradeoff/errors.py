@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.results.pressure import peaks
 from fefinger.results.records import Response
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
-
-Array = NDArray[np.float64]
 
 QUANTITIES = (*STATED, "taxels", "centroid")
 

@@ -13,8 +13,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.fem.elements.spaces import Array
 from fefinger.geometry.profiles import Plane, Profile, frame
+from fefinger.support.arrays import Array
 
 
 FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of, where it has to be finite

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.contact.obstacle import Rigid
-from fefinger.fem.elements.spaces import Array, Integers, Space, Trace, trace
+from fefinger.fem.elements.spaces import Space, Trace, trace
+from fefinger.support.arrays import Array, Integers
 
 
 RINGS = 2  # rings of vertices around the candidates: the reach of a fit of the contact area

@@ -9,7 +9,7 @@ from fefinger.fem.contact import friction_state, friction_step, step_compiled
 from fefinger.fem.contact import lcp_compiled as contact
 from fefinger.fem.contact.travel import Travel
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, Sliding
-from fefinger.fem.elements.spaces import Array
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 

@@ -16,8 +16,9 @@ from scipy import sparse
 
 from fefinger.fem.contact.obstacle import FAR, Obstacle, Rigid
 from fefinger.fem.contact.patch import Patch, smooth_places
-from fefinger.fem.elements.spaces import Array, Space, trace
+from fefinger.fem.elements.spaces import Space, trace
 from fefinger.geometry.profiles import Plane, frame
+from fefinger.support.arrays import Array
 
 
 STRIDE = 0.2

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.elements.spaces import Array
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import FORCE_MATCH, SMALL_FORCE
 

@@ -13,10 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Basis, ElementTetP2, ElementTriP1, ElementTriP2, MeshTet, MeshTri
 
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from fefinger.support.arrays import Array, Integers
 
 
 @dataclass(frozen=True)

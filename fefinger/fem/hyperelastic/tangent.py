@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.elements.spaces import Array, Integers
 from fefinger.fem.linalg.multifrontal_single import ApproximateFactor
+from fefinger.support.arrays import Array, Integers
 
 
 class FactoredTangent:

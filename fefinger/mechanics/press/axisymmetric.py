@@ -21,6 +21,7 @@ from fefinger.scene.indenter import Indenter, direction
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from fefinger.neural.reference import Reference
     from fefinger.theory.contact.ting import ContactHistory
 
-Array = NDArray[np.float64]
 
 RINGS, SECTORS = 16, 24  # of the pad on which the pressure is reported
 

@@ -13,10 +13,9 @@ from fefinger.geometry.boundary import boundary_edges
 from fefinger.geometry.locate import locate
 from fefinger.scene.indenter import Indenter, direction
 from fefinger.scene.indenters import STANDARD
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
-
-Array = NDArray[np.float64]
 
 ON_THE_CUT = 1e-3
 """Part of the length of the finger within which the border of the pad is the proximal cut."""

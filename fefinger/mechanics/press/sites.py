@@ -7,21 +7,18 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.library import receptors
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:
     from fefinger.neural.populations import Surface
-
-
-Array = NDArray[np.float64]
 
 
 REFERENCE_DEPTH = 0.5

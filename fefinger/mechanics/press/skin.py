@@ -6,13 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.geometry.mirror import Halves
+from fefinger.support.arrays import Array
 
 
 if TYPE_CHECKING:
     from fefinger.neural.populations import Surface
 
-
-Array = NDArray[np.float64]
 
 LATTICE = 0.4  # mm between the points of a spherical pad
 STEEPEST = 0.9  # sine of the slope at which a spherical pad ends

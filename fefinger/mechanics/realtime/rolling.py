@@ -27,11 +27,10 @@ from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import Flat
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
-
-Array = NDArray[np.float64]
 
 PLANE = (0, 2)  # the components of the normal: the plate turns about y
 
