@@ -81,6 +81,7 @@ ASKED: Mapping[str, Mapping[str, Any]] = {
 """Changes that let a mechanics answer: it is asked for all that it has but the fields."""
 
 CHANGED: Mapping[str, Mapping[str, Any]] = {
+    "curved-hold": {"finger.resolution": "standard"},
     "edge-press": {"motion.hold": 0.5},
     "flat-press": {"motion.hold": 0.5},
     "flat-sinusoid": {"motion.cycles": 1},
