@@ -38,7 +38,7 @@ class Profile(ABC):
         """Return h, its slope and its curvature at places `across` (..., 2) mm."""
 
     def rise(self, across: Array) -> Array:
-        """Return h alone (...,) mm, which a sliding object is asked for at every step."""
+        """Return h alone (...,) mm, which sliding needs at every step."""
         return self.height(across)[0]
 
     def incline(self, across: Array) -> Array:
@@ -51,7 +51,7 @@ class Profile(ABC):
         return None
 
     def beyond(self, across: Array) -> NDArray[np.bool_]:
-        """Return whether places `across` (..., 2) mm are beyond the shape that is meant."""
+        """Return whether places `across` (..., 2) mm are beyond the modeled shape."""
         return np.zeros(across.shape[:-1], dtype=bool)
 
 

@@ -52,8 +52,8 @@ class Indenter(ABC):
     the point that the 30 degree plate touches). `roll` turns an object about its travel, in
     degrees: at 0 its ridge, edge or axis runs across the finger, at 90 along it.
 
-    What depends on the kind of object is asked of the object: nothing outside `indenters.py` and
-    `textured.py` needs to know the classes.
+    What depends on the kind of object is a property of the object: nothing outside `indenters.py`,
+    `textured.py` and `patterns.py` needs to know the classes.
     """
 
     friction: float = field(default=0.0, kw_only=True, repr=False)

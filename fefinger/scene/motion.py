@@ -175,7 +175,7 @@ class Motion(ABC):
     def value(self, t: ArrayLike) -> Array:
         """Return the depth in mm or the force in N at the times `t` in s."""
         value = self.trajectory.value(t)
-        # No force that is asked for is below 0 N, but a ramp back to 0 may round to one.
+        # No prescribed force is below 0 N, but a ramp back to 0 may round to one.
         return np.maximum(value, 0.0) if self.control == "force" else value
 
     def rate(self, t: ArrayLike) -> Array:

@@ -152,7 +152,7 @@ class Trajectory:
         t, y = np.asarray(times, float), np.asarray(values, float)
         if not np.all(np.diff(t) > 0):
             msg = (
-                f"motion: expected parts whose lengths can be told apart, received knots at "
+                f"motion: expected parts longer than rounding, received knots at "
                 f"{t.tolist()} s; change the speed or the hold"
             )
             raise InputError(msg)

@@ -56,7 +56,7 @@ class ReceptiveField:
     left_out: tuple[tuple[tuple[float, float], str], ...] = ()
 
     def of(self, kind: str) -> NDArray[np.int64]:
-        """Impulses (n_places,) of the unit of a kind; InputError for a kind that was not asked."""
+        """Impulses (n_places,) of the unit of a kind; InputError for another kind."""
         return self.impulses[:, self.kinds.index(choice("kind", kind, self.kinds))]
 
     def area(self, kind: str, part: float = 0.5) -> float:
@@ -197,7 +197,7 @@ def _pressed(scene: "Scene", plan: "Plan", place: Array) -> "tuple[Response, NDA
 
 
 def _with_units(scene: "Scene", kinds: tuple[str, ...], branched: bool, seed: int) -> "Scene":
-    """Return the scene with one unit of each kind, and nothing else asked."""
+    """Return the scene with one unit of each kind, and no other output."""
     from fefinger.scene.population import Places
 
     units = Places(places=((0.0, 0.0),), branched=branched, seed=seed)

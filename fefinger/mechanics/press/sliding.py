@@ -1,4 +1,4 @@
-"""A press with a path or with friction: its candidates, its contact, and what it is said of it."""
+"""A press with a path or with friction: candidates, contact, and the notes on it."""
 
 from collections.abc import Callable
 from dataclasses import replace
