@@ -81,7 +81,6 @@ ASKED: Mapping[str, Mapping[str, Any]] = {
 """Changes that let a mechanics answer: it is asked for all that it has but the fields."""
 
 CHANGED: Mapping[str, Mapping[str, Any]] = {
-    "curved-hold": {"finger.resolution": "standard"},
     "edge-press": {"motion.hold": 0.5},
     "flat-press": {"motion.hold": 0.5},
     "flat-sinusoid": {"motion.cycles": 1},
@@ -104,8 +103,8 @@ CHANGED: Mapping[str, Mapping[str, Any]] = {
 They shorten its motion; and p7 takes its next larger ball, as 2.94 mm is beyond the coarse mesh.
 """
 
-UNSHIPPED = ("p10-ball-on-array",)
-"""Scenes whose finger has no shipped mesh: they are answered without one only."""
+UNSHIPPED = ("curved-hold", "p10-ball-on-array", "pin-hold", "probe-vibration")
+"""Scenes whose finger has no shipped coarse mesh: they are answered without one only."""
 
 MESHED = ("condensed", "linear", *SLOW)
 
