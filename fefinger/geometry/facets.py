@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import BONE, faces
-from fefinger.support.arrays import Integers
+from fefinger.support.arrays import Array, Integers
 
 
 FLAT = 0.9
@@ -46,13 +46,13 @@ def parts(cells: Integers) -> int:
 
 
 def facet_sets(
-    points: NDArray[np.float64],
+    points: Array,
     cells: Integers,
     region: NDArray[np.int8],
     *,
     cut: float,
     tolerance: float,
-    level: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    level: Callable[[Array], Array],
 ) -> dict[str, Integers]:
     """Sort boundary and interface faces into named sets; "pad" is all of the outer skin.
 

@@ -12,9 +12,8 @@ from functools import cached_property
 from typing import Any, ClassVar, Self, final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Flags
 
 
 Heights = tuple[Array, Array, Array]
@@ -50,7 +49,7 @@ class Profile(ABC):
         """Half axes in mm of an ellipsoid or, with an infinite one, of a cylinder; else None."""
         return None
 
-    def beyond(self, across: Array) -> NDArray[np.bool_]:
+    def beyond(self, across: Array) -> Flags:
         """Return whether places `across` (..., 2) mm are beyond the modeled shape."""
         return np.zeros(across.shape[:-1], dtype=bool)
 
@@ -94,7 +93,7 @@ class Ellipsoid(Profile):
         bend = bend + change[..., None, None] * gradient[..., :, None] * gradient[..., None, :]
         return h, deep * over[..., None] * gradient, deep * bend
 
-    def beyond(self, across: Array) -> NDArray[np.bool_]:
+    def beyond(self, across: Array) -> Flags:
         """Return whether places are on the cone."""
         return np.asarray(self._s(across) > self._end)
 

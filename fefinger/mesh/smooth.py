@@ -4,12 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Flags, Integers
 
 
-Project = Callable[[Array, NDArray[np.bool_]], Array]
+Project = Callable[[Array, Flags], Array]
 """Function that projects points (k, 3) onto a surface and changes only free coordinates (k, 3)."""
 
 TRIALS = 24
@@ -29,7 +28,7 @@ class Supports:
     """
 
     surface: Integers
-    free: NDArray[np.bool_]
+    free: Flags
     projectors: tuple[Project, ...]
 
     def place(self, points: Array, which: Integers) -> Array:

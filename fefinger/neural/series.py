@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import as_input_error
 from fefinger.support.checks import InputError, choice, nearest, number, repeated
 from fefinger.support.csv_columns import CsvTable, read_table
@@ -56,8 +56,8 @@ class Signals:
     The length of a strain column is None; the user has to give it.
     """
 
-    time: NDArray[np.float64]
-    drive: NDArray[np.float64]
+    time: Array
+    drive: Array
     lengths: tuple[float | None, ...]
     headers: tuple[str, ...]
 
@@ -328,7 +328,7 @@ def _signs(signals: Signals) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _curved(signals: Signals) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _curved(signals: Signals) -> tuple[Array, Array]:
     """Interpolate the drive at finer times by cubic splines from jump to jump."""
     from scipy.interpolate import CubicSpline
 

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 from fefinger.support.csv_columns import read_columns
 
@@ -49,7 +49,7 @@ def read_relief(
     return tuple(lines[0].tolist()), tuple(lines[1].tolist()), rows
 
 
-def _picture(file: Path) -> NDArray[np.float64]:
+def _picture(file: Path) -> Array:
     """Read the gray values (n_x, n_y) of a picture, from 0 to 1."""
     from matplotlib.image import imread
 
@@ -84,7 +84,7 @@ def read_heights(file: Path) -> tuple[Numbers, Numbers, tuple[Numbers, ...]]:
     return tuple(x.tolist()), tuple(y.tolist()), rows
 
 
-def _archive(file: Path) -> tuple[NDArray[np.float64], ...]:
+def _archive(file: Path) -> tuple[Array, ...]:
     """Read x, y and heights from an NPZ archive."""
     try:
         with np.load(file, allow_pickle=False) as archive:
@@ -95,7 +95,7 @@ def _archive(file: Path) -> tuple[NDArray[np.float64], ...]:
     return x.ravel(), y.ravel(), height
 
 
-def _table(file: Path) -> tuple[NDArray[np.float64], ...]:
+def _table(file: Path) -> tuple[Array, ...]:
     """Read x, y and heights from a CSV file."""
     across, along, heights = map(np.array, read_columns("indenter.file", file, COLUMNS))
     x, i = np.unique(across, return_inverse=True)

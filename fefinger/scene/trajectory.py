@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
 
 
@@ -254,7 +254,7 @@ class Trajectory:
         return float(self.value(times).max())
 
 
-def _longest_corner(t: Array, kink: NDArray[np.bool_]) -> float:
+def _longest_corner(t: Array, kink: Flags) -> float:
     """Return the longest corner for which the parabolas about the kinks do not overlap."""
     at = t[kink]
     if not len(at):

@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, choices, number
 from fefinger.support.vocabulary import TYPES
 
@@ -48,14 +47,14 @@ class ReceptiveField:
 
     kinds: tuple[str, ...]
     places: Array
-    impulses: NDArray[np.int64]
+    impulses: Integers
     spacing: float
     organs: dict[str, Array]
     scene: str
     mechanics: str
     left_out: tuple[tuple[tuple[float, float], str], ...] = ()
 
-    def of(self, kind: str) -> NDArray[np.int64]:
+    def of(self, kind: str) -> Integers:
         """Impulses (n_places,) of the unit of a kind; InputError for another kind."""
         return self.impulses[:, self.kinds.index(choice("kind", kind, self.kinds))]
 
@@ -185,7 +184,7 @@ def receptive_field(
     )
 
 
-def _pressed(scene: "Scene", plan: "Plan", place: Array) -> "tuple[Response, NDArray[np.int64]]":
+def _pressed(scene: "Scene", plan: "Plan", place: Array) -> "tuple[Response, Integers]":
     """Press the object at a place (2,) mm; return the response, and the impulses of the units."""
     from fefinger.afferents import fire
     from fefinger.mechanics import get

@@ -13,12 +13,11 @@ import numpy as np
 from fefinger.validation.oracles import squares
 from fefinger.validation.oracles.mindlin import Mindlin
 from fefinger.validation.problems.shear_block import ShearBlock
-from numpy.typing import NDArray
 
 from fefinger.fem.contact import friction_state, friction_step, step_compiled
 from fefinger.fem.contact.lcp_compiled import DONE
 from fefinger.fem.contact.sliding_march import sticks
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Flags
 
 
 Body = Literal["block", "squares"]
@@ -74,7 +73,7 @@ class Sheared:
     path: Array
     pressure: Array
     traction: Array
-    sticking: NDArray[np.bool_]
+    sticking: Flags
     tangential: Array
     lost: Array
 
