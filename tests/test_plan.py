@@ -343,7 +343,7 @@ def test_no_mesh_is_asked_after_where_a_force_law_will_do():
     assert found.mechanics == "lumped"
     assert [rung.mechanics for rung in found.rungs] == ["lumped", "hertz", "layered"]
     assert (
-        "Not asked, because slower and not needed: condensed, pressed, modal, linear, solid."
+        "Not considered, because slower and not needed: condensed, pressed, modal, linear, solid."
         in found.sentence
     )
     shortest = asked(resolution="coarse")

@@ -12,13 +12,13 @@ if TYPE_CHECKING:
     from fefinger.scene.ask import Ask
 
 
-SAID = {
+QUANTITIES = {
     "force": "force",
     "pressure": "highest pressure over 1 mm²",
     "area": "contact area",
     "strain": "strain at the end organs",
 }
-"""What errors are stated of, in words."""
+"""Names of the quantities whose errors are stated."""
 
 
 def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
@@ -64,17 +64,20 @@ def choice_line(plan: "Plan") -> str:
 def trust(rung: "Rung", ask: "Ask") -> str:
     """State the expected error of each requested output, in a sentence or two.
 
-    Where the force is prescribed, its error is that at the depth that is found, all others are at
+    Where the force is prescribed, its error is that at the depth of the answer; all others are at
     that force.
     """
     errors = {"force": rung.error, **rung.errors}
-    asked = ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
-    wanted = [name for name, wish in zip(SAID, asked, strict=True) if wish]
+    requested = ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
+    wanted = [name for name, wish in zip(QUANTITIES, requested, strict=True) if wish]
     known = [name for name in wanted if math.isfinite(errors.get(name, math.nan))]
-    unknown = [SAID[name] for name in wanted if name not in known]
-    words = SAID
+    unknown = [QUANTITIES[name] for name in wanted if name not in known]
+    words = QUANTITIES
     if "depth" in errors:
-        known, words = ["depth", *known], SAID | {"force": "force at the depth", "depth": "depth"}
+        known, words = (
+            ["depth", *known],
+            QUANTITIES | {"force": "force at the depth", "depth": "depth"},
+        )
     bounds = ", ".join(f"{words[name]} {percent(errors[name])}" for name in known)
     sentences = [f"Expected within: {bounds}."] if known else []
     if ask.spikes and "spike count" in errors:

@@ -256,7 +256,10 @@ BAD_TABLES = [
         {"motion": {"kind": "sampled", "file": 3}},
         r"motion.file: expected the name of a CSV or WAV file",
     ),
-    ({"motion": {"kind": "sampled", "file": "no.csv"}}, r"motion.file: cannot read 'no.csv'"),
+    (
+        {"motion": {"kind": "sampled", "file": "no.csv"}},
+        r"motion.file: 'no.csv': expected a CSV file of text, cannot read it",
+    ),
     ({"ask": {"force": "yes"}}, r"ask.force: expected true or false, received 'yes'"),
     ({"ask": {"spikes": "SAI"}}, r"ask.spikes: expected a list out of SAI, SAII"),
     ({"ask": {"spikes": ["SA1"]}}, r"ask.spikes\[0\]: .*Did you mean 'SAI'\?"),
