@@ -114,7 +114,7 @@ class HalfSpace:
 
 
 def tissue(finger: Finger) -> tuple[float, float]:
-    """Return modulus in kPa and Poisson's ratio of the one tissue that stands for skin and pulp.
+    """Return modulus in kPa and Poisson's ratio of the uniform tissue that replaces skin and pulp.
 
     Under a contact wider than the skin is thick, the layers bear the same pressure one after the
     other, so the compliances average, weighted by thickness; and so do Poisson's ratios.

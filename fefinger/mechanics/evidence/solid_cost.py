@@ -1,4 +1,4 @@
-"""What `solid` costs: CPU seconds of presses in `reports/solid-cost.json`, by mesh and depth."""
+"""Cost of `solid`: CPU seconds of presses in `reports/solid-cost.json`, by mesh and depth."""
 
 from functools import cache, lru_cache
 from typing import NamedTuple

@@ -144,11 +144,11 @@ def _reference(press: Press, elements: Continuum, halt: str) -> Reference | None
 
 
 class _RimReachedError(Exception):
-    """Contact has reached the rim of its candidates, or of the pad: what follows is in vain."""
+    """Ends a solution early: contact has reached the rim of its candidates, or of the pad."""
 
 
 class _EnoughError(Exception):
-    """The press bears what was wanted."""
+    """Ends a solution early: the press has reached its target."""
 
 
 class _Recorder:
