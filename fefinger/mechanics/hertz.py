@@ -185,9 +185,9 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     Hertz, and more where chi is not small; the skin leaves the modulus open between those of the
     two tissues.
     """
-    found = measured(Candidate(name), case, quantity)
-    if found is not None or quantity != "force":
-        return found or UNKNOWN
+    stated = measured(Candidate(name), case, quantity)
+    if stated is not None or quantity != "force":
+        return stated or UNKNOWN
     stiffer = STIFFENING * _thinness(case)
     modulus, _ = tissue(case.finger)
     ends = (case.finger.skin.modulus, case.finger.subcutaneous.modulus)

@@ -165,10 +165,10 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     if unlawful(case.finger):
         return UNKNOWN
     candidate = Candidate(name, case.mesh)
-    found = measured(candidate, case, quantity)
-    if found is None and quantity == "force":
+    stated = measured(candidate, case, quantity)
+    if stated is None and quantity == "force":
         return without_press(candidate, case, *reports.linear_error(case))
-    return found or UNKNOWN
+    return stated or UNKNOWN
 
 
 def coarser(scene: Scene, *, follow: bool = True) -> Finger | None:

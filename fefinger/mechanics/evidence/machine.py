@@ -65,9 +65,9 @@ def seconds(*, now: bool = True) -> float | None:
 
     None where it is not kept and is not to be measured.
     """
-    found = known()
-    if found is not None or not now:
-        return found
+    before = known()
+    if before is not None or not now:
+        return before
     measured = measure()
     try:
         kept_path().parent.mkdir(parents=True, exist_ok=True)
@@ -80,8 +80,8 @@ def seconds(*, now: bool = True) -> float | None:
 
 def known() -> float | None:
     """Return the benchmark time of this machine if it was measured before, else None."""
-    found = kept()
-    return _unkept.get("seconds") if found is None else found
+    cached = kept()
+    return _unkept.get("seconds") if cached is None else cached
 
 
 def kept() -> float | None:

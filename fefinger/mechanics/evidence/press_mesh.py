@@ -88,13 +88,13 @@ def _presses(
     finite = MECHANICS[candidate.mechanics].finite
     tissue = MAIN if finite else library.PUBLISHED
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    found = []
+    placed = []
     for name in names:
-        own, label = f"{_subject(case)}/{name}", f"{tissue}/{name}"
-        press = presses.get(own) if finite and own in presses else presses.get(label)
+        calibrated, label = f"{_subject(case)}/{name}", f"{tissue}/{name}"
+        press = presses.get(calibrated if finite and calibrated in presses else label)
         if press is not None:
-            found.append((press, _reached(press, case)))
-    return found
+            placed.append((press, _reached(press, case)))
+    return placed
 
 
 def _deep_enough(parts: list[tuple[Measured, float]]) -> bool:
@@ -129,10 +129,10 @@ def _other_fingers(candidate: Candidate, quantity: str) -> float:
 @cache
 def objects() -> Mapping[str, Indenter]:
     """Return the objects that were pressed, by name."""
-    found = {}
+    indenters = {}
     for label, row in read(PRESS_MESH)["rows"].items():
-        found[label.partition("/")[2]] = _object(row["indenter"])
-    return found
+        indenters[label.partition("/")[2]] = _object(row["indenter"])
+    return indenters
 
 
 def _object(fields: Mapping[str, Any]) -> Indenter:
