@@ -26,8 +26,9 @@ def scenes(name: str | None, schema: bool, as_json: bool) -> None:
         return
     if name is not None:
         text = library.text(name).removesuffix("\n")
-        console.print_answer(library.load(name).to_dict(), text, as_json=as_json)
+        record = library.load(name).to_dict() if as_json else {}  # a text needs no library
+        console.print_answer(record, text, as_json=as_json)
         return
     rows = [(each, library.summary(each)) for each in library.names()]
-    record = {"scenes": [{"name": n, "summary": summary} for n, summary in rows]}
-    console.print_answer(record, table(rows), as_json=as_json)
+    listed = {"scenes": [{"name": n, "summary": summary} for n, summary in rows]}
+    console.print_answer(listed, table(rows), as_json=as_json)
