@@ -165,10 +165,10 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     if unlawful(case.finger):
         return UNKNOWN
     candidate = Candidate(name, case.mesh)
-    stated = measured(candidate, case, quantity)
-    if stated is None and quantity == "force":
+    found = measured(candidate, case, quantity)
+    if found is None and quantity == "force":
         return without_press(candidate, case, *reports.linear_error(case))
-    return stated or UNKNOWN
+    return found or UNKNOWN
 
 
 def coarser(scene: Scene, *, follow: bool = True) -> Finger | None:

@@ -83,11 +83,11 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
 
     Not a number where no press has identified the law of the scene's finger under its plate.
     """
-    fitted = law(case)
-    if quantity != "force" or fitted.doubt or case.indenter.flat is None:
+    found = law(case)
+    if quantity != "force" or found.doubt or case.indenter.flat is None:
         return float("nan"), "not known: no press like it was measured"
-    source = f"{fitted.evidence}; {SINUSOIDS}" if fitted.printed else fitted.evidence
-    return fitted.error + NUMERICAL, source
+    said = f"{found.evidence}; {SINUSOIDS}" if found.printed else found.evidence
+    return found.error + NUMERICAL, said
 
 
 def coarser(scene: Scene) -> None:
@@ -141,26 +141,26 @@ def _beyond(ask: Ask) -> list[Doubt]:
 
 def _doubts(case: Situation) -> list[Doubt]:
     """Return in which way the scene differs from what was measured, with the numbers."""
-    flat, fitted = case.indenter.flat, law(case)
-    doubts = [Doubt("finger", fitted.doubt)] if fitted.doubt else []
+    flat, found = case.indenter.flat, law(case)
+    doubts = [Doubt("finger", found.doubt)] if found.doubt else []
     if flat is None:
         reason = f"indenter = {case.indenter.kind}: it was measured with a flat plate"
         doubts.append(Doubt("indenter", reason))
-    elif fitted.printed and not (ANGLES[0] <= flat.angle <= ANGLES[1] and not flat.tilt):
+    elif found.printed and not (ANGLES[0] <= flat.angle <= ANGLES[1] and not flat.tilt):
         reason = (
             f"indenter.angle, tilt = {flat.angle:g}, {flat.tilt:g} degrees: it was "
             f"measured at {ANGLES[0]:g} to {ANGLES[1]:g}, 0"
         )
         doubts.append(Doubt("indenter", reason))
-    return doubts + (_too_hard(case, fitted) if fitted.printed else [])
+    return doubts + (_too_hard(case, found) if found.printed else [])
 
 
-def _too_hard(case: Situation, fitted: Law) -> list[Doubt]:
+def _too_hard(case: Situation, found: Law) -> list[Doubt]:
     """Return whether the force goes beyond what was measured; under depth control, once relaxed."""
     peak, where = case.peak, "force"
     if case.motion.control == "depth":
         where = f"relaxed force at {peak:.3g} mm"
-        peak = fitted.prony.long_time * float(fitted.spring.force(peak))
+        peak = found.prony.long_time * float(found.spring.force(peak))
     if peak <= FORCE:
         return []
     return [Doubt("motion", f"{where} = {beyond(peak, FORCE)} N, the largest that was measured")]

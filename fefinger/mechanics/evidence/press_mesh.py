@@ -88,13 +88,13 @@ def _presses(
     finite = MECHANICS[candidate.mechanics].finite
     tissue = MAIN if finite else library.PUBLISHED
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    placed = []
+    found = []
     for name in names:
-        calibrated, label = f"{_subject(case)}/{name}", f"{tissue}/{name}"
-        press = presses.get(calibrated if finite and calibrated in presses else label)
+        own, label = f"{_subject(case)}/{name}", f"{tissue}/{name}"
+        press = presses.get(own) if finite and own in presses else presses.get(label)
         if press is not None:
-            placed.append((press, _reached(press, case)))
-    return placed
+            found.append((press, _reached(press, case)))
+    return found
 
 
 def _deep_enough(parts: list[tuple[Measured, float]]) -> bool:
@@ -129,10 +129,10 @@ def _other_fingers(candidate: Candidate, quantity: str) -> float:
 @cache
 def objects() -> Mapping[str, Indenter]:
     """Return the objects that were pressed, by name."""
-    indenters = {}
+    found = {}
     for label, row in read(PRESS_MESH)["rows"].items():
-        indenters[label.partition("/")[2]] = _object(row["indenter"])
-    return indenters
+        found[label.partition("/")[2]] = _object(row["indenter"])
+    return found
 
 
 def _object(fields: Mapping[str, Any]) -> Indenter:

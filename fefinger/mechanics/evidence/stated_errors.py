@@ -91,8 +91,8 @@ def stated(candidate: Candidate, case: Situation, quantity: str = "force") -> St
 
 def is_measured(candidate: Candidate, case: Situation) -> bool:
     """Return whether the error of the force was measured in a press like the scene."""
-    stated_error = measured(candidate, case)
-    return stated_error is not None and math.isfinite(stated_error.error)
+    found = measured(candidate, case)
+    return found is not None and math.isfinite(found.error)
 
 
 def _rule(quantity: str, candidate: Candidate) -> float:
@@ -124,9 +124,9 @@ def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> 
     raised = case.indenter.raised  # measured while they slide, by `reports.RAISED`
     if not finite and (raised or not (case.measured_tissue and case.place is None)):
         return None
-    mesh_error = press_mesh.error(candidate, case, quantity)
+    found = press_mesh.error(candidate, case, quantity)
     steps = _rule(f"error of time steps, {quantity}", Candidate(candidate.mechanics))
-    return Known(mesh_error.error + steps, mesh_error.source)
+    return Known(found.error + steps, found.source)
 
 
 def spikes(candidate: Candidate, case: Situation) -> dict[str, float]:

@@ -138,28 +138,27 @@ def _swept(
             factor,
         )
         if depth is None and motion.control == "force":
-            harmonic = vibrating.harmonic(motion.frequencies, force=level)
+            found = vibrating.harmonic(motion.frequencies, force=level)
         else:
-            harmonic = vibrating.harmonic(motion.frequencies, depth=depth or level)
+            found = vibrating.harmonic(motion.frequencies, depth=depth or level)
     return replace(
-        answer, harmonic=harmonic, notes=(*answer.notes, *harmonic.notes, *_loses(harmonic, scene))
+        answer, harmonic=found, notes=(*answer.notes, *found.notes, *_loses(found, scene))
     )
 
 
-def _loses(harmonic: Harmonic, scene: Scene) -> tuple[str, ...]:
+def _loses(found: Harmonic, scene: Scene) -> tuple[str, ...]:
     """Return the note that the contact of a preload opens within a cycle, if it does."""
     amplitude = float(getattr(scene.motion, "amplitude", 0.0))
     if scene.motion.control == "force":
         return ()
-    swing = amplitude * np.abs(harmonic.stiffness)
-    lost = swing > harmonic.preload_force
+    swing = amplitude * np.abs(found.stiffness)
+    lost = swing > found.preload_force
     if not lost.any():
         return ()
-    low, high = harmonic.frequency[lost].min(), harmonic.frequency[lost].max()
     return (
-        f"From {low:.3g} to {high:.3g} Hz the force of {amplitude:g} mm exceeds the preload of "
-        f"{harmonic.preload_force:.3g} N: contact opens in mid-cycle, which the answer through "
-        "time follows and the harmonic one does not.",
+        f"From {found.frequency[lost].min():.3g} to {found.frequency[lost].max():.3g} Hz the force "
+        f"of {amplitude:g} mm exceeds the preload of {found.preload_force:.3g} N: contact opens in "
+        "mid-cycle, which the answer through time follows and the harmonic one does not.",
     )
 
 
