@@ -329,9 +329,6 @@ def _stretched_together(*layers: Tissue) -> Tissue:
     return Tissue(stiffness / total, layers[0].poisson, round(total, 12))
 
 
-# Receptors
-
-
 @dataclass(frozen=True)
 class Receptor:
     """Depth in mm of the end organs of one type under the surface of the skin, with its source."""

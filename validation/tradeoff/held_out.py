@@ -19,7 +19,7 @@ import numpy as np
 from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff import scenes
 from fefinger.validation.tradeoff.errors import left
-from fefinger.validation.tradeoff.runs import meshes_alone
+from fefinger.validation.tradeoff.runs import empty_cache
 
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence.tradeoff import STATED
@@ -135,7 +135,7 @@ def judge(scene: Scene, errors: dict[str, dict[str, float]]) -> dict[str, Any]:
     Times are those of a first answer, with nothing kept from another one.
     """
     rows: dict[str, dict[str, Any]] = {}
-    with meshes_alone():
+    with empty_cache():
         ladder = rungs(scene)
     for rung in ladder:
         name = rung.candidate.label

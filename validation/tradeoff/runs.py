@@ -5,6 +5,7 @@ campaign that was stopped goes on where it was.
 """
 
 import hashlib
+import os
 import resource
 import sys
 import time
@@ -14,10 +15,10 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from fefinger.validation.empty_cache import empty_cache
 from fefinger.validation.tradeoff import scenes
 from numpy.typing import NDArray
 
@@ -157,19 +158,26 @@ def _at_first(run: Run) -> Iterator[None]:
     if MECHANICS[run.mechanics].meshed:
         with suppress(InputError):  # the run itself says so
             load_or_build(finger, half=True, touch=None if run.mechanics == "condensed" else touch)
-    with meshes_alone():
+    with empty_cache():
         yield
 
 
 @contextmanager
-def meshes_alone() -> Iterator[None]:
+def empty_cache() -> Iterator[None]:
     """Let the cache have meshes alone."""
-    meshes = cache.root() / "meshes"
-    meshes.mkdir(parents=True, exist_ok=True)
-    with empty_cache() as folder:
-        (folder / "fefinger").mkdir()
-        (folder / "fefinger" / "meshes").symlink_to(meshes)
-        yield
+    (cache.root() / "meshes").mkdir(parents=True, exist_ok=True)
+    with TemporaryDirectory() as folder:
+        alone = Path(folder) / "fefinger"
+        alone.mkdir()
+        (alone / "meshes").symlink_to(cache.root() / "meshes")
+        before = os.environ.get("XDG_CACHE_HOME")
+        os.environ["XDG_CACHE_HOME"] = folder
+        try:
+            yield
+        finally:
+            os.environ.pop("XDG_CACHE_HOME")
+            if before is not None:
+                os.environ["XDG_CACHE_HOME"] = before
 
 
 def _arrays(response: Response, pressed: bool) -> dict[str, Any]:
