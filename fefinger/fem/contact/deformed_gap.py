@@ -1,19 +1,17 @@
 """Weighted gaps between a deformed pad and a rigid obstacle, with their derivatives.
 
 With g(x) the distance of a point behind the obstacle's surface along its travel, the weighted gap
-of a hat psi_i on the undeformed pad is w_i = integral of psi_i phi(g(x(X))) dA: finite sliding,
+of a hat psi_i is w_i = integral of psi_i g(x) da over the deformed pad, da = J dA: finite sliding,
 because g is evaluated at the deformed point. lambda_i >= 0 times its derivative B_i is the load, so
-that phi'(g) times the sum of psi_i lambda_i is the pressure. g grows by 1 per mm along the axis,
-and the force along the axis is the sum of t_i lambda_i, t_i being the integral of psi_i phi'(g), or
-of m_i p_i, m_i that of psi_i and p_i = lambda_i t_i / m_i. Gaps w_i m_i / t_i with the loads
-B_i m_i / t_i of these p_i replace w_i and lambda_i in the solver.
+that the sum of psi_i lambda_i is the pressure. g grows by 1 per mm along the axis, and the force
+along the axis is the sum of t_i lambda_i, t_i being the integral of psi_i da, or of m_i p_i, m_i
+that of psi_i dA and p_i = lambda_i t_i / m_i, the pressure on undeformed area. Gaps w_i m_i / t_i
+with the loads B_i m_i / t_i of these p_i replace w_i and lambda_i in the solver.
 
-    phi(g) = g - c² h / b ln cosh(b g / (c h)),    phi'(g) = 1 - c tanh(b g / (c h)),
-
-on a facet of size h, equals g where the facet lies flat on the obstacle. Weighted means of g itself
-do not detect a facet that folds, with half of its six nodes behind the obstacle and half before
-it, as happens under 40 % of compression along the skin. phi is concave: a fold closes its weighted
-gaps, and pressure resists it in proportion. The error of phi is of second order in g / h.
+Integrals over the undeformed pad instead make incompressible tissue unstable where the pressure is
+some times its modulus: a facet behind the obstacle may spread and its neighbor before it shrink,
+which displaces a volume and so takes work from the pressure, but closes no gap that is weighted so.
+Over the deformed pad, a uniform pressure does the work of the volume between pad and obstacle.
 """
 
 from dataclasses import dataclass
@@ -29,31 +27,26 @@ from fefinger.fem.hyperelastic.state import State
 from fefinger.support.arrays import Array, Flags, Integers
 
 
-# Tuned: with b = 2 or c = 0.5 pads of stiffening tissue still fold; larger values need more
-# iterations.
-BEND = 4.0  # b: change of the pressure with g, per size of a facet
-MOST = 0.9  # c: largest relative change of the pressure, behind and before the obstacle
-
-
 @dataclass(frozen=True)
 class DeformedGap:
     """Weighted gaps, contact loads and their derivatives of a deformed pad under a pressure.
 
     pressure p (n,) kPa; at the integration points: distance g (n_tri, n_q) mm and its gradient
-    (n_tri, n_q, 3).
+    (n_tri, n_q, 3), the ratio J (n_tri, n_q) of deformed to undeformed area and its derivative
+    (n_tri, 6, n_q, 3) 1/mm with respect to the displacements of the nodes.
     """
 
     contact: "ContactSurface"
     pressure: Array
     distance: Array
     gradient: Array
+    spread: Array
+    spreading: Array
 
     @cached_property
     def weighted(self) -> Array:
         """The weighted gaps w (n,) mm³."""
-        t = self.distance / self._scale
-        bent = self.distance - MOST * self._scale * (np.logaddexp(t, -t) - np.log(2.0))
-        return self.contact.integrated(self.contact.hats * bent[:, None])
+        return self.contact.integrated(self._hats * self.distance[:, None])
 
     @property
     def gaps(self) -> Array:
@@ -62,16 +55,16 @@ class DeformedGap:
 
     @cached_property
     def steepness(self) -> Array:
-        """The mean t / m (n,) of phi'."""
-        slopes = self.contact.integrated(self.contact.hats * self._slope[:, None])
-        return np.asarray(slopes / self.contact.projected)
+        """The ratio t / m (n,) of deformed to undeformed area of the hats."""
+        return np.asarray(self.contact.integrated(self._hats) / self.contact.projected)
 
     @cached_property
     def loads(self) -> sparse.csc_matrix:
         """The loads B m / t (n_unknowns, n) mm² of unit pressures, the derivatives of gaps of 0."""
         on, rows = self.contact.on, self.contact.rows
-        hats = self.contact.hats * self._slope[:, None]
-        block = np.einsum("tjq,kq,tqc->tkcj", hats, on.part.quadratic, self.gradient)
+        closing = np.einsum("tq,kq,tqc->tkqc", self.spread, on.part.quadratic, self.gradient)
+        closing += self.spreading * self.distance[:, None, :, None]
+        block = np.einsum("tjq,tkqc->tkcj", self.contact.hats, closing)
         block /= self.steepness[on.owner][:, None, None, :]
         rows = np.broadcast_to(rows[:, :, :, None], block.shape).ravel()
         columns = np.broadcast_to(on.owner[:, None, None, :], block.shape).ravel()
@@ -80,53 +73,43 @@ class DeformedGap:
         shape = (self.contact.n_unknowns, len(self.contact))
         return sparse.coo_matrix(entries, shape=shape).tocsc()
 
-    @cached_property
-    def fold_stiffness(self) -> Array:
-        """Derivative (n,) kPa/mm of the pressure with respect to g: the resistance to folds."""
-        mean = self.contact.integrated(self.contact.hats * self._fall[:, None])
-        return np.asarray(self._multipliers * mean / self.contact.projected)
-
     def stiffness(self) -> sparse.csr_matrix:
-        """Contribution of phi'' to the tangent: the integral of -phi'' psi lambda (grad g . v)².
+        """Contribution of the gaps to the tangent: minus the sum of lambda_i dB_i/du.
 
-        It is positive semidefinite.
+        It is that of a facet that spreads while its gap changes. Second derivatives of g and of da
+        alone are left out; the latter is of the order of the gap, and both are 0 on a flat plate.
         """
-        return self._normal(self._multipliers, self._fall)
+        on = self.contact.on
+        owned = np.where(on.owner >= 0, self._multipliers[on.owner], 0.0)
+        weights = np.einsum("tjq,tj->tq", self.contact.hats, owned)
+        along = np.einsum("kq,tqc->tqkc", on.part.quadratic, self.gradient)
+        along = along.reshape(*along.shape[:2], -1)
+        spreading = self.spreading.swapaxes(1, 2).reshape(along.shape)
+        block = np.einsum("tq,tqi,tqj->tij", -weights, along, spreading)
+        return self._assembled(block + block.swapaxes(1, 2))
 
     def support(self, chosen: Flags) -> sparse.csr_matrix:
-        """Return the matrix of the integral of psi (grad g . v)² over the `chosen` candidates."""
-        return self._normal(chosen.astype(np.float64), np.ones_like(self.distance))
+        """Return the matrix of the integral of psi (grad g . v)² da over `chosen` candidates."""
+        on = self.contact.on
+        owned = np.where(on.owner >= 0, chosen[on.owner], False)
+        weights = np.einsum("tjq,tj->tq", self._hats, owned)
+        along = np.einsum("kq,tqc->tqkc", on.part.quadratic, self.gradient)
+        along = along.reshape(*along.shape[:2], -1)
+        return self._assembled(np.einsum("tq,tqi,tqj->tij", weights, along, along))
+
+    @cached_property
+    def _hats(self) -> Array:
+        """Weights times hats (n_tri, 3, n_q) mm² on the deformed pad."""
+        return np.asarray(self.contact.hats * self.spread[:, None])
 
     @cached_property
     def _multipliers(self) -> Array:
         """Lambda (n,) kPa, with the tension that an iterate may have set to zero."""
         return np.asarray(np.maximum(self.pressure, 0.0) / self.steepness)
 
-    @cached_property
-    def _scale(self) -> Array:
-        return np.asarray(MOST * self.contact.sizes / BEND)
-
-    @cached_property
-    def _turn(self) -> Array:
-        return np.asarray(np.tanh(self.distance / self._scale))
-
-    @cached_property
-    def _slope(self) -> Array:
-        return np.asarray(1.0 - MOST * self._turn)
-
-    @cached_property
-    def _fall(self) -> Array:
-        return np.asarray(MOST / self._scale * (1.0 - self._turn**2))
-
-    def _normal(self, factor: Array, density: Array) -> sparse.csr_matrix:
-        """Return the integral of psi `factor` (n,) `density` (n_tri, n_q) (grad g . v)²."""
-        on, rows = self.contact.on, self.contact.rows
-        owned = np.where(on.owner >= 0, factor[on.owner], 0.0)
-        weights = np.einsum("tjq,tj->tq", self.contact.hats, owned) * density
-        along = np.einsum("kq,tqc->tqkc", on.part.quadratic, self.gradient)
-        along = along.reshape(*along.shape[:2], -1)
-        block = np.einsum("tq,tqi,tqj->tij", weights, along, along)
-        rows = rows.reshape(len(block), -1)
+    def _assembled(self, block: Array) -> sparse.csr_matrix:
+        """Matrix (n_unknowns, n_unknowns) of the blocks (n_tri, 18, 18) of the facets."""
+        rows = self.contact.rows.reshape(len(block), -1)
         where = (
             np.broadcast_to(rows[:, :, None], block.shape).ravel(),
             np.broadcast_to(rows[:, None, :], block.shape).ravel(),
@@ -179,12 +162,25 @@ class ContactSurface:
         """Evaluate the gaps and loads of the pad in a state."""
         distance, gradient, _ = self.obstacle.implicit(self.deformed(state.values), state.depth)
         distance = np.where(np.isfinite(distance), distance, FAR)
-        return DeformedGap(self, state.pressure, distance, gradient)
+        return DeformedGap(self, state.pressure, distance, gradient, *self._spread(state.values))
 
     def deformed(self, values: Array) -> Array:
         """Deformed positions (n_tri, n_q, 3) mm of the quadrature points."""
         nodal = values[self.rows]
         return np.asarray(self.on.places + np.einsum("kq,tkc->tqc", self.on.part.quadratic, nodal))
+
+    def _spread(self, values: Array) -> tuple[Array, Array]:
+        """Deformed over undeformed area J (n_tri, n_q), its derivative (n_tri, 6, n_q, 3) 1/mm."""
+        part = self.on.part
+        moved = np.einsum("akq,tkc->tqac", part.slopes, values[self.rows])
+        first, second = np.moveaxis(part.sides[:, None] + moved, 2, 0)
+        normal = np.cross(first, second)
+        at_rest = np.linalg.norm(np.cross(part.sides[:, 0], part.sides[:, 1]), axis=1)
+        length = np.linalg.norm(normal, axis=2)
+        unit = normal / np.maximum(length, np.finfo(float).tiny)[..., None]
+        across = np.stack([np.cross(second, unit), np.cross(unit, first)])
+        spreading = np.einsum("akq,atqc->tkqc", part.slopes, across)
+        return length / at_rest[:, None], spreading / at_rest[:, None, None, None]
 
     def clearance(self, values: Array, depth: float) -> tuple[Array, Array]:
         """Compute normal gaps (n_near,) mm and displacements (n_near, 3) mm of the neighborhood.
