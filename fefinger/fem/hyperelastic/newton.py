@@ -35,6 +35,11 @@ STUCK = 2 * PATIENCE  # iterations without a smaller error before the step is gi
 FEW = 6  # iterations of a step with a good factor
 RENEWAL = 200  # sum over steps of (iterations beyond FEW)² that justifies a new factor
 SEARCH = 8  # factors of one step under depth control; beyond, blended tangents cost less
+SOON = 3  # iterations with a factor before the fold stiffness may renew it
+# Change of the fold stiffness that a factor tolerates, in shear modulus / facet size. A larger one
+# saves factors (flat-press, standard: 9 with 2, 6 with 5), but with 5 an incompressible cube
+# that is squeezed to half converged to a state beside its closed form.
+STIFF = 3.0
 NEAR = 0.1  # gap over depth below which a vertex takes part in the complementarity problem
 SUPPORTS = 4.0, 32.0, 256.0  # stiffness under the contact, in shear modulus / size of the patch
 MEMORY = 12  # iterates of the Anderson acceleration
@@ -77,7 +82,9 @@ class Equilibrium:
         self._pressures = int((system.free >= body.space.n_displacements).sum())
         at_rest, none = np.zeros(body.space.n_unknowns), np.zeros(len(contact))
         loads = contact.at(State(at_rest, none, 0.0)).loads
-        self._factored = FactoredTangent(system.approximate_factor, system.free, loads, 1.0, none)
+        self._factored = FactoredTangent(
+            system.approximate_factor, system.free, loads, 1.0, none, none
+        )
 
     def find(self, start: State, target: Target) -> State:
         """Solve for the equilibrium of one load step, starting from the state `start`.
@@ -101,7 +108,7 @@ class Equilibrium:
     def _search(self, start: State, target: Target, *, whole: bool = True) -> State:
         """Iterate with Anderson acceleration; with consistent tangents if `whole`."""
         state, sound = start, start
-        mixing, retreats, error = Anderson(MEMORY), 0, np.inf
+        mixing, retreats, error, renewed = Anderson(MEMORY), 0, np.inf, -SOON
         best, best_at, stuck = np.inf, 0, STUCK if whole else PATIENCE
         most = self.factors + (SEARCH if target.control == "depth" else ITERATIONS)
         for count in range(ITERATIONS):
@@ -122,9 +129,12 @@ class Equilibrium:
             elif count - best_at > stuck or self.factors > most:
                 break
             worn = self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1
-            if worn:
+            if worn or (
+                count - renewed >= SOON
+                and self._folds_too_stiff(iterate.gap.fold_stiffness, target)
+            ):
                 self._renew(iterate, target, whole=whole)
-                mixing = Anderson(MEMORY)
+                mixing, renewed = Anderson(MEMORY), count
             state = self._step(iterate, target, mixing)
         raise _not_converged(error, count + 1)
 
@@ -179,6 +189,17 @@ class Equilibrium:
         gap = self.contact.at(state)
         return _Iterate(state, inner, gap, self._error(state, target, inner, gap))
 
+    def _folds_too_stiff(self, fold_stiffness: Array, target: Target) -> bool:
+        """Whether the fold stiffness has changed too much for the present factor.
+
+        The iteration would oscillate: it converges for changes that are small beside K0.
+        """
+        gain = float(target.history.gains.mean())
+        skin = gain * self.body.scale / np.sqrt(self.contact.projected)
+        factored = self._factored.fold_stiffness * gain / self._factored.gain
+        change = np.abs(fold_stiffness - factored)
+        return bool((change > np.maximum(STIFF * skin, factored / 2)).any())
+
     def _error(self, state: State, target: Target, inner: Array, gap: DeformedGap) -> float:
         """Largest of the relative errors of force, volume, gap and prescribed force."""
         projected, n = self.contact.projected, self.body.space.n_displacements
@@ -222,9 +243,9 @@ class Equilibrium:
         body, gain = self.body, float(target.history.gains.mean())
         pressed = iterate.state.pressure > 0
         matrix = body.tangent(iterate.state.values, target.history, whole=whole)
+        matrix, support = matrix + iterate.gap.stiffness(), 0.0
         if whole:
-            matrix += iterate.gap.stiffness()
-        support = 0.0
+            matrix += iterate.gap.spreading_stiffness()
         if not (whole and target.control == "depth"):
             renewed = self._rough(matrix)
         else:
@@ -238,7 +259,7 @@ class Equilibrium:
                 self._support += 1
         supports = np.where(pressed, support, 0.0)
         self._factored = FactoredTangent(
-            renewed, self.system.free, iterate.gap.loads, gain, supports
+            renewed, self.system.free, iterate.gap.loads, gain, supports, iterate.gap.fold_stiffness
         )
         self._excess = 0
 
@@ -258,15 +279,18 @@ class Equilibrium:
         gain = float(target.history.gains.mean())
         values = iterate.state.values
         definite = body.tangent(values, target.history, whole=False)
-        whole = body.tangent(values, target.history) + iterate.gap.stiffness()
-        difference = whole - definite
+        difference = body.tangent(values, target.history) - definite
+        difference += iterate.gap.spreading_stiffness()
+        fixed = definite + iterate.gap.stiffness()
         unit = gain * body.scale / float(np.sqrt(projected.sum()))
         leans = (iterate.state.pressure > 0) & (target.control == "depth")
         support = np.where(leans, SUPPORTS[-1] * unit, 0.0)
         while True:
-            renewed = self._rough(definite + (1 - share) * difference)
+            renewed = self._rough(fixed + (1 - share) * difference)
             none, loads = np.zeros(len(projected)), iterate.gap.loads
-            factored = FactoredTangent(renewed, self.system.free, loads, gain, none)
+            factored = FactoredTangent(
+                renewed, self.system.free, loads, gain, none, iterate.gap.fold_stiffness
+            )
             negative = renewed.negative - factored.add_support(support, projected)
             self._factored = factored
             if share >= 1 or negative <= self._pressures:

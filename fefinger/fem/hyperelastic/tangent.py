@@ -12,8 +12,9 @@ class FactoredTangent:
     """Factored tangent K0, the contact loads B, and the computed columns of Z = K0^-1 B.
 
     gain: the relaxation factor at which the tangent was made; support (n_candidates,) kPa/mm: the
-    stiffness added under the candidates; column_of (n_candidates,): the number of a candidate's
-    column of Z, -1 until it is needed.
+    stiffness added under the candidates; fold_stiffness (n_candidates,) kPa/mm: that of the
+    contact law against folds (see `deformed_gap`). column_of (n_candidates,): the number of a
+    candidate's column of Z, -1 until it is needed.
     """
 
     def __init__(
@@ -23,6 +24,7 @@ class FactoredTangent:
         loads: sparse.csc_matrix,
         gain: float,
         support: Array,
+        fold_stiffness: Array,
     ) -> None:
         self.approximate_factor, self.free, self.loads, self.gain = (
             approximate_factor,
@@ -30,7 +32,7 @@ class FactoredTangent:
             loads,
             gain,
         )
-        self.support = support
+        self.support, self.fold_stiffness = support, fold_stiffness
         self.column_of = np.full(loads.shape[1], -1, dtype=np.int64)
         self.columns = np.empty((0, loads.shape[0]), dtype=np.float32)
         self.flexibility = np.empty((0, 0))

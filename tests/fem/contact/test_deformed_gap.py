@@ -104,9 +104,31 @@ def test_the_stiffness_of_a_flat_contact_is_the_derivative_of_its_loads():
         return there.loads @ (multipliers * there.steepness)
 
     change = (load(h) - load(-h)) / (2 * h)
-    assert -found.stiffness() @ along == pytest.approx(change, abs=1e-6 * np.abs(change).max())
+    folds, spreads = found.stiffness(), found.spreading_stiffness()
+    assert -(folds + spreads) @ along == pytest.approx(change, abs=1e-6 * np.abs(change).max())
+    assert np.linalg.eigvalsh(folds.toarray()).min() > -1e-12 * abs(folds).max()
+    assert (found.fold_stiffness > 0).all()
     pulled = contact.at(replace(state, pressure=-state.pressure))
-    assert abs(pulled.stiffness()).max() == 0
+    assert abs(pulled.stiffness()).max() == abs(pulled.spreading_stiffness()).max() == 0
+
+
+def test_a_facet_that_is_flat_has_its_mean_gap_and_one_that_is_folded_has_less():
+    space, contact, _ = surface(Plane(), -UP)
+    size, at = contact.sizes.max(), space.node_points
+    top = at[:, 2] == 1
+    flat = contact.at(raised(space, top * -0.02 * size))
+    assert flat.gaps == pytest.approx(0.02 * size * contact.projected, rel=0.05)
+    touching = contact.at(raised(space, 0.0 * top))
+    assert touching.gaps == pytest.approx(0.0, abs=1e-15)
+    middle = top & (np.abs(3 * at[:, :2] - np.round(3 * at[:, :2])) > 0.1).any(axis=1)
+    folds = {}
+    for fold in (0.02, 0.04):
+        bent = contact.at(raised(space, fold * size * (top * 2.0 / 3.0 - middle)))
+        hats = contact.hats * bent.spread[:, None]
+        mean = contact.integrated(hats * bent.distance[:, None])
+        folds[fold] = (mean - bent.weighted) / size
+    assert (folds[0.02] > 0).all()
+    assert folds[0.04] / folds[0.02] == pytest.approx(4.0, rel=0.1)  # of second order
 
 
 @pytest.mark.parametrize("pressure", [5.0, 50.0])
@@ -114,7 +136,7 @@ def test_an_enclosed_incompressible_block_stays_stable_under_any_pressure(pressu
     """Rigid walls all around and a plate on top: a pressure changes nothing but the mean stress.
 
     Stability is read from the inertia of the tangent bordered by the closed gaps. Without the
-    contribution of the gaps, as with gaps that are weighted over the undeformed pad, it is lost.
+    spreading of facets, as with gaps that are weighted over the undeformed pad, it is lost.
     """
     space, contact, _ = surface(Plane(), -UP)
     body = continuum(space, {1: neo_hookean(Elastic(3.0, 0.5))})
@@ -130,7 +152,7 @@ def test_an_enclosed_incompressible_block_stays_stable_under_any_pressure(pressu
         assert inner[free] == pytest.approx((found.loads @ found.pressure)[free], abs=1e-12 * load)
         tangent = body.tangent(values, body.at_rest)
         if spreads:
-            tangent = tangent + found.stiffness()
+            tangent = tangent + found.spreading_stiffness()
         bordered = sparse.bmat([[tangent, found.loads], [found.loads.T, None]]).toarray()
         rows = np.concatenate([free, space.n_unknowns + np.arange(len(contact))])
         return int((np.linalg.eigvalsh(bordered[np.ix_(rows, rows)]) < -1e-9).sum())
@@ -195,7 +217,7 @@ def test_points_that_the_obstacle_is_not_ahead_of_are_far_away():
     found = contact.at(State(values, np.ones(len(contact)), 0.0))
     assert (found.gaps > 0.5 * FAR * contact.projected).all()
     assert contact.clearance(values, 0.0)[0] == pytest.approx(FAR)
-    for each in (found.loads.data, found.stiffness().data):
+    for each in (found.loads.data, found.fold_stiffness, found.stiffness().data):
         assert np.isfinite(each).all()
 
 
