@@ -13,6 +13,8 @@ Integrals over the undeformed pad instead make incompressible tissue unstable wh
 some times its modulus: a facet behind the obstacle may spread and its neighbor before it shrink,
 which displaces a volume and so takes work from the pressure, but closes no gap that is weighted so.
 Over the deformed pad, a uniform pressure does the work of the volume between pad and obstacle.
+Compressible tissue does not answer that work by its mean stress, and is the more stable with
+J = 1 (`ContactSurface.spreads`). Both converge to the same contact.
 
     phi(g) = g - c² h / b ln cosh(b g / (c h)),    phi'(g) = 1 - c tanh(b g / (c h)),
 
@@ -81,6 +83,9 @@ class DeformedGap:
         closing = np.einsum("tq,kq,tqc->tkqc", sloped, on.part.quadratic, self.gradient)
         closing += self.spreading * self._bent[:, None, :, None]
         block = np.einsum("tjq,tkqc->tkcj", self.contact.hats, closing)
+        mean = (self.weighted / (self.steepness * self.contact.projected))[on.owner]
+        spread = np.einsum("tjq,tq,tkqc->tkcj", self.contact.hats, self._slope, self.spreading)
+        block -= mean[:, None, None, :] * spread
         block /= self.steepness[on.owner][:, None, None, :]
         rows = np.broadcast_to(rows[:, :, :, None], block.shape).ravel()
         columns = np.broadcast_to(on.owner[:, None, None, :], block.shape).ravel()
@@ -183,7 +188,7 @@ class ContactSurface:
 
     on: the candidates; neighborhood: they and the vertices around them, where gaps are read;
     at_rest (n_near, 3) mm: the undeformed positions of the neighborhood; reach mm: the largest gap
-    of the candidates.
+    of the candidates; spreads: whether gaps are weighted over the deformed pad.
     """
 
     obstacle: Obstacle
@@ -192,6 +197,7 @@ class ContactSurface:
     at_rest: Array
     n_unknowns: int
     reach: float
+    spreads: bool = True
 
     def __len__(self) -> int:
         """Return the number of candidates."""
@@ -231,6 +237,9 @@ class ContactSurface:
     def _spread(self, values: Array) -> tuple[Array, Array]:
         """Deformed over undeformed area J (n_tri, n_q), its derivative (n_tri, 6, n_q, 3) 1/mm."""
         part = self.on.part
+        if not self.spreads:
+            count, points = part.weights.shape
+            return np.ones((count, points)), np.zeros((count, 6, points, 3))
         moved = np.einsum("akq,tkc->tqac", part.slopes, values[self.rows])
         first, second = np.moveaxis(part.sides[:, None] + moved, 2, 0)
         normal = np.cross(first, second)
@@ -259,7 +268,13 @@ class ContactSurface:
 
 
 def contact_surface(
-    space: Space, triangles: Integers, normals: Array, obstacle: Obstacle, reach: float
+    space: Space,
+    triangles: Integers,
+    normals: Array,
+    obstacle: Obstacle,
+    reach: float,
+    *,
+    spreads: bool = True,
 ) -> ContactSurface:
     """Build the contact surface: the candidates within `reach` mm, and one ring around them.
 
@@ -269,4 +284,4 @@ def contact_surface(
     on = candidates(space, triangles, normals, obstacle, reach, rings=1)
     around = neighborhood(space, triangles, normals, obstacle, reach, on.vertices, 1 + RINGS)
     at_rest = space.points[around.vertices]
-    return ContactSurface(obstacle, on, around, at_rest, space.n_unknowns, reach)
+    return ContactSurface(obstacle, on, around, at_rest, space.n_unknowns, reach, spreads)
