@@ -77,7 +77,11 @@ class DeformedGap:
 
     @cached_property
     def loads(self) -> sparse.csc_matrix:
-        """The loads B m / t (n_unknowns, n) mm² of unit pressures, the derivatives of gaps of 0."""
+        """The loads B m / t (n_unknowns, n) mm² of unit pressures.
+
+        They are the derivatives of the gaps per deformed area, w / t, times m: a uniform gap does
+        not change where the pad spreads.
+        """
         on, rows = self.contact.on, self.contact.rows
         sloped = self._slope * self.spread
         closing = np.einsum("tq,kq,tqc->tkqc", sloped, on.part.quadratic, self.gradient)
@@ -111,8 +115,9 @@ class DeformedGap:
         """Contribution to the tangent of facets that spread while their gap changes.
 
         It is minus the integral of psi lambda phi' (grad g . v dJ(v') + grad g . v' dJ(v)) dA.
-        With `stiffness` it is the derivative of the loads of a flat contact, but for terms of the
-        order of the gap, the second derivatives of g and of J, which are left out.
+        With `stiffness` it is the derivative of the loads of a flat contact in all directions that
+        close no weighted gap; in the others the complementarity problem fixes the displacement.
+        Second derivatives of g and, of the order of the gap, of J are left out.
         """
         on = self.contact.on
         weights = -self._slope * self._spread_over(self._multipliers, self.contact.hats)
