@@ -226,7 +226,14 @@ def follow_course(
     body = press.body
     reach = SPREAD * problem.REACH * press.expected_depth
     for _ in range(problem.ATTEMPTS):
-        contact = contact_surface(body.space, body.pad, body.normals, press.obstacle, reach)
+        contact = contact_surface(
+            body.space,
+            body.pad,
+            body.normals,
+            press.obstacle,
+            reach,
+            spreads=elements.nearly_incompressible,
+        )
         limits.check_under(press.motion, contact.on.beyond)
         history = _on_candidates(press, elements, contact, course, stages, allowance)
         pressed = np.asarray((history.pressure > 0).any(axis=0))
