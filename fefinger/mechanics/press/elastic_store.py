@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
     from fefinger.mechanics.press.elastic_table import ElasticPress
 
-FORMAT, ROUND_FORMAT = 1, 2
+FORMAT, ROUND_FORMAT = 3, 2
 """Raised when the solver, the depths or the files change, so that presses are solved again: of
 plates and objects with edges, and of round ones."""
 
