@@ -53,8 +53,8 @@ RULES = (
     "reached less deep by the root of the exponent. Highest pressure and area are no better known "
     "than the mesh under the same object; under edges, than at the depths around. Finite strain "
     "carried through time has the errors of reports/carrying.json. The held-out scenes were drawn "
-    "and answered after all of these rules; 32 scenes that were held out before are those of "
-    "development, on which the rules were tried."
+    "before the last of these rules and judged after all of them; 32 scenes that were held out "
+    "before are those of development, on which the rules were tried."
 )
 
 SHARED = "Presses are of relaxed tissue and carry to every motion by nested contact with one G."
