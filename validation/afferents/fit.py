@@ -81,17 +81,17 @@ SET: dict[str, dict[str, tuple[float, str]]] = {
 
 FREE: dict[str, dict[str, tuple[float, float]]] = {
     "SAI": {
-        "gain": (8.0, 60.0),
-        "static": (0.15, 1.0),
-        "corner": (0.3, 30.0),
+        "gain": (1.0, 100.0),
+        "static": (0.05, 1.0),
+        "corner": (0.1, 60.0),
         "negative": (1e-3, 0.3),
         "largest": (5.0, 1000.0),
-        "adapting": (0.8, 0.99),
+        "adapting": (0.6, 0.99),
         "recovery": (0.3, 20.0),
-        "recovering": (8e-3, 0.15),
+        "recovering": (8e-3, 0.2),
         "membrane": (1e-3, 0.03),
         "refractory": (1e-3, 8e-3),
-        "noise": (0.03, 1.0),
+        "noise": (0.03, 2.0),
         "spread": (0.1, 1.0),
     },
     "FAI": {
@@ -304,6 +304,7 @@ def provenance() -> dict[str, Any]:
             "thickness_mm": finger.thickness,
             "pad_radius_mm": finger.pad_radius,
             "tissue": finger.tissue,
+            "tissue_under_spheres": experiments.SOFT.tissue,
             "depths_mm": experiments.DEPTHS,
         },
         "probe": experiments.PROBE.describe(),
