@@ -43,8 +43,16 @@ EDIN = (
     "human hand): no curve of SAII under a probe is at hand"
 )
 
+PRECISE = (
+    "set, not fitted, since rates do not tell of it: afferents are precise to less than a "
+    "millisecond (Saal, Wang & Bensmaia 2016, Curr Opin Neurobiol 40:142, a review)"
+)
+
+WITHOUT = "not used: the noise of the current makes intervals irregular enough"
+
 SET: dict[str, dict[str, tuple[float, str]]] = {
     "SAI": {
+        "jitter": (0.0, WITHOUT),
         "order": (1.0, "a choice: a lead of first order"),
         "adaptation": (
             25.0,
@@ -53,14 +61,17 @@ SET: dict[str, dict[str, tuple[float, str]]] = {
         ),
     },
     "FAI": {
+        "jitter": (7e-4, PRECISE),
         "order": (1.0, "a choice: thresholds fall in proportion to frequency below 8 Hz"),
         "static": (0.0, "silent in a hold"),
     },
     "FAII": {
+        "jitter": (4e-4, PRECISE + "; impulses lock to vibrations of 300 Hz"),
         "order": (2.0, "a choice: thresholds fall with frequency squared below 200 Hz"),
         "static": (0.0, "silent in a hold"),
     },
     "SAII": {
+        "jitter": (0.0, WITHOUT),
         "gain": (90.0, EDIN),
         "static": (0.3, EDIN),
         "corner": (1.0, EDIN),
