@@ -101,7 +101,7 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
         "recovery": (0.3, 20.0),
         "recovering": (8e-3, 0.2),
         "membrane": (1e-3, 0.03),
-        "refractory": (1e-3, 8e-3),
+        "refractory": (3e-3, 8e-3),
         "noise": (0.03, 2.0),
         "spread": (0.1, 1.0),
     },
@@ -136,7 +136,8 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
 }
 """Fitted parameters and the range of the search; their logarithms are what is varied. The corner of
 FAI is kept below 30 Hz, where recorded thresholds stop falling in proportion to frequency; the
-weight of the negative output of FA is kept above 0.2, since recorded units fire at release."""
+weight of the negative output of FA is kept above 0.2, since recorded units fire at release. The
+refractory time of SAI is 3 ms and more, so that its bursts stay below some 300 Hz."""
 
 MEDIAN, PLATEAU, SHAPE, REST, SPHERES = 0.15, 10.0, 0.8, 0.2, 20.0
 """Weights, beside 1 - R² of the population, of the same of the median unit, of the mean squared
