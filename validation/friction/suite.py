@@ -262,7 +262,7 @@ def figures() -> Iterator[tuple[str, Any]]:
         drawings.stick(),
     )
     yield (
-        "Rates over dots scanned at 60 mm/s under 0.6 N, against their spacing, on the fingertip of "
-        "a macaque.",
+        "Rates over dots scanned at 60 mm/s under 0.6 N, against their spacing, on the "
+        "fingertip of a macaque.",
         drawings.rates(),
     )
