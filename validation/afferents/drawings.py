@@ -10,6 +10,7 @@ from fefinger.validation.afferents.vibration import Probed
 from numpy.typing import NDArray
 
 from fefinger.neural.recorded import BOUNDS
+from fefinger.scene import builtin
 from fefinger.studies.receptive_field import receptive_field
 from fefinger.view.figures import COLORS, INK, STEEL, figure, style
 
@@ -60,8 +61,13 @@ def figures(probed: Callable[[str], Probed], under_spheres: Array) -> Iterator[t
     )
     yield (
         "Predicted: receptive fields of one unit of SAI and FAI: impulses as a pin 1 mm wide is "
-        "pressed 1 mm at places around it (`fefinger field pin-hold`)",
-        receptive_field("pin-hold", reach=3.0, spacing=1.0, mechanics="condensed").figure(),
+        "pressed 1 mm at places around it (`fefinger field`)",
+        receptive_field(
+            builtin.load("pin-hold", {"indenter.width": 1.0}),
+            reach=3.0,
+            spacing=1.0,
+            mechanics="condensed",
+        ).figure(),
     )
     yield (
         "Predicted: units under a pin 1 mm wide, pressed 0.7 mm at 20 mm/s, held for 1 s and "

@@ -176,17 +176,18 @@ class Task:
         points = data.table("curvature_SAI")
         length, _ = self.probe
         time = np.unique(np.concatenate([np.linspace(0, 0.1, 101), np.linspace(0.1, 1.0, 91)]))
-        inputs = []
-        for force, curvature, _ in points:
+        inputs = np.empty((len(points), len(time)))
+        # From the largest force on, whose press serves the smaller ones.
+        for i in np.argsort(-points[:, 0], kind="stable"):
             at, drive = experiments.under_sphere(
-                curvature,
-                force,
+                points[i, 1],
+                points[i, 0],
                 np.zeros(1),
                 drive=DRIVES[self.kind],
                 organ=experiments.DEPTHS[self.kind],
             )
-            inputs.append(length * np.interp(time, at, drive[:, 0]))
-        return time, np.array(inputs), points[:, 2]
+            inputs[i] = length * np.interp(time, at, drive[:, 0])
+        return time, inputs, points[:, 2]
 
     @cached_property
     def plateau(self) -> NDArray[np.bool_]:
