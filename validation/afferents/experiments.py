@@ -13,7 +13,6 @@ that of four measured fingers (calibrated_means), at finite strain.
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.mechanics import get
 from fefinger.neural.drives import DRIVE_BY_NAME
@@ -27,9 +26,8 @@ from fefinger.scene.motion import Motion
 from fefinger.scene.motions import ForceRampHold, Ramp
 from fefinger.scene.population import Places
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 SIZE = {"width": 10.0, "thickness": 8.0, "pad_radius": 10.0}
 """mm of a macaque fingertip."""
