@@ -29,13 +29,14 @@ from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 
 
-SIZE = {"width": 10.0, "thickness": 8.0, "pad_radius": 10.0}
-"""mm of a macaque fingertip."""
-
-MACAQUE = Finger(tissue="maeno1998", resolution="standard", **SIZE)
+MACAQUE = Finger(
+    width=10.0, thickness=8.0, pad_radius=10.0, tissue="maeno1998", resolution="standard"
+)
 """The fingertip of the experiments by depth."""
 
-SOFT = Finger(tissue="calibrated_means", resolution="coarse", **SIZE)
+SOFT = Finger(
+    width=10.0, thickness=8.0, pad_radius=10.0, tissue="calibrated_means", resolution="coarse"
+)
 """The fingertip of those by force. The coarse mesh gives strains under spheres to 4 %."""
 
 EDGE = 4.5
