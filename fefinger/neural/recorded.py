@@ -56,6 +56,7 @@ BOUNDS: dict[str, Bounds] = {
     "membrane": Bounds(1e-4, 1.0, "s", "time constant of the membrane"),
     "refractory": Bounds(5e-4, 0.1, "s", "absolute refractory time"),
     "noise": Bounds(0.0, 10.0, "", "standard deviation of the noise current over threshold"),
+    "jitter": Bounds(0.0, 2e-3, "s", "standard deviation of the time from threshold to impulse"),
     "spread": Bounds(0.0, 3.0, "", "standard deviation of the logarithm of the gains of units"),
 }
 """Parameters of a unit's type."""
@@ -70,7 +71,8 @@ class Recorded:
     Adaptation: adaptation dw/dt = I - w takes adapting w off the current.
     Membrane: membrane dv/dt = I - adapting w - a + noise - v, spike at 1, then 0 for `refractory`;
     every spike adds recovery to a, which fades within recovering. The noise is linear between
-    independent normal values 1 ms apart.
+    independent normal values 1 ms apart. An impulse is recorded at its time in the membrane and a
+    normal time of mean 0 and standard deviation `jitter`, never within `refractory` of the last.
 
     Raises
     ------
@@ -93,6 +95,7 @@ class Recorded:
     membrane: float
     refractory: float
     noise: float
+    jitter: float
     spread: float
 
     def __post_init__(self) -> None:
@@ -171,8 +174,8 @@ def units_of(
 ) -> "Units":
     """Arrays of the parameters of units.
 
-    factors (n,): on the gains; noise: of all units, where it is not that of their types; seed and
-    numbers (n,) select the noise of each unit.
+    factors (n,): on the gains; noise: of all units, where it is not that of their types, 0 without
+    jitter; seed and numbers (n,) select the noise of each unit.
     """
     from fefinger.neural.recorded_compiled import Units
 
@@ -211,6 +214,7 @@ def units_of(
         membrane=column("membrane"),
         refractory=column("refractory"),
         noise=column("noise") if noise is None else np.full(n, float(noise)),
+        jitter=np.zeros(n) if noise == 0.0 else column("jitter"),
         stream=_streams(seed, streams),
     )
 

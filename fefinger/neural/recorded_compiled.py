@@ -17,7 +17,7 @@ class Units(NamedTuple):
     negative output of the filter; largest: current of the saturated generator; adapting: part of
     the current that adaptation takes away, within adaptation s; recovery: current after a spike,
     which fades within recovering s; membrane, refractory; noise: standard deviation at its knots;
-    stream: of the random numbers.
+    jitter: of the time from threshold to impulse in s; stream: of the random numbers.
     """
 
     gain: Array
@@ -33,13 +33,31 @@ class Units(NamedTuple):
     membrane: Array
     refractory: Array
     noise: Array
+    jitter: Array
     stream: NDArray[np.uint64]
 
 
-X, MODE, SLOW, CURRENT, ADAPTED, AFTER, POTENTIAL, FREE, KNOT, LEFT, RIGHT, PEAK, SIZE = range(13)
+(
+    X,
+    MODE,
+    SLOW,
+    CURRENT,
+    ADAPTED,
+    AFTER,
+    POTENTIAL,
+    FREE,
+    KNOT,
+    LEFT,
+    RIGHT,
+    PEAK,
+    FIRED,
+    LAST,
+    SIZE,
+) = range(15)
 """Places in the state of a unit: last input in mm, two modes of the filter, current, adaptation,
 current after spikes, potential, time in s from which it is free to fire, index of the last knot of
-the noise, noise at that knot and the next, and highest potential."""
+the noise, noise at that knot and the next, highest potential, number of impulses, and time in s of
+the last."""
 
 KNOTS = 1e-3
 """Time in s between independent values of the noise, which is linear in between."""
@@ -87,6 +105,22 @@ def _noise(stream: np.uint64, state: Array, t: float) -> float:
     return state[LEFT] + (state[RIGHT] - state[LEFT]) * (since - state[KNOT])
 
 
+BEFORE = -(2**40)
+"""Index of the random number that the first impulse of a unit is displaced by: no knot has it."""
+
+
+@njit(cache=True)
+def displaced(units: Units, i: int, state: Array, fired: float) -> float:
+    """Return the time in s at which unit i is recorded to fire, after its last impulse."""
+    time = fired
+    if units.jitter[i] > 0.0:
+        time += units.jitter[i] * normal(units.stream[i], BEFORE + int(state[FIRED]))
+        time = max(time, state[LAST] + units.refractory[i])
+    state[FIRED] += 1.0
+    state[LAST] = time
+    return time
+
+
 LENGTH, STEPS, STEP, FADE, WANE, GROW, RISE, ADAPT, AFTERWARDS, LEAK, N_FACTORS = range(11)
 """Places of the factors of the steps of a unit in a span of some length."""
 
@@ -120,7 +154,8 @@ def advance(
     """Advance unit i over a span (start, stop) in s in which its input runs straight to x mm.
 
     Steps of at most `longest` s: filter, adaptation and membrane are exact for the mean current of
-    a step, and a spike lies on the straight line between the potentials at its ends. `factors`
+    a step, and a spike lies on the straight line between the potentials at its ends, displaced by
+    its jitter. `factors`
     (N_FACTORS,) are those of the last span of this unit. Returns the new count of spikes, whose
     times in s go to `spikes` as far as it is long enough.
     """
@@ -170,8 +205,9 @@ def advance(
             continue
         begin = max(free, t)
         fired = begin + (t + h - begin) * max(0.0, (1.0 - v) / max(now - v, 1e-300))
+        recorded = displaced(units, i, state, fired)
         if count < len(spikes):
-            spikes[count] = fired
+            spikes[count] = recorded
         count += 1
         v, free = 0.0, fired + refractory
         taken += units.recovery[i]
@@ -181,10 +217,11 @@ def advance(
     return count
 
 
-def rested(units: Units, x: Array) -> Array:
-    """States (n, SIZE) of units at rest that jump to inputs x (n,) in mm."""
+def rested(units: Units, x: Array, start: float = 0.0) -> Array:
+    """States (n, SIZE) of units at rest that jump to inputs x (n,) in mm at `start` s."""
     states = np.zeros((len(x), SIZE))
     states[:, KNOT] = np.nan
+    states[:, LAST] = start - units.refractory
     states[:, X] = states[:, MODE] = states[:, SLOW] = x
     y = units.gain * (units.at_rest + units.share.sum(axis=1)) * x
     y = np.where(y > 0.0, y, -units.negative * y)

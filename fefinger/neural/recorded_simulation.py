@@ -167,6 +167,6 @@ def _fire(
     from fefinger.neural.recorded_compiled import PEAK, rested
     from fefinger.neural.recorded_vectorized import fire
 
-    states = rested(units, x_in[0])
+    states = rested(units, x_in[0], float(time[0]))
     times, current = fire(units, states, time, x_in, steps)
     return times, states[:, PEAK], current

@@ -24,6 +24,7 @@ from fefinger.neural.recorded_compiled import (
     SLOW,
     Units,
     X,
+    displaced,
     normal,
 )
 from fefinger.support.arrays import Array, Integers
@@ -240,6 +241,16 @@ def _jump(s: Array, i: int, change: float) -> None:
     s[_CURRENT + i] = y / (1.0 + y * s[_INVERSE + i])
 
 
+@njit(cache=True, nogil=True)
+def _displace(
+    units: Units, block: Integers, states: Array, spikes: Array, counts: Integers
+) -> None:
+    """Displace the spikes (n_block, room) of the units of a block by their jitter."""
+    for i in range(len(block)):
+        for k in range(min(counts[i], spikes.shape[1])):
+            spikes[i, k] = displaced(units, block[i], states[block[i]], spikes[i, k])
+
+
 def fire(
     units: Units, states: Array, time: Array, x: Array, steps: Array
 ) -> tuple[list[Array], Array]:
@@ -255,7 +266,11 @@ def fire(
     def part(block: Integers) -> list[Array]:
         spikes, counts = np.empty((len(block), room)), np.zeros(len(block), np.int64)
         run(units, block, states, time, x, float(steps[block[0]]), spikes, counts, current)
-        return [row[:count].copy() for row, count in zip(spikes, counts, strict=True)]
+        _displace(units, block, states, spikes, counts)
+        # The jitter of an impulse at the end of the series would lead out of it.
+        return [
+            np.minimum(row[:count], time[-1]) for row, count in zip(spikes, counts, strict=True)
+        ]
 
     blocks = [
         alike[first : first + LANES]

@@ -33,6 +33,7 @@ PLAIN = Recorded(
     membrane=0.02,
     refractory=0.003,
     noise=0.0,
+    jitter=0.0,
     spread=0.5,
 )
 TIME = np.linspace(0.0, 2.0, 2001)
@@ -134,7 +135,7 @@ def test_no_unit_fires_faster_than_its_refractory_time():
 
 @pytest.mark.parametrize("kind", TYPES)
 def test_halving_the_step_moves_spikes_of_the_fitted_units_little(kind):
-    unit = fitted()[kind].varied(noise=0.0)
+    unit = fitted()[kind].varied(noise=0.0, jitter=0.0)
     time, x = sine(30.0, 0.4, 0.5)
     options = {"types": (kind,), "parameters": {kind: unit}, "check": False}
     trains = [
@@ -146,6 +147,26 @@ def test_halving_the_step_moves_spikes_of_the_fitted_units_little(kind):
     apart = [np.abs(each[:, None] - fine).min(axis=1) for each in trains[:2]]
     assert np.median(apart[0]) < 3e-4
     assert np.median(apart[1]) <= np.median(apart[0])
+
+
+def test_jitter_displaces_each_impulse_alone_and_leaves_the_others():
+    """Phases at one impulse per cycle have its standard deviation; the count is that without it."""
+    unit = PLAIN.varied(static=0.0, membrane=0.001, refractory=0.014, gain=10.0)
+    time, x = sine(50.0, 1.0, 20.0)
+    still, times = (fire(unit.varied(jitter=size), x, time) for size in (0.0, 7e-4))
+    assert len(times) == len(still) == pytest.approx(1000, abs=2)
+    moved = (times - still)[3:]
+    assert moved.std() == pytest.approx(7e-4, rel=0.1)
+    assert moved.mean() == pytest.approx(0.0, abs=1e-4)
+    assert abs(np.corrcoef(moved[1:], moved[:-1])[0, 1]) < 0.12
+
+
+def test_jitter_keeps_the_refractory_time_and_the_series():
+    unit = PLAIN.varied(gain=1e4, jitter=2e-3)
+    times = fire(unit, np.full(TIME.shape, 100.0))
+    assert np.diff(times[:-3]).min() >= unit.refractory - 1e-12
+    assert times.min() >= TIME[0]
+    assert times.max() <= TIME[-1]
 
 
 def test_noise_is_normal_and_the_same_in_whatever_order_it_is_drawn():
@@ -206,7 +227,7 @@ def test_delays_shift_every_spike():
 
 def test_stepped_units_fire_as_those_of_a_whole_series():
     rng = np.random.default_rng(2)
-    unit = PLAIN.varied(noise=0.3, static=0.3, gain=80.0, negative=0.3)
+    unit = PLAIN.varied(noise=0.3, jitter=5e-4, static=0.3, gain=80.0, negative=0.3)
     rows = np.zeros((801, 5, 6))
     rows[:, :, 2] = -0.2 * np.sin(9 * np.arange(801) * 1e-3)[:, None] ** 2 * rng.uniform(0.5, 1, 5)
     owner, types = [0, 0, 1, 1, 2], ("SAI", "FAI", "SAI")
@@ -238,8 +259,9 @@ def test_units_side_by_side_fire_as_each_by_itself():
     x = np.abs(np.cumsum(rng.normal(size=(400, 45)), axis=0)) * 0.03
     units = units_of([fitted()[kind] for kind in kinds], seed=3)
     steps = np.array([LONGEST[kind] for kind in kinds])
-    together, current = vectorized.fire(units, compiled.rested(units, x[0]), time, x, steps)
-    states, factors = compiled.rested(units, x[0]), np.empty(compiled.N_FACTORS)
+    states = compiled.rested(units, x[0], time[0])
+    together, current = vectorized.fire(units, states.copy(), time, x, steps)
+    factors = np.empty(compiled.N_FACTORS)
     assert sum(map(len, together)) > 200
     for i, times in enumerate(together):
         spikes, count = np.empty(400), 0
@@ -249,7 +271,7 @@ def test_units_side_by_side_fire_as_each_by_itself():
             count = compiled.advance(
                 units, i, states[i], span, x[k, i], steps[i], factors, spikes, count
             )
-        assert times == pytest.approx(spikes[:count], abs=1e-9)
+        assert times == pytest.approx(np.minimum(spikes[:count], time[-1]), abs=1e-9)
         assert current[-1, i] == pytest.approx(states[i, compiled.CURRENT], rel=1e-9)
 
 

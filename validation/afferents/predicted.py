@@ -23,6 +23,9 @@ from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 
 
+TRIALS = 20
+"""Repeated presses of a pin or an array of probes, each with noise of its own."""
+
 DEPTH = np.linspace(0.0, 1.5, 31)
 """Depths in mm at which the drive under a pin is tabulated."""
 
@@ -63,12 +66,10 @@ def pin_table(kind: str, width: float = PROBE.width) -> Array:
     return np.concatenate([[0.0], inputs(kind, below)])
 
 
-def under_pin(
-    kind: str, time: Array, depth: Array, width: float = PROBE.width, factor: float = 1.0
-) -> Array:
-    """Spike times of a unit under a pin that follows a depth (n_t,) mm; factor: on its gain."""
-    x = np.interp(depth, DEPTH, pin_table(kind, width))
-    return fire(kind, time, x[:, None], factor=factor)[0]
+def under_pin(kind: str, time: Array, depth: Array) -> Array:
+    """Spike times of a unit under a pin that follows a depth (n_t,) mm."""
+    x = np.interp(depth, DEPTH, pin_table(kind))
+    return fire(kind, time, x[:, None])[0]
 
 
 def population_under_pin(kind: str, time: Array, depth: Array, count: int = 8) -> list[Array]:
@@ -90,11 +91,16 @@ def trapezoid(depth: float, speed: float, hold: float) -> tuple[Array, Array]:
 
 @cache
 def pin_hold(width: float, factor: float = 1.0) -> Array:
-    """SAI rates (4,) in Hz at PIN_DEPTHS of a pin, 0.3 to 0.9 s after the start."""
+    """SAI rates (4,) in Hz at PIN_DEPTHS of a pin, 0.3 to 0.9 s after the start.
+
+    Means of TRIALS presses of the median unit, each with noise of its own.
+    """
     out = []
     for depth in PIN_DEPTHS:
         time, moved = trapezoid(depth, 20.0, 1.2)
-        out.append(between(under_pin("SAI", time, moved, width, factor), 0.3, 0.9))
+        x = np.interp(moved, DEPTH, pin_table("SAI", width))
+        trials = fire("SAI", time, np.tile(x[:, None], TRIALS), factor=factor)
+        out.append(np.mean([between(each, 0.3, 0.9) for each in trials]))
     return np.array(out)
 
 
@@ -184,9 +190,6 @@ BACKGROUND, RISE = 1.6, 0.1
 
 PROBE_WIDTH, PITCH = 0.5, 0.889
 """mm: width of a probe, an estimate, and distance of neighbors: 73 sites on 50 mm² (abstract)."""
-
-TRIALS = 20
-"""Repeated presses of the array, each with noise of its own."""
 
 
 def array(count: int) -> patterns.Shape:

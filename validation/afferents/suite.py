@@ -36,6 +36,7 @@ GROWS = (
     "2.7 mm in diameter, under finer probes"
 )
 EDIN = "Edin (1992), J Neurophysiol 67:1105"
+PRECISE = "Saal, Wang & Bensmaia (2016), Curr Opin Neurobiol 40:142: precise to below 1 ms"
 
 
 @cache
@@ -241,9 +242,9 @@ def _of_bursts() -> Iterator[Case]:
 def _of_variation() -> Iterator[Case]:
     """Yield the predictions of variability."""
     for kind, frequency, amplitude in (("FAI", 50.0, 0.1), ("FAII", 300.0, 0.03)):
-        name = f"predicted: jitter of {kind} at {frequency:g} Hz, one impulse per cycle"
+        name = f"set by hand: jitter of {kind} at {frequency:g} Hz, one impulse per cycle"
         measure = partial(predicted.jitter, kind, frequency, amplitude)
-        yield _case(name, measure, 0.3, 3.0, "ms", "near 1 ms", "within a factor of 3")
+        yield _case(name, measure, 0.3, 3.0, "ms", PRECISE, "near 1 ms: a factor of 3")
     name = "predicted: variation of SAI intervals in a hold at 1 mm"
     source = "SAI of monkeys are irregular: coefficients of some 0.1 to 0.5 (a range from memory)"
     yield _case(name, predicted.variation, 0.1, 0.5, "1", source)

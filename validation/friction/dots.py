@@ -1,15 +1,17 @@
 """Embossed dots that are scanned over a population: rates against the spacing of the dots.
 
-The scene `slide-dots` at the spacings of the recordings, with the afferents of the package as they
-are: nothing here is fitted. `data/dots_scanned.csv` says where the recorded rates are from.
+The scene `slide-dots` at the spacings of the recordings, under the fingertip of a macaque that the
+afferents were fitted with: nothing here is fitted. `data/dots_scanned.csv` says where the recorded
+rates are from.
 """
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 
 import numpy as np
+from fefinger.validation.afferents import experiments
 
 from fefinger import afferents
 from fefinger.mechanics import condensed
@@ -55,11 +57,12 @@ def scanned(spacing: float) -> dict[str, float]:
         {
             "indenter.spacing": spacing,
             "motion.distance": DISTANCE,
-            "finger.resolution": "standard",
+            "ask.depths": {"SAI": experiments.DEPTHS["SAI"]},
             "ask.pressure": False,
             "ask.population.radius": 2.0,
         },
     )
+    scene = replace(scene, finger=experiments.MACAQUE)
     response = condensed.respond(scene)
     trains = afferents.fire(scene.ask, response, since=scene.motion.recorded_from)
     seconds = scene.motion.duration - scene.motion.recorded_from
