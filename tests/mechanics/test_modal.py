@@ -157,7 +157,7 @@ def test_a_preload_is_the_same_by_depth_and_by_force(loop: ff.Modal) -> None:
 @pytest.mark.parametrize(
     ("frequency", "preload", "sentence"),
     [
-        ([3000.0], {"depth": 0.8}, "half of the frequency of the last of 130 modes"),
+        ([3000.0], {"depth": 0.8}, "0\.75 of the frequency of the last of 130 modes"),
         ([0.0, 10.0], {"depth": 0.8}, "above 0 Hz"),
         ([10.0], {}, "a depth in mm or a force in N"),
         ([10.0], {"depth": 3.0}, "at most 1.2"),

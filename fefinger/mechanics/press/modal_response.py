@@ -2,9 +2,11 @@
 
 Tissue that stiffens with strain is taken as linear about the depth at which the motion vibrates:
 its moduli are multiplied such that the static stiffness there is that of the tabulated press of
-finite strain (`carried`). What inertia changes in that linear finger, the difference of its
-answers with and without, is added to the quasi-static answer at finite strain. It is a part of the
-answer, and is computed on the next coarser mesh, whose modes take a fifth of the time.
+finite strain (`carried`), and by a few percent more, as the stress of the preload lowers the static
+stiffness but does not grow with the frequency as that of the material does. What inertia changes in
+that linear finger, the difference of its answers with and without, is added to the quasi-static
+answer at finite strain. It is a part of the answer, and is computed on the next coarser mesh, whose
+modes take a fifth of the time.
 """
 
 from collections.abc import Callable
@@ -15,7 +17,7 @@ import numpy as np
 from fefinger.fem.body import Reduced
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.modal_march import Grid
-from fefinger.fem.contact.oscillators import Oscillators
+from fefinger.fem.contact.oscillators import Oscillators, complex_modulus
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.step_compiled import march
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
@@ -24,7 +26,7 @@ from fefinger.geometry import mirror
 from fefinger.mechanics.press import carried, operator, problem
 from fefinger.mechanics.press.carried import CarriedPress, carried_response, table_of
 from fefinger.mechanics.press.fields import interpolation
-from fefinger.mechanics.press.harmonic import Vibrating
+from fefinger.mechanics.press.harmonic import Vibrating, about
 from fefinger.mechanics.press.history import SmallStrainHistory
 from fefinger.mechanics.press.modal_body import stiffened
 from fefinger.mechanics.press.modal_press import (
@@ -37,6 +39,7 @@ from fefinger.mechanics.press.modal_press import (
     solve_modal,
 )
 from fefinger.mechanics.press.modal_steps import modal_grid
+from fefinger.mechanics.press.mode_cache import MESH_OF_INERTIA
 from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.reference import reference_of
@@ -54,9 +57,6 @@ DAMPED = 300.0
 """Frequency in Hz of the fastest relaxation, below which a result notes that vibrations hardly
 damp."""
 
-MESH_OF_INERTIA = {"coarse": "coarse", "standard": "coarse", "fine": "standard"}
-"""Mesh on which the change by inertia is computed in tissue that stiffens."""
-
 SOFT = 1, 2  # labels of skin and subcutaneous tissue
 
 SHALLOW = 0.12
@@ -65,9 +65,17 @@ of the finger, which a larger guess may reach for nothing."""
 
 
 def respond(
-    scene: Scene, progress: Progress | None = None, *, mechanics: str, notes: tuple[str, ...]
+    scene: Scene,
+    progress: Progress | None = None,
+    *,
+    mechanics: str,
+    notes: tuple[str, ...],
+    geometric_share: Callable[[float], float],
 ) -> Response:
     """Answer the scene with inertia.
+
+    geometric_share: material over whole stiffness, less 1, of tissue that stiffens, by the depth
+    over the thickness.
 
     Raises
     ------
@@ -79,7 +87,7 @@ def respond(
     stages = Stages(progress)
     grid = modal_grid(scene.motion, fast="FAII" in scene.ask.spikes)
     if stiffens(scene.finger):
-        return _corrected(scene, grid, stages, mechanics, notes)
+        return _corrected(scene, grid, stages, mechanics, notes, geometric_share)
     press = Press.of(scene, operator.METHOD, stages, mechanics=mechanics, notes=notes)
     press = replace(press, foreseen=SHALLOW * press.finger.thickness)
     history = solve_modal(press, grid, stages)
@@ -95,7 +103,12 @@ def respond(
 
 
 def _corrected(
-    scene: Scene, grid: Grid, stages: Stages, mechanics: str, notes: tuple[str, ...]
+    scene: Scene,
+    grid: Grid,
+    stages: Stages,
+    mechanics: str,
+    notes: tuple[str, ...],
+    geometric_share: Callable[[float], float],
 ) -> Response:
     """Answer at finite strain, with what inertia changes in a linear finger of its stiffness."""
     slow = Press.of(scene, carried.METHOD, stages, mechanics=mechanics, notes=notes)
@@ -106,11 +119,14 @@ def _corrected(
     answer = carried_response(table, shares, stages)
     swinging = replace(scene.finger, resolution=MESH_OF_INERTIA[scene.finger.mesh])
     press = Press.of(
-        *(replace(scene, finger=swinging), operator.METHOD, stages), mechanics=mechanics, notes=notes
+        *(replace(scene, finger=swinging), operator.METHOD, stages),
+        mechanics=mechanics,
+        notes=notes,
     )
     press = replace(press, sites=answer.sites, foreseen=float(answer.depth.max()))
     depth = working_depth(scene, table)
-    factor = stiffening(press, table, depth)
+    material = 1.0 + geometric_share(depth / scene.finger.thickness) * (1.0 - 1.0 / _sudden(scene))
+    factor = stiffening(press, table, depth) * material
     history = solve_modal(press, grid, stages, factor)
     press = at_stored(press, grid)
     still = _still(press, factor, stages)
@@ -139,18 +155,16 @@ def _swept(
     if motion.frequencies is None:
         return answer
     level = motion.steady_level
-    deepest = 1.2 * float(answer.depth.max())
+    deepest = float(answer.depth.max())
+    parts = (press.finger, operator_of(press), history.modes, press.obstacle)
+    by_force = depth is None and motion.control == "force"
+    preload = {"force": level} if by_force else {"depth": depth or level}
     with stages.stage("harmonic"):
-        vibrating = Vibrating.of(
-            *(press.finger, operator_of(press), history.modes, press.obstacle),
-            deepest,
-            answer.sites,
-            factor,
+        found = about(
+            lambda reach: Vibrating.of(*parts, reach, answer.sites, factor),
+            *(deepest, motion.frequencies),
+            **preload,
         )
-        if depth is None and motion.control == "force":
-            found = vibrating.harmonic(motion.frequencies, force=level)
-        else:
-            found = vibrating.harmonic(motion.frequencies, depth=depth or level)
     return replace(
         answer, harmonic=found, notes=(*answer.notes, *found.notes, *_loses(found, scene))
     )
@@ -170,6 +184,15 @@ def _loses(found: Harmonic, scene: Scene) -> tuple[str, ...]:
         f"of {amplitude:g} mm exceeds the preload of {found.preload_force:.3g} N: contact opens in "
         "mid-cycle, which the answer through time follows and the harmonic one does not.",
     )
+
+
+def _sudden(scene: Scene) -> float:
+    """Modulus over that of relaxed tissue at the highest frequency, or in a sudden strain."""
+    prony, frequency = scene.finger.prony, scene.motion.highest_frequency
+    weights = np.array(prony.weights[1:]) / prony.weights[0]
+    if frequency is None:
+        return float(1.0 + weights.sum())
+    return float(np.abs(complex_modulus(weights, np.array(prony.v), np.array([frequency]))[0]))
 
 
 def working_depth(scene: Scene, table: CarriedPress) -> float:
@@ -244,10 +267,9 @@ def _added(
     notes = (
         *answer.notes,
         f"Tissue stiffens with strain: inertia is that of a linear finger with {factor:.3g} times "
-        f"the moduli, of the static stiffness at {depth:.3g} mm, on the {press.finger.mesh} mesh; "
-        "its change of force, strain and displacement is added to the answer of `pressed`, and "
-        "pressures are scaled to the force. "
-        "That was not compared with dynamics at finite strain.",
+        f"the moduli, of the material stiffness at {depth:.3g} mm, on the {press.finger.mesh} "
+        "mesh; its change of force, strain and displacement is added to the answer of `pressed`, "
+        "and pressures are scaled to the force.",
     )
     if pulls.any():
         notes = (*notes, f"The contact would pull at {int(pulls.sum())} times: there it is open.")
@@ -332,8 +354,8 @@ def _lossless(oscillators: Oscillators) -> tuple[str, ...]:
     return (
         f"The fastest relaxation of this tissue lies at {fastest:.3g} Hz: above it hardly anything "
         "is lost, where fingertips are reported to lose most, and resonances are too sharp. No "
-        "number for that was found that could be trusted; the tissue 'maeno1998_viscous' has a "
-        "faster branch, of low confidence.",
+        "number for that was found that could be trusted; the sets of finger.tissue that end in "
+        "'_viscous' have a faster branch, of low confidence.",
     )
 
 

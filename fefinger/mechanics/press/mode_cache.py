@@ -20,6 +20,10 @@ COUNT = 130
 1000 Hz, with relaxed tissue."""
 
 
+MESH_OF_INERTIA = {"coarse": "coarse", "standard": "coarse", "fine": "standard"}
+"""Mesh on which the change by inertia is computed in tissue that stiffens."""
+
+
 def at_hand(finger: Finger, *, half: bool, continued: bool = False) -> bool:
     """Return whether the modes of a finger are in the cache and need not be computed."""
     if not os.path.isdir(cache.root() / "modes"):  # then not even the name of the mesh is needed
