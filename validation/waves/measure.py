@@ -149,7 +149,8 @@ def preload_errors(prepared: Preloaded, finger: Finger) -> dict[str, list[float]
     frequency = frequencies(finger, FEW_REDUCED, prepared.factor)
     factors = modulus(finger, frequency)
     relaxed, exact = sum(prepared.statics), prepared.exact(finger, frequency)
-    harmonic, inertia = [], []
+    harmonic: list[complex] = []
+    inertia: list[complex] = []
     for f, g in zip(frequency, np.abs(factors), strict=True):
         share = prepared.statics[0] / relaxed - 1
         factor = prepared.factor * (1 + share * (1 - 1 / g))

@@ -95,8 +95,8 @@ class Preloaded:
         """Material and geometric stiffness: of a factor g, g S + (1 - g) S has the tangent g C."""
         elements, values = self.elements, self.state.values
         once = elements.tangent(values, elements.at_rest)
-        stress = sum(elements.stress(values))
-        twice = HistoryStress(2 * elements.at_rest.gains, -stress)
+        isochoric, volumetric = elements.stress(values)
+        twice = HistoryStress(2 * elements.at_rest.gains, -isochoric - volumetric)
         material = elements.tangent(values, twice) - once
         return material, once - material
 

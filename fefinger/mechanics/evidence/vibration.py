@@ -242,9 +242,8 @@ def _reduced(case: Situation, frequency: float) -> float:
 
 
 def _share(case: Situation) -> float:
-    """Force of the oscillation over the peak, at most 1: where no amplitude is known."""
-    amplitude = float(getattr(case.motion, "amplitude", 0.0)) or case.peak
-    return min(1.0, SHARE * amplitude / case.peak)
+    """Force of the oscillation over the peak, at most 1."""
+    return min(1.0, SHARE * case.motion.swing / case.peak)
 
 
 def _ratio(case: Situation, frequency: float) -> float:

@@ -158,12 +158,12 @@ def _swept(
     deepest = float(answer.depth.max())
     parts = (press.finger, operator_of(press), history.modes, press.obstacle)
     by_force = depth is None and motion.control == "force"
-    preload = {"force": level} if by_force else {"depth": depth or level}
     with stages.stage("harmonic"):
         found = about(
             lambda reach: Vibrating.of(*parts, reach, answer.sites, factor),
             *(deepest, motion.frequencies),
-            **preload,
+            depth=None if by_force else depth or level,
+            force=level if by_force else None,
         )
     return replace(
         answer, harmonic=found, notes=(*answer.notes, *found.notes, *_loses(found, scene))
