@@ -1,7 +1,8 @@
 """From the strain at the end organs to spikes, and whether their counts depend on the mesh.
 
 `scene/population.py` describes a population, `mechanics/press/population.py` places it under the
-skin, `neural/units.py` makes units of end organs fire; this module puts the published anatomy in.
+skin. This module adds the published anatomy, and lets the units of a family fire: those of
+`recorded` in `neural/recorded_simulation.py`, those of `thesis` in `neural/units.py`.
 """
 
 from collections.abc import Sequence
@@ -9,10 +10,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.scene import library
 from fefinger.scene.population import Grid, Layout
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, number
 
 
@@ -30,9 +31,6 @@ RECORDED = (
     "input in mm is the displacement of a pin 1 mm wide that strains an end organ as much."
 )
 """Note on every result with units of the family `recorded`."""
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any) -> "SpikeTrains":

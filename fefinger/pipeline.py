@@ -1,11 +1,15 @@
 """The way of a scene: plan, mechanics, spikes, result.
 
 plan.choose           which mechanics answers, and on which mesh
-mechanics/            respond: force, pressure and strain; condensed, linear and solid go on to
-mechanics/press/      problem.Press (mesh, body, obstacle, end organs), solved by small_strain or
-                      finite_strain, its history read by response
-mesh/store.py         the mesh: shipped, kept, or built (`mesh/build.py`)
-afferents.fire        the spikes of the strain at the end organs, by `neural/units.py`
+mesh/store.py         the mesh: shipped, cached, or made by `mesh/build.py`
+mechanics/            `respond` of the chosen one: force, pressure, strain. condensed, linear and
+                      solid go on to `mechanics/press/`, whose `__init__` lists the parts:
+                      problem.Press (mesh, body, obstacle, end organs), small_strain, finite_strain
+fem/                  the contact, solved in `fem/contact/step_compiled.py` at small strain and in
+                      `fem/hyperelastic/newton.py` at finite strain; the strain at the end organs,
+                      read from the displacements in `fem/elements/recovery.py`
+afferents.fire        the spikes of that strain: `neural/recorded_simulation.py` or, of the family
+                      `thesis`, `neural/units.py` with the membranes of `neural/membranes/`
 result.Result         what is saved, shown and reported (`pages/report.py`)
 """
 

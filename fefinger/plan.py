@@ -59,8 +59,8 @@ def choose(scene: Scene | str | Path, mechanics: str | None = None, *, every: bo
     `scene` is a Scene, the name of a built-in one, or a TOML file.
 
     A mechanics that is named runs in spite of refusals about accuracy or time, which the plan
-    records; refusals about ability stand. Unless `every` one is to be asked, those with a mesh are
-    left out where one without is good enough.
+    records; refusals about ability stand. Unless `every` one is wanted, those with a mesh are left
+    out where one without is good enough.
 
     Raises
     ------
@@ -154,7 +154,7 @@ def _rung(
     refusals: tuple[Refusal, ...],
     inertia: tuple[float, str],
 ) -> Rung:
-    """Ask one candidate what it would cost and how wrong it would be, against what is asked."""
+    """Look up cost and error of one candidate, with refusals where they exceed those of `ask`."""
     name = candidate.mechanics
     mechanics, ask = ladder.get(name), case.ask
     seconds, (error, evidence) = mechanics.cost(case), mechanics.error(case)
@@ -184,13 +184,29 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
     willing = [rung for rung in rungs if _willing(rung)]
     if willing:
         return min(willing, key=lambda rung: rung.seconds)
-    relax = _relaxing(rungs) + _unchecked(case)
     msg = (
-        f"ask: no mechanics can answer this scene as it is asked\n\n{written(rungs)}\n\n"
-        f"{relax}{'Or name' if relax else 'Name'} a mechanics to run it all the same (where it is "
-        "able to); the result then records the refusals."
+        f"ask: no mechanics can answer this scene within the limits. {_relaxing(rungs)}"
+        f"{_unchecked(case)}{_by_name(rungs)}\n\n{written(rungs)}"
     )
     raise InputError(msg)
+
+
+def _by_name(rungs: tuple[Rung, ...]) -> str:
+    """Suggest the mechanics to name: that with the fewest refusals and the smallest error."""
+    able = [rung for rung in rungs if all(refusal.about != "ability" for refusal in rung.refusals)]
+    if not able:
+        return "None is able to: the table says what would have to change."
+
+    def ranked(rung: Rung) -> tuple[float, ...]:
+        error = math.inf if math.isnan(rung.error) else rung.error
+        return len(rung.refusals), error, rung.seconds
+
+    best = min(able, key=ranked)
+    return (
+        f"Name {best.mechanics} (--mechanics {best.mechanics}) to run it all the same, in about "
+        f"{duration(best.seconds)}; the result then records what speaks against it: "
+        f"{'; '.join(refusal.reason for refusal in best.refusals)}."
+    )
 
 
 def _relaxing(rungs: tuple[Rung, ...]) -> str:
@@ -232,16 +248,16 @@ def _unchecked(case: Situation) -> str:
 
 def _named(rungs: tuple[Rung, ...], mechanics: str) -> Rung:
     """Return the rung of a mechanics: the cheapest that does not refuse, or the standard mesh."""
-    own = [rung for rung in rungs if rung.mechanics == mechanics]
-    unable = [refusal for refusal in own[0].refusals if refusal.about == "ability"]
+    candidates = [rung for rung in rungs if rung.mechanics == mechanics]
+    unable = [refusal for refusal in candidates[0].refusals if refusal.about == "ability"]
     if unable:
         reasons = "\n".join(f"  {mechanics}: ability: {refusal.reason}" for refusal in unable)
         msg = f"mechanics: {mechanics!r} cannot answer this scene\n{reasons}"
         raise InputError(msg)
-    willing = [rung for rung in own if not rung.refusals]
+    willing = [rung for rung in candidates if not rung.refusals]
     if willing:
         return min(willing, key=lambda rung: rung.seconds)
-    return next((rung for rung in own if rung.resolution == STANDARD), own[0])
+    return next((rung for rung in candidates if rung.resolution == STANDARD), candidates[0])
 
 
 def _settings(case: Situation, chosen: Rung) -> Settings:
@@ -266,7 +282,7 @@ def _sentence(
         name for name in ladder.names() if name not in {rung.mechanics for rung in considered}
     ]
     if left_out and not named:
-        sentence += f" Not asked, because slower and not needed: {', '.join(left_out)}."
+        sentence += f" Not considered, because slower and not needed: {', '.join(left_out)}."
     if chosen.refusals:
         reasons = "; ".join(refusal.reason for refusal in chosen.refusals)
         sentence += f" It would have refused: {reasons}."

@@ -23,9 +23,9 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array, Integers
 
 
-Array = NDArray[np.float64]
 TYPES = ("SAI", "SAII", "FAI", "FAII")
 DEPTHS = (0.8, 1.8, 0.6, 3.0)
 AXIS = np.array([-0.5, 0.0, np.sqrt(0.75)])  # travel of a plate at 30 degrees
@@ -186,7 +186,7 @@ def make_synthetic(n_t: int = 60, n_frames: int = 3, cells: tuple[int, int, int]
     )
 
 
-def half_finger(cells: tuple[int, int, int]) -> tuple[Array, NDArray[np.int64], NDArray[np.int8]]:
+def half_finger(cells: tuple[int, int, int]) -> tuple[Array, Integers, NDArray[np.int8]]:
     """Return points, tetrahedra and regions of half a round-tipped rod, first touch at 0."""
     nx, ny, nz = cells
     grid = np.meshgrid(
@@ -243,7 +243,7 @@ def pressure_of(points: Array, depth: float) -> Array:
 
 def make_fields(
     points: Array,
-    tetrahedra: NDArray[np.int64],
+    tetrahedra: Integers,
     region: NDArray[np.int8],
     times: Array,
     depths: Array,
@@ -258,7 +258,7 @@ def make_fields(
     return Fields(points, tetrahedra, region, times, displacement, six, pressure)
 
 
-def surface_of(points: Array, tetrahedra: NDArray[np.int64]) -> NDArray[np.int64]:
+def surface_of(points: Array, tetrahedra: Integers) -> Integers:
     """Return the outer triangles (k, 3) off the medial plane and the proximal end, pad side."""
     faces = tetrahedra[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
     _, first, count = np.unique(
@@ -271,7 +271,7 @@ def surface_of(points: Array, tetrahedra: NDArray[np.int64]) -> NDArray[np.int64
     return outer[~medial & ~proximal & palmar]
 
 
-def make_pad(points: Array, tetrahedra: NDArray[np.int64]) -> Pad:
+def make_pad(points: Array, tetrahedra: Integers) -> Pad:
     """Return the pad of the whole finger: the half surface and its mirror image."""
     triangles = surface_of(points, tetrahedra)
     used, local = np.unique(triangles, return_inverse=True)

@@ -276,6 +276,23 @@ def test_the_ladder_is_a_table_with_errors_times_refusals_and_sources():
     assert "Times are for this machine" in text
 
 
+def test_a_scene_that_all_refuse_names_first_what_runs_it_all_the_same():
+    with pytest.raises(InputError) as refused:
+        plan.choose(builtin.load("sphere-press", {"indenter.radius": 1.0}))
+    first, _, table = str(refused.value).partition("\n\n")
+    assert "Name pressed (--mechanics pressed)" in first
+    assert "round objects are measured to radii of 2 mm" in first
+    assert "refused because" in table.splitlines()[0]
+
+
+def test_refusals_that_differ_in_the_field_or_the_mesh_alone_are_written_once():
+    written = plan_text.ladder(plan.explain(published.load("flat-press")).rungs)
+    assert written.count("it gives force and depth alone") == 1
+    assert "ability: ask.pressure, ask.strain, ask.fields, ask.spikes: asked, but" in written
+    calibrated = plan_text.ladder(plan.explain(builtin.load("flat-press")).rungs)
+    assert "as on the standard mesh" in calibrated
+
+
 @pytest.mark.parametrize(
     ("value", "limit", "said"),
     [
@@ -326,7 +343,7 @@ def test_no_mesh_is_asked_after_where_a_force_law_will_do():
     assert found.mechanics == "lumped"
     assert [rung.mechanics for rung in found.rungs] == ["lumped", "hertz", "layered"]
     assert (
-        "Not asked, because slower and not needed: condensed, pressed, modal, linear, solid."
+        "Not considered, because slower and not needed: condensed, pressed, modal, linear, solid."
         in found.sentence
     )
     shortest = asked(resolution="coarse")

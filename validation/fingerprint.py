@@ -35,17 +35,16 @@ from typing import Any, TypeVar
 
 import numpy as np
 from fefinger.validation.unusable import BAD_COMMANDS, BAD_TABLES, FILES
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from fefinger.pipeline import run
 from fefinger.plan import choose, explain
 from fefinger.results.records import Plan
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 
 
-Array = NDArray[np.float64]
 Kind = TypeVar("Kind")
 Tables = dict[str, Any]
 
@@ -104,8 +103,8 @@ CHANGED: Mapping[str, Mapping[str, Any]] = {
 They shorten its motion; and p7 takes its next larger ball, as 2.94 mm is beyond the coarse mesh.
 """
 
-UNSHIPPED = ("p10-ball-on-array",)
-"""Scenes whose finger has no shipped mesh: they are answered without one only."""
+UNSHIPPED = ("curved-hold", "p10-ball-on-array", "pin-hold", "probe-vibration")
+"""Scenes whose finger has no shipped coarse mesh: they are answered without one only."""
 
 MESHED = ("condensed", "linear", *SLOW)
 

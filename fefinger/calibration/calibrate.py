@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
@@ -28,8 +27,6 @@ from fefinger.scene.finger import RESOLUTIONS, Finger
 from fefinger.support.checks import InputError, choice
 from fefinger.support.progress import Progress
 
-
-Array = NDArray[np.float64]
 
 MECHANICS = ("condensed", "solid")
 

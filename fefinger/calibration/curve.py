@@ -13,14 +13,13 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import polynomial
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.calibration.slow_press import Press
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import exprel
 
-
-Array = NDArray[np.float64]
 
 DEGREE = 4
 """Degree of q through the few steps of `solid`, whose contact grows by whole vertices."""

@@ -8,17 +8,16 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.calibration.curve import Curve, Family
 from fefinger.calibration.inverse import Unknown, Values
 from fefinger.calibration.targets import Bulk, Record
 from fefinger.scene import library
+from fefinger.support.arrays import Array
 from fefinger.theory.contact.ting import press_by_depth, radius_nodes
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
-
-Array = NDArray[np.float64]
 
 MODULUS, SHAPE, RATIO, RADIUS, TOUCH = "modulus", "exponent", "skin_ratio", "pad_radius", "x0"
 GAIN, GROWTH = "t_b", "t_m"

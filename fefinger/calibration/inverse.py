@@ -5,12 +5,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 
 
-Array = NDArray[np.float64]
 Values = dict[str, float]
 Residual = Callable[[Values], Array]
 

@@ -5,26 +5,23 @@ compression), named in its first line; others are ignored. Both identifications 
 `theory/lumped/identify.py` are made, with their uncertainties.
 """
 
-import csv
 import math
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.support import atomic_write
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.csv_columns import CsvTable, read_table
 from fefinger.support.text import strict_json, table
 from fefinger.theory.lumped import identify, ramp_hold
 from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.lumped.identify import Identification
 
-
-Array = NDArray[np.float64]
 
 UNITS = {"time": "s", "position": "mm", "force": "N"}
 WAYS = ("thesis", "joint")
@@ -109,44 +106,21 @@ def columns(file: str | Path, units: dict[str, str]) -> Array:
         If the file cannot be read, a column is missing or in another unit, a number is not
         finite, or times do not increase.
     """
-    head, rows = _rows(Path(file), units)
-    where = {name: _column(str(file), head, name, unit) for name, unit in units.items()}
-    table = np.array([_numbers(str(file), i, row, head, where) for i, row in rows])
-    _check_times(str(file), table[:, list(units).index("time")], [i for i, _ in rows])
-    return table
+    table = read_table(str(file), file)
+    values = table.numbers([_column(table, name, unit) for name, unit in units.items()])
+    _check_times(table, values[:, list(units).index("time")])
+    return values
 
 
-def _rows(file: Path, names: Iterable[str]) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """Read the names of the columns, and the rows with their line numbers."""
-    try:
-        with file.open(newline="", encoding="utf-8-sig") as stream:
-            lines = list(enumerate(csv.reader(stream), start=1))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        msg = f"{file}: expected a CSV file, which cannot be read: {error}"
-        raise InputError(msg) from None
-    lines = [(i, row) for i, row in lines if any(cell.strip() for cell in row)]
-    if len(lines) < 2:
-        msg = f"{file}: expected the columns {', '.join(names)} and rows below, found none"
-        raise InputError(msg)
-    head = [cell.strip() for cell in lines[0][1]]
-    other = next((mark for mark in ";\t" if len(head) == 1 and mark in head[0]), None)
-    if other:
-        msg = (
-            f"{file}: expected columns separated by commas, with decimal points, received "
-            f"{'semicolons' if other == ';' else 'tabs'} in {head[0]!r}; save it as CSV with commas"
-        )
-        raise InputError(msg)
-    return head, lines[1:]
-
-
-def _column(file: str, head: list[str], name: str, unit: str) -> int:
-    """Find the index of the column called `name`; the name may end in its unit."""
+def _column(table: CsvTable, name: str, unit: str) -> int:
+    """Return the index of the column called `name`; the name may end in its unit."""
+    head, file = table.header, table.source
     matches = [i for i, cell in enumerate(head) if re.match(rf"{name}(?!\d)", cell.lower())]
     if len(matches) != 1:
         which = "none" if not matches else f"{len(matches)}: {', '.join(head[i] for i in matches)}"
         msg = (
-            f"{file}: expected one column {name!r} ({unit}) in the first line, "
-            f"found {which} in {','.join(head)!r}"
+            f"{file}: expected one column {name!r} ({unit}) in the first line, received {which} in "
+            f"{','.join(head)!r}"
         )
         raise InputError(msg)
     stated = head[matches[0]][len(name) :].strip(" _-()[]/,")
@@ -156,33 +130,14 @@ def _column(file: str, head: list[str], name: str, unit: str) -> int:
     return matches[0]
 
 
-def _numbers(
-    file: str, line: int, row: list[str], head: list[str], where: dict[str, int]
-) -> list[float]:
-    if len(row) != len(head):
-        msg = f"{file}: line {line}: expected {len(head)} values, received {len(row)}: {row}"
-        raise InputError(msg)
-    values = []
-    for name, column in where.items():
-        try:
-            value = float(row[column])
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            msg = f"{file}: line {line}: expected a finite {name}, received {row[column]!r}"
-            raise InputError(msg)
-        values.append(value)
-    return values
-
-
-def _check_times(file: str, time: Array, lines: list[int]) -> None:
+def _check_times(table: CsvTable, time: Array) -> None:
     wrong = np.flatnonzero(np.diff(time) <= 0)
     if wrong.size:
         i = int(wrong[0]) + 1
         what = "a repeated time" if time[i] == time[i - 1] else "an earlier time"
         msg = (
-            f"{file}: line {lines[i]}: expected a time above {time[i - 1]:g} s, received {what}, "
-            f"{time[i]:g}; sort the rows and keep one of each time"
+            f"{table.source}: line {table.rows[i][0]}: expected a time above {time[i - 1]:g} s, "
+            f"received {what}, {time[i]:g}; sort the rows and keep one of each time"
         )
         raise InputError(msg)
 

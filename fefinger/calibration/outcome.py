@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.calibration import pad_radius
 from fefinger.calibration.curve import Curve
@@ -26,12 +26,11 @@ from fefinger.results.candidate import MECHANICS
 from fefinger.scene.finger import Finger
 from fefinger.scene.motions import RampSinusoid
 from fefinger.scene.tissue import Tissue
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.lumped import confidence
 from fefinger.theory.lumped.spring import contact_force
 
-
-Array = NDArray[np.float64]
 
 LAW = "demiray"
 GROSS = 0.1

@@ -10,20 +10,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import RADII
 from fefinger.calibration.targets import Frames, aligned
 from fefinger.scene import library
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.array.sensor_fit import fit_fingerpad
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
-
-Array = NDArray[np.float64]
 
 SLOW = 0.2
 """mm/s of the slow presses with the array (section 3.2.2)."""

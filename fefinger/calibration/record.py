@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import predicted
@@ -14,11 +14,10 @@ from fefinger.calibration.inverse import Solution
 from fefinger.results.candidate import MECHANICS
 from fefinger.scene.tissue import Tissue
 from fefinger.support import atomic_write
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 FILE, TISSUE_FILE = "calibration.json", "tissue.toml"
 

@@ -17,7 +17,6 @@ from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.results.candidate import MECHANICS
 from fefinger.results.records import Response
@@ -27,13 +26,12 @@ from fefinger.scene.indenters import Flat
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support import cache
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 DAMAGED = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
 """Errors of reading a missing or damaged press, which is then solved again."""
@@ -188,7 +186,7 @@ def _respond(scene: Scene, mechanics: str, spare: float) -> Response:
     return solid.respond(scene, allowance=FactorizationBudget(USUAL, spare))
 
 
-def _steps(scene: Scene, response: Response, mechanics: str) -> NDArray[np.int64]:
+def _steps(scene: Scene, response: Response, mechanics: str) -> Integers:
     """Select the stored times: those that `solid` solves, or EVENLY many at small strain.
 
     Times without contact are left out.

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from fefinger.calibration import lumped_fit
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.lumped.identify import Identification, joint
@@ -20,8 +20,6 @@ from fefinger.theory.lumped.ramp_hold import RampHold, averages, deviation_of, s
 from fefinger.theory.lumped.spring import Spring, constant_velocity, force
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 SPEED = 60.0
 """mm/s of the ramps of the thesis."""

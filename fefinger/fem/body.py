@@ -8,9 +8,10 @@ from scipy import sparse
 
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import System, factor, prepare
 from fefinger.geometry.finger_mesh import FingerMesh, volumes
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
 

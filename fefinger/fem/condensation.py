@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg.lapack import dpotri
 from scipy.spatial import cKDTree
@@ -22,11 +21,12 @@ from scipy.spatial import cKDTree
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.solvers import compressible
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.geometry import mirror
+from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.tolerances import REDUCED_COMPRESSIBILITY
 
@@ -105,7 +105,7 @@ class Operator(Solid):
     identities: tuple[dict[str, Any] | None, ...] = (None,)
 
 
-def faces_down(solid: Solid) -> NDArray[np.bool_]:
+def faces_down(solid: Solid) -> Flags:
     """Whether vertices (n_points,) belong to the palmar part of the pad."""
     return np.asarray(solid.normals[:, 2] < PALMAR)
 
@@ -195,7 +195,7 @@ def reduce(
     return Reduced(patch, (flexibility + flexibility.T) / 2, strains, displacement)
 
 
-def _beyond(operator: Operator, places: sparse.csc_matrix) -> NDArray[np.bool_]:
+def _beyond(operator: Operator, places: sparse.csc_matrix) -> Flags:
     """Whether each of the `places` (n_unknowns, k) lies outside the palmar part of the pad."""
     entries = places.tocoo()
     outside = ~np.isin(entries.row // 3, palmar(operator))

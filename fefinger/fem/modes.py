@@ -15,9 +15,9 @@ import numpy as np
 from scipy import linalg, sparse
 
 from fefinger.fem.condensation import Compliance
-from fefinger.fem.elements.spaces import Array, Integers
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.threads import one_thread
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError, number
 
 

@@ -6,15 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import BONE, faces
+from fefinger.support.arrays import Array, Integers
 
-
-Index = NDArray[np.int64]
 
 FLAT = 0.9
 """Smallest cosine between the normals of a facet and of the plane it is assigned to."""
 
 
-def interfaces(cells: Index, region: NDArray[np.int8]) -> tuple[Index, Index, Index]:
+def interfaces(cells: Integers, region: NDArray[np.int8]) -> tuple[Integers, Integers, Integers]:
     """Faces where the region changes: (f, 3) outward, and the regions on both sides.
 
     Boundary faces have the outer region 0. A face between two regions appears once, with the
@@ -32,7 +31,7 @@ def interfaces(cells: Index, region: NDArray[np.int8]) -> tuple[Index, Index, In
     return all_faces[keep], owner[keep], other[keep]
 
 
-def parts(cells: Index) -> int:
+def parts(cells: Integers) -> int:
     """Count the parts of a mesh whose cells are connected by faces."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -47,14 +46,14 @@ def parts(cells: Index) -> int:
 
 
 def facet_sets(
-    points: NDArray[np.float64],
-    cells: Index,
+    points: Array,
+    cells: Integers,
     region: NDArray[np.int8],
     *,
     cut: float,
     tolerance: float,
-    level: Callable[[NDArray[np.float64]], NDArray[np.float64]],
-) -> dict[str, Index]:
+    level: Callable[[Array], Array],
+) -> dict[str, Integers]:
     """Sort boundary and interface faces into named sets; "pad" is all of the outer skin.
 
     "skin-subcutaneous" is the interface of the tissues; the nail is separated from "pad" later. A

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array, Integers
+
 
 SKIN, SUBCUTANEOUS, BONE = 1, 2, 3
 REGIONS = {"skin": SKIN, "subcutaneous": SUBCUTANEOUS, "bone": BONE}
@@ -38,11 +40,11 @@ class FingerMesh:
 
     """
 
-    points: NDArray[np.float64]
-    cells: NDArray[np.int64]
+    points: Array
+    cells: Integers
     region: NDArray[np.int8]
-    facets: dict[str, NDArray[np.int64]]
-    pad_normals: NDArray[np.float64]
+    facets: dict[str, Integers]
+    pad_normals: Array
     half: bool
     name: str = "finger"
     recipe: dict[str, Any] = field(default_factory=dict)
@@ -58,19 +60,19 @@ class FingerMesh:
         return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()
 
 
-def volumes(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
+def volumes(points: Array, cells: Integers) -> Array:
     """Return the signed volume of each tetrahedron, (m,) mm^3."""
     corners = points[cells]
     edges = corners[:, 1:] - corners[:, :1]
     return np.asarray(np.einsum("ij,ij->i", np.cross(edges[:, 0], edges[:, 1]), edges[:, 2]) / 6.0)
 
 
-def faces(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+def faces(cells: Integers) -> Integers:
     """Return the four outward faces of each positive tetrahedron, (m, 4, 3)."""
     return cells[:, [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]]]
 
 
-def edges(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+def edges(cells: Integers) -> Integers:
     """Return the edges of the tetrahedra once each, (e, 2) ascending."""
     pairs = cells[:, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]].reshape(-1, 2)
     return np.unique(np.sort(pairs, axis=1), axis=0)

@@ -12,10 +12,10 @@ from functools import cached_property
 from typing import Any, ClassVar, Self, final
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fefinger.support.arrays import Array, Flags
 
 
-Array = NDArray[np.float64]
 Heights = tuple[Array, Array, Array]
 """h (...,) mm, its slope (..., 2) and its curvature (..., 2, 2) in 1/mm."""
 
@@ -37,7 +37,7 @@ class Profile(ABC):
         """Return h, its slope and its curvature at places `across` (..., 2) mm."""
 
     def rise(self, across: Array) -> Array:
-        """Return h alone (...,) mm, which a sliding object is asked for at every step."""
+        """Return h alone (...,) mm, which sliding needs at every step."""
         return self.height(across)[0]
 
     def incline(self, across: Array) -> Array:
@@ -49,8 +49,8 @@ class Profile(ABC):
         """Half axes in mm of an ellipsoid or, with an infinite one, of a cylinder; else None."""
         return None
 
-    def beyond(self, across: Array) -> NDArray[np.bool_]:
-        """Return whether places `across` (..., 2) mm are beyond the shape that is meant."""
+    def beyond(self, across: Array) -> Flags:
+        """Return whether places `across` (..., 2) mm are beyond the modeled shape."""
         return np.zeros(across.shape[:-1], dtype=bool)
 
 
@@ -93,7 +93,7 @@ class Ellipsoid(Profile):
         bend = bend + change[..., None, None] * gradient[..., :, None] * gradient[..., None, :]
         return h, deep * over[..., None] * gradient, deep * bend
 
-    def beyond(self, across: Array) -> NDArray[np.bool_]:
+    def beyond(self, across: Array) -> Flags:
         """Return whether places are on the cone."""
         return np.asarray(self._s(across) > self._end)
 

@@ -8,12 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
 
-
-Array = NDArray[np.float64]
 
 WIDTHS = (6.0, 40.0)
 """Range in mm of the smaller sides of a fingertip's bounding box; outside, the unit is wrong."""
@@ -128,7 +126,7 @@ def _loaded(file: Path, field: str) -> Any:
     return mesh
 
 
-def _vtk(file: Path) -> tuple[Array, NDArray[np.int64]]:
+def _vtk(file: Path) -> tuple[Array, Integers]:
     """Read points and triangles of the outer surface of the data set in a VTK file."""
     import pyvista as pv
 
@@ -187,7 +185,7 @@ def _face_outward(mesh: Any) -> bool:
     return True
 
 
-def _holes(mesh: Any, file: Path, field: str) -> list[NDArray[np.int64]]:
+def _holes(mesh: Any, file: Path, field: str) -> list[Integers]:
     """Rims of the holes that may be filled: small ones, and the open proximal end.
 
     A rim holds the edges (n, 2) in the direction of their triangles.
@@ -235,7 +233,7 @@ def _unit(mesh: Any) -> str:
     return " mm" if WIDTHS[0] <= smaller <= WIDTHS[1] else " units"
 
 
-def _filled(mesh: Any, loop: NDArray[np.int64]) -> str:
+def _filled(mesh: Any, loop: Integers) -> str:
     """Close a hole with a fan of triangles about its center; return a note on it."""
     middle = mesh.vertices[np.unique(loop)].mean(axis=0)
     number = len(mesh.vertices)
@@ -306,7 +304,7 @@ def crossings(mesh: Any) -> Array | None:
     return None
 
 
-def _neighbors(corners: Array) -> NDArray[np.int64]:
+def _neighbors(corners: Array) -> Integers:
     """Pairs (k, 2) of triangles (n, 3, 3) that are near enough to meet.
 
     Sorted by size, so that the few long triangles of a cut end do not make all of them near.
@@ -330,7 +328,7 @@ def _neighbors(corners: Array) -> NDArray[np.int64]:
     return np.concatenate(pairs)
 
 
-def _pierced(start: Array, end: Array, triangle: Array) -> NDArray[np.bool_]:
+def _pierced(start: Array, end: Array, triangle: Array) -> Flags:
     """Whether segments pass through the inside of their triangles.
 
     Möller and Trumbore, J. Graph. Tools 2:21, 1997.

@@ -12,7 +12,6 @@ from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.press_mesh import UNKNOWN
 from fefinger.mechanics.evidence.stated_errors import is_measured, measured
 from fefinger.mechanics.press import axisymmetric
-from fefinger.mechanics.press.axisymmetric import Array
 from fefinger.mechanics.press.notes import apart, normalized, sideways, yielding
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
@@ -22,6 +21,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.support.progress import Progress
 from fefinger.support.text import beyond
 from fefinger.support.units import NEWTON_PER_MILLINEWTON

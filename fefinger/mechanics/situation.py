@@ -5,9 +5,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fefinger.mechanics.evidence import reached_depth, tradeoff
 from fefinger.mechanics.evidence.table import Measured
 from fefinger.mechanics.evidence.tradeoff import Place
@@ -19,6 +16,7 @@ from fefinger.scene.finger import AUTO, RESOLUTIONS, Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -92,7 +90,7 @@ class Situation:
         return "FAII" in self.ask.spikes
 
     @cached_property
-    def times(self) -> NDArray[np.float64]:
+    def times(self) -> Array:
         """Times (n_t,) s of the answer, however many: what is too long a mechanics refuses."""
         return time_grid(self.motion, fast=self.fast, most=sys.maxsize)
 

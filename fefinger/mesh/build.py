@@ -23,11 +23,10 @@ from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.scan import scanned
 from fefinger.mesh.shipped import templates
 from fefinger.mesh.tetrahedralize import MesherSettings, tetrahedra
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError
 
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 Progress = Callable[[str], None]
 
 SETTINGS = {
@@ -161,8 +160,8 @@ def _attempt(
 
 
 def _inside(
-    shape: Shape, points: Array, cells: Index, tolerance: float
-) -> tuple[Array, Index, NDArray[np.int8]]:
+    shape: Shape, points: Array, cells: Integers, tolerance: float
+) -> tuple[Array, Integers, NDArray[np.int8]]:
     """Select the cells of the meshed box that belong to the half finger, with their regions.
 
     Cells within `tolerance` mm of the medial plane, the cut or the skin's surface are dropped:
@@ -179,7 +178,7 @@ def _inside(
     return points[used], cells.reshape(-1, 4), region[keep]
 
 
-def _snapped(shape: Shape, points: Array, facets: dict[str, Index]) -> tuple[Array, int]:
+def _snapped(shape: Shape, points: Array, facets: dict[str, Integers]) -> tuple[Array, int]:
     """Move the vertices of plane facets onto their planes, and one vertex to the origin P30."""
     points = points.copy()
     medial = np.unique(facets["medial"])

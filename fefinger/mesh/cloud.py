@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fefinger.geometry import mirror
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Flags, Integers
 
 
 SPACING = 0.35
@@ -50,7 +49,7 @@ class Cloud:
         """Return the unit outward normals (n, 3) at points of the surface."""
         return self._evaluate(points)[1]
 
-    def project(self, points: Array, *, free: NDArray[np.bool_] | None = None) -> Array:
+    def project(self, points: Array, *, free: Flags | None = None) -> Array:
         """Return points (n, 3) moved onto the surface, changing only free coordinates."""
         moved = np.array(points, dtype=float)
         mask = np.ones_like(moved) if free is None else free.astype(float)

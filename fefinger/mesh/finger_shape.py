@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from fefinger.mesh.frame import PLATE
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shell import Array, Shell
+from fefinger.mesh.shell import Shell
 from fefinger.mesh.shell_triangles import Triangles
 from fefinger.scene.finger import BONE
+from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
 
 
@@ -44,7 +45,7 @@ class SmoothSurface(Protocol):
     def normals(self, points: Array) -> Array:
         """Return the unit outward normals (n, 3) at points of the surface."""
 
-    def project(self, points: Array, *, free: NDArray[np.bool_] | None = None) -> Array:
+    def project(self, points: Array, *, free: Flags | None = None) -> Array:
         """Return points (n, 3) moved onto the surface, changing only free coordinates."""
 
 
@@ -67,7 +68,7 @@ class Nail:
     middle: float
     side: Callable[[Array], Array]
 
-    def covers(self, points: Array) -> NDArray[np.bool_]:
+    def covers(self, points: Array) -> Flags:
         """Whether points of the skin are under the nail, (n,)."""
         x, y, z = points.T
         along = (2.0 * x - self.start - self.end) / (self.end - self.start)

@@ -11,7 +11,7 @@ from fefinger.mesh import smooth
 from fefinger.mesh.finger_shape import Shape
 from fefinger.mesh.quality import measure
 from fefinger.mesh.recipe import Recipe
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Flags, Integers
 
 
 ON_SHELLS = ("pad", "skin-subcutaneous", "bone")
@@ -36,7 +36,7 @@ def supports(shape: Shape, count: int, facets: Mapping[str, Integers]) -> smooth
 
 
 def bone_of_volume(
-    shape: Shape, points: Array, bone: Integers, free: NDArray[np.bool_], volume: float
+    shape: Shape, points: Array, bone: Integers, free: Flags, volume: float
 ) -> Array:
     """Offset the bone's surface so that its cells (m, 4) have the volume, mm^3.
 

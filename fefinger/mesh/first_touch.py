@@ -15,7 +15,7 @@ from fefinger.mesh.frame import FIT_RADIUS
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.scan import scanned
-from fefinger.mesh.shell import Array
+from fefinger.support.arrays import Array
 
 
 COUNT, ZOOM, ROUNDS = 21, 0.25, 8

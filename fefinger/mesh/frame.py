@@ -4,10 +4,9 @@ The origin P30 of every finger is the point that this plate touches first.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 
-Array = NDArray[np.float64]
 
 PLATE = np.radians(30.0)
 PLATE_NORMAL = np.array([np.sin(PLATE), 0.0, -np.cos(PLATE)])

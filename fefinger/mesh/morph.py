@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.interpolate import PchipInterpolator
 
@@ -23,11 +22,10 @@ from fefinger.mesh.quality import gate
 from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.shell import Shell
 from fefinger.mesh.shipped import STRETCH
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import ConvergenceError
 
 
-Free = NDArray[np.bool_]
 Pair = tuple[float, float]
 Stations = Callable[[Array, Array], Array]
 """New x of points at x and at a height, over that of the section: -1 on the palm, 1 on the back."""
@@ -115,7 +113,7 @@ def _check_stretch(template: FingerMesh, points: Array) -> None:
         raise ConvergenceError(message)
 
 
-def extension(points: Array, cells: Integers, moves: Array, held: Free) -> Array:
+def extension(points: Array, cells: Integers, moves: Array, held: Flags) -> Array:
     """Return displacements (n, 3) that are `moves` where `held` (n, 3), and harmonic elsewhere.
 
     Linear elements: exact for an affine displacement whose normal derivative vanishes where it is

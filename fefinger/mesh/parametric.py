@@ -8,8 +8,9 @@ from fefinger.mesh import finger_shape, shell_triangles
 from fefinger.mesh.finger_shape import SAMPLES, Nail, Shape, rounding, smooth
 from fefinger.mesh.frame import ALONG, PLATE, fitted_radii
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shell import Array, Shell, Table, offset
+from fefinger.mesh.shell import Shell, Table, offset
 from fefinger.mesh.shell_triangles import Triangles
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 

@@ -3,16 +3,14 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.geometry.facets import parts
 from fefinger.geometry.finger_mesh import BONE, REGIONS, FingerMesh, edges, volumes
 from fefinger.geometry.mirror import Halves
 from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL, fitted_radii
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError
 
-
-Array = NDArray[np.float64]
 
 MIN_DIHEDRAL = 8.0
 """Degrees; below it the condition of a Taylor-Hood element grows as 1/sin of the angle."""
@@ -30,7 +28,7 @@ FIRST_TOUCH = 1e-6
 """Largest distance in mm of a vertex before the origin, toward the 30-degree plate."""
 
 
-def dihedral_angles(points: Array, cells: NDArray[np.int64]) -> Array:
+def dihedral_angles(points: Array, cells: Integers) -> Array:
     """Return the six dihedral angles of each tetrahedron, (m, 6) degrees."""
     corners = points[cells]
     normals = np.stack(
@@ -138,7 +136,7 @@ def _patch_edges(mesh: FingerMesh) -> Array:
     return np.asarray(np.linalg.norm(np.diff(mesh.points[pairs], axis=1)[:, 0], axis=1))
 
 
-def _area(points: Array, facets: NDArray[np.int64]) -> float:
+def _area(points: Array, facets: Integers) -> float:
     """Return the area of triangles, mm^2."""
     a, b, c = (points[facets[:, i]] for i in range(3))
     return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)

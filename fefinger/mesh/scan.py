@@ -18,8 +18,9 @@ from fefinger.mesh.finger_shape import Shape, SmoothSurface
 from fefinger.mesh.frame import ALONG, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.parametric import patch_points
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shell import Array, Shell, Table, offset
+from fefinger.mesh.shell import Shell, Table, offset
 from fefinger.mesh.shell_triangles import Triangles
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 

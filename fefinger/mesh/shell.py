@@ -9,11 +9,11 @@ the tip, so the square is what is stored.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from fefinger.support.arrays import Array, Flags
 
-Array = NDArray[np.float64]
+
 Table = tuple[Array, Array]
 """Profile as x ascending to the tip and half size r(x), which is zero at the tip, mm."""
 
@@ -73,7 +73,7 @@ class Shell:
         gradient = self._implicit(points)[1]
         return np.asarray(gradient / np.linalg.norm(gradient, axis=1)[:, None])
 
-    def project(self, points: Array, *, free: NDArray[np.bool_] | None = None) -> Array:
+    def project(self, points: Array, *, free: Flags | None = None) -> Array:
         """Return points (n, 3) moved onto the surface along its gradient.
 
         `free` (n, 3): the coordinates that may change: a point of the medial plane keeps its y,

@@ -1,12 +1,12 @@
 """Triangulated halves of shells: closed input surfaces for the mesher."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fefinger.mesh.shell import Array, Shell
+from fefinger.mesh.shell import Shell
+from fefinger.support.arrays import Array, Integers
 
 
-Triangles = tuple[Array, NDArray[np.int64]]
+Triangles = tuple[Array, Integers]
 """Vertices (n, 3) in mm and triangles (m, 3), oriented outward."""
 
 
@@ -74,7 +74,7 @@ def _stations(shell: Shell, step: float, start: float) -> Array:
     return np.interp(np.linspace(0.0, travel[-1], count + 1)[:-1], travel, fine)
 
 
-def _strip(rows: NDArray[np.int64], *, closed_by: int | None) -> NDArray[np.int64]:
+def _strip(rows: Integers, *, closed_by: int | None) -> Integers:
     """Return triangles between neighboring rows of vertices, with an end vertex if given."""
     a, b, c, d = rows[:-1, :-1], rows[:-1, 1:], rows[1:, 1:], rows[1:, :-1]
     quads = [np.stack([a, c, b], axis=-1), np.stack([a, d, c], axis=-1)]
@@ -85,6 +85,6 @@ def _strip(rows: NDArray[np.int64], *, closed_by: int | None) -> NDArray[np.int6
     return np.concatenate(parts)
 
 
-def _fan(ring: NDArray[np.int64], center: int) -> NDArray[np.int64]:
+def _fan(ring: Integers, center: int) -> Integers:
     """Return triangles between a ring of vertices and a center."""
     return np.column_stack([ring[:-1], np.full(len(ring) - 1, center), ring[1:]])

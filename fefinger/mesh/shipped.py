@@ -30,7 +30,7 @@ def templates(resolution: str, touch: Touch) -> list[Path]:
 
 
 def has_template(recipe: Recipe) -> bool:
-    """Whether a shipped mesh can be morphed to a recipe, as far as its width tells."""
+    """Whether a shipped mesh can be morphed to a recipe, judged by its width."""
     return any(
         shipped["resolution"] == recipe.resolution
         and shipped.get("touch") == recipe.touch

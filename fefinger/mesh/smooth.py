@@ -4,12 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fefinger.support.arrays import Array, Flags, Integers
 
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Project = Callable[[Array, NDArray[np.bool_]], Array]
+Project = Callable[[Array, Flags], Array]
 """Function that projects points (k, 3) onto a surface and changes only free coordinates (k, 3)."""
 
 TRIALS = 24
@@ -28,11 +27,11 @@ class Supports:
 
     """
 
-    surface: Index
-    free: NDArray[np.bool_]
+    surface: Integers
+    free: Flags
     projectors: tuple[Project, ...]
 
-    def place(self, points: Array, which: Index) -> Array:
+    def place(self, points: Array, which: Integers) -> Array:
         """Project `points` (k, 3) onto the surfaces of the vertices `which` (k,)."""
         placed = points.copy()
         for number, project in enumerate(self.projectors):
@@ -62,7 +61,9 @@ def sines(corners: Array) -> Array:
     return np.stack(parts, axis=-1)
 
 
-def fit(points: Array, cells: Index, supports: Supports, *, wanted: float, pinned: Index) -> Array:
+def fit(
+    points: Array, cells: Integers, supports: Supports, *, wanted: float, pinned: Integers
+) -> Array:
     """Move vertices onto their surfaces and the sines of dihedral angles above `wanted`.
 
     Vertices that cannot reach their surface yet stay inside the mesher's envelope until others
@@ -75,7 +76,7 @@ def fit(points: Array, cells: Index, supports: Supports, *, wanted: float, pinne
 
 
 def settle(
-    points: Array, cells: Index, supports: Supports, *, least: float, pinned: Index
+    points: Array, cells: Integers, supports: Supports, *, least: float, pinned: Integers
 ) -> Array:
     """Move vertices onto their surfaces, except where that would cause a sine below `least`."""
     everyone = np.arange(len(points))
@@ -94,11 +95,11 @@ def settle(
 
 def improve(
     points: Array,
-    cells: Index,
+    cells: Integers,
     supports: Supports,
     *,
     wanted: float,
-    pinned: Index,
+    pinned: Integers,
     sweeps: int = 8,
 ) -> Array:
     """Move vertices to raise the sines of dihedral angles above `wanted`, where possible.
@@ -122,7 +123,7 @@ def improve(
 
 def _move(
     points: Array,
-    star: Index,
+    star: Integers,
     vertex: int,
     supports: Supports,
     random: np.random.Generator,
@@ -141,7 +142,7 @@ def _move(
     points[vertex] = places[np.argmax(sines(corners).min(axis=(1, 2)))]
 
 
-def _cells_of(cells: Index, count: int) -> list[Index]:
+def _cells_of(cells: Integers, count: int) -> list[Integers]:
     """Return the cells around each vertex."""
     order = np.argsort(cells.ravel(), kind="stable")
     ends = np.cumsum(np.bincount(cells.ravel(), minlength=count))[:-1]

@@ -7,17 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.mesh import tetwild_process
 from fefinger.mesh.shell_triangles import Triangles
 from fefinger.support import processes
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.atomic_write import temporary_folder
 from fefinger.support.checks import ConvergenceError
-
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -46,7 +42,7 @@ def tetrahedra(
     surfaces: list[Triangles],
     size: Callable[[Array], Array],
     settings: MesherSettings,
-) -> tuple[Array, Index]:
+) -> tuple[Array, Integers]:
     """Mesh a box around the surfaces: vertices (n, 3) mm and positively oriented cells (m, 4).
 
     The surfaces, open or closed, appear as faces within the envelope; cells outside them are kept.
@@ -68,7 +64,7 @@ def tetrahedra(
     return np.asarray(vertices, dtype=float), tetrahedra_of_box.astype(np.int64)[:, [0, 2, 1, 3]]
 
 
-def _in_process(**arguments: Any) -> tuple[Array, Index]:
+def _in_process(**arguments: Any) -> tuple[Array, Integers]:
     """Run the mesher with `arguments` in a process of its own; return its vertices and cells."""
     with temporary_folder() as folder:
         np.savez(folder / tetwild_process.ARGUMENTS, **arguments)
@@ -98,7 +94,7 @@ def _joined(surfaces: list[Triangles]) -> Triangles:
     return np.concatenate([points for points, _ in surfaces]), np.concatenate(faces)
 
 
-def _grid(box: Array, step: float) -> tuple[Array, Index]:
+def _grid(box: Array, step: float) -> tuple[Array, Integers]:
     """Build the background grid of the sizing field: cubes of six tetrahedra each."""
     axes = [np.linspace(a, b, int(np.ceil((b - a) / step)) + 1) for a, b in box.T]
     nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)

@@ -3,17 +3,15 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.neural.drives import DEFAULT_DRIVE, DRIVE_BY_NAME
 from fefinger.neural.membranes import LARGEST_STEP, Membrane
 from fefinger.neural.reference import Reference
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.units import simulate_units
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
-
-
-Array = NDArray[np.float64]
 
 
 def simulate(

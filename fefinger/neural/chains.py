@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.endorgans import PoleZero, respond_modes
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 
 
@@ -78,7 +79,7 @@ class Chain:
         gain = stiffness / (parallel * self.nerve)
         return PoleZero(zeros, _poles(zeros, dampings, stiffness), gain)
 
-    def _pairs(self) -> tuple[tuple[float, ...], NDArray[np.float64]]:
+    def _pairs(self) -> tuple[tuple[float, ...], Array]:
         """Return the distinct corners in Hz, ascending, and the damping in series at each."""
         corners = np.array([pair.corner for pair in self.organ])
         zeros, which = np.unique(corners, return_inverse=True)
@@ -143,9 +144,7 @@ class Resonant:
         s = 1j * np.asarray(frequency, float)[..., None]
         return self.gain * ((s + self.zeros) / (s + self.poles)).prod(axis=-1)
 
-    def respond(
-        self, time: ArrayLike, x_in: ArrayLike, at: ArrayLike | None = None
-    ) -> NDArray[np.float64]:
+    def respond(self, time: ArrayLike, x_in: ArrayLike, at: ArrayLike | None = None) -> Array:
         """Return the output for an input that is linear between its samples, exactly."""
         z, p = np.array(self.zeros), np.array(self.poles)
         residues = [np.prod(z - pole) / np.prod(np.delete(p, i) - pole) for i, pole in enumerate(p)]
@@ -184,9 +183,7 @@ def under_force(organ: PoleZero, *, nerve: float, parallel: float) -> PoleZero |
     return Resonant(organ.zeros, tuple(poles.tolist()), organ.gain / stiff)
 
 
-def _poles(
-    zeros: Sequence[float], dampings: NDArray[np.float64], stiffness: float
-) -> tuple[float, ...]:
+def _poles(zeros: Sequence[float], dampings: Array, stiffness: float) -> tuple[float, ...]:
     """Return the poles in Hz of pairs in series with a spring: roots of 1 + sum k / b / (s + z)."""
     v = np.sqrt(stiffness / dampings / (2.0 * np.pi))
     return tuple(np.linalg.eigvalsh(np.diag(zeros) + np.outer(v, v)).tolist())

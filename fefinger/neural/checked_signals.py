@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.membranes import Firing
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice
 from fefinger.support.checks import names as different
 from fefinger.support.vocabulary import LONGEST_RUN, TYPES
 
-
-Array = NDArray[np.float64]
 
 FAII_STEP, FAII_JUMP = 2e-4, 2.0
 """Step in s and jump in mm/s: a larger jump of velocity between samples further apart than the step

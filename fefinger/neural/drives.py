@@ -7,13 +7,11 @@ the sites (n_sites, 3), inward or outward, and returns a dimensionless drive (..
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import DRIVES
 
-
-Array = NDArray[np.float64]
 
 POISSON = 0.48
 """Poisson's ratio in the energy drive: that of subcutaneous tissue in the published sets."""

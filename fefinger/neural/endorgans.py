@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 
@@ -18,9 +19,7 @@ _APART = 1e-6
 class Organ(Protocol):
     """A filter from skin to nerve displacement, with `respond` as in `PoleZero`."""
 
-    def respond(
-        self, time: ArrayLike, x_in: ArrayLike, at: ArrayLike | None = None
-    ) -> NDArray[np.float64]:
+    def respond(self, time: ArrayLike, x_in: ArrayLike, at: ArrayLike | None = None) -> Array:
         """Return the output at times `at`, for an input that is zero before `time[0]`."""
 
 
@@ -71,7 +70,7 @@ class PoleZero:
         s = 1j * np.asarray(frequency, float)[..., None]
         return self.gain * ((s + self.zeros) / (s + self.poles)).prod(axis=-1)
 
-    def partial_fractions(self) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+    def partial_fractions(self) -> tuple[float, Array, Array]:
         """Return (d, c, p): the filter is d + sum c_i s / (s + p_i), with p in rad/s."""
         z, p = np.array(self.zeros), np.array(self.poles)
         others = [np.prod(p[np.arange(len(p)) != i] - p[i]) for i in range(len(p))]
@@ -79,9 +78,7 @@ class PoleZero:
         at_rest = self.gain * float(np.prod(z / p))
         return at_rest, -self.gain * residues / p, 2.0 * np.pi * p
 
-    def respond(
-        self, time: ArrayLike, x_in: ArrayLike, at: ArrayLike | None = None
-    ) -> NDArray[np.float64]:
+    def respond(self, time: ArrayLike, x_in: ArrayLike, at: ArrayLike | None = None) -> Array:
         """Filter an input that is linear between its samples, exactly.
 
         Parameters
@@ -107,7 +104,7 @@ def respond_modes(
     time: ArrayLike,
     x_in: ArrayLike,
     at: ArrayLike | None = None,
-) -> NDArray[np.float64]:
+) -> Array:
     """Filter an input by at_rest + sum c_i s / (s + p_i), as `PoleZero.respond`.
 
     p (n_poles,) in rad/s with positive real parts; complex ones come in conjugate pairs, as do
@@ -139,7 +136,7 @@ def respond_modes(
 
 def chord_steps(
     organ: PoleZero, time: ArrayLike, x_in: ArrayLike, error: float, *, bend: float = 0.0
-) -> NDArray[np.float64]:
+) -> Array:
     """Longest sampling step (n_t - 1,) in s, per interval of `time`, of the output of an organ.
 
     Straight lines between such samples deviate from the output by at most `error` mm in every
@@ -162,9 +159,7 @@ def chord_steps(
     return np.sqrt(8.0 * error / np.maximum(most, 1e-300))
 
 
-def _memory(
-    time: NDArray[np.float64], columns: NDArray[np.float64], p: NDArray[Any]
-) -> NDArray[Any]:
+def _memory(time: Array, columns: Array, p: NDArray[Any]) -> NDArray[Any]:
     """Integrals of exp(-p (t - s)) dx(s) up to every time, (n_t, n_poles, n_units)."""
     from fefinger.neural.endorgans_compiled import remember
 
@@ -190,12 +185,12 @@ and poles, so it cannot have both zeros at 0 Hz.
 """
 
 
-def rectify(x_out: NDArray[np.float64]) -> NDArray[np.float64]:
+def rectify(x_out: Array) -> Array:
     """Half-wave rectify the nerve displacement in mm (thesis Eq. B.19, after the filter)."""
     return np.maximum(x_out, 0.0)
 
 
-RECTIFIERS: dict[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]] = {
+RECTIFIERS: dict[str, Callable[[Array], Array]] = {
     "half": rectify,
     "full": np.abs,
 }

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.neural.train_record import TrainRecord
+from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import InputError
 
@@ -252,7 +253,7 @@ def to_nwb(
         io.write(file)
 
 
-def _places(trains: TrainRecord) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _places(trains: TrainRecord) -> tuple[Array, Array]:
     """Positions (n_units, 3) and depths (n_units,) in mm, nan where unknown."""
     n = len(trains)
     places = np.full((n, 3), np.nan) if trains.positions is None else trains.positions

@@ -3,9 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.neural.endorgans import END_ORGANS, RECTIFIERS, Organ
+from fefinger.support.arrays import Array
 from fefinger.support.vocabulary import GENERATORS
 
 
@@ -18,16 +19,16 @@ there never drives its membrane into depolarization block.
 """
 
 
-Gain = float | NDArray[np.float64]
+Gain = float | Array
 """Gain in uA/cm² per mm: one, or one per unit."""
 
 
-def linear(x_nerve: NDArray[np.float64], gain: Gain) -> NDArray[np.float64]:
+def linear(x_nerve: Array, gain: Gain) -> Array:
     """Return I = A x in uA/cm² for x in mm and A in uA/cm² per mm (thesis Eq. B.18)."""
     return gain * x_nerve
 
 
-def saturating(x_nerve: NDArray[np.float64], gain: Gain) -> NDArray[np.float64]:
+def saturating(x_nerve: Array, gain: Gain) -> Array:
     """Return I = I_max (1 - exp(-A x / I_max)), which is A x for a small x.
 
     The saturation that thesis 4.4.3 asks for. The exponential is the law of a fixed number of
@@ -36,7 +37,7 @@ def saturating(x_nerve: NDArray[np.float64], gain: Gain) -> NDArray[np.float64]:
     return -LARGEST_CURRENT * np.expm1(-gain * x_nerve / LARGEST_CURRENT)
 
 
-Generator = Callable[[NDArray[np.float64], Gain], NDArray[np.float64]]
+Generator = Callable[[Array, Gain], Array]
 
 GENERATOR_BY_NAME: dict[str, Generator] = dict(zip(GENERATORS, (saturating, linear), strict=True))
 
@@ -51,7 +52,7 @@ def transduce(
     at: ArrayLike | None = None,
     organ: Organ | None = None,
     rectifier: str = "half",
-) -> NDArray[np.float64]:
+) -> Array:
     """Return the generator current in uA/cm² of a unit's type for a skin displacement in mm.
 
     End-organ filter, rectification, generator; `time`, `x_in` and `at` as in `PoleZero.respond`,

@@ -3,16 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.neural.populations import Surface
 from fefinger.neural.statistics import mean_rates
 from fefinger.neural.trains import SpikeTrains
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.vocabulary import TYPES
-
-
-Array = NDArray[np.float64]
 
 
 def rate_profile(

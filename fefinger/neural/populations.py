@@ -4,13 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.vocabulary import TYPES
 
-
-Array = NDArray[np.float64]
 
 NEIGHBORS = 8
 """Number of surface points that a projection interpolates between."""
@@ -59,7 +58,7 @@ class Surface:
         """Mean distance of the points in mm: the square root of the mean area."""
         return float(np.sqrt(self.areas.mean()))
 
-    def project(self, places: ArrayLike) -> tuple[Array, Array, NDArray[np.bool_]]:
+    def project(self, places: ArrayLike) -> tuple[Array, Array, Flags]:
         """Project places (n, 3) onto the skin: points, normals, and a flag that a place is over it.
 
         The flag is true within one spacing of the points. Between points the skin is interpolated:
@@ -102,8 +101,8 @@ class Population:
     depths: Array
     skin: Array
     organ_normals: Array
-    unit: NDArray[np.int64]
-    numbers: NDArray[np.int64]
+    unit: Integers
+    numbers: Integers
     seed: int | None = None
 
     def __len__(self) -> int:
@@ -160,9 +159,7 @@ def scatter(
     return tuple(types), np.concatenate(places)
 
 
-def settled(
-    surface: Surface, places: ArrayLike, axis: ArrayLike
-) -> tuple[Array, NDArray[np.bool_]]:
+def settled(surface: Surface, places: ArrayLike, axis: ArrayLike) -> tuple[Array, Flags]:
     """Move places (n, 3) mm along an axis (3,) to the skin; a flag says which reach it.
 
     A place beside the skin does not: it would have to move across the axis by more than BESIDE.
@@ -205,7 +202,7 @@ def squares(spacing: float, radius: float) -> Array:
     return places[np.linalg.norm(places, axis=1) <= radius]
 
 
-def grid(surface: Surface, spacing: float, radius: float) -> tuple[Array, NDArray[np.int64]]:
+def grid(surface: Surface, spacing: float, radius: float) -> tuple[Array, Integers]:
     """Points (n, 3) of a surface at the places of `squares`, and their indices (n,) there.
 
     Places beside the skin are left out; InputError where all are.
@@ -373,7 +370,7 @@ def _disc(rng: np.random.Generator, normals: Array, radius: Array) -> Array:
     return length * (np.cos(angle) * first + np.sin(angle) * second)
 
 
-def _on_skin(surface: Surface, places: Array, what: str) -> tuple[Array, NDArray[np.int64]]:
+def _on_skin(surface: Surface, places: Array, what: str) -> tuple[Array, Integers]:
     """Move places (n, 2) mm along z to the skin; return points (m, 3) and indices of the hits."""
     side = np.sign(surface.areas @ surface.normals[:, 2]) or 1.0
     above = np.column_stack([places, np.zeros(len(places))])

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number, reject_unknown
 from fefinger.support.vocabulary import DRIVES, TYPES
 
@@ -25,8 +26,6 @@ from fefinger.support.vocabulary import DRIVES, TYPES
 if TYPE_CHECKING:
     from fefinger.neural.recorded_compiled import Units
 
-
-Array = NDArray[np.float64]
 
 FILE = "recorded.json"
 """File of the fitted parameters, beside this module."""

@@ -20,6 +20,7 @@ from fefinger.neural.membranes import IntegrateAndFire
 from fefinger.neural.recorded import Recorded, fitted, units_of
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.variation import Variation
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.vocabulary import RECORDED_RULES
 
@@ -27,8 +28,6 @@ from fefinger.support.vocabulary import RECORDED_RULES
 if TYPE_CHECKING:
     from fefinger.neural.recorded_compiled import Units
 
-
-Array = NDArray[np.float64]
 
 THRESHOLD = IntegrateAndFire().threshold
 """Current in uA/cm² that the threshold of every unit counts as: a nominal one, since only the

@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from fefinger.neural.recorded_compiled import Units
 
 
-Array = NDArray[np.float64]
-
-
 class RecordedAfferents:
     """Units of the family `recorded`, advanced with the strain at their end organs.
 

@@ -4,14 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.neural.drives import DEFAULT_DRIVE, DRIVE_BY_NAME
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.vocabulary import DRIVES, TYPES
 
-
-Array = NDArray[np.float64]
 
 SMALLEST_DRIVE = 0.02
 """Smallest reference drive over the norm of the reference strain; below, the length is noise."""

@@ -1,7 +1,5 @@
 """Spikes of afferent units driven by a displacement or strain series in a CSV file."""
 
-import csv
-import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -11,10 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import as_input_error
 from fefinger.support.checks import InputError, choice, nearest, number, repeated
+from fefinger.support.csv_columns import CsvTable, read_table
 from fefinger.support.vocabulary import FAMILIES, GENERATORS, TYPES
 
 
@@ -32,11 +31,6 @@ SIGNALS = {
     "strain": None,
 }
 """Ends of the headers of signals, with the length of their unit in mm; strain has none."""
-
-SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
-"""Separators other than commas that a file may have by mistake, with their names."""
-
-DECIMAL = "write 0.5 for 0,5 if its commas are decimal"
 
 LARGEST_MM, LARGEST_STRAIN = 10.0, 1.0
 """Largest displacement and strain: a fingertip is about 12 mm thick, strain stays below 1."""
@@ -62,8 +56,8 @@ class Signals:
     The length of a strain column is None; the user has to give it.
     """
 
-    time: NDArray[np.float64]
-    drive: NDArray[np.float64]
+    time: Array
+    drive: Array
     lengths: tuple[float | None, ...]
     headers: tuple[str, ...]
 
@@ -81,7 +75,11 @@ def read(path: str | PathLike[str]) -> Signals:
         A file or a header that cannot be read, two columns with one name, a value that is not a
         number, times that are not sorted, signals beyond LARGEST_MM or LARGEST_STRAIN.
     """
-    header, rows = _table(path)
+    table = read_table(str(path), path)
+    header = table.header
+    if len(table.rows) < 2:
+        msg = f"{path}: expected two rows of numbers or more, received one"
+        raise InputError(msg)
     if twice := repeated(header):
         names = ", ".join(map(repr, twice))
         msg = (
@@ -98,14 +96,14 @@ def read(path: str | PathLike[str]) -> Signals:
         msg = f"{path}: expected a column of a signal beside the time, received none"
         raise InputError(msg)
     lengths = tuple(_length(path, header[i]) for i in columns)
-    values = _numbers(path, header, rows)
+    values = table.numbers(range(len(header)))
     signals = Signals(
         time=TIME[header[at[0]]] * values[:, at[0]],
         drive=values[:, columns],
         lengths=lengths,
         headers=tuple(header[i] for i in columns),
     )
-    _check(path, signals)
+    _check(table, signals)
     return signals
 
 
@@ -246,57 +244,6 @@ def save(trains: "SpikeTrains", folder: Path) -> list[str]:
     return [str(path) for path in paths]
 
 
-def _table(path: str | PathLike[str]) -> tuple[list[str], list[list[str]]]:
-    """Read the header and the rows of a CSV file, without blank lines."""
-    try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            lines = [[cell.strip() for cell in line] for line in csv.reader(file)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        todo = "; save it as UTF-8" if isinstance(error, UnicodeDecodeError) else ""
-        msg = f"{path}: expected a CSV file of text, cannot read it: {error}{todo}"
-        raise InputError(msg) from error
-    rows = [line for line in lines if any(line)]
-    for mark, name in SEPARATORS.items():
-        if rows and len(rows[0]) == 1 and mark in rows[0][0]:
-            msg = (
-                f"{path}: expected commas between the columns and points in the numbers, received "
-                f"{name} in the first line, {rows[0][0]!r}; separate them by commas, and {DECIMAL}"
-            )
-            raise InputError(msg)
-    if len(rows) < 3:
-        msg = (
-            f"{path}: expected a header and two rows or more, received {len(rows)} lines that are "
-            "not blank"
-        )
-        raise InputError(msg)
-    return rows[0], rows[1:]
-
-
-def _numbers(
-    path: str | PathLike[str], header: list[str], rows: list[list[str]]
-) -> NDArray[np.float64]:
-    """Convert the rows to numbers; InputError names the first value that is not finite."""
-    values = np.empty((len(rows), len(header)))
-    for i, row in enumerate(rows):
-        if len(row) != len(header):
-            todo = f"; {DECIMAL}" if len(row) > len(header) else ""
-            msg = f"{path}: row {i + 1}: expected {len(header)} values, received {len(row)}{todo}"
-            raise InputError(msg)
-        for j, cell in enumerate(row):
-            try:
-                values[i, j] = float(cell)
-            except ValueError:
-                values[i, j] = math.nan
-            if not math.isfinite(values[i, j]):
-                todo = DECIMAL if "," in cell else "remove rows without a value"
-                msg = (
-                    f"{path}: row {i + 1}, column {header[j]}: expected a finite number, received "
-                    f"{cell!r}; {todo}"
-                )
-                raise InputError(msg)
-    return values
-
-
 def _length(path: str | PathLike[str], header: str) -> float | None:
     """Length in mm of the unit of a signal, by its header; None for strain."""
     for end, length in SIGNALS.items():
@@ -307,18 +254,20 @@ def _length(path: str | PathLike[str], header: str) -> float | None:
     raise InputError(msg + nearest(header, SIGNALS))
 
 
-def _check(path: str | PathLike[str], signals: Signals) -> None:
+def _check(table: CsvTable, signals: Signals) -> None:
     """Raise InputError for times that are not sorted and for signals beyond the limits."""
     back = np.flatnonzero(np.diff(signals.time) < 0)
     if len(back):
         i = int(back[0])
         msg = (
-            f"{path}: row {i + 2}: expected times that never decrease, received "
-            f"{signals.time[i + 1]:g} s after {signals.time[i]:g} s; sort the rows"
+            f"{table.source}: line {table.rows[i + 1][0]}: expected times that never decrease, "
+            f"received {signals.time[i + 1]:g} s after {signals.time[i]:g} s; sort the rows"
         )
         raise InputError(msg)
     if not signals.time[-1] > signals.time[0]:
-        msg = f"{path}: expected times that span more than 0 s, all are {signals.time[0]:g} s"
+        msg = (
+            f"{table.source}: expected times that span more than 0 s, all are {signals.time[0]:g} s"
+        )
         raise InputError(msg)
     for header, column, length in zip(
         signals.headers, signals.drive.T, signals.lengths, strict=True
@@ -327,7 +276,7 @@ def _check(path: str | PathLike[str], signals: Signals) -> None:
         limit, unit = (LARGEST_STRAIN, "") if length is None else (LARGEST_MM, " mm")
         if largest > limit:
             msg = (
-                f"{path}: column {header}: expected at most {limit:g}{unit}, received "
+                f"{table.source}: column {header}: expected at most {limit:g}{unit}, received "
                 f"{largest:g}{unit}; check the unit, and that the signal is zero before the touch"
             )
             raise InputError(msg)
@@ -379,7 +328,7 @@ def _signs(signals: Signals) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _curved(signals: Signals) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _curved(signals: Signals) -> tuple[Array, Array]:
     """Interpolate the drive at finer times by cubic splines from jump to jump."""
     from scipy.interpolate import CubicSpline
 

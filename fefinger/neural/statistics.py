@@ -7,13 +7,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.neural.trains import SpikeTrains
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
-
-
-Array = NDArray[np.float64]
 
 
 def mean_rates(trains: SpikeTrains, start: float, stop: float) -> Array:

@@ -21,8 +21,6 @@ from fefinger.neural.streaming_step import State
 from fefinger.support.checks import InputError, choice, number
 
 
-Array = NDArray[np.float64]
-
 STREAMED = ("compressive", "tangent")
 """Drives with a compiled form: the default ones."""
 

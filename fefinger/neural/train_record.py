@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, names
 from fefinger.support.vocabulary import FAMILIES
 
@@ -46,17 +47,17 @@ class TrainRecord:
 
     types: tuple[str, ...]
     names: tuple[str, ...]
-    times: tuple[NDArray[np.float64], ...]
+    times: tuple[Array, ...]
     t_start: float
     t_stop: float
-    time: NDArray[np.float64]
-    x_in: NDArray[np.float64]
-    current: NDArray[np.float64]
-    peak_mV: NDArray[np.float64]
-    block_seconds: NDArray[np.float64]
-    stimulus_driven: NDArray[np.int64]
-    positions: NDArray[np.float64] | None = None
-    depths: NDArray[np.float64] | None = None
+    time: Array
+    x_in: Array
+    current: Array
+    peak_mV: Array
+    block_seconds: Array
+    stimulus_driven: Integers
+    positions: Array | None = None
+    depths: Array | None = None
     seed: int | None = None
     notes: tuple[str, ...] = ()
     family: str = "thesis"
@@ -86,7 +87,7 @@ class TrainRecord:
             return self.names.index(unit)
         return range(len(self))[unit]
 
-    def count(self) -> NDArray[np.int64]:
+    def count(self) -> Integers:
         """Return the number of spikes of each unit, (n_units,)."""
         return np.array([len(times) for times in self.times], np.int64)
 
@@ -102,7 +103,7 @@ class TrainRecord:
             totals.append(f"{kind} {int(of_kind.sum())} from {firing} of {len(of_kind)} units")
         return ", ".join(totals)
 
-    def rate(self, unit: int | str, t: ArrayLike) -> NDArray[np.float64]:
+    def rate(self, unit: int | str, t: ArrayLike) -> Array:
         """Return the instantaneous rate of a unit in Hz at times `t` in s, of any shape.
 
         One over the interval between two spikes, all through the interval (thesis 4.3.5); zero

@@ -26,11 +26,10 @@ from fefinger.neural.membranes.firing import largest_step
 from fefinger.neural.membranes.hodgkin_huxley import BLOCK_AFTER, BLOCK_CURRENT, BLOCK_MV
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.variation import Variation
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, reject_unknown
 from fefinger.support.vocabulary import GENERATORS, RULES, TYPES
 
-
-Array = NDArray[np.float64]
 
 STRAIGHT, LONGEST = 1e-5, 2e-3
 """Largest deviation in uA/cm² of currents from straight lines between their samples, and largest

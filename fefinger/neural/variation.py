@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 
-
-Array = NDArray[np.float64]
 
 NOISE_STEP = 1e-3
 """Time in s between independent values of membrane noise, which is linear in between: a choice,

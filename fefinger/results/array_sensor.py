@@ -6,11 +6,12 @@ import numpy as np
 
 from fefinger.results.pressure import cuts, net
 from fefinger.scene.indenter import Indenter, direction
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:
-    from fefinger.results.records import Array, Pad, ResultRecord
+    from fefinger.results.records import Pad, ResultRecord
     from fefinger.theory.array.sensor import ArraySensor, Reading
 
 

@@ -7,9 +7,10 @@ functions of the present strain, so that relaxation at constant strain changes n
 
 import numpy as np
 
-from fefinger.results.records import Array, Fields
+from fefinger.results.records import Fields
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
+from fefinger.support.arrays import Array
 from fefinger.support.vocabulary import SHARES
 
 

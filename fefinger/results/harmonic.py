@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 
-Array = NDArray[np.float64]
+
 Complex = NDArray[np.complex128]
 
 MICROJOULE = 1e3

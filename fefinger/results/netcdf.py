@@ -97,7 +97,9 @@ LAYOUT: dict[tuple[str, str], Variable] = {
     ),
     ("Lateral", "work"): Variable("friction_work", ("time",), "mJ", "work lost in friction"),
     ("Pad", "points"): Variable("pad_points", ("pad", "axis"), "mm", "points on the pad"),
-    ("Pad", "areas"): Variable("pad_areas", ("pad",), "mm2", "area that each pad point stands for"),
+    ("Pad", "areas"): Variable(
+        "pad_areas", ("pad",), "mm2", "area of the skin around each pad point"
+    ),
     ("Pad", "normals"): Variable("pad_normals", ("pad", "axis"), "1", "outward normals of the pad"),
     ("Pad", "triangles"): Variable(
         "pad_triangles", ("pad_triangle", "pad_corner"), "1", "triangles between pad points"
@@ -109,7 +111,7 @@ LAYOUT: dict[tuple[str, str], Variable] = {
     ("Sites", "depths"): Variable("site_depths", ("site",), "mm", "depth of the sites under skin"),
     ("Sites", "unit"): Variable("site_unit", ("site",), "1", "unit that each end organ belongs to"),
     ("Sites", "number"): Variable(
-        "site_number", ("site",), "1", "number of that unit among all that were asked"
+        "site_number", ("site",), "1", "number of that unit among all requested ones"
     ),
     ("Reference", "normals"): Variable(
         "reference_normals", ("reference", "axis"), "1", "normals at the reference sites"

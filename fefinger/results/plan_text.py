@@ -12,23 +12,26 @@ if TYPE_CHECKING:
     from fefinger.scene.ask import Ask
 
 
-SAID = {
+QUANTITIES = {
     "force": "force",
     "pressure": "highest pressure over 1 mm²",
     "area": "contact area",
     "strain": "strain at the end organs",
 }
-"""What errors are stated of, in words."""
+"""Names of the quantities whose errors are stated."""
 
 
 def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
-    """Return the ladder as a table, one line per refusal, and below it where the errors are from.
+    """Table of the ladder, a line per kind of refusal, and below it where the errors are from.
 
     The chosen rung is marked by a star.
     """
-    rows = []
+    rows, before = [], None
     for rung in rungs:
-        reasons = [f"{refusal.about}: {refusal.reason}" for refusal in rung.refusals]
+        reasons = _reasons(rung)
+        if before and rung.mechanics == before.mechanics and reasons == _reasons(before) != []:
+            reasons = [f"as on the {before.resolution} mesh"]
+        before = rung
         star = "*" if rung is chosen else ""
         mesh, error, seconds = rung.resolution or "-", percent(rung.error), duration(rung.seconds)
         first = reasons[0] if reasons else "chosen" if star else "good enough"
@@ -36,6 +39,16 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
         rows += [("", "", "", "", "", more) for more in reasons[1:]]
     heading = ("", "mechanics", "mesh", "error", "time", "refused because")
     return f"{table(rows, heading)}\n\n{_sources(rungs)}"
+
+
+def _reasons(rung: "Rung") -> list[str]:
+    """Refusals of a rung; those that differ in the field alone share a line."""
+    fields_of: dict[tuple[str, str], list[str]] = {}
+    for refusal in rung.refusals:
+        named = bool(refusal.field) and refusal.reason.startswith(refusal.field)
+        rest = refusal.reason.removeprefix(refusal.field) if named else refusal.reason
+        fields_of.setdefault((refusal.about, rest), []).append(refusal.field if named else "")
+    return [f"{about}: {', '.join(names)}{rest}" for (about, rest), names in fields_of.items()]
 
 
 def choice_line(plan: "Plan") -> str:
@@ -51,17 +64,20 @@ def choice_line(plan: "Plan") -> str:
 def trust(rung: "Rung", ask: "Ask") -> str:
     """State the expected error of each requested output, in a sentence or two.
 
-    Where the force is prescribed, its error is that at the depth that is found, all others are at
+    Where the force is prescribed, its error is that at the depth of the answer; all others are at
     that force.
     """
     errors = {"force": rung.error, **rung.errors}
-    asked = ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
-    wanted = [name for name, wish in zip(SAID, asked, strict=True) if wish]
+    requested = ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
+    wanted = [name for name, wish in zip(QUANTITIES, requested, strict=True) if wish]
     known = [name for name in wanted if math.isfinite(errors.get(name, math.nan))]
-    unknown = [SAID[name] for name in wanted if name not in known]
-    words = SAID
+    unknown = [QUANTITIES[name] for name in wanted if name not in known]
+    words = QUANTITIES
     if "depth" in errors:
-        known, words = ["depth", *known], SAID | {"force": "force at the depth", "depth": "depth"}
+        known, words = (
+            ["depth", *known],
+            QUANTITIES | {"force": "force at the depth", "depth": "depth"},
+        )
     bounds = ", ".join(f"{words[name]} {percent(errors[name])}" for name in known)
     sentences = [f"Expected within: {bounds}."] if known else []
     if ask.spikes and "spike count" in errors:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fefinger.results.records import Array, Pad
+from fefinger.results.records import Pad
+from fefinger.support.arrays import Array, Flags
 
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def peaks(pad: Pad, pressure: Array) -> Array:
     return np.asarray(means.max(axis=0))
 
 
-def pressed(pad: Pad, used: NDArray[np.bool_]) -> Pad:
+def pressed(pad: Pad, used: Flags) -> Pad:
     """Restrict the pad's triangles to those with at least one of the points `used` (n_pad,)."""
     return replace(pad, triangles=pad.triangles[used[pad.triangles].any(axis=1)])
 

@@ -14,14 +14,12 @@ from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.results.harmonic import Harmonic
 from fefinger.scene.inertia import quasistatic
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array, Integers
 
 
 if TYPE_CHECKING:
     from fefinger.neural.reference import Reference
     from fefinger.neural.trains import SpikeTrains
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 def green_lagrange(logs: Array) -> Array:
@@ -36,8 +34,8 @@ def green_lagrange(logs: Array) -> Array:
 class Refusal:
     """Why a mechanics should not answer a scene.
 
-    `about` is "ability" (it cannot answer at all), "accuracy" (it can, but worse than asked) or
-    "time" (it can, but takes longer than asked); `reason` quotes the number that broke, as in
+    `about` is "ability" (it cannot answer at all), "accuracy" (it can, but worse than requested) or
+    "time" (it can, but takes longer than requested); `reason` quotes the number that broke, as in
     "contact radius / thickness = 0.9 > 0.1". `field` is the field or part of the scene to change,
     such as "ask.rel_error", "indenter.radius" or "finger"; "" where there is none, and in results
     of earlier versions.
@@ -53,13 +51,13 @@ class Refusal:
 class Rung:
     """One mechanics on the ladder, on one mesh where it has one.
 
-    `seconds` on this machine and the relative `error` of the force that are expected, nan where it
-    is not able or was not asked; `evidence`: the report that measured the error; `errors`: what
-    is known of the highest "pressure" over 1 mm², the contact "area" and the "strain" at the end
-    organs, where the force is largest; that of the force is the largest through time, of its peak;
-    "spike count", relative, and "first spike" in s: the worst in scenes like it. What is not in
-    `errors` is not known. Where the force is prescribed `error` is that at the depth that is found,
-    and `errors` are at that force, with that of its "depth".
+    `seconds`: expected time on this machine; `error`: expected relative error of the force, the
+    largest through time, over its peak; both nan where it cannot answer or was not considered;
+    `evidence`: the report that measured the error; `errors`: of the highest "pressure" over 1 mm²,
+    the contact "area" and the "strain" at the end organs, where the force is largest; of the
+    "spike count", relative, and of the "first spike" in s, the worst in scenes like it. An error
+    that is not in `errors` is unknown. Where the force is prescribed, `error` is that at the depth
+    of the answer, and `errors` are at that force, with that of its "depth".
     """
 
     mechanics: str
@@ -97,7 +95,7 @@ class Plan:
     """The chosen mechanics, its settings, and all candidates that were compared.
 
     `overridden` are the refusals in spite of which it was named; `machine` says what the times of
-    the rungs stand for, `trust` how far from the truth each thing that was asked may be.
+    the rungs mean, `trust` how far from the truth each requested quantity may be.
     """
 
     mechanics: str

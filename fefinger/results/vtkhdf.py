@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.results.records import Fields
+from fefinger.support.arrays import Integers
 
 
 VERSION = (2, 2)
@@ -63,7 +63,7 @@ def _write_steps(root: Any, fields: Fields, names: tuple[str, ...], steps: int) 
     """Refer every step to the one mesh, and to its own rows of the point data."""
     group = root.create_group("Steps")
     group.attrs["NSteps"] = steps
-    same: NDArray[np.int64] = np.zeros(steps, dtype=np.int64)
+    same: Integers = np.zeros(steps, dtype=np.int64)
     rows = np.arange(steps, dtype=np.int64) * len(fields.points)
     group["Values"] = fields.times.astype(np.float64)
     group["NumberOfParts"] = same + 1

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol, Self
 import numpy as np
 
 from fefinger.geometry import profiles
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, numbers
 
 
@@ -51,8 +52,8 @@ class Indenter(ABC):
     the point that the 30 degree plate touches). `roll` turns an object about its travel, in
     degrees: at 0 its ridge, edge or axis runs across the finger, at 90 along it.
 
-    What depends on the kind of object is asked of the object: nothing outside `indenters.py` and
-    `textured.py` needs to know the classes.
+    What depends on the kind of object is a property of the object: nothing outside `indenters.py`,
+    `textured.py` and `patterns.py` needs to know the classes.
     """
 
     friction: float = field(default=0.0, kw_only=True, repr=False)
@@ -113,7 +114,7 @@ class Indenter(ABC):
     @property
     def turn(self) -> float:
         """Degrees by which the object is turned about its travel; 0 if it is round or a plane."""
-        return 0.0
+        return float(getattr(self, "roll", 0.0))
 
     @property
     def hertzian(self) -> tuple[float, float] | None:
@@ -159,13 +160,13 @@ class Indenter(ABC):
         """Kinetic coefficient of friction."""
         return self.friction if self.friction_kinetic is None else self.friction_kinetic
 
-    def _set_friction(self) -> None:
+    def _set_contact(self) -> None:
+        """Check friction, and the roll where there is one."""
         self._set("friction", at_least=0)
         if self.friction_kinetic is not None:
             self._set("friction_kinetic", at_least=0, at_most=self.friction)
-
-    def _set_roll(self) -> None:
-        self._set("roll", at_least=ROLLS[0], at_most=ROLLS[1], unit="degrees")
+        if hasattr(self, "roll"):
+            self._set("roll", at_least=ROLLS[0], at_most=ROLLS[1], unit="degrees")
 
 
 class PlateLike(Indenter):
@@ -180,7 +181,7 @@ class PlateLike(Indenter):
         return Plate(self.angle, self.tilt)
 
     def _set_angles(self) -> None:
-        self._set_friction()
+        self._set_contact()
         self._set("angle", at_least=ANGLES[0], at_most=ANGLES[1], unit="degrees")
         self._set("tilt", at_least=TILTS[0], at_most=TILTS[1], unit="degrees")
 
@@ -201,12 +202,12 @@ class Placed(Indenter):
         return replace(self, **changes)
 
     def _set_place(self) -> None:
-        self._set_friction()
+        self._set_contact()
         if self.at is not None:
             object.__setattr__(self, "at", numbers("indenter.at", self.at, count=2, unit="mm"))
 
 
-def direction(plate: Inclined) -> profiles.Array:
+def direction(plate: Inclined) -> Array:
     """Return the unit normal (3,) of a plate towards the finger, which is its travel."""
     angle, tilt = np.radians(plate.angle), np.radians(plate.tilt)
     up = np.cos(angle)

@@ -156,7 +156,6 @@ class Cylinder(Placed):
     def __post_init__(self) -> None:
         """Check the radius and the place."""
         self._set("radius", above=0, unit="mm")
-        self._set_roll()
         self._set_place()
 
     @property
@@ -168,11 +167,6 @@ class Cylinder(Placed):
     def least_radius(self) -> float:
         """The radius in mm."""
         return self.radius
-
-    @property
-    def turn(self) -> float:
-        """The roll in degrees."""
-        return self.roll
 
     def describe(self) -> str:
         """Return "a rigid cylinder", with its radius and how it lies."""
@@ -199,7 +193,6 @@ class Bar(Placed):
         """Check the sizes and the place."""
         self._set("width", above=0, unit="mm")
         self._set("corner", above=0, at_most=self.width / 2, unit="mm")
-        self._set_roll()
         self._set_place()
 
     @property
@@ -216,11 +209,6 @@ class Bar(Placed):
     def least_radius(self) -> float:
         """The radius of its corners in mm."""
         return self.corner
-
-    @property
-    def turn(self) -> float:
-        """The roll in degrees."""
-        return self.roll
 
     def describe(self) -> str:
         """Return "a rigid bar", with its sizes and how it lies."""

@@ -1,17 +1,19 @@
 """Check of quasi-static conditions: speed of the indenter against shear waves in the tissue.
 
-Only `modal` has inertia. For the others this is a warning after the answer, when the depth is there
+Only `modal` has inertia. For the others this is a warning after the answer, when the depth is known
 also under force control; beforehand the planner compares the measured error of statics
-(`mechanics/evidence/vibration.py`) with what is asked. The relative error is 1 / cos(2 pi f h / c)
-- 1 for a layer of thickness h whose surface moves at the frequency f, with c the speed of shear
-waves, and about (v / c)² for a body moved at the speed v. The limits here keep both below 5 %.
+(`mechanics/evidence/vibration.py`) with `ask.rel_error`. The relative error is
+1 / cos(2 pi f h / c) - 1 for a layer of thickness h whose surface moves at the frequency f, with c
+the speed of shear waves, and about (v / c)² for a body moved at the speed v. The limits here keep
+both below 5 %.
 """
 
 import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fefinger.support.arrays import Array
 
 
 if TYPE_CHECKING:
@@ -19,8 +21,6 @@ if TYPE_CHECKING:
     from fefinger.scene.motion import Motion
     from fefinger.scene.scene import Scene
 
-
-Array = NDArray[np.float64]
 
 DENSITY = 1e-6
 """Density of soft tissue in kg/mm³, that of water."""

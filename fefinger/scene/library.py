@@ -169,7 +169,7 @@ VISCOUS_FROM = 160.0
 """Hz at which fingertips lose as much as they store: 1 N/mm and 1 N s/m, to a factor of 2."""
 
 FASTEST = 6283.0
-"""Rate in 1/s of the branch that stands for that loss: 1 kHz, beyond the measured band."""
+"""Rate in 1/s of the branch that models that loss: 1 kHz, beyond the measured band."""
 
 
 def _viscous(name: str) -> TissueSet:

@@ -10,13 +10,12 @@ from functools import cached_property
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.scene.trajectory import Trajectory
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 
-
-Array = NDArray[np.float64]
 
 LONGEST = 1e9
 """s: a rest of thirty years, beyond which nothing is learned."""
@@ -181,7 +180,7 @@ class Motion(ABC):
     def value(self, t: ArrayLike) -> Array:
         """Return the depth in mm or the force in N at the times `t` in s."""
         value = self.trajectory.value(t)
-        # No force that is asked for is below 0 N, but a ramp back to 0 may round to one.
+        # No prescribed force is below 0 N, but a ramp back to 0 may round to one.
         return np.maximum(value, 0.0) if self.control == "force" else value
 
     def rate(self, t: ArrayLike) -> Array:

@@ -1,25 +1,23 @@
 """Shapes of motions in time: ramp, hold, trapezoid, sinusoid, sweep, samples.
 
-A shape is abstract: `motions.py` has its two final classes, of depth in mm and of force in N, which
-hold the fields.
+A shape is abstract: `motions.py` has its two final classes, of depth in mm and of force in N.
 """
 
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.scene.motion import LIMITS, Motion
 from fefinger.scene.trajectory import Sweep, Trajectory, Wave
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, numbers, reject_unknown
 from fefinger.support.csv_columns import read_columns
 from fefinger.support.wave_file import read_wave
 
-
-Array = NDArray[np.float64]
 
 ANSWERED = 200
 """Frequencies at which a sweep is answered in closed form."""
@@ -208,6 +206,7 @@ class SweepMotion(RampMotion):
         return base.followed_by(wave, self.seconds * highest)
 
 
+@dataclass(frozen=True)
 class SinusoidMotion(Motion):
     """`cycles` of a sine from nothing to twice its amplitude, at rest at both ends."""
 
@@ -227,11 +226,12 @@ class SinusoidMotion(Motion):
         return Trajectory.level(self.amplitude, wave, self.cycles)
 
 
+@dataclass(frozen=True)
 class SampledMotion(Motion):
     """Times in s from 0 on, and a column named as `control`; straight lines between them."""
 
     time: tuple[float, ...]
-    corner: float
+    corner: float = field(default=0.0, kw_only=True)
 
     @property
     def sample_rate(self) -> float | None:

@@ -1,9 +1,10 @@
 """The motions of a scene: ramps, holds, sinusoids and samples, of depth in mm or force in N.
 
-Each class holds its fields; how it moves is in its base, a shape of `motion_shapes.py`.
+How a class moves is in its base, a shape of `motion_shapes.py`; a class holds the fields that its
+base leaves open, as the name of what is controlled.
 """
 
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass
 from typing import final
 
 from fefinger.scene.motion import AS_LONG_AS_FITS, Motion
@@ -106,10 +107,6 @@ class Sinusoid(SinusoidMotion):
 
     kind = "sinusoid"
     control = "depth"
-
-    amplitude: float
-    frequency: float
-    cycles: int
 
 
 @final
@@ -219,8 +216,6 @@ class Sampled(SampledMotion):
     kind = "sampled"
     control = "depth"
 
-    time: tuple[float, ...]
-    corner: float = field(default=0.0, kw_only=True)
     depth: tuple[float, ...]
 
 
@@ -294,10 +289,6 @@ class ForceSinusoid(SinusoidMotion):
     kind = "force-sinusoid"
     control = "force"
 
-    amplitude: float
-    frequency: float
-    cycles: int
-
 
 @final
 @dataclass(frozen=True)
@@ -307,8 +298,6 @@ class ForceSampled(SampledMotion):
     kind = "force-sampled"
     control = "force"
 
-    time: tuple[float, ...]
-    corner: float = field(default=0.0, kw_only=True)
     force: tuple[float, ...]
 
 
@@ -363,10 +352,6 @@ class SampledPath(SampledPathMotion):
     kind = "sampled-path"
     control = "depth"
 
-    time: tuple[float, ...]
-    corner: float = field(default=0.0, kw_only=True)
-    x: tuple[float, ...]
-    y: tuple[float, ...]
     depth: tuple[float, ...]
 
 
@@ -378,10 +363,6 @@ class ForceSampledPath(SampledPathMotion):
     kind = "force-sampled-path"
     control = "force"
 
-    time: tuple[float, ...]
-    corner: float = field(default=0.0, kw_only=True)
-    x: tuple[float, ...]
-    y: tuple[float, ...]
     force: tuple[float, ...]
 
 

@@ -9,15 +9,14 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.geometry import profiles
 from fefinger.scene.indenter import PlateLike
 from fefinger.scene.textured import check_flank
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice
 
 
-Array = NDArray[np.float64]
 Extent = tuple[tuple[float, float], tuple[float, float]]
 
 SAMPLES = 10
@@ -64,11 +63,6 @@ class Raised(PlateLike):
         return True
 
     @property
-    def turn(self) -> float:
-        """The roll in degrees."""
-        return self.roll
-
-    @property
     def flank(self) -> float:
         """Length in mm of their sides, seen from above."""
         return profiles.flank_of(self.edge, self.height)
@@ -94,7 +88,6 @@ class Raised(PlateLike):
         self._set("edge", above=0, unit="mm")
         check_flank(self.edge, self.height, width)
         self._set_angles()
-        self._set_roll()
 
 
 @final

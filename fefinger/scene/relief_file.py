@@ -3,9 +3,10 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
+from fefinger.support.csv_columns import read_columns
 
 
 Numbers = tuple[float, ...]
@@ -48,7 +49,7 @@ def read_relief(
     return tuple(lines[0].tolist()), tuple(lines[1].tolist()), rows
 
 
-def _picture(file: Path) -> NDArray[np.float64]:
+def _picture(file: Path) -> Array:
     """Read the gray values (n_x, n_y) of a picture, from 0 to 1."""
     from matplotlib.image import imread
 
@@ -83,7 +84,7 @@ def read_heights(file: Path) -> tuple[Numbers, Numbers, tuple[Numbers, ...]]:
     return tuple(x.tolist()), tuple(y.tolist()), rows
 
 
-def _archive(file: Path) -> tuple[NDArray[np.float64], ...]:
+def _archive(file: Path) -> tuple[Array, ...]:
     """Read x, y and heights from an NPZ archive."""
     try:
         with np.load(file, allow_pickle=False) as archive:
@@ -94,35 +95,17 @@ def _archive(file: Path) -> tuple[NDArray[np.float64], ...]:
     return x.ravel(), y.ravel(), height
 
 
-def _table(file: Path) -> tuple[NDArray[np.float64], ...]:
+def _table(file: Path) -> tuple[Array, ...]:
     """Read x, y and heights from a CSV file."""
-    try:
-        with file.open(encoding="utf-8-sig") as stream:
-            head = tuple(cell.strip().lower() for cell in stream.readline().split(","))
-            rows = [line.split(",") for line in stream if line.strip()]
-    except (OSError, UnicodeDecodeError) as error:
-        msg = f"indenter.file: cannot read {str(file)!r}: {error}"
-        raise InputError(msg) from None
-    if head != COLUMNS or not rows:
-        msg = (
-            f"indenter.file: expected the first line of {str(file)!r} to be 'x,y,height' and rows "
-            f"of three numbers below it, received {','.join(head)!r} and {len(rows)} rows"
-        )
-        raise InputError(msg)
-    try:
-        values = np.array(rows, dtype=np.float64)
-        across, along, heights = values.T
-    except ValueError:
-        msg = f"indenter.file: expected three numbers in every row of {str(file)!r}"
-        raise InputError(msg) from None
+    across, along, heights = map(np.array, read_columns("indenter.file", file, COLUMNS))
     x, i = np.unique(across, return_inverse=True)
     y, j = np.unique(along, return_inverse=True)
     grid = np.full((len(x), len(y)), np.nan)
     grid[i, j] = heights
-    if np.isnan(grid).any() or len(rows) != grid.size:
+    if np.isnan(grid).any() or len(heights) != grid.size:
         msg = (
             f"indenter.file: expected one row for each place of a grid in {str(file)!r}, received "
-            f"{len(rows)} rows for {len(x)} x {len(y)} places"
+            f"{len(heights)} rows for {len(x)} x {len(y)} places"
         )
         raise InputError(msg)
     return x, y, grid

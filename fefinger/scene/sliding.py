@@ -4,20 +4,19 @@ A shape is abstract, as in `motion_shapes.py`; `motions.py` has the final classe
 lie in the plane across the travel: x distal, y radial, those of a plate before its `roll`.
 """
 
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.scene.motion_shapes import RampMotion, SampledMotion, rest_limit
 from fefinger.scene.trajectory import Trajectory
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, numbers
 from fefinger.support.csv_columns import read_columns
-
-
-Array = NDArray[np.float64]
 
 
 class SlideMotion(RampMotion):
@@ -107,6 +106,7 @@ class SlideMotion(RampMotion):
         return self.direction % 180 == 0
 
 
+@dataclass(frozen=True)
 class SampledPathMotion(SampledMotion):
     """Times in s from 0 on, columns x and y in mm, and one named as `control`; lines between."""
 

@@ -63,7 +63,6 @@ class Grating(PlateLike):
             self._set("edge", above=0, unit="mm")
             check_flank(self.edge, self.depth, min(self.ridge, self.period - self.ridge))
         self._set_angles()
-        self._set_roll()
 
     @property
     def profile(self) -> profiles.Grating:
@@ -84,18 +83,13 @@ class Grating(PlateLike):
     @property
     def narrowest(self) -> float:
         """The width in mm of its ridges or of the grooves between them."""
-        return min(self.ridge, self.period - self.ridge)
+        return self.feature
 
     @property
     def least_radius(self) -> float:
         """The radius in mm of its ridges where they are sharpest, within 1 %."""
         across = np.column_stack([np.linspace(0, self.period, 401), np.zeros(401)])
         return profiles.sharpest_radius(self.profile, across)
-
-    @property
-    def turn(self) -> float:
-        """The roll in degrees."""
-        return self.roll
 
     def describe(self) -> str:
         """Return "a rigid grating", with the sizes of its ridges and how they lie."""
@@ -154,7 +148,6 @@ class Relief(PlateLike):
         )
         object.__setattr__(self, "heights", tuple(rows))
         self._set_angles()
-        self._set_roll()
 
     @property
     def profile(self) -> profiles.Relief:
@@ -169,11 +162,6 @@ class Relief(PlateLike):
         )
         places = np.stack(np.meshgrid(*fine, indexing="ij"), axis=-1).reshape(-1, 2)
         return profiles.sharpest_radius(self.profile, places)
-
-    @property
-    def turn(self) -> float:
-        """The roll in degrees."""
-        return self.roll
 
     def describe(self) -> str:
         """Return "a rigid relief", with the number of its heights."""

@@ -1,7 +1,7 @@
 """Conversion between the parts of a scene and nested tables of plain values (TOML)."""
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any, NamedTuple, cast
@@ -48,6 +48,13 @@ FROM_FILE = {
 }
 """Kinds of indenters and motions that can be read from the `file` of their table."""
 
+NOT_IN_SCENE = {
+    "mechanics": "a scene leaves the mechanics open; name one with --mechanics, or from Python as "
+    "ff.run(scene, mechanics=...)",
+    "mesh": "the mesh is finger.resolution: coarse, standard, fine or auto",
+}
+"""What to do instead of keys that are looked for in a scene."""
+
 
 def read(file: str | Path) -> dict[str, Any]:
     """Read the tables of a TOML file; InputError names the invalid line."""
@@ -80,7 +87,7 @@ def parts(table: Mapping[str, Any], folder: Path | None) -> dict[str, Any]:
     Files are looked up relative to `folder`. None reads tables that `tables` wrote, which hold
     every value, without the files.
     """
-    reject_unknown("", table, ("name", *PARTS))
+    _reject("", table, ("name", *PARTS))
     sub = {name: _subtable(name, table) for name in PARTS}
     for name, example in (("finger", 'subject = "a.h."'), ("motion", 'kind = "ramp-hold"')):
         if name not in table:
@@ -120,7 +127,7 @@ def _subtable(name: str, table: Mapping[str, Any]) -> dict[str, Any]:
 
 def _finger(table: dict[str, Any], folder: Path) -> Finger:
     """Convert the table [finger]."""
-    _reject_unknown(table)
+    _reject("finger", table, _finger_keys())
     pronies = _pronies(table)
     subject = table.pop(SUBJECT, None)
     for name in ("surface", "bone_surface"):
@@ -156,7 +163,7 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
 
 def _stored(table: dict[str, Any]) -> Finger:
     """Convert a complete table [finger] without reading the files that it names."""
-    _reject_unknown(table)
+    _reject("finger", table, _finger_keys())
     pronies = _pronies(table)
     for layer in ("skin", "subcutaneous"):
         given = _subtable(f"finger.{layer}", table)
@@ -165,10 +172,36 @@ def _stored(table: dict[str, Any]) -> Finger:
     return Finger.stored(**(table | _hards(table) | {"prony": pronies["finger"]}))
 
 
-def _reject_unknown(table: Mapping[str, Any]) -> None:
-    """Raise InputError for an unknown key in [finger]."""
-    names = [field.name for field in fields(Finger) if field.name != "subject_name"]
-    reject_unknown("finger", table, (SUBJECT, *names))
+def _reject(name: str, table: Mapping[str, Any], allowed: Iterable[str]) -> None:
+    """Raise InputError for an unknown key, with the table that it belongs to."""
+    keys = tuple(allowed)
+    for key in table:
+        if key not in keys and (instead := NOT_IN_SCENE.get(key) or _home(key)):
+            where = f" in [{name}]" if name else ""
+            msg = f"{key}: unknown key{where}; {instead}. Known keys: {', '.join(keys)}"
+            raise InputError(msg)
+    reject_unknown(name, table, keys)
+
+
+def _home(key: str) -> str:
+    """Name the table that has the key, and the kinds that know it; empty where none does."""
+    if key in _finger_keys():
+        return f"it belongs in [finger], as finger.{key}"
+    if key in [field.name for field in fields(Ask)]:
+        return f"it belongs in [ask], as ask.{key}"
+    for part, kinds in (("motion", MOTIONS), ("indenter", INDENTERS)):
+        having = [
+            kind for kind, cls in kinds.items() if key in [field.name for field in fields(cls)]
+        ]
+        if having:
+            return f"{part}.{key} is a key of the {part}s {', '.join(map(repr, having))}"
+    return ""
+
+
+def _finger_keys() -> tuple[str, ...]:
+    """Names of the keys in [finger]."""
+    names = (field.name for field in fields(Finger) if field.name != "subject_name")
+    return (SUBJECT, *names)
 
 
 def _layer(name: str, given: dict[str, Any], base: Tissue, prony: Prony | None) -> Tissue:
@@ -251,7 +284,7 @@ def _of_kind(part: str, cls: type[Any], table: dict[str, Any], folder: Path) -> 
     reader = FROM_FILE.get(cls.kind)
     if reader is None or "file" not in table:
         return _record(cls, part, table, cls.kind)
-    reject_unknown(part, table, ("file", *reader.keys))
+    _reject(part, table, ("file", *reader.keys))
     name = table.pop("file")
     if not isinstance(name, str):
         msg = f"{part}.file: expected the name of a {reader.format} file, received {name!r}"
@@ -261,7 +294,7 @@ def _of_kind(part: str, cls: type[Any], table: dict[str, Any], folder: Path) -> 
 
 def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") -> Any:
     """Construct `cls` from a table; InputError for an unknown or missing key."""
-    reject_unknown(name, table, [field.name for field in fields(cls)])
+    _reject(name, table, [field.name for field in fields(cls)])
     for field in fields(cls):
         has_default = field.default is not MISSING or field.default_factory is not MISSING
         if field.name not in table and not has_default:

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
 
-
-Array = NDArray[np.float64]
 
 _STRAIGHT = 1e-9
 """Change of slope, relative to the steepest one, below which a knot is no corner."""
@@ -153,7 +152,7 @@ class Trajectory:
         t, y = np.asarray(times, float), np.asarray(values, float)
         if not np.all(np.diff(t) > 0):
             msg = (
-                f"motion: expected parts whose lengths can be told apart, received knots at "
+                f"motion: expected parts longer than rounding, received knots at "
                 f"{t.tolist()} s; change the speed or the hold"
             )
             raise InputError(msg)
@@ -255,7 +254,7 @@ class Trajectory:
         return float(self.value(times).max())
 
 
-def _longest_corner(t: Array, kink: NDArray[np.bool_]) -> float:
+def _longest_corner(t: Array, kink: Flags) -> float:
     """Return the longest corner for which the parabolas about the kinks do not overlap."""
     at = t[kink]
     if not len(at):

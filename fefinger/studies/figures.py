@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.results.records import Array
 from fefinger.studies.columns import MEASURES, bounds, split, words
+from fefinger.support.arrays import Array
 from fefinger.view import figures, quantities
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from fefinger.mesh.first_touch import FirstTouch
 from fefinger.result import Result
 from fefinger.results.pressure import SPREAD
-from fefinger.results.records import Array
 from fefinger.studies.times import SAME, until
+from fefinger.support.arrays import Array
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.elliptic import LONGEST, Elliptic
 from fefinger.theory.relaxation import hereditary_integral

@@ -13,11 +13,11 @@ import numpy as np
 from fefinger.result import Result
 from fefinger.results import pressure as pressures
 from fefinger.results.array_sensor import response
-from fefinger.results.records import Array, Integers
 from fefinger.studies.errors import stated
 from fefinger.studies.hertz import hertz
 from fefinger.studies.slope import stiffness
 from fefinger.studies.times import Moment, at, moments
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.array.sensor import ArraySensor, isobar
 from fefinger.theory.contact.pressure_moments import Moments

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, choices, number
 from fefinger.support.vocabulary import TYPES
 
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from fefinger.scene.scene import Scene
     from fefinger.support.progress import Progress
 
-
-Array = NDArray[np.float64]
 
 MOST = 1000
 """Largest number of places: each is a press of its own."""
@@ -49,15 +47,15 @@ class ReceptiveField:
 
     kinds: tuple[str, ...]
     places: Array
-    impulses: NDArray[np.int64]
+    impulses: Integers
     spacing: float
     organs: dict[str, Array]
     scene: str
     mechanics: str
     left_out: tuple[tuple[tuple[float, float], str], ...] = ()
 
-    def of(self, kind: str) -> NDArray[np.int64]:
-        """Impulses (n_places,) of the unit of a kind; InputError for a kind that was not asked."""
+    def of(self, kind: str) -> Integers:
+        """Impulses (n_places,) of the unit of a kind; InputError for another kind."""
         return self.impulses[:, self.kinds.index(choice("kind", kind, self.kinds))]
 
     def area(self, kind: str, part: float = 0.5) -> float:
@@ -186,7 +184,7 @@ def receptive_field(
     )
 
 
-def _pressed(scene: "Scene", plan: "Plan", place: Array) -> "tuple[Response, NDArray[np.int64]]":
+def _pressed(scene: "Scene", plan: "Plan", place: Array) -> "tuple[Response, Integers]":
     """Press the object at a place (2,) mm; return the response, and the impulses of the units."""
     from fefinger.afferents import fire
     from fefinger.mechanics import get
@@ -198,7 +196,7 @@ def _pressed(scene: "Scene", plan: "Plan", place: Array) -> "tuple[Response, NDA
 
 
 def _with_units(scene: "Scene", kinds: tuple[str, ...], branched: bool, seed: int) -> "Scene":
-    """Return the scene with one unit of each kind, and nothing else asked."""
+    """Return the scene with one unit of each kind, and no other output."""
     from fefinger.scene.population import Places
 
     units = Places(places=((0.0, 0.0),), branched=branched, seed=seed)

@@ -9,10 +9,9 @@ one by 1 % at 0.5 N and 2 % at the end (RMS), the slope of a single step by 4 an
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fefinger.results.records import Array
 from fefinger.studies.times import at
+from fefinger.support.arrays import Array, Flags
 
 
 WINDOW = 1.3
@@ -64,7 +63,7 @@ def stiffness(time: Array, depth: Array, force: Array, where: float, *, control:
     return Slope(float(power * np.exp(size) / here), points, "")
 
 
-def _stretch(good: NDArray[np.bool_], step: int) -> tuple[int, int]:
+def _stretch(good: Flags, step: int) -> tuple[int, int]:
     """Range of times around a step between which every step is good: first, and last + 1."""
     bad = np.flatnonzero(~good)
     before, after = bad[bad < step], bad[bad > step]

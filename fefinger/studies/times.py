@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fefinger.results.records import Array
+from fefinger.support.arrays import Array
 
 
 SAME = 1e-9

@@ -5,12 +5,12 @@ import warnings
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 
-def read_wave(name: str, file: Path) -> tuple[int, NDArray[np.float64]]:
+def read_wave(name: str, file: Path) -> tuple[int, Array]:
     """Return samples per s and the samples (n,) of the first channel, from -1 to 1.
 
     Raises

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.neural.train_record import FEW
-from fefinger.results.records import Array, Integers, ResultRecord
+from fefinger.results.records import ResultRecord
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.vocabulary import TYPES
 from fefinger.view import quantities
 from fefinger.view.compact_svg import compact

@@ -13,23 +13,22 @@ from numpy.typing import NDArray
 
 from fefinger.mechanics.realtime.show import FRAME, Frame, Show, compressive, status_line
 from fefinger.scene.finger import Finger
+from fefinger.support.arrays import Array, Integers
 from fefinger.view import film
 
-
-Array = NDArray[np.float64]
 
 COLORS = {"SAI": "#1b6ca8", "SAII": "#5aa469", "FAI": "#d35d6e", "FAII": "#8d6cab"}
 WINDOW = 2.0  # s of spikes on screen
 LARGEST_PRESSURE, LARGEST_STRAIN = 60.0, 0.35  # kPa and 1, the ends of the color bars
 
 
-def section_triangles(show: Show) -> NDArray[np.int64]:
+def section_triangles(show: Show) -> Integers:
     """Return the triangles of the medial section, in the numbers of `show.section`."""
     space = show.rolling.solid.space
     return _within(space.scalar.mesh.facets.T, show.section, len(space.points))
 
 
-def _within(faces: NDArray[np.int64], kept: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+def _within(faces: Integers, kept: Integers, count: int) -> Integers:
     """Return the faces that have all corners among `kept`, in their numbers."""
     number = np.full(count, -1)
     number[kept] = np.arange(len(kept))
@@ -69,7 +68,7 @@ class Picture:
         self,
         axes: Any,
         at: tuple[Array, Array],
-        triangles: NDArray[np.int64],
+        triangles: Integers,
         colors: str,
         top: float,
     ) -> Any:

@@ -5,15 +5,12 @@ import sys
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.mechanics.realtime.show import Frame, Show, compressive, status_line
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 from fefinger.view.live import COLORS, LARGEST_PRESSURE, LARGEST_STRAIN, WINDOW, section_triangles
 
-
-Array = NDArray[np.float64]
 
 SIZE = (900, 900)
 BAR: dict[str, Any] = {"color": "black", "height": 0.08, "width": 0.4, "n_labels": 3}

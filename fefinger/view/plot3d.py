@@ -23,7 +23,7 @@ RADIUS, CROWDED = 0.17, 0.1  # mm of the mark of an end organ
 LABELS = (2.0, 1.0, 1.1)  # mm: column of labels distal of the marks, above the finger, line to line
 WORDS = (0.015, 0.985)  # of a part of the picture, where three lines or more hang above the finger
 LETTER = 9.0  # pixels of their letters, on average
-LENGTH = 5.0  # mm of the line that tells the size
+LENGTH = 5.0  # mm of the scale line
 LIT: dict[str, Any] = {"ambient": 0.68, "diffuse": 0.38}
 
 

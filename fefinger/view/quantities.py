@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger.results import energy
-from fefinger.results.records import Array, Fields, ResultRecord
+from fefinger.results.records import Fields, ResultRecord
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number
 
 
@@ -94,10 +95,10 @@ def named(name: str, field: str) -> str:
     """Return the field; InputError with the nearest ones if it is unknown. `name`: who gave it."""
     if field in FIELDS:
         return field
-    meant = OTHERWISE.get(str(field).strip().lower().replace("_", " "))
-    if meant is None:
+    candidates = OTHERWISE.get(str(field).strip().lower().replace("_", " "))
+    if candidates is None:
         return choice(name, field, FIELDS)
-    options, nearest = (" or ".join(repr(each) for each in group) for group in (FIELDS, meant))
+    options, nearest = (" or ".join(repr(each) for each in group) for group in (FIELDS, candidates))
     options = options.replace(" or ", ", ")
     message = f"{name}: expected one of {options}, received {field!r}. Did you mean {nearest}?"
     raise InputError(message)

@@ -7,12 +7,12 @@ all frames. (Filters of VTK return places, not edges and weights: they would cut
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.geometry import facets, mirror, section
 from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, volumes
 from fefinger.geometry.locate import locate
-from fefinger.results.records import Array, Fields, Integers
+from fefinger.results.records import Fields
+from fefinger.support.arrays import Array, Flags, Integers
 
 
 NAMES = {SKIN: "skin", SUBCUTANEOUS: "subcutaneous tissue", BONE: "bone"}
@@ -79,7 +79,7 @@ def entire(fields: Fields) -> tuple[Piece, ...]:
     return tuple(piece for piece in pieces if len(piece.triangles))
 
 
-def _boundaries(fields: Fields) -> dict[int, tuple[Integers, NDArray[np.bool_]]]:
+def _boundaries(fields: Fields) -> dict[int, tuple[Integers, Flags]]:
     """Return per region the outward triangles (k, 3) around it, and which of them lie outside.
 
     The cells of a mirrored mesh are turned first.
@@ -143,7 +143,7 @@ class Followed:
     points: Array
     corners: Integers
     weight: Array
-    mirrored: NDArray[np.bool_]
+    mirrored: Flags
 
     def moved(self, displacement: Array) -> Array:
         """Return the displaced points (n, 3) for a displacement of the mesh (n_points, 3)."""

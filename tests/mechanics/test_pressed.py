@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.evidence import carrying
@@ -22,11 +21,10 @@ from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motions import ForceRampHold, Ramp, RampHold, RampSinusoid, Sampled, Trapezoid
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 ELASTIC = Prony((1.0,), ())
 FINGER = Finger.subject("a.h.", tissue="calibrated_ah", resolution="coarse")

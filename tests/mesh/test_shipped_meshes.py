@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from fefinger.validation.calibration.report import rows
-from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import BONE, FACETS, FingerMesh, faces, volumes
 from fefinger.mesh import vtu
@@ -20,9 +19,9 @@ from fefinger.mesh.quality import (
 )
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shipped import data_folder
+from fefinger.support.arrays import Integers
 
 
-Integers = NDArray[np.int64]
 NAMES = sorted(path.stem for path in data_folder().glob("*.vtu"))
 
 

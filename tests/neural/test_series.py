@@ -154,10 +154,7 @@ def unusable(text, tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("time,displacement_mm\n0,0\n2,1\n1,1\n", "row 3: expected times that never decrease"),
-        ("time,displacement_mm\n0,0\n1,nan\n", "row 2, column displacement_mm: .* received 'nan'"),
-        ("time,displacement_mm\n0,0\n1,\n", "expected a finite number, received ''"),
-        ("time,displacement_mm\n0,0\n1\n", "row 2: expected 2 values, received 1"),
+        ("time,displacement_mm\n0,0\n2,1\n1,1\n", "line 4: expected times that never decrease"),
         ("time,displacement_mm\n0,0\n1,500\n", "at most 10 mm, received 500 mm"),
         ("time,strain\n0,0\n1,20\n", "at most 1, received 20"),
         ("time\n0\n1\n", "a column of a signal beside the time"),
@@ -165,14 +162,9 @@ def unusable(text, tmp_path):
         ("time,time_ms,strain\n0,0,0\n1,1,1\n", "expected one column named"),
         ("time,force_N\n0,0\n1,1\n", "column 'force_N': expected a name that ends with"),
         ("time,displacemnt_mm\n0,0\n1,1\n", "Did you mean 'displacement_mm'"),
-        ("time,displacement_mm\n0,0\n", "expected a header and two rows or more"),
+        ("time,displacement_mm\n0,0\n", "expected two rows of numbers or more"),
         ("time,displacement_mm\n1,0\n1,1\n", "span more than 0 s"),
-        ("", "received 0 lines"),
-        ("time;strain\n0,0;0,0\n1,0;0,1\n", "received semicolons in the first line"),
-        ("time\tstrain\n0\t0\n1\t0.1\n", "received tabs in the first line"),
-        ("time strain\n0 0\n1 0.1\n", "received spaces in the first line"),
-        ("time,strain\n0,0,0,0\n1,0,0,1\n", "row 1: expected 2 values, .* write 0.5 for 0,5"),
-        ('time,strain\n0,0\n1,"0,1"\n', "row 2, column strain: .* '0,1'; write 0.5 for 0,5"),
+        ("", "series.csv: .*received an empty file"),
         (
             "time,strain,strain\n0,0,0\n1,0,0.1\n",
             "different name for each column, received 'strain' more",
@@ -182,20 +174,6 @@ def unusable(text, tmp_path):
 def test_series_that_cannot_be_used_are_refused(text, message, tmp_path):
     with pytest.raises(InputError, match=message):
         series.read(unusable(text, tmp_path))
-
-
-def test_files_that_are_no_text_are_refused(tmp_path):
-    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x01")
-    for name, message in (("binary.csv", "it: .*save it as UTF-8"), ("missing.csv", "it: ")):
-        with pytest.raises(InputError, match=f"cannot read {message}"):
-            series.read(tmp_path / name)
-
-
-def test_blank_lines_spaces_and_a_byte_order_mark_are_ignored(tmp_path):
-    text = "\ufefftime, displacement_mm\n\n0, 0\n1, 0.5\n\n"
-    signals = series.read(unusable(text, tmp_path))
-    np.testing.assert_array_equal(signals.time, [0, 1])
-    np.testing.assert_array_equal(signals.drive[:, 0], [0, 0.5])
 
 
 def test_unknown_types_and_strain_without_a_length_are_refused(press, tmp_path):

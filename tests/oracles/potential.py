@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from fefinger.fem.elements.spaces import Array
 from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress
 from fefinger.fem.hyperelastic.stress_kernels import PAIRS
+from fefinger.support.arrays import Array
 
 
 def energy(body: Continuum, values: Array, history: HistoryStress) -> float:

@@ -82,9 +82,9 @@ def test_a_relief_is_read_from_a_file_beside_its_scene(tmp_path: Path, name: str
 
 
 BAD_FILES = [
-    ("a,b,c\n1,2,3\n", "first line .* to be 'x,y,height'"),
-    ("x,y,height\n", "0 rows"),
-    ("x,y,height\n1,2,3\n1,3,oops\n", "three numbers in every row"),
+    ("a,b,c\n1,2,3\n", "the first line to be 'x,y,height', .*received 'a,b,c'"),
+    ("x,y,height\n", "received the header .x,y,height. alone"),
+    ("x,y,height\n1,2,3\n1,3,oops\n", "line 3, column height: expected a finite number"),
     ("x,y,height\n1,2,3\n1,3,4\n2,2,5\n", "3 rows for 2 x 2 places"),
     ("x,y,height\n1,2,3\n1,2,3\n1,2,3\n", "3 rows for 1 x 1"),
 ]

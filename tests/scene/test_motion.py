@@ -309,27 +309,6 @@ def test_what_cannot_be_done_is_said_in_a_sentence(make, message):
         make()
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (None, r"motion.file: cannot read .*missing.csv"),
-        ("", r"first line .* to be 'time,depth', .*received 'an empty file'"),
-        ("0,0\n1,1\n", r"first line .* to be 'time,depth', .*received '0,0'|received 0,0"),
-        ("time,force\n0,0\n", r"to be 'time,depth', .*received"),
-        ("time,depth\n0,0\n1,x\n", r"row 2 of .*: expected two numbers, received \['1', 'x'\]"),
-        ("time,depth\n0,0,0\n", r"row 1 of .*: expected two numbers"),
-        ("time,depth\n0,0\n1,nan\n", r"motion.depth\[1\]: .*received nan"),
-        ("time,depth\n", r"motion.depth: expected as many values as times, at least 2"),
-    ],
-)
-def test_a_csv_file_that_cannot_be_used_is_refused_with_its_place(tmp_path, text, message):
-    file = tmp_path / "missing.csv"
-    if text is not None:
-        file.write_text(text)
-    with pytest.raises(InputError, match=message):
-        Sampled.from_csv(file)
-
-
 def test_a_vibration_is_whole_cycles_about_a_preload_that_was_held():
     motion = Vibration(0.5, amplitude=0.1, frequency=30.2, seconds=0.5, held=3.0, corner=0.0)
     start = motion.recorded_from

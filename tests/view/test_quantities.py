@@ -6,7 +6,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from matplotlib import colormaps
-from numpy.typing import NDArray
 
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic import laws, stress_kernels
@@ -14,11 +13,11 @@ from fefinger.result import Result
 from fefinger.results.records import Fields
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.view import quantities
 
 
-Array = NDArray[np.float64]
 STRETCH = np.array([[0.02, 0.03, 0.05], [0.03, -0.04, 0.07], [0.05, 0.07, 0.01]])
 
 

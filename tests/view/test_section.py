@@ -4,13 +4,13 @@ import dataclasses
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from fefinger.geometry import section
 from fefinger.geometry.profiles import Ellipsoid as Ball
 from fefinger.result import Result
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Ellipsoid, Flat, Sphere
+from fefinger.support.arrays import Array, Integers
 from fefinger.view import frames, indenter_pose, quantities
 
 
@@ -48,7 +48,7 @@ def test_a_cut_has_the_area_of_the_section_and_keeps_linear_fields(
     np.testing.assert_allclose(cut.at(fields.points @ slope), places @ slope, atol=1e-9)
 
 
-def area(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> float:
+def area(points: Array, triangles: Integers) -> float:
     a, b, c = points[triangles].transpose(1, 0, 2)
     return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
 

@@ -4,14 +4,11 @@ import dataclasses
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from fefinger.result import Result
 from fefinger.results.records import Fields
+from fefinger.support.arrays import Array, Integers
 from fefinger.view import frames, surfaces
-
-
-Array = NDArray[np.float64]
 
 
 @pytest.fixture
@@ -27,7 +24,7 @@ def shifted(half: Fields) -> Fields:
     return dataclasses.replace(both, points=both.points + np.array([0.0, 0.137, 0.0]))
 
 
-def volume(points: Array, triangles: NDArray[np.int64]) -> float:
+def volume(points: Array, triangles: Integers) -> float:
     """Return what closed outward surfaces enclose, by the divergence theorem."""
     a, b, c = points[triangles].transpose(1, 0, 2)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)

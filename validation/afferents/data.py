@@ -5,10 +5,9 @@ from functools import cache
 from importlib import resources
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 
-Array = NDArray[np.float64]
 
 FREQUENCIES = (20.0, 50.0, 300.0, 600.0)
 """Hz of the vibrations."""

@@ -7,14 +7,12 @@ import numpy as np
 from fefinger.validation.afferents import data, predicted
 from fefinger.validation.afferents.fit import FREE
 from fefinger.validation.afferents.vibration import Probed
-from numpy.typing import NDArray
 
 from fefinger.neural.recorded import BOUNDS
 from fefinger.studies.receptive_field import receptive_field
+from fefinger.support.arrays import Array
 from fefinger.view.figures import COLORS, INK, STEEL, figure, style
 
-
-Array = NDArray[np.float64]
 
 KINDS = ("SAI", "FAI", "FAII")
 

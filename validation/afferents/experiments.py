@@ -10,7 +10,6 @@ low), those of the other types as in people.
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.mechanics import get
 from fefinger.neural.drives import DRIVE_BY_NAME
@@ -24,9 +23,8 @@ from fefinger.scene.motion import Motion
 from fefinger.scene.motions import ForceRampHold, Ramp
 from fefinger.scene.population import Places
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 MACAQUE = Finger(
     width=10.0, thickness=8.0, pad_radius=10.0, tissue="maeno1998", resolution="standard"

@@ -21,7 +21,6 @@ from typing import Any
 import numpy as np
 from fefinger.validation.afferents import data, experiments
 from fefinger.validation.afferents.vibration import SEED, Probed, determination, fit_of_rates
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from fefinger.neural import recorded
@@ -29,10 +28,9 @@ from fefinger.neural import recorded_compiled as compiled
 from fefinger.neural.recorded import BOUNDS, Recorded, units_of
 from fefinger.neural.recorded_simulation import LONGEST
 from fefinger.neural.recorded_vectorized import fire
+from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import choice
 
-
-Array = NDArray[np.float64]
 
 DRIVES = {"SAI": "compressive", "SAII": "tangent", "FAI": "tangent", "FAII": "compressive"}
 """Components of the strain that drive the types: those of the thesis and of Phillips & Johnson."""
@@ -177,7 +175,7 @@ class Task:
         return time, np.array(inputs), points[:, 2]
 
     @cached_property
-    def plateau(self) -> NDArray[np.bool_]:
+    def plateau(self) -> Flags:
         """Points (n,) of the rates at which units fire one impulse per cycle, within a twentieth.
 
         At least two at a frequency: a curve that only crosses that rate has no plateau.

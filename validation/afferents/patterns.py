@@ -13,17 +13,15 @@ from functools import cache, cached_property
 
 import numpy as np
 from fefinger.validation.afferents import experiments
-from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from fefinger.geometry.profiles import Profile
 from fefinger.mechanics.layered import stack
 from fefinger.neural.drives import DRIVE_BY_NAME
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.contact.stack import Stack
 
-
-Array = NDArray[np.float64]
 
 Shape = Callable[[Array], Array]
 """Heights (...,) mm of an object above its lowest point, at places (..., 2) mm."""

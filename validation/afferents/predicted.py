@@ -7,7 +7,6 @@ import numpy as np
 from fefinger.validation.afferents import data, experiments, patterns
 from fefinger.validation.afferents.experiments import BAR, DEPTHS, PRELOAD, PROBE, pressed
 from fefinger.validation.afferents.vibration import Probed
-from numpy.typing import NDArray
 
 from fefinger.mechanics import get
 from fefinger.neural.drives import DRIVE_BY_NAME
@@ -21,9 +20,8 @@ from fefinger.scene.indenters import Pin
 from fefinger.scene.motions import Ramp, Trapezoid
 from fefinger.scene.population import Places
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 DEPTH = np.linspace(0.0, 1.5, 31)
 """Depths in mm at which the drive under a pin is tabulated."""

@@ -6,16 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from fefinger.validation.afferents import data
 from fefinger.validation.afferents.experiments import HELD
-from numpy.typing import NDArray
 from scipy.stats import norm
 
 from fefinger.neural import recorded_compiled as compiled
 from fefinger.neural.recorded import Recorded, units_of
 from fefinger.neural.recorded_simulation import LONGEST
 from fefinger.neural.recorded_vectorized import fire
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 UNITS = 7
 """Number of units that stand for a population, at equal steps of probability of their gains."""

@@ -20,7 +20,6 @@ from fefinger.validation.bench.fem import timed
 from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.validation.oracles.march import march
 from fefinger.validation.problems import published
-from numpy.typing import NDArray
 
 from fefinger.fem.body import body
 from fefinger.fem.condensation import Compliance, palmar
@@ -37,9 +36,9 @@ from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
+from fefinger.support.arrays import Array
 
 
-Array = NDArray[np.float64]
 Precision = Literal["double", "single"]
 
 PLATE = Flat(30.0, tilt=10.0)

@@ -15,9 +15,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 from fefinger.validation.bench.suites import Figure, Progress
-from numpy.typing import NDArray
 
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
+from fefinger.support.arrays import Array
 
 
 UNITS, REPEATS, EXACT = 1000, 15, 16
@@ -39,11 +39,11 @@ TIME = np.linspace(0.0, 1.0, 1001)
 BASELINE, FAST = "plain Runge-Kutta 0.05 ms", "splitting, tolerance 0.05 ms"
 CHEAP = "integrate-and-fire"
 
-Spikes = list[NDArray[np.float64]]
+Spikes = list[Array]
 T = TypeVar("T")
 
 
-def currents(units: int) -> NDArray[np.float64]:
+def currents(units: int) -> Array:
     """Return (n_t, units) uA/cm²: 0.5 s of ramp to 2 to 60, held for 0.5 s."""
     return np.outer(np.minimum(2 * TIME, 1.0), np.linspace(2.0, 60.0, units))
 
@@ -69,13 +69,13 @@ def compare(spikes: Spikes, reference: Spikes) -> Error:
     return Error(float(np.median(errors)), float(errors.max()), len(spikes) - len(pairs))
 
 
-def plain(current: NDArray[np.float64], *, exponential: bool) -> Spikes:
+def plain(current: Array, *, exponential: bool) -> Spikes:
     """Fire by a plain loop at 0.05 ms, its units shared among a thread per core."""
     from fefinger.validation.bench import plain_integrators
 
     rest = HodgkinHuxley(DIVISOR).rest()
 
-    def unit(i: int) -> NDArray[np.float64]:
+    def unit(i: int) -> Array:
         spikes = np.empty(2000)
         column = np.ascontiguousarray(current[:, i])
         n = plain_integrators.integrate(
@@ -87,7 +87,7 @@ def plain(current: NDArray[np.float64], *, exponential: bool) -> Spikes:
         return list(pool.map(unit, range(current.shape[1])))
 
 
-def methods() -> dict[str, Callable[[NDArray[np.float64]], Spikes]]:
+def methods() -> dict[str, Callable[[Array], Spikes]]:
     """Benchmarked methods by name."""
     slowed, cheap = HodgkinHuxley(DIVISOR), IntegrateAndFire()
     return {
@@ -151,7 +151,7 @@ def errors(timings: dict[str, Timing], fine: Spikes) -> list[Figure]:
     return figures
 
 
-def swings(units: int) -> NDArray[np.float64]:
+def swings(units: int) -> Array:
     """Return (n_t, units) uA/cm²: A (1 - cos) / 2 at TONES in turn, A from 2 to 60."""
     tones = np.array(TONES)[np.arange(units) % len(TONES)]
     waves = 0.5 * (1.0 - np.cos(2.0 * np.pi * np.outer(TIME, tones)))

@@ -14,11 +14,12 @@ from fefinger.validation.problems.grids import box
 from scipy import sparse
 
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import system as solve
 from fefinger.fem.linalg.minres import Iterative
 from fefinger.fem.linalg.solvers import Prepared
 from fefinger.fem.linalg.threads import one_thread
+from fefinger.support.arrays import Array, Integers
 
 
 NU, MODULUS = 0.49, 34.0

@@ -6,9 +6,10 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.solvers import Equations, Prepared
 from fefinger.fem.linalg.system import System, prepare
+from fefinger.support.arrays import Array, Integers
 
 
 class SuperLU(Prepared):

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
-from fefinger.validation.problems.chain import Array
 
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
@@ -25,6 +24,7 @@ from fefinger.calibration.targets import Bulk, Frames, aligned
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.fingerpad import Fingerpad

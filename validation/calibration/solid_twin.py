@@ -12,7 +12,6 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from fefinger.validation.calibration.twin import PRONY, SPREAD, start, written
 from fefinger.validation.oracles.synthetic import FORCE_NOISE, POSITION_NOISE
-from numpy.typing import NDArray
 
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.outcome import layer
@@ -23,9 +22,8 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 EXPONENT, SOFTER = 2.5, 0.5  # between the exponents that are pressed; of the moduli of a.h.
 TOUCH = 0.6  # mm

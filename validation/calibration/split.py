@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.calibration import slow_press, targets
 from fefinger.calibration.calibrate import EXPONENTS
@@ -19,9 +18,8 @@ from fefinger.calibration.outcome import layer, line
 from fefinger.calibration.record import Calibration
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 PARTS = {
     "contact": "growth of the contact: Hertz's half-space",

@@ -14,7 +14,6 @@ import numpy as np
 from fefinger.validation.calibration import levers
 from fefinger.validation.calibration.report import calibrated, rows
 from fefinger.validation.case import Case, Expected, Noted
-from fefinger.validation.problems.chain import Array
 
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
@@ -25,6 +24,7 @@ from fefinger.calibration.slow_press import press
 from fefinger.calibration.targets import Bulk
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
+from fefinger.support.arrays import Array
 from fefinger.support.package_data import report
 
 

@@ -14,7 +14,6 @@ from fefinger.validation.calibration.report import calibrated, rows
 from fefinger.validation.calibration.subjects import PRINTED
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles import taylor
-from numpy.typing import NDArray
 
 from fefinger.calibration import targets
 from fefinger.calibration.calibrate import EXPONENTS
@@ -29,9 +28,6 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
-
-
-Array = NDArray[np.float64]
 
 
 SEEDS, FEW = 10, 2

@@ -11,7 +11,6 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from fefinger.validation.oracles.synthetic import FORCE_NOISE, POSITION_NOISE
-from numpy.typing import NDArray
 
 from fefinger.calibration import slow_press
 from fefinger.calibration.calibrate import SMALLER, calibrate
@@ -21,11 +20,10 @@ from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.mechanics.realtime.stiffening import Stiffening
 from fefinger.scene.finger import Finger
 from fefinger.scene.motions import Ramp, RampSinusoid
+from fefinger.support.arrays import Array
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 PRONY = Prony((0.27, 0.45, 0.16, 0.12), (200.0, 9.0, 0.6))
 TOUCH = 0.6  # mm

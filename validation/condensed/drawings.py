@@ -2,16 +2,12 @@
 
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from fefinger.support.arrays import Array
 from fefinger.view.figures import INK, STEEL, figure, style
 
 
 ORANGE = "#D55E00"
 SIZE = (6.2, 3.6)  # inches; two stand side by side
-
-Array = NDArray[np.float64]
 
 
 def half_space(time: Array, depth: Array, computed: Array, exact: Array) -> Any:

@@ -11,7 +11,6 @@ from fefinger.validation.condensed import drawings
 from fefinger.validation.oracles.layer import Sheet
 from fefinger.validation.problems import published
 from fefinger.validation.problems.half_space import HalfSpaceQuarter
-from numpy.typing import NDArray
 
 from fefinger.fem.contact import lcp_compiled
 from fefinger.mechanics import condensed, linear
@@ -26,6 +25,7 @@ from fefinger.scene.library import pawluk_relaxation
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import ForceTrapezoid, RampHold, RampSinusoid, Trapezoid
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.hertz import Hertz
@@ -33,8 +33,6 @@ from fefinger.theory.contact.indentation import paraboloid
 from fefinger.theory.contact.ting import press_by_depth, radius_nodes
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 SAME_MESH = replace(small_strain.WHOLE_MESH, touch=lambda indenter: None)
 """`linear` on the mesh of the operator, where its own would follow the touch."""

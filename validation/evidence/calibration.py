@@ -11,13 +11,14 @@ from typing import Any
 
 from fefinger.validation.calibration import split
 from fefinger.validation.calibration.split import PARTS
-from fefinger.validation.problems.chain import SUBJECTS, Array
+from fefinger.validation.problems.chain import SUBJECTS
 from fefinger.validation.provenance import provenance
 
 from fefinger.calibration import pad_radius
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.record import Calibration
 from fefinger.scene.library import CALIBRATED
+from fefinger.support.arrays import Array
 
 
 FORCES = (0.54, 1.1, 2.3)

@@ -17,13 +17,11 @@ from typing import Any
 import numpy as np
 from fefinger.validation.calibration import twin
 from fefinger.validation.provenance import provenance
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from fefinger.calibration import slow_press
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 REPORT = "mesh-curves.json"
 

@@ -15,7 +15,6 @@ import numpy as np
 from fefinger.validation.calibration.subjects import calibrated
 from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff.errors import law, spring
-from numpy.typing import NDArray
 
 from fefinger.mechanics import solid
 from fefinger.mechanics.evidence.reports import SOLID_SUBJECT
@@ -26,11 +25,10 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.theory.lumped.spring import Spring, contact_force
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 ANGLE = 30.0
 """Angle in degrees of the plate under which the subjects' fingers were pressed and calibrated."""

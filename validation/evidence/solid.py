@@ -17,7 +17,6 @@ from fefinger.validation.problems.chain import (
     CHAIN,
     PRESSES,
     SUBJECTS,
-    Array,
     models,
     reaching,
     scene,
@@ -29,6 +28,7 @@ from fefinger.mechanics import solid
 from fefinger.mechanics.evidence.reports import SOLID_SUBJECT
 from fefinger.mechanics.evidence.table import SOLID
 from fefinger.results.records import Response
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.extremes.invariants import Array, invariants, off
+from fefinger.validation.extremes.invariants import invariants, off
 from fefinger.validation.extremes.scenes import SUBJECT, answered, ramp
 from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Kind, Trial
 from fefinger.validation.problems import cube
@@ -30,6 +30,7 @@ from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Sphere
 from fefinger.scene.motions import ForceRampHold, Ramp
+from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony
 
 

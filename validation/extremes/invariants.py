@@ -4,7 +4,7 @@ from dataclasses import fields as fields_of
 
 import numpy as np
 from fefinger.validation.extremes.trial import Findings
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.geometry.locate import locate
 from fefinger.geometry.profiles import frame
@@ -13,10 +13,9 @@ from fefinger.results.records import Pad, Response
 from fefinger.scene.indenter import Indenter, direction
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
-
-Array = NDArray[np.float64]
 
 ROUNDING = 1e-9
 """Of the largest value, for what holds to rounding."""

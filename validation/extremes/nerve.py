@@ -4,12 +4,13 @@ from collections.abc import Callable, Iterator
 from functools import cache, partial
 
 import numpy as np
-from fefinger.validation.extremes.invariants import Array, not_finite, off
+from fefinger.validation.extremes.invariants import not_finite, off
 from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Kind, Trial
 
 from fefinger.neural.afferents import simulate
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire, Membrane
+from fefinger.support.arrays import Array
 
 
 GROUP = "nerve"

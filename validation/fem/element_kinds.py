@@ -18,7 +18,6 @@ from fefinger.validation.fem import exact as fem_exact
 from fefinger.validation.fem import hertz
 from fefinger.validation.problems.quarter import Exact, Pressed, Quarter, turned
 from fefinger.validation.provenance import provenance
-from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.contact.complementarity import Complementarity
@@ -27,12 +26,10 @@ from fefinger.fem.elements.probe import strain_at, tensors
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.threads import one_thread
+from fefinger.support.arrays import Array, Integers
 from fefinger.theory.contact.stack import Stack
 from fefinger.theory.contact.subsurface import subsurface_field
 
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 REPORT = "elements.json"
 RATIOS = (0.3, 0.49, 0.4999)

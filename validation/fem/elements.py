@@ -8,16 +8,14 @@ import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.fem.element_kinds import OURS, Kind, assembled
 from fefinger.validation.problems.grids import box
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.probe import strain_at, tensors
 from fefinger.fem.elements.spaces import Space, trace
 from fefinger.fem.linalg.system import factor
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 RATIOS = (0.3, 0.45, 0.49, 0.499, 0.5)
 CELLS = (4, 6, 9)

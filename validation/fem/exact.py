@@ -15,16 +15,14 @@ from fefinger.validation.oracles.punch import Cone, FlatPunch
 from fefinger.validation.oracles.sphere import Sphere
 from fefinger.validation.problems.grids import quarter
 from fefinger.validation.problems.quarter import Exact, Indenter, Quarter, half_space, outer
-from numpy.typing import NDArray
 
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.spaces import Space
+from fefinger.support.arrays import Array
 from fefinger.theory.contact import indentation
 from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.contact.stack import Base, Layer, Stack
 
-
-Array = NDArray[np.float64]
 
 MODULUS, NU = 100.0, 0.49
 EVERYDAY = Grading(LINES, core=0.3, rim=0.08, slope=0.5, sectors=5)

@@ -19,14 +19,12 @@ from fefinger.validation.problems.quarter import (
     half_space,
     turned,
 )
-from numpy.typing import NDArray
 
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.spaces import Space
+from fefinger.support.arrays import Array
 from fefinger.theory.contact.hertz import Hertz
 
-
-Array = NDArray[np.float64]
 
 RADIUS, CONTACT_RADIUS, MODULUS = 100.0, 1.0, 100.0
 RATIOS = (0.3, 0.45, 0.49, 0.499, 0.5)

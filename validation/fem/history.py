@@ -14,18 +14,16 @@ from fefinger.validation.fem.hertz import bowl
 from fefinger.validation.oracles.layer import Sheet
 from fefinger.validation.problems.grids import quarter
 from fefinger.validation.problems.quarter import Quarter, outer
-from numpy.typing import NDArray
 
 from fefinger.fem.contact.step_compiled import march
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.forms import Elastic
 from fefinger.scene.library import pawluk_relaxation
+from fefinger.support.arrays import Array
 from fefinger.theory.contact import indentation
 from fefinger.theory.contact.ting import ContactHistory, press_by_depth, press_by_force
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
-
-Array = NDArray[np.float64]
 
 RADIUS, THICKNESS, MODULUS, NU = 20.0, 1.0, 100.0, 0.49
 WIDEST = 1.0  # mm, the largest contact radius

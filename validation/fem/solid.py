@@ -13,7 +13,6 @@ import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.problems.cube import Cube, across, cube, nominal, stretches
 from fefinger.validation.problems.hemisphere import DEPTH, SPEED, Hemisphere
-from numpy.typing import NDArray
 
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic.laws import (
@@ -25,10 +24,9 @@ from fefinger.fem.hyperelastic.laws import (
 )
 from fefinger.fem.hyperelastic.load_path import Path, Series, StressHistory, follow
 from fefinger.fem.hyperelastic.state import State, Target
+from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
-
-Array = NDArray[np.float64]
 
 MODULUS = 100.0  # kPa
 RATIOS = (0.0, 0.3, 0.45, 0.49, 0.499, 0.5)

@@ -6,7 +6,7 @@ from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
-from fefinger.validation.problems.chain import Array, scene
+from fefinger.validation.problems.chain import scene
 
 from fefinger.fem.body import Body, body
 from fefinger.fem.contact.complementarity import Complementarity
@@ -25,6 +25,7 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.indenters import Flat
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import Ramp, Sampled
+from fefinger.support.arrays import Array
 
 
 DEPTH, REACH = 0.4, 0.5  # mm

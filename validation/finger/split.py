@@ -10,10 +10,11 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from fefinger.validation.problems.chain import DEPTHS, SUBJECTS, Array, models, scene
+from fefinger.validation.problems.chain import DEPTHS, SUBJECTS, models, scene
 
 from fefinger.mechanics.evidence.table import SOLID
 from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.package_data import report
 from fefinger.theory.relaxation import hereditary_integral

@@ -7,7 +7,6 @@ from functools import cache, partial
 import numpy as np
 from fefinger.validation.case import Case, Expected, Noted
 from fefinger.validation.problems import published
-from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.body import body, reduce
@@ -23,9 +22,8 @@ from fefinger.mechanics.press.sites import central_sites
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 DEPTH = 1.0  # mm
 INDENTERS: dict[str, Indenter] = {"plate at 30 degrees": Flat(30), "ball of 5 mm": Sphere(5.0)}

@@ -12,7 +12,6 @@ from fefinger.validation.finger import causes, strain
 from fefinger.validation.finger import figures as finger_figures
 from fefinger.validation.finger import solid as finger_solid
 from fefinger.validation.problems import published
-from numpy.typing import NDArray
 
 from fefinger.afferents import fire
 from fefinger.fem.body import body, reduce
@@ -30,9 +29,8 @@ from fefinger.scene.indenters import Flat
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 DEPTH = 1.0  # mm
 BONE_TISSUE = Hard(17e6, 0.3)  # along the bone: Reilly and Burstein, J. Biomech. 8:393, 1975

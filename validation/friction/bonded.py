@@ -3,15 +3,13 @@
 import numpy as np
 from fefinger.validation.friction.sheared import CONTACT, RADIUS, contact, limit
 from fefinger.validation.oracles.coulomb import projected
-from numpy.typing import NDArray
 
 from fefinger.fem.contact import friction_compiled, friction_state
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.lcp_compiled import DONE
+from fefinger.support.arrays import Array
 from fefinger.support.tolerances import COMPLEMENTARITY
 
-
-Array = NDArray[np.float64]
 
 SQUARES = 10
 HUGE = 1e9

@@ -10,14 +10,12 @@ from functools import cache
 from importlib.resources import files
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger import afferents
 from fefinger.mechanics import condensed
 from fefinger.scene import builtin
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 SPACINGS = (1.41, 1.97, 2.99, 3.96, 4.91, 5.87)
 """mm, of those that were recorded, as far as dots of this width fit."""

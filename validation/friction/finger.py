@@ -5,7 +5,6 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.mechanics import condensed, linear
 from fefinger.mechanics.realtime.sliding import Sliding
@@ -18,10 +17,9 @@ from fefinger.scene.motion import Motion
 from fefinger.scene.motions import ForceSlide, RampHold, SampledPath, Slide
 from fefinger.scene.patterns import Dots, Letters
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 FINGER = Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 ELASTIC = replace(FINGER, prony=Prony((1.0,), ()))

@@ -13,14 +13,13 @@ import numpy as np
 from fefinger.validation.oracles import squares
 from fefinger.validation.oracles.mindlin import Mindlin
 from fefinger.validation.problems.shear_block import ShearBlock
-from numpy.typing import NDArray
 
 from fefinger.fem.contact import friction_state, friction_step, step_compiled
 from fefinger.fem.contact.lcp_compiled import DONE
 from fefinger.fem.contact.sliding_march import sticks
+from fefinger.support.arrays import Array, Flags
 
 
-Array = NDArray[np.float64]
 Body = Literal["block", "squares"]
 
 RADIUS, CONTACT, MODULUS, POISSON, MU = 10.0, 1.0, 100.0, 0.5, 0.3
@@ -74,7 +73,7 @@ class Sheared:
     path: Array
     pressure: Array
     traction: Array
-    sticking: NDArray[np.bool_]
+    sticking: Flags
     tangential: Array
     lost: Array
 

@@ -9,14 +9,12 @@ with E* the complex plane-strain modulus, so that the mean force along the surfa
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.fem.contact.sliding_march import slide
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
+from fefinger.support.arrays import Array, Flags
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 NODES, LENGTH, HEIGHT, MODULUS, POISSON = 48, 2.0, 0.05, 60.0, 0.48
 PRONY = Prony((0.4, 0.35, 0.25), (200.0, 12.0))
@@ -41,7 +39,7 @@ class Wave:
         """Area in mm² of a node, of a strip 1 mm wide."""
         return LENGTH / NODES
 
-    def gap(self, shift: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def gap(self, shift: Array) -> tuple[Array, Flags]:
         """Return the weighted gaps (n,) at a place (2,) mm, and no rim."""
         heights = HEIGHT * (1 - np.cos(self.number * (self.places - shift[0])))
         return self.share * heights, np.zeros(NODES, dtype=bool)

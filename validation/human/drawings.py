@@ -5,14 +5,12 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.human.presses import PROFILES, REPORT
-from numpy.typing import NDArray
 
 from fefinger.mechanics.evidence.table import read
 from fefinger.results.records import Response
+from fefinger.support.arrays import Array
 from fefinger.view.figures import INK, STEEL, figure, style
 
-
-Array = NDArray[np.float64]
 
 WIDE, HIGH = 8.0, 3.2  # inches
 

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.provenance import provenance
-from numpy.typing import NDArray
 
 from fefinger.mechanics import pressed
 from fefinger.results.pressure import peaks
@@ -24,8 +23,6 @@ from fefinger.scene.motions import ForceRampHold, Ramp, RampHold
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError, InputError
 
-
-Array = NDArray[np.float64]
 
 REPORT = "human-presses.json"
 

@@ -12,17 +12,15 @@ from fefinger.validation.case import Case, Expected, Noted
 from fefinger.validation.human import drawings
 from fefinger.validation.human.misses import MISSES, REASONS
 from fefinger.validation.human.presses import DEFAULT, PROFILES, REPORT, SUBJECTS, finger, ramp
-from numpy.typing import NDArray
 
 from fefinger.mechanics.evidence.table import read
 from fefinger.results.records import Response
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.inertia import DENSITY
+from fefinger.support.arrays import Array
 from fefinger.theory.lumped.spring import Spring, contact_force
 
-
-Array = NDArray[np.float64]
 
 SERINA = "Serina, Mote & Rempel (1997), J Biomech 30:1035, as cited"
 CHAPTER = "a book chapter of 2013, as cited: 0.60, where Hertz has 0.215"

@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 from fefinger.validation.neural import gains, ramps, skin
 from fefinger.validation.neural.filters import SLOW, same_rate
-from fefinger.validation.neural.sweep import MODELS, SLOWED, STANDARD, Array, impulses, swing
+from fefinger.validation.neural.sweep import MODELS, SLOWED, STANDARD, impulses, swing
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import saturating
 from fefinger.neural.membranes import HodgkinHuxley
+from fefinger.support.arrays import Array
 from fefinger.view.figures import COLORS, INK, STEEL, figure, style
 from fefinger.view.unit_figures import frequency_response
 

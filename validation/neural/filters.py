@@ -12,7 +12,6 @@ from fefinger.validation.neural.sweep import (
     SLOWED,
     SPRING,
     THESIS,
-    Array,
     current,
     retracting,
     swing,
@@ -23,6 +22,7 @@ from fefinger.neural.chains import Resonant, realize, under_force
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import saturating
+from fefinger.support.arrays import Array
 
 
 ORGANS = {

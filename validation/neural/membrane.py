@@ -5,9 +5,9 @@ from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
-from numpy.typing import NDArray
 
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
+from fefinger.support.arrays import Array
 
 
 STANDARD, SLOWED = 1.0, 6.0
@@ -93,7 +93,7 @@ def rising(speed: float) -> float:
 
 
 @cache
-def exactly() -> tuple[NDArray[np.float64], ...]:
+def exactly() -> tuple[Array, ...]:
     """Return the spike times in s of RAMPS by order 8 at rtol 1e-10."""
     currents = np.outer([0.0, 1.0, 1.0], RAMPS)
     membrane = HodgkinHuxley(SLOWED)

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.neural.preliminary import derivative
-from fefinger.validation.neural.sweep import SPRING, Array
+from fefinger.validation.neural.sweep import SPRING
 
 from fefinger.neural.endorgans import END_ORGANS, Organ, rectify
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import GENERATOR_BY_NAME
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.scene.motions import Trapezoid
+from fefinger.support.arrays import Array
 
 
 SPEEDS = (2.0, 8.0, 32.0)

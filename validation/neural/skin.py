@@ -9,7 +9,6 @@ from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
-from fefinger.validation.neural.sweep import Array
 
 from fefinger.afferents import fire
 from fefinger.mechanics import get
@@ -22,6 +21,7 @@ from fefinger.scene.motion import Motion
 from fefinger.scene.motions import ForceRampHold, RampHold
 from fefinger.scene.population import Line
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 
 
 FLAT, CURVATURES = 0.0, (80.6, 172.0, 340.0)

@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire, Membrane
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 SECONDS, CYCLES = 1.0, 4
 """A run lasts this long at least, and so many cycles; its second half is counted."""

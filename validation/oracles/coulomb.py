@@ -5,10 +5,8 @@ slow, but each step is two lines. Source: De Saxcé and Feng, Math. Comput. Mode
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-
-Array = NDArray[np.float64]
+from fefinger.support.arrays import Array
 
 
 def projected(flexibility: Array, offset: Array, mu: float, tolerance: float = 1e-11) -> Array:

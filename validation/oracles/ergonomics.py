@@ -7,13 +7,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.support.arrays import Array
 from fefinger.theory.lumped.spring import Spring, contact_force
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 RAMP_SPEED = 100.0  # mm/s, to the offset
 SECONDS = 8.0  # duration of the sinusoid, after which the transient has relaxed

@@ -4,10 +4,10 @@ Source: Pawluk (1997), sections 3.1 and 3.6, Eq. 3.22 to 3.25.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.support.arrays import Array
 
-Array = NDArray[np.float64]
 
 FINGER = 15.0
 """Radius in mm that the thesis assumes for the pad under Goodwin's spheres (section 3.6)."""

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
@@ -24,7 +25,7 @@ def relaxation_spectrum(prony: Prony, frequency: ArrayLike) -> Complex:
 
 def operating_stiffness(
     spring: Spring, prony: Prony, preload: ArrayLike, *, printed: bool = False
-) -> NDArray[np.float64]:
+) -> Array:
     """Return the instantaneous stiffness K_x in N/mm about a relaxed preload P0 >= 0 in N.
 
     Notes
@@ -54,11 +55,11 @@ def impedance(
     return stiffness * relaxation_spectrum(prony, frequency)
 
 
-def decibel(z: ArrayLike) -> NDArray[np.float64]:
+def decibel(z: ArrayLike) -> Array:
     """Return 20 log10 |Z| (Eq. 2.10, with the modulus that the print leaves out)."""
     return 20.0 * np.log10(np.abs(z))
 
 
-def phase(z: ArrayLike) -> NDArray[np.float64]:
+def phase(z: ArrayLike) -> Array:
     """Return the phase in degrees."""
     return np.degrees(np.angle(np.asarray(z)))

@@ -8,10 +8,9 @@ Contact Mechanics, 1985, 7.2 and 7.4; the force of Cerruti, Johnson 3.6.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-
-Array = NDArray[np.float64]
+from fefinger.support.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,8 @@ Johnson, Contact Mechanics, 1985, 3.3 and 3.6.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-
-Array = NDArray[np.float64]
+from fefinger.support.arrays import Array
 
 
 def flexibility(places: Array, side: float, *, shear: float, poisson: float) -> Array:

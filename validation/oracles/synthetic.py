@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.theory.lumped.spring import Spring, constant_velocity, force
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 FORCE_NOISE = 3e-3  # N RMS (Pawluk 1997, section 2.2.1)
 POSITION_NOISE = 3e-3  # mm RMS

@@ -3,14 +3,12 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.calibration.inverse import Residual, Unknown, Values, jacobian
+from fefinger.support.arrays import Array
 
 
-def remainders(
-    residual: Residual, unknowns: Sequence[Unknown], values: Values
-) -> NDArray[np.float64]:
+def remainders(residual: Residual, unknowns: Sequence[Unknown], values: Values) -> Array:
     """First-order remainders (3,) at steps of 0.02, 0.01, 0.005 in a random direction.
 
     With a correct Jacobian each is a quarter of the one before.

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from fefinger.validation.pressed.scenes import drawn
 from fefinger.validation.provenance import provenance
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fefinger.mechanics import pressed, solid
@@ -22,10 +21,9 @@ from fefinger.mechanics.evidence.carrying import REPORT, retreats
 from fefinger.results.pressure import peaks
 from fefinger.results.records import Response
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 
-
-Array = NDArray[np.float64]
 
 SAME_PLACE = 1e-9
 """Distance in mm of points of the pad that are one."""

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.mechanics import hertz, layered, linear, solid
 from fefinger.results.records import Response
@@ -18,11 +17,10 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 SUBJECTS = ("a.h.", "d.s.", "d.p.", "p.w.")
 

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from fefinger.validation.problems.grids import box
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from fefinger.fem.contact.deformed_gap import contact_surface
@@ -13,6 +12,7 @@ from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.laws import Law
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.linalg.system import factor
+from fefinger.support.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def nominal(law: Law, along: float) -> float:
     return -(least(along + step) - least(along - step)) / (2 * step)
 
 
-def stretches(values: NDArray[np.float64], body: Continuum) -> NDArray[np.float64]:
+def stretches(values: Array, body: Continuum) -> Array:
     """Return the three stretches of the corner (1, 1, 1)."""
     corner = int(np.argmax(body.space.node_points.sum(axis=1)))
     return np.asarray(1 + values[3 * corner : 3 * corner + 3])

@@ -9,7 +9,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from skfem import MeshTet, MeshTri
 
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
+from fefinger.support.arrays import Array, Integers
 
 
 Size = Callable[[Array, Array], Array]

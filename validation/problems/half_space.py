@@ -11,7 +11,6 @@ import numpy as np
 from fefinger.validation.oracles.point_force import point_displacement
 from fefinger.validation.problems.grids import box
 from fefinger.validation.problems.quarter import Indenter
-from numpy.typing import NDArray
 
 from fefinger.fem import condensation
 from fefinger.fem.body import Solid
@@ -21,10 +20,9 @@ from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import factor
+from fefinger.support.arrays import Array, Integers
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 REACH = 1.5  # contact radii to the last candidate vertex
 EXTENT = 5.0  # contact radii to the outer faces of a half-space
@@ -64,7 +62,7 @@ class HalfSpaceQuarter:
         return Solid(self.space, top, flat, np.arange(len(flat)), False)
 
     @cached_property
-    def fixed(self) -> NDArray[np.int64]:
+    def fixed(self) -> Integers:
         """The unknowns that are held: the outer faces or the base, and the symmetry planes."""
         places = self.space.node_points
         outer = places > places.max(axis=0) * (1 - 1e-9)

@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 from fefinger.validation.problems.grids import quarter
 from fefinger.validation.problems.quarter import outer
-from numpy.typing import NDArray
 
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.obstacle import Obstacle
@@ -20,9 +19,8 @@ from fefinger.fem.hyperelastic.load_path import Path, Series, StressHistory, fol
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.fem.linalg.system import System, factor
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 RADIUS, DEPTH, SPEED = 14.0, 1.5, 60.0
 FINE = 0.45  # of the radius: the reach of the finest cells from the pole

@@ -10,7 +10,7 @@ from fefinger.scene.scene import Scene
 
 
 def load(name: str, changes: Mapping[str, Any] | None = None) -> Scene:
-    """Return a built-in scene of published tissue, which small strain answers as it is asked."""
+    """Return a built-in scene of published tissue, which small strain answers within its limits."""
     return builtin.load(
         name, {"finger.tissue": PUBLISHED, "ask.rel_error": 0.4} | dict(changes or {})
     )

@@ -10,7 +10,6 @@ from functools import cached_property
 
 import numpy as np
 from fefinger.validation.oracles.point_force import point_displacement
-from numpy.typing import NDArray
 
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import Patch, patch
@@ -19,9 +18,9 @@ from fefinger.fem.elements.probe import strain_at, tensors
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import System, factor
+from fefinger.support.arrays import Array, Flags, Integers
 
 
-Array = NDArray[np.float64]
 Surface = Callable[[Array, Array], Array]
 """A function of x and y (...,) mm on the surface: a gap in mm or a pressure in kPa."""
 
@@ -45,7 +44,7 @@ class Indenter:
         distance = self.profile(points[..., 0], points[..., 1])
         return distance, np.broadcast_to(self.axis, points.shape)
 
-    def beyond(self, points: Array) -> NDArray[np.bool_]:
+    def beyond(self, points: Array) -> Flags:
         """Return False: the paraboloid goes on."""
         return np.zeros(points.shape[:-1], dtype=bool)
 
@@ -70,7 +69,7 @@ class Quarter:
 
     space: Space
     tissues: Mapping[int, Elastic]
-    held: NDArray[np.bool_]
+    held: Flags
     prescribed: Array
     indenter: Indenter
     reach: float
@@ -174,13 +173,13 @@ class Pressed:
         return float(np.sqrt(square / np.sum(weight * truth**2)))
 
 
-def top(space: Space) -> NDArray[np.int64]:
+def top(space: Space) -> Integers:
     """Return the triangles (n, 3) of the face z = 0."""
     facets = np.asarray(space.scalar.mesh.facets.T, dtype=np.int64)
     return facets[(space.points[facets][:, :, 2] == 0).all(axis=1)]
 
 
-def outer(space: Space) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def outer(space: Space) -> tuple[Flags, Flags]:
     """Flag the nodes (n_nodes,) on the bottom, and of those on the outer side."""
     points = space.node_points
     facets = np.asarray(space.scalar.mesh.facets[:, space.scalar.mesh.boundary_facets()].T)

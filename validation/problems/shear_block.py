@@ -12,16 +12,14 @@ from fefinger.validation.oracles.mindlin import cerruti
 from fefinger.validation.oracles.point_force import point_displacement
 from fefinger.validation.problems.grids import box
 from fefinger.validation.problems.quarter import Indenter, top
-from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.contact.patch import Patch, directed, patch
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import factor
+from fefinger.support.arrays import Array, Flags
 
-
-Array = NDArray[np.float64]
 
 REACH = 1.3  # contact radii to the last candidate vertex
 EXTENT = 4.0  # contact radii to the outer faces
@@ -77,7 +75,7 @@ class ShearBlock:
         matrix = np.asarray(self.loads.T @ moved)
         return (matrix + matrix.T) / 2
 
-    def _far(self, outer: NDArray[np.bool_]) -> Array:
+    def _far(self, outer: Flags) -> Array:
         """Return the displacement (n_nodes, 3, 3n) of the half-space at the outer faces."""
         places, count = self.space.node_points[outer], len(self.patch.vertices)
         shear = self.modulus / (2 * (1 + self.poisson))

@@ -7,16 +7,14 @@ import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import PROFILES, SENSOR, pad
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.theory.array.sensor import ArraySensor, blurred, isobar
 from fefinger.theory.array.sensor_fit import fit_fingerpad
 from fefinger.theory.contact.curvature import series_modulus
 from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.relaxation import hereditary_integral
 
-
-Array = NDArray[np.float64]
 
 ELEMENTS = (0.0, 2.0, 4.0, 6.0)  # mm from the center of contact
 LEVEL = 4.0  # kPa between isobars

@@ -8,15 +8,13 @@ from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles.layer import Faced, Sheet
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import BALL_DEPTH, BALLS, SENSOR, ball
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.array.sensor_fit import fit_ball
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import Contact, paraboloid_at
 
-
-Array = NDArray[np.float64]
 
 COVER = 2.0  # mm of RTV silicone on a rigid plane (A.1)
 BONDED = {"nominal": (2.34, 4.49), "fitted": (2.53, 4.61)}

@@ -8,15 +8,13 @@ import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.thesis.energy import slope
 from fefinger.validation.thesis.lumped import DIGITS, finger, ratio, vibrated
-from numpy.typing import NDArray
 
 from fefinger.scene.library import pawluk_bulk
+from fefinger.support.arrays import Array
 from fefinger.theory.array.sensor import two_pole
 from fefinger.theory.lumped.spring import Spring, constant_velocity, force
 from fefinger.theory.relaxation import hereditary_integral
 
-
-Array = NDArray[np.float64]
 
 HELD = {"d.p.": 1.0302, "d.s.": 1.0095, "a.h.": 1.0274, "p.w.": 1.0142}
 """G at 5 s over c0: 1 + (c3 / c0) exp(-5 v3), the faster terms being below 1e-20."""

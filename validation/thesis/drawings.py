@@ -10,14 +10,12 @@ from fefinger.validation.thesis.ball import bonded
 from fefinger.validation.thesis.figures import COLORS, canvas
 from fefinger.validation.thesis.pressure import PROFILES, ball, pad
 from fefinger.validation.thesis.sensor import array_pressure, ball_pressure
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.view.figures import INK, STEEL, figure, style
 
-
-Array = NDArray[np.float64]
 
 SLOW = 0.2  # mm/s
 GOODWIN_FORCES = (20.0, 15.0, 10.0)  # gf

@@ -6,13 +6,10 @@ from typing import Any
 import numpy as np
 from fefinger.validation.oracles.impedance import decibel, impedance, phase, relaxation_spectrum
 from fefinger.validation.thesis.lumped import OFFSETS, finger, sinusoid, vibrated
-from numpy.typing import NDArray
 
 from fefinger.theory.lumped.spring import constant_velocity
 from fefinger.view.figures import INK, STEEL, figure, style
 
-
-Array = NDArray[np.float64]
 
 SIZE = (5.6, 3.6)  # inches; two stand side by side
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#E69F00", "#56B4E9", INK)

@@ -8,14 +8,12 @@ import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles.ergonomics import Vibration, vibration
 from fefinger.validation.oracles.impedance import relaxation_spectrum
-from numpy.typing import NDArray
 
 from fefinger.scene.library import pawluk_bulk
+from fefinger.support.arrays import Array
 from fefinger.theory.lumped.spring import Spring, constant_velocity, force
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 DIGITS = "half a unit of the last digit of the recomputation, and its own rounding"
 SPEEDS = (

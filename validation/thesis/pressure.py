@@ -8,7 +8,6 @@ import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles import goodwin
 from fefinger.validation.thesis.lumped import DIGITS, digits
-from numpy.typing import NDArray
 
 from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic, pawluk_relaxation
 from fefinger.theory.contact.curvature import series_modulus
@@ -16,8 +15,6 @@ from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.fingerpad import Fingerpad, Reading
 from fefinger.theory.relaxation import hereditary_integral
 
-
-Array = NDArray[np.float64]
 
 SENSOR = 1000.0  # kPa, cover of the array (A.1)
 BALL_DEPTH = 0.59  # mm, Figure A-5

@@ -7,13 +7,11 @@ import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import BALL_DEPTH, BALLS, ball
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.contact.hertz import Hertz
 
-
-Array = NDArray[np.float64]
 
 FILTERED = ((0, 39.4), (1, 38.1), (2, 34.0), (3, 25.7), (4, 13.8), (5, 4.1), (6, 0.57))
 """Distance in mm and blurred pressure in kPa of Figure A-5, fitted ball (recomputed)."""

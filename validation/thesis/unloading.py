@@ -6,10 +6,9 @@ from functools import cache
 import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.thesis.pressure import pad
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 
-Array = NDArray[np.float64]
 
 UNLOADED = {0.0: 0.08, 2.0: -0.02, 3.7: -0.75, 4.0: -0.69, 4.5: -0.40}
 """Pressure kPa by Eq. 3.13 after a partial retraction, by distance mm (section 3.3, recomputed)."""

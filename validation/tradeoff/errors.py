@@ -10,15 +10,13 @@ import numpy as np
 from fefinger.validation.evidence.linear import ORDER
 from fefinger.validation.tradeoff import runs, scenes
 from fefinger.validation.tradeoff.runs import DEPTHS, Run
-from numpy.typing import NDArray
 
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.results.pressure import peaks
 from fefinger.results.records import Response
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
-
-Array = NDArray[np.float64]
 
 QUANTITIES = (*STATED, "taxels", "centroid")
 
@@ -36,7 +34,7 @@ class Press:
     area: Array
     centroid: Array
     strain: Array
-    at: NDArray[np.int64]
+    at: Integers
     taxels: Array
     pressure: Array
 
@@ -172,7 +170,7 @@ def errors(pressed: Press, true: Press) -> dict[str, Array]:
     }
 
 
-def _largest(values: Array, true: Array, at: NDArray[np.int64]) -> Array:
+def _largest(values: Array, true: Array, at: Integers) -> Array:
     """Return the largest difference so far of values (n, ...), of the value there, (m,) at some."""
     return np.asarray(np.maximum.accumulate(norm(values - true))[at] / norm(true[at]))
 

@@ -20,7 +20,6 @@ from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff import scenes
 from fefinger.validation.tradeoff.errors import left
 from fefinger.validation.tradeoff.runs import empty_cache
-from numpy.typing import NDArray
 
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence.tradeoff import STATED
@@ -32,12 +31,11 @@ from fefinger.results.records import Response, Rung
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import STANDARD
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.text import finite
 
-
-Array = NDArray[np.float64]
 
 REPORT = "held-out.json"
 

@@ -10,16 +10,14 @@ import numpy as np
 from fefinger.validation.tradeoff import runs
 from fefinger.validation.tradeoff.errors import Press, norm
 from fefinger.validation.tradeoff.runs import Run
-from numpy.typing import NDArray
 
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.neural.trains import SpikeTrains
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.theory.contact.ting import press_by_depth, radius_nodes
 
-
-Array = NDArray[np.float64]
 
 NODES = 96
 

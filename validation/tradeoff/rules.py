@@ -28,7 +28,6 @@ from fefinger.validation.tradeoff.errors import (
     unknowns,
 )
 from fefinger.validation.tradeoff.runs import Run
-from numpy.typing import NDArray
 
 from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import reports, tradeoff
@@ -37,9 +36,8 @@ from fefinger.mechanics.evidence.table import SOLID, Measured, Table, presses_of
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.results.candidate import Candidate
 from fefinger.scene.finger import Finger
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 MESHES = ("coarse", "standard")
 

@@ -21,7 +21,7 @@ from fefinger.validation.tradeoff import rules as tradeoff_rules
 
 from fefinger.mechanics.evidence import table
 from fefinger.mechanics.evidence.tradeoff import STATED
-from fefinger.results.plan_text import SAID
+from fefinger.results.plan_text import QUANTITIES
 from fefinger.support.atomic_write import moved
 from fefinger.support.text import finite
 
@@ -147,10 +147,10 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
 
     yield asked("held-out scenes", "scenes", 32.0, 4.0, "drawn by seed; `solid` answers them")
     yield asked("tolerance met by the picks", "tolerance_met", 1.0, 0.05, "95 % of the scenes")
-    for quantity, said in SAID.items():
+    for quantity, name in QUANTITIES.items():
         for whose, key in WHOSE.items():
             yield _kept(
-                f"stated error kept by {whose}: {said}",
+                f"stated error kept by {whose}: {name}",
                 partial(_share_of, data, key, quantity),
                 float(reported()["summary"][key][quantity]),
             )

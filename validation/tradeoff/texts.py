@@ -8,7 +8,7 @@ from fefinger.mechanics.evidence.stated_errors import stated
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
-from fefinger.results.plan_text import SAID
+from fefinger.results.plan_text import QUANTITIES
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
@@ -63,7 +63,7 @@ def texts(summary: dict[str, Any]) -> list[str]:
         "The stated error is an upper bound of the actual error in this share of its choices (of "
         f"all candidates): {_shares(picks, every)}.",
         "Median ratio of stated to actual error over all candidates: "
-        + ", ".join(f"{over[name]:.1f} ({SAID[name]})" for name in STATED)
+        + ", ".join(f"{over[name]:.1f} ({QUANTITIES[name]})" for name in STATED)
         + ".",
         f"All choices together cost {summary['total_seconds_over_least']:.1f} times the least "
         f"possible. {100 * summary['within_1.2']:.0f} % of them are {within}; the target is 85 %. "
@@ -79,7 +79,8 @@ def texts(summary: dict[str, Any]) -> list[str]:
 
 def _shares(picks: dict[str, float], every: dict[str, float]) -> str:
     return ", ".join(
-        f"{SAID[name]} {100 * picks[name]:.0f} % ({100 * every[name]:.0f} %)" for name in STATED
+        f"{QUANTITIES[name]} {100 * picks[name]:.0f} % ({100 * every[name]:.0f} %)"
+        for name in STATED
     )
 
 
@@ -100,7 +101,7 @@ def _stated() -> dict[str, Any]:
         "the force: the largest error over time, relative to the peak; otherwise the error at the "
         "peak. lumped gives the force only."
     )
-    return {"caption": caption, "heading": ["candidate", *SAID.values()], "rows": rows}
+    return {"caption": caption, "heading": ["candidate", *QUANTITIES.values()], "rows": rows}
 
 
 def _spikes(scenes: dict[str, Any]) -> dict[str, Any]:

@@ -10,9 +10,10 @@ from scipy import optimize, sparse, special
 from fefinger.fem.contact.oscillators import Oscillators, complex_modulus
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.mass import mass
-from fefinger.fem.elements.spaces import Array, Integers, Space, trace
+from fefinger.fem.elements.spaces import Space, trace
 from fefinger.fem.linalg.system import System, factor
 from fefinger.fem.modes import Modes, lowest
+from fefinger.support.arrays import Array, Integers
 
 
 DENSITY = 1.1e-6

@@ -12,7 +12,7 @@ import numpy as np
 from scipy import linalg
 
 from fefinger.fem.contact.oscillators import Complex, complex_modulus
-from fefinger.fem.elements.spaces import Array
+from fefinger.support.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, lu_factor, lu_solve
 
-from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY
 

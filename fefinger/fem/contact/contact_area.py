@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 
 from fefinger.fem.contact.obstacle import Rigid
 from fefinger.fem.contact.rim_fit import fit_rims
-from fefinger.fem.elements.spaces import Array, Flags, Integers
+from fefinger.support.arrays import Array, Flags, Integers
 
 
 SIDES = np.array([[0, 1], [1, 2], [2, 0]])

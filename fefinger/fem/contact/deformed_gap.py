@@ -20,16 +20,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import RINGS, Candidates, Neighborhood, candidates, neighborhood
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.state import State
+from fefinger.support.arrays import Array, Flags, Integers
 
-
-Flags = NDArray[np.bool_]
 
 # Tuned: with b = 2 or c = 0.5 pads of stiffening tissue still fold; larger values need more
 # iterations.

@@ -26,7 +26,7 @@ from fefinger.fem.contact.friction_state import (
     leave,
 )
 from fefinger.fem.contact.lcp_compiled import DONE, ENDLESS, SINGULAR, accumulate
-from fefinger.fem.elements.spaces import Array
+from fefinger.support.arrays import Array
 
 
 CONE = 1e-10  # residual that counts as none, over the largest pressure

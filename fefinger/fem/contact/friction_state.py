@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.support.arrays import Array, Integers
 
 
 K, SOLVED, SWEPT, KEPT, INVERTED = 0, 1, 2, 3, 4

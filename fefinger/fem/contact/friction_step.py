@@ -24,7 +24,7 @@ from fefinger.fem.contact.step_compiled import (
     load_history,
     store_history,
 )
-from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY, SMALL_FORCE
 

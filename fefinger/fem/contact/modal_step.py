@@ -29,7 +29,7 @@ from fefinger.fem.contact.step_compiled import (
     reset,
     store_history,
 )
-from fefinger.fem.elements.spaces import Array
+from fefinger.support.arrays import Array
 from fefinger.support.tolerances import FORCE_MATCH, SMALL_FORCE
 
 

@@ -11,10 +11,9 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fefinger.fem.elements.spaces import Array
 from fefinger.geometry.profiles import Plane, Profile, frame
+from fefinger.support.arrays import Array, Flags
 
 
 FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of, where it has to be finite
@@ -31,7 +30,7 @@ class Rigid(Protocol):
     def gap(self, points: Array) -> tuple[Array, Array]:
         """Return the distance along the axis (...,) mm and the obstacle's normals (..., 3)."""
 
-    def beyond(self, points: Array) -> NDArray[np.bool_]:
+    def beyond(self, points: Array) -> Flags:
         """Return whether the shape that is meant has ended at points (..., 3)."""
 
 
@@ -65,7 +64,7 @@ class Obstacle:
         distance, gradient, _ = self.implicit(points)
         return distance, gradient / np.linalg.norm(gradient, axis=-1, keepdims=True)
 
-    def beyond(self, points: Array) -> NDArray[np.bool_]:
+    def beyond(self, points: Array) -> Flags:
         """Return whether the shape that is meant has ended at points (..., 3)."""
         return self.profile.beyond(((points - self.origin) @ self.frame.T)[..., :2])
 

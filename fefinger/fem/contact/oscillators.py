@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError
 
 

@@ -10,11 +10,11 @@ w >= 0, lambda >= 0, lambda . w = 0, with no penalty. The force along the axis i
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.contact.obstacle import Rigid
-from fefinger.fem.elements.spaces import Array, Integers, Space, Trace, trace
+from fefinger.fem.elements.spaces import Space, Trace, trace
+from fefinger.support.arrays import Array, Flags, Integers
 
 
 RINGS = 2  # rings of vertices around the candidates: the reach of a fit of the contact area
@@ -55,8 +55,8 @@ class Patch:
     projected: Array
     moment: Array
     areas: Array
-    border: NDArray[np.bool_]
-    obstacle_border: NDArray[np.bool_]
+    border: Flags
+    obstacle_border: Flags
     neighborhood: Neighborhood
     distance: Array
     cosine: Array
@@ -127,9 +127,9 @@ class Candidates:
     part: Trace
     places: Array
     owner: Integers
-    border: NDArray[np.bool_]
-    obstacle_border: NDArray[np.bool_]
-    beyond: NDArray[np.bool_]
+    border: Flags
+    obstacle_border: Flags
+    beyond: Flags
 
 
 def candidates(
@@ -139,7 +139,7 @@ def candidates(
     obstacle: Rigid,
     reach: float,
     rings: int = 0,
-    within: NDArray[np.bool_] | None = None,
+    within: Flags | None = None,
 ) -> Candidates:
     """Select the pad vertices whose initial gap is at most `reach` mm, and rings around them.
 
@@ -181,7 +181,7 @@ def patch(
     obstacle: Rigid,
     reach: float,
     rings: int = 0,
-    within: NDArray[np.bool_] | None = None,
+    within: Flags | None = None,
 ) -> Patch:
     """Build the patch: the `candidates`, their unit loads and gaps, and their neighborhood."""
     chosen = candidates(space, triangles, normals, obstacle, reach, rings, within)

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from fefinger.fem.contact.obstacle import FAR
-from fefinger.fem.elements.spaces import Array, Flags, Integers
+from fefinger.support.arrays import Array, Flags, Integers
 
 
 REACH = 2.0  # radius of a fit in edges

@@ -14,7 +14,7 @@ from numba import njit
 from fefinger.fem.contact import lcp_compiled as contact
 from fefinger.fem.contact.lcp_compiled import BEYOND, DONE, LcpState
 from fefinger.fem.contact.step_compiled import PadState, load_history, store_history
-from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.support.arrays import Array, Integers
 
 
 class Plate(NamedTuple):

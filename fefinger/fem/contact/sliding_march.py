@@ -3,13 +3,12 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.fem.contact import friction_state, friction_step, step_compiled
 from fefinger.fem.contact import lcp_compiled as contact
 from fefinger.fem.contact.travel import Travel
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, Sliding
-from fefinger.fem.elements.spaces import Array
+from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
 
 
@@ -103,13 +102,13 @@ def slide_with_friction(
     return History(depth, pressure, elastic, int(s.counts[friction_state.SOLVED]), sliding)
 
 
-def sticks(pressure: Array, traction: Array, mu: float | Array) -> NDArray[np.bool_]:
+def sticks(pressure: Array, traction: Array, mu: float | Array) -> Flags:
     """Flag the vertices (..., n) under pressure with less than the traction of slip."""
     size = np.hypot(traction[..., 0, :], traction[..., 1, :])
     return np.asarray((pressure > 0) & (size < mu * pressure * (1 - friction_step.STUCK)))
 
 
-def check_ahead(rim: NDArray[np.bool_], pressure: Array, shift: Array, time: float) -> None:
+def check_ahead(rim: Flags, pressure: Array, shift: Array, time: float) -> None:
     """Raise InputError where vertices of the rim (n,) of the obstacle are under pressure."""
     if rim.any() and (pressure[rim] > 0).any():
         raise InputError(left(shift, time))

@@ -23,7 +23,7 @@ from fefinger.fem.contact.lcp_compiled import (
     LcpState,
 )
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
-from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, SMALL_FORCE
 

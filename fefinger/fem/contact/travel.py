@@ -11,13 +11,13 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.contact.obstacle import FAR, Obstacle, Rigid
 from fefinger.fem.contact.patch import Patch, smooth_places
-from fefinger.fem.elements.spaces import Array, Space, trace
+from fefinger.fem.elements.spaces import Space, trace
 from fefinger.geometry.profiles import Plane, frame
+from fefinger.support.arrays import Array, Flags, Integers
 
 
 STRIDE = 0.2
@@ -46,7 +46,7 @@ class Swept:
             nearest = np.minimum(nearest, self.obstacle.moved(shift).gap(points)[0])
         return nearest, np.broadcast_to(self.axis, points.shape)
 
-    def beyond(self, points: Array) -> NDArray[np.bool_]:
+    def beyond(self, points: Array) -> Flags:
         """Return False: where the shape ends is looked at on the way, see `Travel.gap`."""
         return np.zeros(points.shape[:-1], dtype=bool)
 
@@ -86,7 +86,7 @@ class Heights:
         """Matrix (2, 2) from places across the axis to those on the obstacle."""
         return np.asarray(self.obstacle.frame[:2] @ frame(self.obstacle.axis)[:2].T)
 
-    def places(self, shift: Array, chosen: slice | NDArray[np.int64] = slice(None)) -> Array:
+    def places(self, shift: Array, chosen: slice | Integers = slice(None)) -> Array:
         """Return where the points lie on the obstacle (n, 2) mm, moved by (2,) mm."""
         return np.asarray((self.across[chosen] - shift) @ self.turn.T)
 
@@ -102,7 +102,7 @@ class Heights:
         every = np.array([self.distance(shift) for shift in shifts])
         return np.where(np.isfinite(every), every, FAR)
 
-    def slopes(self, shift: Array, chosen: NDArray[np.int64]) -> Array:
+    def slopes(self, shift: Array, chosen: Integers) -> Array:
         """Return the derivative (k, 2) of the distance of points by their place across the axis."""
         incline = self.obstacle.profile.incline(self.places(shift, chosen))
         return np.asarray(incline @ self.turn)
@@ -138,7 +138,7 @@ class Travel:
         vertices = Heights.over(obstacle, space.points[on.vertices])
         return cls(Heights.over(obstacle, places), weights, vertices)
 
-    def gap(self, shift: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def gap(self, shift: Array) -> tuple[Array, Flags]:
         """Return the weighted gaps (n,) mm³ at a place (2,) mm, and the rim (n,) of the obstacle.
 
         Where it is not ahead of all that the hat of a vertex covers, that stays out of contact; the

@@ -10,10 +10,9 @@ is linear the integral is exact: p = g q + h, with g and h from one exponential 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.elements.spaces import Array
+from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import FORCE_MATCH, SMALL_FORCE
 
@@ -36,7 +35,7 @@ class Sliding:
     slopes: Array
     traction: Array | None = None
     slip: Array | None = None
-    sticking: NDArray[np.bool_] | None = None
+    sticking: Flags | None = None
     lost: Array | None = None
     cone: float = 0.0
 

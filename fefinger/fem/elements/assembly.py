@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.support.arrays import Array, Integers
 
 
 Places = NDArray[np.int32]

@@ -11,7 +11,8 @@ from math import factorial
 import numpy as np
 from scipy import sparse
 
-from fefinger.fem.elements.spaces import Array, Space
+from fefinger.fem.elements.spaces import Space
+from fefinger.support.arrays import Array
 
 
 EDGES = (0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)

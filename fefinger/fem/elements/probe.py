@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
 from fefinger.geometry.locate import around
+from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.tolerances import INSIDE, SHARED
 
@@ -133,7 +133,7 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
     return np.concatenate(owners), np.concatenate(cells), np.concatenate(local)
 
 
-def inside(space: Space, points: Array) -> NDArray[np.bool_]:
+def inside(space: Space, points: Array) -> Flags:
     """Whether points (n, 3) mm lie in the body, with the tolerance of `locate`."""
     flags = [(weights.min(axis=1) >= -INSIDE).any() for _, weights in _around(space, points)]
     return np.array(flags, dtype=np.bool_)

@@ -14,7 +14,8 @@ import numpy as np
 from scipy import sparse
 
 from fefinger.fem.elements.probe import gradient_at, locate, symmetric_part
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
+from fefinger.support.arrays import Array, Integers
 
 
 POWERS = np.array([p for p in product(range(4), repeat=3) if sum(p) <= 3])

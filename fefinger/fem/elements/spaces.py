@@ -13,10 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Basis, ElementTetP2, ElementTriP1, ElementTriP2, MeshTet, MeshTri
 
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from fefinger.support.arrays import Array, Flags, Integers
 
 
 @dataclass(frozen=True)
@@ -110,7 +107,7 @@ class Space:
         """All nodes that lie on the given vertex triples, sorted."""
         return np.unique(np.concatenate([triangles.ravel(), self.edge_nodes(triangles).ravel()]))
 
-    def has_faces(self, triangles: Integers) -> NDArray[np.bool_]:
+    def has_faces(self, triangles: Integers) -> Flags:
         """Whether vertex triples (n_triangles, 3) are faces of the mesh."""
         faces, keys = (self._face_key(f) for f in (self.scalar.mesh.facets.T, triangles))
         return np.isin(keys, faces)

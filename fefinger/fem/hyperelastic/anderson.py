@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fefinger.fem.elements.spaces import Array
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 
 

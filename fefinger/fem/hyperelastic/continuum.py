@@ -13,9 +13,10 @@ from scipy import sparse
 from skfem import Basis, ElementTetP1
 
 from fefinger.fem.elements import assembly
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic import element_kernels
 from fefinger.fem.hyperelastic.laws import Law
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
 

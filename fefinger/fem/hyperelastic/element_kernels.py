@@ -9,7 +9,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fefinger.fem.elements.spaces import Array, Integers
 from fefinger.fem.hyperelastic.stress_kernels import (
     FAST,
     PAIRS,
@@ -18,6 +17,7 @@ from fefinger.fem.hyperelastic.stress_kernels import (
     project_to_semidefinite,
     stresses,
 )
+from fefinger.support.arrays import Array, Integers
 
 
 @njit(cache=True, fastmath=FAST)

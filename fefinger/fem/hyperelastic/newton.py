@@ -18,13 +18,13 @@ from scipy import sparse
 
 from fefinger.fem.contact.deformed_gap import ContactSurface, DeformedGap
 from fefinger.fem.contact.viscoelastic import depth_at
-from fefinger.fem.elements.spaces import Array
 from fefinger.fem.hyperelastic.anderson import Anderson
 from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.hyperelastic.tangent import FactoredTangent
 from fefinger.fem.linalg.multifrontal_single import ApproximateFactor
 from fefinger.fem.linalg.system import System, approximate_factor
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.tolerances import EQUILIBRIUM
 

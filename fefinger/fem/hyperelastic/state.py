@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from fefinger.fem.elements.spaces import Array
 from fefinger.fem.hyperelastic.continuum import HistoryStress
+from fefinger.support.arrays import Array
 from fefinger.support.tolerances import SMALL_FORCE
 
 

@@ -7,7 +7,7 @@ digits at the smallest strains. Symmetric tensors have the components xx yy zz x
 import numpy as np
 from numba import njit
 
-from fefinger.fem.elements.spaces import Array
+from fefinger.support.arrays import Array
 
 
 PAIRS = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]])

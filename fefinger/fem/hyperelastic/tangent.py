@@ -1,12 +1,11 @@
 """Factored tangent of a body, and the flexibility of its contact candidates."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.elements.spaces import Array, Integers
 from fefinger.fem.linalg.multifrontal_single import ApproximateFactor
+from fefinger.support.arrays import Array, Flags, Integers
 
 
 class FactoredTangent:
@@ -75,7 +74,7 @@ class FactoredTangent:
             answer -= columns @ (inverse @ (loads.T @ answer))
         return answer
 
-    def contact(self, near: NDArray[np.bool_]) -> Complementarity:
+    def contact(self, near: Flags) -> Complementarity:
         """Return the complementarity solver of the candidates `near` (n_candidates,)."""
         if self._solver is not None and np.array_equal(near, self._near):
             return self._solver

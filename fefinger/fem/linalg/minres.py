@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
+from fefinger.support.arrays import Array, Integers
 
 
 REDUCTION = 2e-6  # of the preconditioned residual in one solution; `System` refines further

@@ -18,7 +18,7 @@ from scipy import sparse
 from scipy.linalg import LinAlgError, cholesky
 from scipy.linalg.blas import dsyrk, dtrsm
 
-from fefinger.fem.elements.spaces import Array, Integers
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.tolerances import SINGULAR_PIVOT
 

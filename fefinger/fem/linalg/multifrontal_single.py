@@ -15,8 +15,8 @@ from numba import njit
 from scipy import sparse
 from scipy.linalg.lapack import get_lapack_funcs
 
-from fefinger.fem.elements.spaces import Array, Integers
 from fefinger.fem.linalg.multifrontal import SINGULAR, Assembly, Dissection, Floats, Front
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
 

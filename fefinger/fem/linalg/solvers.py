@@ -24,10 +24,11 @@ from typing import Protocol
 import numpy as np
 from scipy import sparse
 
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal, multifrontal_single
 from fefinger.fem.linalg.minres import iterative
 from fefinger.fem.linalg.multifrontal import Dissection
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.tolerances import FACTOR_COMPRESSIBILITY
 

@@ -15,10 +15,11 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal, multifrontal_single
 from fefinger.fem.linalg.solvers import SOLVERS, Equations, Prepared, choose, compressible
 from fefinger.fem.linalg.threads import one_thread
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError, choice
 from fefinger.support.tolerances import FORCE_BALANCE, LINEAR_RESIDUAL
 

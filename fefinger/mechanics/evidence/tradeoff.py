@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.mechanics.evidence import table
 from fefinger.mechanics.evidence.table import Measured, Table
@@ -17,9 +16,8 @@ from fefinger.results.candidate import Candidate
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
+from fefinger.support.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 REPORT = table.TRADEOFF
 

@@ -8,7 +8,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH, central_sites, end_organ_sites
@@ -21,6 +20,7 @@ from fefinger.scene.indenter import Indenter, direction
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from fefinger.neural.reference import Reference
     from fefinger.theory.contact.ting import ContactHistory
 
-Array = NDArray[np.float64]
 
 RINGS, SECTORS = 16, 24  # of the pad on which the pressure is reported
 
@@ -257,7 +256,7 @@ class _Cells:
 
     edges: Array
     areas: Array
-    ring: NDArray[np.int64]
+    ring: Integers
 
 
 def _pad(first: Touch, reach: float, radius: float) -> tuple[Pad, _Cells]:
@@ -283,7 +282,7 @@ def _pad(first: Touch, reach: float, radius: float) -> tuple[Pad, _Cells]:
     return pad, _Cells(edges, areas, ring)
 
 
-def _triangles() -> NDArray[np.int64]:
+def _triangles() -> Integers:
     """Return the triangles (n, 3) between the points of the pad."""
     here = np.arange(SECTORS)
     after = (here + 1) % SECTORS

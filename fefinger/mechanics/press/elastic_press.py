@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from fefinger.fem.elements.spaces import Array
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.load_path import Path, StressHistory
 from fefinger.mechanics.press import elastic_store, placement
@@ -26,6 +25,7 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motions import Ramp
 from fefinger.support import cache
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.progress import Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON

@@ -3,14 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.fem.body import Reduced
 from fefinger.fem.contact.deformed_gap import ContactSurface
 from fefinger.fem.contact.viscoelastic import History
 from fefinger.mechanics.press.load_steps import LoadSteps
 from fefinger.neural.reference import Reference
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Integers
 
 
 TANGENT_SOLVER = "single"
@@ -60,7 +59,7 @@ class FiniteStrainHistory:
     halt: str
 
 
-def frames_of(depth: Array, peak: int) -> NDArray[np.int64]:
+def frames_of(depth: Array, peak: int) -> Integers:
     """Choose frames that share the path of the indenter, a few of its rests, and the peak."""
     path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(depth)))])
     moving = np.searchsorted(path, np.linspace(0, path[-1], FRAMES_MOVING))

@@ -4,14 +4,11 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.theory.contact.contact_table import LEVELS, Table, tabulate_to
 from fefinger.theory.contact.stack import Stack
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

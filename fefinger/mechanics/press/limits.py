@@ -3,10 +3,10 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.scene.motion import Motion
+from fefinger.support.arrays import Flags
 from fefinger.support.checks import InputError
 
 
@@ -23,7 +23,7 @@ FEWEST = 3
 """Vertices of the pad under a ball or another object that ends, below which it is not resolved."""
 
 
-def check_under(motion: Motion, beyond: NDArray[np.bool_]) -> None:
+def check_under(motion: Motion, beyond: Flags) -> None:
     """Raise InputError if an indenter has too few vertices of the pad under it.
 
     beyond (n,): whether it has ended at its candidates.

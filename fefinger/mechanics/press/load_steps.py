@@ -5,16 +5,13 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.scene.finger import Finger
 from fefinger.scene.motion import Motion
+from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 Curve = Callable[[Array], Array]
 
 BY_DISTANCE = 8  # steps to the peak of the motion, of equal distances

@@ -1,16 +1,13 @@
 """Time steps of a press with inertia: even and short while it moves and rings, long in a rest."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.fem.contact.modal_march import Grid
 from fefinger.mechanics.press.time_steps import FAST_STEP, MOST, time_grid
 from fefinger.scene.motion import Motion
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
 
-
-Flags = NDArray[np.bool_]
 
 STEP = 1e-4
 """Longest step in s while the indenter moves: 0.3 / STEP, or 3 kHz, bounds the modes that swing."""

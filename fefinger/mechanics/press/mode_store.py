@@ -14,11 +14,11 @@ from scipy import sparse
 
 from fefinger.fem.condensation import Operator, Part
 from fefinger.fem.elements.mass import mass
-from fefinger.fem.elements.spaces import Array, Integers
 from fefinger.fem.modes import Modes, modes_of
 from fefinger.mechanics.press.mode_cache import COUNT, folder, identity_of
 from fefinger.scene.finger import Finger
 from fefinger.support import cache
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError
 
 

@@ -16,7 +16,6 @@ from fefinger.fem.body import Reduced, prescribed, solid
 from fefinger.fem.condensation import Compliance, Operator, Part, condense, mirrored
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.elements.spaces import Array
 from fefinger.fem.linalg.multifrontal import Eliminated, Front
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press.hard_parts import fixed_facets
@@ -28,6 +27,7 @@ from fefinger.mesh.store import load_or_build
 from fefinger.mesh.symmetric import whole
 from fefinger.scene.finger import Finger
 from fefinger.support import cache
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 

@@ -1,13 +1,12 @@
 """The pad of the whole finger, on which a press reports pressure, and moments over it."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.fem.body import Solid
 from fefinger.fem.contact.patch import Neighborhood, Patch
 from fefinger.geometry.mirror import Halves
 from fefinger.results.records import Pad
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
@@ -40,7 +39,7 @@ def first_moments(pad: Pad) -> Array:
     return moments
 
 
-def whole_pad(body: Solid, on: Neighborhood | Patch) -> tuple[Pad, NDArray[np.int64]]:
+def whole_pad(body: Solid, on: Neighborhood | Patch) -> tuple[Pad, Integers]:
     """Return the pad of the whole finger, and which vertex `on` it each of its points is."""
     vertices, areas = on.vertices, on.areas
     points, normals = body.space.points[vertices], body.normals[vertices]

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.fem.body import Solid
 from fefinger.fem.contact.obstacle import Obstacle
@@ -13,10 +12,9 @@ from fefinger.geometry.boundary import boundary_edges
 from fefinger.geometry.locate import locate
 from fefinger.scene.indenter import Indenter, direction
 from fefinger.scene.indenters import STANDARD
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
-
-Array = NDArray[np.float64]
 
 ON_THE_CUT = 1e-3
 """Part of the length of the finger within which the border of the pad is the proximal cut."""
@@ -72,7 +70,7 @@ def _foremost(body: Solid, axis: Array) -> Array:
     return point * (1.0, 0.0, 1.0) if body.half else point
 
 
-def check_inside(body: Solid, pressed: NDArray[np.int64], depth: float) -> None:
+def check_inside(body: Solid, pressed: Integers, depth: float) -> None:
     """Raise InputError where pressed pad vertices (n,) lie on the border, `depth` mm deep."""
     reached = body.space.points[pressed[np.isin(pressed, border(body))]]
     if len(reached) == 0:
@@ -87,7 +85,7 @@ def check_inside(body: Solid, pressed: NDArray[np.int64], depth: float) -> None:
     raise InputError(message)
 
 
-def border(body: Solid) -> NDArray[np.int64]:
+def border(body: Solid) -> Integers:
     """Return the pad vertices on edges of only one pad triangle, the medial plane aside."""
     single = boundary_edges(body.pad)
     if body.half:

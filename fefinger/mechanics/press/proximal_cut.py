@@ -1,4 +1,4 @@
-"""Whether a plate along the finger reaches the proximal end, told before anything is solved."""
+"""Whether a plate along the finger reaches the proximal end, checked before a solution starts."""
 
 from fefinger.mechanics.press.continuation import ALONG, NEAR, gap
 from fefinger.mechanics.situation import Situation

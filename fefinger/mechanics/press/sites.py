@@ -1,27 +1,24 @@
 """Where the end organs lie, and the small flat press that they are measured against.
 
-Shared by all mechanics; needs no mesh.
+Shared by all mechanics; needs no mesh. Their strain is read by `fem/elements/recovery.py`.
 """
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.library import receptors
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:
     from fefinger.neural.populations import Surface
-
-
-Array = NDArray[np.float64]
 
 
 REFERENCE_DEPTH = 0.5

@@ -3,22 +3,20 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.geometry.mirror import Halves
+from fefinger.support.arrays import Array, Integers
 
 
 if TYPE_CHECKING:
     from fefinger.neural.populations import Surface
 
 
-Array = NDArray[np.float64]
-
 LATTICE = 0.4  # mm between the points of a spherical pad
 STEEPEST = 0.9  # sine of the slope at which a spherical pad ends
 
 
-def meshed(points: Array, triangles: NDArray[np.int64], normals: Array, *, half: bool) -> "Surface":
+def meshed(points: Array, triangles: Integers, normals: Array, *, half: bool) -> "Surface":
     """Return the skin of a mesh: triangles (n, 3) of its pad, smooth outward normals (n_points, 3).
 
     That of a half model is mirrored.

@@ -1,10 +1,9 @@
-"""A press with a path or with friction: its candidates, its contact, and what it is said of it."""
+"""A press with a path or with friction: candidates, contact, and the notes on it."""
 
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.body import Reduced, Solid
@@ -20,7 +19,7 @@ from fefinger.mechanics.press.history import SmallStrainHistory
 from fefinger.mechanics.press.pad import on_seen
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Lateral, Pad
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
@@ -47,7 +46,7 @@ def candidates(
     path: Array,
     deepest: float,
     rings: int,
-    within: NDArray[np.bool_] | None = None,
+    within: Flags | None = None,
 ) -> Patch:
     """Return the patch of a path (n, 2) mm and a depth: unit loads along the axis of the obstacle.
 

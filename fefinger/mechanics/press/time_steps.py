@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.scene.motion import Motion
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 
@@ -38,16 +38,14 @@ class _Piece:
         """Steps of it, if even."""
         return max(1, int(np.ceil((self.stop - self.start) / self.step - 1e-9)))
 
-    def times(self) -> NDArray[np.float64]:
+    def times(self) -> Array:
         """Return its times in s but the first."""
         if self.moves:
             return np.linspace(self.start, self.stop, self.count + 1)[1:]
         return _growing(self.start, self.stop, self.step)
 
 
-def time_grid(
-    motion: Motion, *, fast: bool, refine: int = 1, most: int = MOST
-) -> NDArray[np.float64]:
+def time_grid(motion: Motion, *, fast: bool, refine: int = 1, most: int = MOST) -> Array:
     """Return times (n_t,) in s from 0 to the end of the motion, with all of its corners.
 
     `fast` limits the step in motion to 0.2 ms (a 25000th of parts and cycles longer than 5 s);
@@ -64,7 +62,7 @@ def time_grid(
     return np.append(0.0, (grid[:-1, None] + np.diff(grid)[:, None] * fractions).ravel())
 
 
-def moving(motion: Motion, time: NDArray[np.float64]) -> int:
+def moving(motion: Motion, time: Array) -> int:
     """Return at how many times (n_t,) s contact is another than just before.
 
     Under a constant force tissue creeps, and contact grows; at a constant depth it stays.
@@ -105,7 +103,7 @@ def _pieces(motion: Motion, *, fast: bool) -> Iterator[_Piece]:
         yield _Piece(start, stop, step, bool(move))
 
 
-def _growing(start: float, stop: float, step: float) -> NDArray[np.float64]:
+def _growing(start: float, stop: float, step: float) -> Array:
     longest = max(RESTING_STEP, (stop - start) / RESTING_STEPS)
     lengths = [step]
     while sum(lengths) < stop - start:

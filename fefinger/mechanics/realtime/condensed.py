@@ -14,7 +14,6 @@ from functools import partial
 from typing import Any, Literal, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.condensation import Operator, OutsideError, faces_down
@@ -43,14 +42,12 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.progress import Stages
 from fefinger.support.tolerances import COMPLEMENTARITY
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.support.vocabulary import FAMILIES
-
-
-Array = NDArray[np.float64]
 
 
 class Condensed:
@@ -123,7 +120,7 @@ class Condensed:
         self.reset()
 
     @property
-    def counts(self) -> NDArray[np.int64]:
+    def counts(self) -> Integers:
         """How much work it was (5,): see `fem.active.K` and the names beside it."""
         return self._state.counts
 

@@ -11,7 +11,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.fem.elements.probe import VOIGT
 from fefinger.mechanics import pressed
@@ -34,9 +33,6 @@ from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.support.vocabulary import TYPES
 from fefinger.theory.contact.one_spring import Spring
-
-
-Array = NDArray[np.float64]
 
 
 class Pressed:

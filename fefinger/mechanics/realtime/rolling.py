@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import ConvexHull
 
@@ -27,11 +26,10 @@ from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import Flat
+from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError, number
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
-
-Array = NDArray[np.float64]
 
 PLANE = (0, 2)  # the components of the normal: the plate turns about y
 
@@ -155,7 +153,7 @@ class Rolling:
         now.y = 0.0 if total > 0 else np.nan
         return now
 
-    def _candidates(self, every: Patch, reach: float) -> NDArray[np.bool_]:
+    def _candidates(self, every: Patch, reach: float) -> Flags:
         """Flag the vertices that any of the plates is within `reach` mm of at first touch."""
         points = self.solid.space.points[every.vertices][:, PLANE]
         nearest = np.full(len(points), np.inf)
@@ -165,7 +163,7 @@ class Rolling:
             nearest = np.minimum(nearest, points @ normal - first)
         return nearest <= reach
 
-    def _on_rim(self) -> NDArray[np.bool_]:
+    def _on_rim(self) -> Flags:
         """Flag the candidates next to pad vertices that are none, or on the border of the pad."""
         pad = self.solid.pad
         inside = np.isin(pad, self.vertices)

@@ -14,7 +14,6 @@ from functools import partial
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import OutsideError, faces_down
@@ -35,11 +34,10 @@ from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
-
-Array = NDArray[np.float64]
 
 LEFT = (
     "shift: expected a place at which the pad stays on the object, received ({:.4g}, {:.4g}) mm, "
@@ -245,7 +243,7 @@ class Sliding:
         moved: Array,
         dt: float,
         gap: Array,
-        limits_here: NDArray[np.int64],
+        limits_here: Integers,
         by_force: bool,
     ) -> int:
         """Advance without friction."""
@@ -264,7 +262,7 @@ class Sliding:
         moved: Array,
         dt: float,
         gap: Array,
-        limits_here: NDArray[np.int64],
+        limits_here: Integers,
         by_force: bool,
     ) -> int:
         """Advance with friction."""

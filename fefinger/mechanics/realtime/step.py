@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-
-Array = NDArray[np.float64]
+from fefinger.support.arrays import Array
 
 
 @dataclass(slots=True)

@@ -10,18 +10,16 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError, number
 from fefinger.theory.lumped.spring import LARGEST
 from fefinger.theory.relaxation import Prony, exprel
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

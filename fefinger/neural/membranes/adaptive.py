@@ -1,12 +1,12 @@
 """Adaptive Hodgkin-Huxley integration of order 8 (DOP853): reference for the other methods."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from fefinger.neural.membranes.equations import REARM_MV, SPIKE_MV, slope
 from fefinger.neural.membranes.firing import Run
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 
 
@@ -23,12 +23,12 @@ MOST = 1_000_000
 
 
 def integrate(
-    time: NDArray[np.float64],
+    time: Array,
     divisor: float,
     frozen: bool,
-    rest: NDArray[np.float64],
+    rest: Array,
     block: tuple[float, float, float],
-    current: NDArray[np.float64],
+    current: Array,
 ) -> Run:
     """Integrate one unit, current (n_t, 1); results as in `vectorized.integrate`.
 
@@ -42,7 +42,7 @@ def integrate(
         rate = (i1 - i0) / (t1 - t0)
 
         def rise(
-            t: float, y: NDArray[np.float64], t0: float = t0, i0: float = i0, rate: float = rate
+            t: float, y: Array, t0: float = t0, i0: float = i0, rate: float = rate
         ) -> tuple[float, float, float, float]:
             return slope(y[0], y[1], y[2], y[3], i0 + rate * (t - t0), slow, thaw)
 
@@ -68,9 +68,7 @@ def integrate(
     return [np.array(spikes)], np.array([[*y, peak, blocked]])
 
 
-def _straight(
-    time: NDArray[np.float64], current: NDArray[np.float64]
-) -> list[tuple[float, float, float, float]]:
+def _straight(time: Array, current: Array) -> list[tuple[float, float, float, float]]:
     """Split a current into its longest straight pieces (t0, t1, i0, i1).
 
     InputError for MOST pieces or more. A jump is a repeated time, or an interval of a few spacings

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.neural.membranes.firing import (
     Firing,
@@ -15,6 +15,7 @@ from fefinger.neural.membranes.firing import (
     signals,
     trimmed,
 )
+from fefinger.support.arrays import Array
 from fefinger.support.checks import number
 
 
@@ -51,13 +52,13 @@ class ConnorStevens:
         number("transient", self.transient, at_least=30.0, at_most=60.0, unit="mS/cm²")
         number("rate_divisor", self.rate_divisor, at_least=1.0, at_most=100.0)
 
-    def rest(self) -> NDArray[np.float64]:
+    def rest(self) -> Array:
         """Find the lowest state without net current: absolute potential in mV and n, m, h, a, b."""
         from scipy.optimize import brentq
 
         from fefinger.neural.membranes import connor_stevens_compiled as compiled
 
-        def state(e: float) -> NDArray[np.float64]:
+        def state(e: float) -> Array:
             return np.array([e, *compiled.kinetics(e)[1::2]])
 
         def inward(e: float) -> float:
@@ -87,8 +88,8 @@ class ConnorStevens:
 
     def _run(
         self,
-        time_ms: NDArray[np.float64],
-        columns: NDArray[np.float64],
+        time_ms: Array,
+        columns: Array,
         step: float,
         frozen: bool,
     ) -> Run:
@@ -99,7 +100,7 @@ class ConnorStevens:
         numbers = self.transient, 1.0 / self.rate_divisor, 1e3 * BLOCK_AFTER * self.rate_divisor
         room = int(2.0 * (time_ms[-1] - time_ms[0])) + 16
 
-        def unit(column: NDArray[np.float64]) -> Run:
+        def unit(column: Array) -> Run:
             spikes = np.empty((1, room))
             count, peak, block, final = compiled.integrate(
                 time_ms, column[:, 0], step, numbers, frozen, rest, spikes[0]

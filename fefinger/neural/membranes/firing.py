@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, number
 from fefinger.support.processes import cores
 
@@ -30,11 +31,11 @@ class Firing:
     gates of the membrane.
     """
 
-    times: tuple[NDArray[np.float64], ...]
-    peak_mV: NDArray[np.float64]
-    block_seconds: NDArray[np.float64]
-    stimulus_driven: NDArray[np.int64]
-    final: NDArray[np.float64]
+    times: tuple[Array, ...]
+    peak_mV: Array
+    block_seconds: Array
+    stimulus_driven: Integers
+    final: Array
 
 
 class Membrane(Protocol):
@@ -52,7 +53,7 @@ def largest_step(dt: float | None) -> float:
     return number("dt", dt, above=0.0, at_most=LARGEST_STEP, unit="s")
 
 
-def signals(time: ArrayLike, current: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def signals(time: ArrayLike, current: ArrayLike) -> tuple[Array, Array]:
     """Check the signals; return time (n_t,) in ms and current (n_t, n_units) in uA/cm²."""
     time, current = np.asarray(time, float), np.asarray(current, float)
     shaped = current.ndim in (1, 2) and current.shape[:1] == time.shape
@@ -75,13 +76,13 @@ def signals(time: ArrayLike, current: ArrayLike) -> tuple[NDArray[np.float64], N
     return 1e3 * time, current.reshape(len(time), -1)
 
 
-Run = tuple[list[NDArray[np.float64]], NDArray[np.float64]]
+Run = tuple[list[Array], Array]
 """Result of a run: spike times per unit in ms, and a row of numbers per unit."""
 
 
 def in_blocks(
-    run: Callable[[NDArray[np.float64]], Run],
-    current: NDArray[np.float64],
+    run: Callable[[Array], Run],
+    current: Array,
     width: int,
     *,
     by_onset: bool = False,
@@ -138,7 +139,7 @@ def fired(run: Callable[[bool], Run], *, stimulus_driven: bool) -> Firing:
     )
 
 
-def trimmed(spikes: NDArray[np.float64], counts: NDArray[np.int64]) -> list[NDArray[np.float64]]:
+def trimmed(spikes: Array, counts: Integers) -> list[Array]:
     """Cut rows of spike times to their counts; InputError where a row was too short."""
     if counts.max(initial=0) > spikes.shape[1]:
         msg = (

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.neural.membranes.firing import (
     LARGEST_STEP,
@@ -16,6 +16,7 @@ from fefinger.neural.membranes.firing import (
     signals,
     trimmed,
 )
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number
 
 
@@ -75,7 +76,7 @@ class HodgkinHuxley:
         """Factor on all rates."""
         return float(_Q10 ** ((self.temperature - _MEASURED_AT) / 10) / self.rate_divisor)
 
-    def rest(self) -> NDArray[np.float64]:
+    def rest(self) -> Array:
         """Compute the resting state (V in mV, n, m, h) by bisection."""
         from fefinger.neural.membranes import equations as compiled
 
@@ -165,8 +166,8 @@ class HodgkinHuxley:
     def _run(
         self,
         method: str,
-        time_ms: NDArray[np.float64],
-        current: NDArray[np.float64],
+        time_ms: Array,
+        current: Array,
         step: float,
         frozen: bool,
     ) -> Run:
@@ -185,7 +186,7 @@ class HodgkinHuxley:
         # 2 spikes per ms are ten times what the membrane fires.
         room = int(2.0 * max(1.0, self.speed) * (time_ms[-1] - time_ms[0])) + 16
 
-        def block_of(columns: NDArray[np.float64]) -> Run:
+        def block_of(columns: Array) -> Run:
             n = columns.shape[1]
             spikes, counts = np.empty((n, room)), np.zeros(n, np.int64)
             rows = vectorized.integrate(time_ms, columns, how, rest, self.block, spikes, counts)

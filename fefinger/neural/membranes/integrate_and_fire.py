@@ -4,9 +4,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.neural.membranes.firing import Firing, Run, in_blocks, largest_step, signals, trimmed
+from fefinger.support.arrays import Array
 from fefinger.support.checks import number
 
 
@@ -70,7 +71,7 @@ class IntegrateAndFire:
         room = int(1e-3 * (time_ms[-1] - time_ms[0]) * self.rate(largest)) + 2
         numbers = self.threshold, 1e3 * self.time_constant, 1e3 * self.refractory
 
-        def block(part: NDArray[np.float64]) -> Run:
+        def block(part: Array) -> Run:
             n = part.shape[1]
             spikes, counts = np.empty((n, room)), np.zeros(n, np.int64)
             rows = compiled.integrate(time_ms, part, numbers, spikes, counts)

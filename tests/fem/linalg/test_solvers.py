@@ -8,11 +8,12 @@ from fefinger.validation.bench import superlu
 from fefinger.validation.problems.grids import box
 
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.spaces import Array, Integers, Space
+from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import minres, multifrontal, solvers
 from fefinger.fem.linalg import system as solve
 from fefinger.fem.linalg.solvers import SOLVERS
 from fefinger.scene.ask import Ask
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.tolerances import LINEAR_RESIDUAL
 

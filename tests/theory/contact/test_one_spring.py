@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from fefinger.scene.library import pawluk_relaxation
+from fefinger.support.arrays import Array
 from fefinger.theory.contact.one_spring import ElasticForce, Spring, carry, depth_nodes
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 
-
-Array = NDArray[np.float64]
 
 PRONY = pawluk_relaxation()["a.h."]
 ELASTIC = Prony((1.0,), ())

@@ -5,15 +5,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from fefinger.validation.oracles import synthetic
-from numpy.typing import NDArray
 
 from fefinger.scene import library
+from fefinger.support.arrays import Array
 from fefinger.theory.array.sensor import two_pole
 from fefinger.theory.lumped import identify, ramp_hold
 from fefinger.theory.lumped.spring import Spring
 
 
-Array = NDArray[np.float64]
 Samples = tuple[Array, Array, Array]
 
 SUBJECTS = {

@@ -1,0 +1,49 @@
+"""CSV files of users: what is read, and the messages on what cannot be."""
+
+import numpy as np
+import pytest
+
+from fefinger.support.checks import InputError
+from fefinger.support.csv_columns import read_columns, read_table
+
+
+TEXTS = {
+    "empty": ("", "header and rows of numbers below it, received an empty file"),
+    "no rows": ("time,depth\n", "received the header 'time,depth' alone"),
+    "semicolons": ("time;depth\n0,0;0,0\n", "expected commas .*, received semicolons in the first"),
+    "tabs": ("time\tdepth\n0\t0\n", "received tabs in the first line"),
+    "spaces": ("time depth\n0 0\n", "received spaces in the first line"),
+    "too few": ("time,depth\n0,0\n\n1\n", "line 4: expected 2 values, received 1"),
+    "too many": ("time,depth\n0,0,0,0\n", "line 2: expected 2 values, .* write 0.5 for 0,5"),
+    "comma": ('time,depth\n0,0\n1,"0,1"\n', "line 3, column depth: .* '0,1'; write 0.5 for 0,5"),
+    "missing": ("time,depth\n0,0\n1,\n", "column depth: expected a finite number, received ''"),
+    "text": ("time,depth\n0,x\n", "line 2, column depth: expected a finite number, received 'x'"),
+    "nan": ("time,depth\n0,nan\n", "line 2, column depth: .* received 'nan'"),
+    "no header": ("0,0\n1,1\n", "the first line to be 'time,depth', .* received '0,0'"),
+    "other name": ("time,force\n0,0\n", "the first line to be 'time,depth', .*, received 'time,f"),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), TEXTS.values(), ids=TEXTS)
+def test_a_file_that_cannot_be_used_is_refused_with_its_place(tmp_path, text, message):
+    file = tmp_path / "bad.csv"
+    file.write_text(text)
+    with pytest.raises(InputError, match=message) as refused:
+        read_columns("motion.file", file, ("time", "depth"))
+    assert str(refused.value).startswith(f"motion.file: {str(file)!r}: ")
+
+
+def test_files_that_are_no_text_are_refused(tmp_path):
+    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x01")
+    for name, message in (("binary.csv", "it: .*save it as UTF-8"), ("missing.csv", "it: ")):
+        with pytest.raises(InputError, match=f"cannot read {message}"):
+            read_table("file", tmp_path / name)
+
+
+def test_blank_lines_spaces_and_a_byte_order_mark_are_ignored(tmp_path):
+    file = tmp_path / "good.csv"
+    file.write_text("\ufefftime, depth (mm)\n\n0, 0\n1, 0.5\n\n", encoding="utf-8")
+    assert read_columns("file", file, ("time", "depth")) == ((0.0, 1.0), (0.0, 0.5))
+    table = read_table("file", file)
+    assert [line for line, _ in table.rows] == [3, 4]
+    np.testing.assert_array_equal(table.numbers([1]), [[0], [0.5]])
