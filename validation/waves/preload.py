@@ -17,7 +17,6 @@ from scipy.sparse.linalg import splu
 from fefinger.fem.contact.deformed_gap import DeformedGap, contact_surface
 from fefinger.fem.contact.oscillators import Complex, complex_modulus
 from fefinger.fem.elements.mass import mass
-from fefinger.fem.elements.spaces import Array, Integers
 from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress, continuum
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target
@@ -36,6 +35,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.progress import Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
@@ -57,15 +57,14 @@ def modulus(finger: Finger, frequency: Array) -> Complex:
 class Preloaded:
     """A finger of stiffening tissue, pressed to a depth in mm and relaxed.
 
-    press: of the flat plate; table: its elastic press; elements and system of `solid`; state, gap:
-    the equilibrium at the depth.
+    press: of the flat plate; table: its elastic press; equilibrium: the solver of `solid`; state,
+    gap: at the depth.
     """
 
     press: Press
     table: CarriedPress
     depth: float
-    elements: Continuum
-    system: System
+    equilibrium: Equilibrium
     state: State
     gap: DeformedGap
 
@@ -83,7 +82,27 @@ class Preloaded:
         for part in np.linspace(0, 1, STEPS + 1)[1:]:
             target = Target("depth", float(depth * part**2), elements.at_rest)
             state = equilibrium.find(state, target)
-        return cls(press, table, depth, elements, body.system, state, contact.at(state))
+        return cls(press, table, depth, equilibrium, state, contact.at(state))
+
+    @property
+    def elements(self) -> Continuum:
+        """Elements of the body."""
+        return self.equilibrium.body
+
+    @property
+    def system(self) -> System:
+        """The body at rest, with what is held."""
+        return self.equilibrium.system
+
+    def secant(self, part: float) -> float:
+        """Difference in N/mm of the forces of two equilibria, deeper and shallower by a part."""
+        forces = []
+        for depth in (self.depth * (1 - part), self.depth * (1 + part)):
+            target = Target("depth", depth, self.elements.at_rest)
+            pressure = self.equilibrium.find(self.state, target).pressure
+            forces.append(float(self.gap.contact.projected @ pressure))
+        unit = NEWTON_PER_MILLINEWTON * self.press.sides
+        return unit * (forces[1] - forces[0]) / (2 * part * self.depth)
 
     @cached_property
     def active(self) -> Integers:
