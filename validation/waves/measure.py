@@ -80,7 +80,6 @@ def vibrations(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
                 "relaxation": relaxation,
                 "object": name,
                 "part": part,
-                "reduced": REDUCED.tolist(),
                 "error": np.abs(answer.stiffness / still - 1).tolist(),
             }
 
@@ -122,7 +121,6 @@ def between_meshes(relaxation: str, subject: str) -> dict[str, Any]:
     difference = np.abs(changes[1] - changes[0])
     return {
         "relaxation": relaxation,
-        "reduced": REDUCED.tolist(),
         "error": difference.tolist(),
     }
 
@@ -230,6 +228,7 @@ def main(path: str) -> None:
         "tissue": TISSUE,
         "subjects": SUBJECTS,
         "mesh": "coarse",
+        "reduced": REDUCED.tolist(),
         "vibration": [row for each in kinds for row in vibrations(*each)],
         "mesh_of_inertia": [between_meshes(kind, s) for kind in RELAXATIONS for s in SUBJECTS],
         "preload": [row for subject in SUBJECTS for row in preloads(subject)],

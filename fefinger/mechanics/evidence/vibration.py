@@ -279,7 +279,8 @@ def _envelope(name: str, kind: str = "") -> tuple[Array, Array]:
     """
     rows = [row for row in read(REPORT)[name] if not kind or row["relaxation"] == kind]
     if name in ("vibration", "mesh_of_inertia"):
-        points = [pair for row in rows for pair in zip(row["reduced"], row["error"], strict=True)]
+        reduced = read(REPORT)["reduced"]
+        points = [pair for row in rows for pair in zip(reduced, row["error"], strict=True)]
     else:
         key = {"ramp": "speed_over_wave", "truncation": "ratio"}[name]
         points = [(row[key], row["error"]) for row in rows]
