@@ -34,6 +34,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from fefinger.validation.empty_cache import empty_cache
 from fefinger.validation.unusable import BAD_COMMANDS, BAD_TABLES, FILES
 from threadpoolctl import threadpool_limits
 
@@ -237,16 +238,8 @@ def record(*, quick: bool) -> Fingerprint:
 @contextmanager
 def _alone() -> Iterator[Path]:
     """Work in an empty folder, with an empty cache."""
-    before = os.environ.get("XDG_CACHE_HOME")
-    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as cache:
-        os.environ["XDG_CACHE_HOME"] = cache
-        try:
-            with chdir(folder):
-                yield Path(folder)
-        finally:
-            del os.environ["XDG_CACHE_HOME"]
-            if before is not None:
-                os.environ["XDG_CACHE_HOME"] = before
+    with tempfile.TemporaryDirectory() as folder, empty_cache(), chdir(folder):
+        yield Path(folder)
 
 
 @contextmanager

@@ -25,7 +25,4 @@ def bench(suites: tuple[str, ...], output: str | None, as_json: bool) -> None:
         for suite, figures in measured.items():
             benchmarks.write(suite, figures, folder)
     record = benchmarks.as_json(figure for figures in measured.values() for figure in figures)
-    if as_json:
-        console.print_json(record)
-    else:
-        click.echo(console.bench_summary(record))
+    console.print_answer(record, console.bench_summary(record), as_json=as_json)

@@ -33,7 +33,4 @@ def cache(days: float | None, as_json: bool) -> None:
         "entries": [console.cache_record(entry) for entry in store.entries()],
         "removed": [console.cache_record(entry) for entry in removed],
     }
-    if as_json:
-        console.print_json(record)
-    else:
-        click.echo(console.cache_summary(record))
+    console.print_answer(record, console.cache_summary(record), as_json=as_json)

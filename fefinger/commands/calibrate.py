@@ -78,13 +78,10 @@ def _print(calibrations: list["Calibration"], files: list[str], *, as_json: bool
     from fefinger.calibration import jobs
     from fefinger.results.candidate import MECHANICS
 
-    if as_json:
-        records = [each.record() for each in calibrations]
-        console.print_json({"calibrations": records, "files": files})
-        return
-    texts = [jobs.summary(each) for each in calibrations]
-    click.echo("\n\n".join(texts) + "".join(f"\nfile  {file}" for file in files))
+    record = {"calibrations": [each.record() for each in calibrations], "files": files}
+    texts = ["\n\n".join(map(jobs.summary, calibrations)), *(f"file  {file}" for file in files)]
     if not all(MECHANICS[each.mechanics].finite for each in calibrations):
-        click.echo(
+        texts.append(
             "no tissue.toml is written: t(u) scales the force, not a tissue; use --mechanics solid"
         )
+    console.print_answer(record, "\n".join(texts), as_json=as_json)

@@ -47,9 +47,9 @@ def remark(line: str) -> None:
         click.echo(line, err=True)
 
 
-def print_json(record: Any) -> None:
-    """Print a record as JSON on standard output, with null for numbers that are not finite."""
-    click.echo(strict_json(record))
+def print_answer(record: Any, text: str, *, as_json: bool) -> None:
+    """Print the answer of a command: its record as JSON, null where not finite, or else a text."""
+    click.echo(strict_json(record) if as_json else text)
 
 
 def run_record(result: "Result", seconds: dict[str, float], files: list[str]) -> dict[str, Any]:

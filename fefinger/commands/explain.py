@@ -35,10 +35,7 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     if not MECHANICS[chosen.mechanics].inertia:
         for sentence in _too_fast(loaded):
             click.echo(sentence, err=True)
-    if as_json:
-        console.print_json(console.plan_record(chosen))
-    else:
-        click.echo(console.plan_summary(chosen))
+    console.print_answer(console.plan_record(chosen), console.plan_summary(chosen), as_json=as_json)
 
 
 def _too_fast(scene: "Scene") -> tuple[str, ...]:

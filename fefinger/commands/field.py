@@ -64,10 +64,7 @@ def field(
             files = [] if output is None else answer.save(output)
         finally:  # print the answer also where saving it fails
             record = answer.record() | {"files": files}
-            if as_json:
-                console.print_json(record)
-            else:
-                click.echo(_summary(answer, files))
+            console.print_answer(record, _summary(answer, files), as_json=as_json)
 
 
 def _summary(answer: "ReceptiveField", files: list[str]) -> str:

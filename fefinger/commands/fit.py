@@ -27,8 +27,6 @@ def fit(data: str, terms: int, output: str | None, as_json: bool) -> None:
         try:
             files = [] if folder is None else lumped_fit.save(identified, folder)
         finally:  # print the answer also where saving it fails
-            if as_json:
-                console.print_json(lumped_fit.record(identified) | {"files": files})
-            else:
-                lines = [lumped_fit.summary(identified), *(f"file  {file}" for file in files)]
-                click.echo("\n".join(lines))
+            record = lumped_fit.record(identified) | {"files": files}
+            lines = [lumped_fit.summary(identified), *(f"file  {file}" for file in files)]
+            console.print_answer(record, "\n".join(lines), as_json=as_json)

@@ -43,7 +43,4 @@ def mesh(
         from fefinger import view
 
         view.draw_mesh(built, picture)
-    if as_json:
-        console.print_json(console.mesh_record(built))
-    else:
-        click.echo(console.mesh_summary(built))
+    console.print_answer(console.mesh_record(built), console.mesh_summary(built), as_json=as_json)

@@ -53,10 +53,9 @@ def run(
         finally:  # print the answer also where saving it fails
             for warning in result.too_fast:
                 click.echo(warning, err=True)
-            if as_json:
-                console.print_json(console.run_record(result, seconds, written))
-            else:
-                click.echo(console.run_summary(result, seconds, written, verbose=verbose))
+            record = console.run_record(result, seconds, written)
+            text = console.run_summary(result, seconds, written, verbose=verbose)
+            console.print_answer(record, text, as_json=as_json)
 
 
 def _save_partial(stop: Stopped, output: str) -> None:

@@ -22,17 +22,13 @@ def scenes(name: str | None, schema: bool, as_json: bool) -> None:
     if schema:
         from fefinger.scene.schema import schema as scene_schema
 
-        console.print_json(scene_schema())
+        console.print_answer(scene_schema(), "", as_json=True)
         return
     if name is not None:
-        text = library.text(name)
-        if as_json:
-            console.print_json(library.load(name).to_dict())
-        else:
-            click.echo(text, nl=False)
+        text = library.text(name).removesuffix("\n")
+        record = library.load(name).to_dict() if as_json else {}  # a text needs no library
+        console.print_answer(record, text, as_json=as_json)
         return
     rows = [(each, library.summary(each)) for each in library.names()]
-    if as_json:
-        console.print_json({"scenes": [{"name": n, "summary": summary} for n, summary in rows]})
-    else:
-        click.echo(table(rows))
+    listed = {"scenes": [{"name": n, "summary": summary} for n, summary in rows]}
+    console.print_answer(listed, table(rows), as_json=as_json)

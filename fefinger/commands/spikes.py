@@ -62,7 +62,4 @@ def spikes(
             files = [] if folder is None else series.save(trains, folder)
         finally:  # print the answer also where saving it fails
             record = console.spikes_record(trains, files)
-            if as_json:
-                console.print_json(record)
-            else:
-                click.echo(console.spikes_summary(record))
+            console.print_answer(record, console.spikes_summary(record), as_json=as_json)

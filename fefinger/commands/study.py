@@ -101,10 +101,7 @@ def study(
         files += [write(answered, file, "--table") for file in tables]
     finally:  # print the answers also where saving them fails
         record = console.study_record(answered, files)
-        if as_json:
-            console.print_json(record)
-        else:
-            click.echo(console.study_summary(record))
+        console.print_answer(record, console.study_summary(record), as_json=as_json)
     return FAILED if answered.failures else DONE
 
 

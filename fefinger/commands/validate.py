@@ -50,10 +50,9 @@ def validate(
                 words = [*suites, *(key for key, given in options.items() if given)]
                 written = _save(record, folder, name, " ".join(["fefinger validate", *words]))
         finally:  # print the outcome also where saving it fails
-            if as_json:
-                console.print_json(record)
-            else:
-                click.echo("\n".join([console.validation_summary(record), *written]))
+            console.print_answer(
+                record, "\n".join([console.validation_summary(record), *written]), as_json=as_json
+            )
     verdicts = {case["verdict"] for suite in record["suites"] for case in suite["cases"]}
     return FAILED if "fail" in verdicts else DONE
 

@@ -92,10 +92,10 @@ def modes_of(
     size = mass.shape[0]
     free = np.sort(compliance.order[compliance.order < size])
     inner = mass[free][:, free].tocsr()
-    found = lowest(static(compliance, free), inner, count, progress)
-    shapes = np.zeros((size, found.shapes.shape[1]))
-    shapes[free] = found.shapes
-    return Modes(found.squares, shapes, found.residual)
+    lowest_modes = lowest(static(compliance, free), inner, count, progress)
+    shapes = np.zeros((size, lowest_modes.shapes.shape[1]))
+    shapes[free] = lowest_modes.shapes
+    return Modes(lowest_modes.squares, shapes, lowest_modes.residual)
 
 
 @one_thread

@@ -114,7 +114,7 @@ class HalfSpace:
 
 
 def tissue(finger: Finger) -> tuple[float, float]:
-    """Return modulus in kPa and Poisson's ratio of the one tissue that stands for skin and pulp.
+    """Return modulus in kPa and Poisson's ratio of the uniform tissue that replaces skin and pulp.
 
     Under a contact wider than the skin is thick, the layers bear the same pressure one after the
     other, so the compliances average, weighted by thickness; and so do Poisson's ratios.
@@ -185,9 +185,9 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     Hertz, and more where chi is not small; the skin leaves the modulus open between those of the
     two tissues.
     """
-    found = measured(Candidate(name), case, quantity)
-    if found is not None or quantity != "force":
-        return found or UNKNOWN
+    stated = measured(Candidate(name), case, quantity)
+    if stated is not None or quantity != "force":
+        return stated or UNKNOWN
     stiffer = STIFFENING * _thinness(case)
     modulus, _ = tissue(case.finger)
     ends = (case.finger.skin.modulus, case.finger.subcutaneous.modulus)

@@ -134,9 +134,9 @@ def once(case: Situation) -> float:
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     """Return the expected relative error against `solid`, else of the force against `linear`."""
-    found = measured(Candidate(name), case, quantity)
-    if found is not None or quantity != "force":
-        return found or UNKNOWN
+    stated = measured(Candidate(name), case, quantity)
+    if stated is not None or quantity != "force":
+        return stated or UNKNOWN
     return reports.layered_error(case.indenter, hertz.deepest(case))
 
 

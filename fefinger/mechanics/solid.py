@@ -69,9 +69,9 @@ def once(case: Situation) -> float:
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     """Return the expected relative error against a converged mesh, and its source."""
-    found = measured(Candidate(name, case.mesh), case, quantity)
-    assert found is not None
-    return found
+    stated = measured(Candidate(name, case.mesh), case, quantity)
+    assert stated is not None
+    return stated
 
 
 def coarser(scene: Scene) -> Finger | None:

@@ -1,4 +1,4 @@
-"""What every builder of a mesh does last: constraints of the vertices, bone volume, mesh record."""
+"""Last steps of every mesh builder: constraints of the vertices, bone volume, mesh record."""
 
 from collections.abc import Mapping
 from dataclasses import replace

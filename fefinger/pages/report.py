@@ -206,17 +206,17 @@ def _top_pressure(result: ResultRecord) -> str:
     return f"At a single point of it the pressure is at most {top:.3g} kPa, at {when}."
 
 
-def _harmonic(found: Harmonic, result: ResultRecord) -> dict[str, Any]:
+def _harmonic(harmonic: Harmonic, result: ResultRecord) -> dict[str, Any]:
     """Return the section on the answer to small oscillations about the preload."""
     text = (
-        f"Answer to small oscillations about {found.preload_depth:.3g} mm and "
-        f"{found.preload_force:.3g} N of relaxed tissue, with contact as it is there. What the "
-        f"modes leave out changes the stiffness by at most {100 * found.error.max():.2g} %. The "
+        f"Answer to small oscillations about {harmonic.preload_depth:.3g} mm and "
+        f"{harmonic.preload_force:.3g} N of relaxed tissue, with contact as it is there. What the "
+        f"modes leave out changes the stiffness by at most {100 * harmonic.error.max():.2g} %. The "
         "lowest resonances of the finger held by the indenter, with relaxed tissue, lie at "
-        f"{', '.join(f'{f:.0f}' for f in found.modes[:3])} Hz."
+        f"{', '.join(f'{f:.0f}' for f in harmonic.modes[:3])} Hz."
     )
     types = result.sites.types if result.sites is not None else ()
-    return _part("harmonic", "Vibration", text, harmonic_figure.harmonic(found, types))
+    return _part("harmonic", "Vibration", text, harmonic_figure.harmonic(harmonic, types))
 
 
 def _spikes(result: ResultRecord) -> dict[str, Any]:

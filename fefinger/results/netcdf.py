@@ -2,6 +2,8 @@
 
 import dataclasses
 import json
+import tomllib
+from importlib import resources
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -32,135 +34,18 @@ class Variable(NamedTuple):
     long_name: str
 
 
-LAYOUT: dict[tuple[str, str], Variable] = {
-    ("Response", "time"): Variable("time", ("time",), "s", "time"),
-    ("Response", "depth"): Variable("depth", ("time",), "mm", "indenter travel after first touch"),
-    ("Response", "force"): Variable("force", ("time",), "N", "force along the indenter's normal"),
-    ("Response", "contact_area"): Variable("contact_area", ("time",), "mm2", "contact area"),
-    ("Response", "centroid"): Variable(
-        "centroid", ("time", "plane_axis"), "mm", "centroid of the contact pressure"
-    ),
-    ("Response", "pressure"): Variable(
-        "pressure", ("time", "pad"), "kPa", "contact pressure, positive in compression"
-    ),
-    ("Response", "gap"): Variable(
-        "gap", ("time", "pad"), "mm", "distance of the pad from the indenter along its normal"
-    ),
-    ("Response", "moment"): Variable(
-        "moment", ("time", "axis"), "N mm", "moment of the contact pressure about the origin"
-    ),
-    ("Response", "strain"): Variable(
-        "strain", ("time", "site", "axis", "axis_2"), "1", "strain tensor, positive in tension"
-    ),
-    ("Harmonic", "frequency"): Variable("frequency", ("frequency",), "Hz", "frequency"),
-    ("Harmonic", "stiffness_parts"): Variable(
-        "dynamic_stiffness", ("frequency", "part"), "N/mm", "force per oscillation of the indenter"
-    ),
-    ("Harmonic", "strain_parts"): Variable(
-        "strain_transfer",
-        ("frequency", "site", "axis", "axis_2", "part"),
-        "1/mm",
-        "strain at the sites per oscillation of the indenter",
-    ),
-    ("Harmonic", "skin_points"): Variable(
-        "skin_points", ("skin_point", "axis"), "mm", "points of the skin in the medial plane"
-    ),
-    ("Harmonic", "skin_parts"): Variable(
-        "skin_transfer",
-        ("frequency", "skin_point", "axis", "part"),
-        "1",
-        "displacement of the skin per oscillation of the indenter",
-    ),
-    ("Harmonic", "error"): Variable(
-        "truncation_error", ("frequency",), "1", "relative change of the stiffness by other modes"
-    ),
-    ("Harmonic", "modes"): Variable(
-        "mode_frequency", ("mode",), "Hz", "modes of the finger held by the indenter, relaxed"
-    ),
-    ("Lateral", "shift"): Variable(
-        "shift", ("time", "lateral_axis"), "mm", "place of the indenter across its normal"
-    ),
-    ("Lateral", "force"): Variable(
-        "lateral_force", ("time", "lateral_axis"), "N", "force on the finger across the normal"
-    ),
-    ("Lateral", "torque"): Variable(
-        "torque", ("time",), "N mm", "torque on the finger about the normal, of friction"
-    ),
-    ("Lateral", "stick_area"): Variable(
-        "stick_area", ("time",), "mm2", "area of the contact that does not slip"
-    ),
-    ("Lateral", "traction"): Variable(
-        "traction", ("time", "pad", "lateral_axis"), "kPa", "friction on the skin"
-    ),
-    ("Lateral", "slip"): Variable(
-        "slip", ("time", "pad", "lateral_axis"), "mm", "slip of the skin over the indenter"
-    ),
-    ("Lateral", "work"): Variable("friction_work", ("time",), "mJ", "work lost in friction"),
-    ("Pad", "points"): Variable("pad_points", ("pad", "axis"), "mm", "points on the pad"),
-    ("Pad", "areas"): Variable(
-        "pad_areas", ("pad",), "mm2", "area of the skin around each pad point"
-    ),
-    ("Pad", "normals"): Variable("pad_normals", ("pad", "axis"), "1", "outward normals of the pad"),
-    ("Pad", "triangles"): Variable(
-        "pad_triangles", ("pad_triangle", "pad_corner"), "1", "triangles between pad points"
-    ),
-    ("Sites", "points"): Variable("site_points", ("site", "axis"), "mm", "end-organ sites"),
-    ("Sites", "normals"): Variable(
-        "site_normals", ("site", "axis"), "1", "outward normals of the skin above the sites"
-    ),
-    ("Sites", "depths"): Variable("site_depths", ("site",), "mm", "depth of the sites under skin"),
-    ("Sites", "unit"): Variable("site_unit", ("site",), "1", "unit that each end organ belongs to"),
-    ("Sites", "number"): Variable(
-        "site_number", ("site",), "1", "number of that unit among all requested ones"
-    ),
-    ("Reference", "normals"): Variable(
-        "reference_normals", ("reference", "axis"), "1", "normals at the reference sites"
-    ),
-    ("Reference", "strain"): Variable(
-        "reference_strain", ("reference", "axis", "axis_2"), "1", "strain in the reference press"
-    ),
-    ("Fields", "points"): Variable("mesh_points", ("point", "axis"), "mm", "mesh points"),
-    ("Fields", "cells"): Variable("mesh_cells", ("cell", "corner"), "1", "tetrahedra of the mesh"),
-    ("Fields", "region"): Variable(
-        "mesh_region", ("cell",), "1", "region: 1 skin, 2 subcutaneous tissue, 3 bone"
-    ),
-    ("Fields", "times"): Variable("frame_time", ("frame",), "s", "times of the stored fields"),
-    ("Fields", "displacement"): Variable(
-        "mesh_displacement", ("frame", "point", "axis"), "mm", "displacement of the mesh points"
-    ),
-    ("Fields", "strain"): Variable(
-        "mesh_strain", ("frame", "point", "component"), "1", "strain tensor at the mesh points"
-    ),
-    ("Fields", "pressure"): Variable(
-        "mesh_pressure", ("frame", "point"), "kPa", "contact pressure at the mesh points"
-    ),
-    ("SpikeTrains", "times"): Variable("spike_time", ("spike",), "s", "times of the spikes"),
-    ("SpikeTrains", "time"): Variable("unit_time", ("unit_time",), "s", "time of the unit signals"),
-    ("SpikeTrains", "x_in"): Variable(
-        "unit_x_in", ("unit_time", "unit"), "mm", "input of the end organs, compression positive"
-    ),
-    ("SpikeTrains", "current"): Variable(
-        "unit_current",
-        ("unit_time", "unit"),
-        "uA/cm2",
-        "generator current at these times, not linear between",
-    ),
-    ("SpikeTrains", "peak_mV"): Variable(
-        "unit_peak", ("unit",), "mV", "highest membrane potential above rest"
-    ),
-    ("SpikeTrains", "block_seconds"): Variable(
-        "unit_block", ("unit",), "s", "time in depolarization block"
-    ),
-    ("SpikeTrains", "stimulus_driven"): Variable(
-        "unit_stimulus_driven", ("unit",), "1", "spikes that the current alone also produces"
-    ),
-    ("SpikeTrains", "positions"): Variable(
-        "unit_positions", ("unit", "axis"), "mm", "places of the end organs"
-    ),
-    ("SpikeTrains", "depths"): Variable(
-        "unit_depths", ("unit",), "mm", "depth of the end organs under skin"
-    ),
-}
+def _layout() -> dict[tuple[str, str], Variable]:
+    """Read the labels of all arrays, by record and field, from `netcdf.toml`."""
+    text = resources.files("fefinger.results").joinpath("netcdf.toml").read_text(encoding="utf-8")
+    return {
+        (record, field): Variable(name, tuple(dims), units, long_name)
+        for record, fields in tomllib.loads(text).items()
+        for field, (name, dims, units, long_name) in fields.items()
+    }
+
+
+LAYOUT = _layout()
+
 COORDINATES = {
     "axis": ("x", "y", "z"),
     "axis_2": ("x", "y", "z"),

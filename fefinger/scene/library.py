@@ -335,9 +335,6 @@ def _stretched_together(*layers: Tissue) -> Tissue:
     return Tissue(stiffness / total, layers[0].poisson, round(total, 12))
 
 
-# Receptors
-
-
 @dataclass(frozen=True)
 class Receptor:
     """Depth in mm of the end organs of one type under the surface of the skin, with its source."""
@@ -355,15 +352,10 @@ def receptors() -> dict[str, Receptor]:
     the user (`ask.depths`) with confidence medium at best. The effective depths of
     TouchSim (SAI 0.3, FAI 1.6, FAII 2.0 mm) are fits of a half-space model, not anatomy.
     """
-    merkel = (
-        "Merkel cells under the epidermis (0.3 to 0.5 mm thick), at the base of the intermediate "
-        "ridges"
-    )
+    merkel = "Merkel cells under the epidermis, at the base of the intermediate ridges"
     meissner = "Meissner corpuscles in the dermal papillae just below the epidermis"
-    ruffini, pacini = (
-        "Ruffini corpuscles in the deep dermis",
-        "Pacinian corpuscles under the dermis",
-    )
+    ruffini = "Ruffini corpuscles in the deep dermis"
+    pacini = "Pacinian corpuscles under the dermis"
     return {
         "SAI": Receptor(0.8, (0.7, 1.0), merkel, "medium"),
         "SAII": Receptor(1.25, (1.0, 1.5), ruffini, "low"),

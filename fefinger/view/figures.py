@@ -267,7 +267,7 @@ def spikes(result: ResultRecord) -> Any:
 
 
 def _draw_rate(axis: Any, times: Array, end: float, color: str, scale: float) -> None:
-    """Draw one over the interval, all through each interval; zero outside of them."""
+    """Draw the rate as steps: 1 / interval during each interval, zero outside of them."""
     edges = np.concatenate([[0.0], times, [max(end, times[-1])]])
     rates = np.concatenate([[0.0], 1 / np.diff(times), [0.0]])
     axis.stairs(rates, edges * scale, color=color, fill=True, alpha=0.25)

@@ -86,7 +86,7 @@ class Picture:
         axes.legend(loc="upper left", ncols=4, fontsize="small", frameon=False)
 
     def draw(self, frame: Frame) -> NDArray[np.uint8]:
-        """Bring the panels up to date and return them, (height, width, 3)."""
+        """Draw a frame in the panels and return the picture, (height, width, 3)."""
         self.pressure.set_array(np.tile(frame.pressure, 2))
         self.strain.set_array(compressive(frame.strain))
         recent = [(t, unit) for unit, t in frame.spikes if t > frame.time - WINDOW]

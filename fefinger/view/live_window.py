@@ -1,7 +1,5 @@
 """The window of `fefinger live`: half of the finger in space, and the spikes beneath it."""
 
-import os
-import sys
 from typing import Any
 
 import numpy as np
@@ -9,6 +7,7 @@ import numpy as np
 from fefinger.mechanics.realtime.show import Frame, Show, compressive, status_line
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
+from fefinger.view import renderer
 from fefinger.view.live import COLORS, LARGEST_PRESSURE, LARGEST_STRAIN, WINDOW, section_triangles
 
 
@@ -57,7 +56,7 @@ class Window:
             self.plotter.iren.add_observer("ExitEvent", self._close)
 
     def draw(self, frame: Frame) -> None:
-        """Bring everything up to date, and let the user turn it."""
+        """Draw a frame, and process the mouse and keyboard."""
         self.pad["pressure, kPa"][self.show.rolling.vertices] = frame.pressure
         self.section["compressive strain"][:] = compressive(frame.strain)
         for part in (self.pad, self.section):
@@ -66,8 +65,8 @@ class Window:
         recent = [(t, unit) for unit, t in frame.spikes if t > frame.time - WINDOW]
         times, units = np.array(recent).reshape(-1, 2).T
         for kind, series in self.series.items():
-            own = kinds[units.astype(int)] == kind
-            series.update(*((times[own], units[own]) if own.any() else (NOWHERE, NOWHERE)))
+            same = kinds[units.astype(int)] == kind
+            series.update(*((times[same], units[same]) if same.any() else (NOWHERE, NOWHERE)))
         self.chart.x_range = [frame.time - WINDOW, frame.time + 0.05]
         self.text.set_text("upper_left", status_line(frame))
         self.plotter.update()
@@ -127,12 +126,8 @@ def watch(finger: Finger) -> Frame:
 
 def require(*, off_screen: bool = False) -> None:
     """Raise InputError where VTK cannot draw, or there is no display for a window."""
-    from fefinger.view import renderer_lacking
-
-    displays = ("DISPLAY", "WAYLAND_DISPLAY")
-    hidden = sys.platform.startswith("linux") and not any(map(os.environ.get, displays))
-    missing = renderer_lacking()
-    if hidden and not off_screen:
+    missing = renderer.renderer_lacking()
+    if not (off_screen or renderer.has_display()):
         missing = "live: expected a display for a window, found none."
     if missing:
         message = f"{missing} Record with -o FILE.gif"

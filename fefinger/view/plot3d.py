@@ -36,7 +36,7 @@ class Prop(NamedTuple):
 
 
 class Key(NamedTuple):
-    """What a color bar explains: a mapper, and which parts it `needs` shown."""
+    """Entry of a color bar: its mapper, and which parts it `needs` shown."""
 
     mapper: Any
     needs: tuple[str, ...]
@@ -75,7 +75,7 @@ class Stage:
         self.refresh()
 
     def look(self) -> None:
-        """Turn the camera to the cut, or to the pad of a whole finger."""
+        """Point the camera at the cut, or at the pad of a whole finger."""
         self.plotter.view_vector(BELOW if self.shown.whole else BEHIND, viewup=(0, 0, 1))
         width, height = self._size()
         share = width / height
@@ -96,20 +96,20 @@ class Stage:
         self.refresh()
 
     def refresh(self) -> None:
-        """Let every actor be seen or not, as its parts are."""
+        """Update which actors are visible, from the parts that are hidden."""
         for prop in self.props:
             covered = prop.without is not None and prop.without not in self.hidden
             prop.actor.SetVisibility(self.hidden.isdisjoint(prop.needs) and not covered)
 
     def remove(self) -> None:
-        """Take everything out of the plotter."""
+        """Remove all actors from the plotter."""
         self.plotter.subplot(*self.where)
         for prop in self.props:
             self.plotter.remove_actor(prop.actor, render=False)
 
     @property
     def parts(self) -> list[str]:
-        """Return the parts that there are, in the order of PARTS."""
+        """Return the parts of this finger, in the order of PARTS."""
         present = {part for prop in self.props for part in prop.needs}
         return [part for part in PARTS if part in present]
 
@@ -343,7 +343,7 @@ class Stage:
 
 
 def _bring_forward(mapper: Any) -> None:
-    """Let a mapper draw over what lies before it: end organs are seen through the tissue."""
+    """Draw a mapper in front of everything: end organs show through the tissue."""
     mapper.SetResolveCoincidentTopologyToPolygonOffset()
     mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0, -66000)
     mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -66000)

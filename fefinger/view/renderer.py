@@ -38,7 +38,7 @@ def renderer_lacking() -> str:
 
 
 def require() -> None:
-    """Raise InputError where VTK cannot draw, with what works without."""
+    """Raise InputError where VTK cannot draw, naming the option that needs no renderer."""
     missing = renderer_lacking()
     if missing:
         message = f"{missing} Without one, `fefinger view DIR --html FILE` works: a browser draws."

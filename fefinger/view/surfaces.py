@@ -70,7 +70,7 @@ def outlines(fields: Fields) -> Piece:
 
 
 def entire(fields: Fields) -> tuple[Piece, ...]:
-    """Return the outer surface of all of the finger as skin, and the bone inside of it."""
+    """Return the outer surface of the whole finger as skin, and the bone inside of it."""
     points = np.column_stack([np.arange(len(fields.points))] * 2)
     boundaries = _boundaries(fields)
     outside = np.concatenate([faces[outer] for faces, outer in boundaries.values()])

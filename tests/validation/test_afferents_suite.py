@@ -64,9 +64,8 @@ def test_every_parameter_is_fitted_or_set_with_a_reason(kind):
     assert all(reason for _, reason in fixed.values())
 
 
-def test_the_cases_have_different_names_and_every_miss_is_one_of_them():
+def test_every_miss_is_the_name_of_a_case():
     names = [case.name for case in suite.cases(quick=True)]
-    assert len(set(names)) == len(names)
     assert set(misses.MISSES) <= set(names)
     assert all(name.startswith(("fitted", "predicted", "set by hand")) for name in names)
 

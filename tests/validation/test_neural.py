@@ -31,12 +31,6 @@ def test_what_falls_short_is_explained(outcomes):
     assert [case.name for case in short if not case.shortfall] == []
 
 
-def test_every_case_has_its_own_name_a_source_and_a_reason(outcomes):
-    names = [o.case.name for o in outcomes]
-    assert len(set(names)) == len(names)
-    assert all(o.case.source and o.case.reason for o in outcomes)
-
-
 def test_quick_is_part_of_the_whole(outcomes):
     whole = {case.name for case in suites.cases("neural", quick=False)}
     assert {o.case.name for o in outcomes} < whole

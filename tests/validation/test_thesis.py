@@ -37,11 +37,6 @@ def test_every_tolerance_has_its_reason_and_can_fail(outcomes):
         assert 0 < expected.tolerance <= (0.06 * abs(expected.value) or 3.0), case.name
 
 
-def test_names_are_distinct(outcomes):
-    names = [o.case.name for o in outcomes]
-    assert len(set(names)) == len(names)
-
-
 @pytest.mark.parametrize(
     ("value", "printed", "verdict"),
     [

@@ -13,6 +13,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from fefinger.validation.bench.organs import COUNT, crowd
 from fefinger.validation.bench.suites import Figure, Progress
 
 from fefinger.fem.linalg.threads import one_thread
@@ -28,7 +29,7 @@ MESH, TISSUE = "standard", "maeno1998"
 DT, SHORT = 2e-4, 5e-5
 """Steps in s; the short one resolves all modes."""
 
-STEPS, ORGANS, POINTS = 3000, 1000, 200
+STEPS, POINTS = 3000, 200
 DEEPEST = 2.0
 BAND = 1000.0  # Hz that the modes have to reach
 AIMS = {"modes": 120.0, "memory": 3.0, "points": 1.0, "step": 1.0, "scene": 10.0}
@@ -69,15 +70,7 @@ def _modes() -> list[Figure]:
 
 def _loop() -> list[Figure]:
     """Measure harmonic answers, and steps with many end organs."""
-    one = Modal(_finger(), Flat(30), deepest=DEEPEST, dt=DT).sites
-    rng = np.random.default_rng(1)
-    places = rng.uniform(-0.4, 0.4, (ORGANS, 3)) * [1.0, 1.0, 0.25]
-    sites = Sites(
-        np.repeat(one.points[:1], ORGANS, axis=0) + places,
-        np.repeat(one.normals[:1], ORGANS, axis=0),
-        np.repeat(one.depths[:1], ORGANS),
-        ("SAI",) * ORGANS,
-    )
+    sites = crowd(Modal(_finger(), Flat(30), deepest=DEEPEST, dt=DT).sites)
     measured = [row for dt in (DT, SHORT) for row in _steps(sites, dt)]
     quick = Modal(_finger(), Flat(30), deepest=DEEPEST)
     frequency = np.geomspace(1.0, 400.0, POINTS)
@@ -104,7 +97,7 @@ def _steps(sites: Sites, dt: float) -> list[Figure]:
         loop.step(max(depth, 0.0), dt)
         spent.append(1e3 * (time.thread_time() - started))
     modes, nodes = loop.body.shares.shape
-    what = f"{1e3 * dt:g} ms, {modes} modes, {nodes} contact nodes, {ORGANS} end organs"
+    what = f"{1e3 * dt:g} ms, {modes} modes, {nodes} contact nodes, {COUNT} end organs"
     return [
         Figure(f"step of {what}: median", float(np.median(spent)), "ms", AIMS["step"]),
         Figure(f"step of {what}: 99 %", float(np.quantile(spent, 0.99)), "ms"),

@@ -1,25 +1,23 @@
 """How fast tabulated finite strain is: a new table, a scene from it, and a step in a loop."""
 
-import os
-import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from fefinger.validation.bench.organs import COUNT, crowd
 from fefinger.validation.bench.suites import Figure, Progress
+from fefinger.validation.empty_cache import empty_cache
 
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.realtime.pressed import Pressed
-from fefinger.results.records import Sites
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
 
 
 STEPS, DT = 2000, 1e-3
-ORGANS = 1000
 ANGLE = 30.5
 """A plate of which no press is shipped, on the mesh of the one at 30 degrees."""
 
@@ -27,20 +25,13 @@ ANGLE = 30.5
 @one_thread
 def figures(progress: Progress) -> list[Figure]:
     """Measure CPU seconds of flat-press by `solid` and `pressed`, and milliseconds of a step."""
-    found: list[Figure] = []
-    cache = os.environ.get("XDG_CACHE_HOME")
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            os.environ["XDG_CACHE_HOME"] = folder
-            for number, mesh in enumerate(("coarse", "standard")):
-                found += _scene(mesh)
-                progress("pressed", (number + 1) / 3)
-            found += _loop()
-    finally:
-        os.environ.pop("XDG_CACHE_HOME")
-        if cache is not None:
-            os.environ["XDG_CACHE_HOME"] = cache
-    return found
+    measured: list[Figure] = []
+    with empty_cache():
+        for number, mesh in enumerate(("coarse", "standard")):
+            measured += _scene(mesh)
+            progress("pressed", (number + 1) / 3)
+        measured += _loop()
+    return measured
 
 
 def _scene(mesh: str) -> list[Figure]:
@@ -66,16 +57,7 @@ def _seconds(respond: Callable[[Scene], object], scene: Scene) -> float:
 def _loop() -> list[Figure]:
     """Measure steps of a finger with many end organs."""
     finger = Pressed(Finger.subject("a.h."))
-    one = finger.sites
-    rng = np.random.default_rng(1)
-    places = rng.uniform(-0.4, 0.4, (ORGANS, 3)) * [1.0, 1.0, 0.25]
-    sites = Sites(
-        np.repeat(one.points[:1], ORGANS, axis=0) + places,
-        np.repeat(one.normals[:1], ORGANS, axis=0),
-        np.repeat(one.depths[:1], ORGANS),
-        ("SAI",) * ORGANS,
-    )
-    finger = Pressed(replace(finger.finger), sites=sites)
+    finger = Pressed(replace(finger.finger), sites=crowd(finger.sites))
     taken = []
     for step in range(STEPS):
         started = time.perf_counter()
@@ -83,6 +65,6 @@ def _loop() -> list[Figure]:
         taken.append(1e3 * (time.perf_counter() - started))
     median, slow = np.quantile(taken, (0.5, 0.99)).tolist()
     return [
-        Figure(f"a step with {ORGANS} end organs, median", median, "ms"),
-        Figure(f"a step with {ORGANS} end organs, 99 % of them within", slow, "ms"),
+        Figure(f"a step with {COUNT} end organs, median", median, "ms"),
+        Figure(f"a step with {COUNT} end organs, 99 % of them within", slow, "ms"),
     ]

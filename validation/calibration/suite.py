@@ -3,7 +3,7 @@
 The calibrated subjects are read from `reports/calibrated.json` (see `evidence_calibration`).
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -108,15 +108,20 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield from subjects.cases(subject, quick=quick)
 
 
+def _recovered(twin: str, measure: Callable[[], float], name: str, seeds: int) -> Case:
+    """Return the case that a calibration finds a parameter of a twin within its uncertainty."""
+    return Case(
+        f"{twin}: seeds of {seeds} in which {name} is within its stated uncertainty",
+        measure,
+        Expected(seeds, 1.0, "seeds"),
+        "the parameters of the twin",
+        reason="two standard deviations hold 95 %, so one of ten may be outside",
+    )
+
+
 def _twins(seeds: int) -> Iterator[Case]:
     for name in twin.TRUTH:
-        yield Case(
-            f"twin: seeds of {seeds} in which {name} is within its stated uncertainty",
-            partial(twin.recovered, name, seeds),
-            Expected(seeds, 1.0, "seeds"),
-            "the parameters of the twin",
-            reason="two standard deviations hold 95 %, so one of ten may be outside",
-        )
+        yield _recovered("twin", partial(twin.recovered, name, seeds), name, seeds)
     for what, limit in PRINTED.items():
         yield Case(
             f"twin: {what} error of sinusoids of 2 to 16 Hz, which were not fitted",
@@ -131,13 +136,7 @@ def _other_mesh(seeds: int) -> Iterator[Case]:
     """Yield the twin of the standard mesh, which is calibrated on the coarse one: no crime."""
     mesh, other = twin.STANDARD, "twin of the standard mesh, calibrated on the coarse"
     for name in twin.TRUTH:
-        yield Case(
-            f"{other}: seeds of {seeds} in which {name} is within its stated uncertainty",
-            partial(twin.recovered, name, seeds, mesh),
-            Expected(seeds, 1.0, "seeds"),
-            "the parameters of the twin",
-            reason="two standard deviations hold 95 %, so one of ten may be outside",
-        )
+        yield _recovered(other, partial(twin.recovered, name, seeds, mesh), name, seeds)
     for name in ("pad_radius", "t_b", "t_m"):
         yield Case(
             f"{other}: {name} over the true one less 1, mean of {seeds} seeds",
@@ -151,13 +150,8 @@ def _other_mesh(seeds: int) -> Iterator[Case]:
 def _of_solid(seeds: int) -> Iterator[Case]:
     """Yield the twin that relaxes in its elements, which is calibrated through `solid`."""
     for name in solid_twin.TISSUE:
-        yield Case(
-            f"twin of solid: seeds of {seeds} in which {name} is within its stated uncertainty",
-            partial(solid_twin.recovered, name, seeds),
-            Expected(seeds, 1.0, "seeds"),
-            "the parameters of the twin",
-            reason="two standard deviations hold 95 %, so one of ten may be outside",
-        )
+        measure = partial(solid_twin.recovered, name, seeds)
+        yield _recovered("twin of solid", measure, name, seeds)
     yield Case(
         f"twin of solid: seeds of {seeds} in which the weights of G are within theirs, the least",
         partial(solid_twin.weights, seeds),

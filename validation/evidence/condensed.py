@@ -5,15 +5,14 @@ as long again with `errors` behind it, which measures the errors of the force an
 """
 
 import json
-import os
 import resource
 import shutil
 import sys
-import tempfile
 import time
 from pathlib import Path
 from typing import Any
 
+from fefinger.validation.empty_cache import empty_cache
 from fefinger.validation.evidence.linear import PRESSES, costs
 from fefinger.validation.problems import published
 from fefinger.validation.provenance import provenance
@@ -38,11 +37,10 @@ def measure(resolution: str) -> tuple[Response, float]:
 def report(resolutions: tuple[str, ...] = RESOLUTIONS) -> dict[str, Any]:
     """Return the cost of half a finger for every resolution: first built, then at hand."""
     rows = {}
-    with tempfile.TemporaryDirectory() as cache:
-        os.environ["XDG_CACHE_HOME"] = cache
+    with empty_cache() as cache:
         measure("coarse")  # compiles
         for resolution in resolutions:
-            rows[resolution] = _row(resolution, Path(cache))
+            rows[resolution] = _row(resolution, cache)
     return {
         **provenance("python -m fefinger.validation.evidence.condensed reports"),
         "scene": "flat-press",

@@ -7,15 +7,14 @@ what is found.
 
 import json
 import multiprocessing
-import os
 import sys
-import tempfile
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from fefinger.validation.calibration import twin
+from fefinger.validation.empty_cache import empty_cache
 from fefinger.validation.provenance import provenance
 from scipy.optimize import minimize
 
@@ -35,8 +34,7 @@ def drawn(mesh: str) -> list[float]:
     """Return the forces at DEPTHS of a press by `condensed`, on a mesh that is built for it."""
     from fefinger.mechanics import condensed
 
-    with tempfile.TemporaryDirectory() as folder:
-        os.environ["XDG_CACHE_HOME"] = folder
+    with empty_cache():
         finger = twin.finger(mesh)
         response = condensed.respond(slow_press.pressed(finger, 1.01 * DEEPEST / finger.thickness))
     return [float(x) for x in np.interp(DEPTHS, response.depth, response.force)]

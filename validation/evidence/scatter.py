@@ -6,15 +6,14 @@ process and a cache of its own, and takes some twenty minutes of two cores.
 
 import json
 import multiprocessing
-import os
 import sys
-import tempfile
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from fefinger.validation.empty_cache import empty_cache
 from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff import runs
 from fefinger.validation.tradeoff.runs import Run
@@ -37,8 +36,7 @@ def drawn(run: Run) -> dict[str, list[float]]:
     """Quantities of a press at its depths in mm, on a newly built mesh."""
     from fefinger.mechanics import linear
 
-    with tempfile.TemporaryDirectory() as folder:
-        os.environ["XDG_CACHE_HOME"] = folder
+    with empty_cache():
         finger = replace(run.scene.finger, width=run.scene.finger.width + BESIDE)
         response = linear.respond(replace(run.scene, finger=finger))
     assert response.pad is not None

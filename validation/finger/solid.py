@@ -150,25 +150,25 @@ def cases() -> Iterator[Case]:
     limit = "first order of the strain"
 
     yield Case(
-        "contact force against reactions",
+        "finite strain: contact force against reactions",
         lambda: balance()[0],
         Expected(0.0, 1e-6, "1"),
         statics,
     )
     yield Case(
-        "tangential reaction over the force",
+        "finite strain: tangential reaction over the force",
         lambda: balance()[1],
         Expected(0.0, 1e-6, "1"),
         statics,
     )
     yield Case(
-        "order in the force of the limit of small strain",
+        "finite strain: order in the force of the limit of small strain",
         approach,
         Expected(1.0, 0.05, "1"),
         limit,
     )
     yield Case(
-        "forces at tilts of 10 and -10 degrees",
+        "finite strain: forces at tilts of 10 and -10 degrees",
         mirror,
         Expected(0.0, 1e-5, "1"),
         image,
@@ -178,7 +178,7 @@ def cases() -> Iterator[Case]:
         source = f"{FINER} times the steps"
         # Between steps the coarse contact grows by whole vertices.
         yield Case(
-            f"steps of {name}",
+            f"finite strain: steps of {name}",
             partial(finer, motion),
             Expected(0.0, 0.015, "1"),
             source,

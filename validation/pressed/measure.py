@@ -6,12 +6,12 @@ Scenes that are in the report already, of the same format, are not run again.
 
 import json
 import sys
-import tempfile
 import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from fefinger.validation.empty_cache import empty_cache
 from fefinger.validation.pressed.scenes import drawn
 from fefinger.validation.provenance import provenance
 from scipy.spatial import cKDTree
@@ -98,13 +98,10 @@ def _norm(values: Array) -> Array:
 
 def costs() -> dict[str, Any]:
     """Return CPU seconds on half a finger of a.h., by mesh: of a new press, and of a scene."""
-    import os
-
     from fefinger.scene import builtin
 
     rows = {}
-    with tempfile.TemporaryDirectory() as folder:
-        os.environ["XDG_CACHE_HOME"] = folder
+    with empty_cache():
         # No press of these angles is shipped; they share a mesh. The first compiles.
         for mesh, angle in (("coarse", 29.5), ("coarse", 30.5), ("standard", 30.5)):
             changes = {"finger.resolution": mesh, "indenter.angle": angle}

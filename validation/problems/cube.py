@@ -35,7 +35,14 @@ def cube(law: Law, cells: int = 2) -> Cube:
     facets = np.asarray(space.scalar.mesh.facets.T)
     top = facets[(space.points[facets][:, :, 2] == 1).all(axis=1)]
     plate = Obstacle(np.array([0.0, 0.0, -1.0]), np.array([0.5, 0.5, 1.0]))
-    contact = contact_surface(space, top, np.zeros_like(space.points), plate, reach=1.0)
+    contact = contact_surface(
+        space,
+        top,
+        np.zeros_like(space.points),
+        plate,
+        reach=1.0,
+        spreads=body.nearly_incompressible,
+    )
     return Cube(law, body, Equilibrium(body, contact, system))
 
 

@@ -81,7 +81,9 @@ class Hemisphere:
         round_ = facets[(on & upper)[facets].all(axis=1)]
         normals = np.where(on[:, None], arms / np.where(on, length, 1.0)[:, None], 0.0)
         plate = Obstacle(np.array([0.0, 0.0, 1.0]), np.zeros(3))
-        return contact_surface(self.space, round_, normals, plate, 1.6 * DEPTH)
+        return contact_surface(
+            self.space, round_, normals, plate, 1.6 * DEPTH, spreads=self.body.nearly_incompressible
+        )
 
     @property
     def n_nodes(self) -> int:

@@ -1,12 +1,20 @@
 """Weighted gaps between a deformed pad and a rigid obstacle, with their derivatives.
 
 With g(x) the distance of a point behind the obstacle's surface along its travel, the weighted gap
-of a hat psi_i on the undeformed pad is w_i = integral of psi_i phi(g(x(X))) dA: finite sliding,
-because g is evaluated at the deformed point. lambda_i >= 0 times its derivative B_i is the load, so
-that phi'(g) times the sum of psi_i lambda_i is the pressure. g grows by 1 per mm along the axis,
-and the force along the axis is the sum of t_i lambda_i, t_i being the integral of psi_i phi'(g), or
-of m_i p_i, m_i that of psi_i and p_i = lambda_i t_i / m_i. Gaps w_i m_i / t_i with the loads
-B_i m_i / t_i of these p_i replace w_i and lambda_i in the solver.
+of a hat psi_i is w_i = integral of psi_i phi(g(x)) da over the deformed pad, da = J dA: finite
+sliding, because g is evaluated at the deformed point. lambda_i >= 0 times its derivative B_i is the
+load, so that phi'(g) times the sum of psi_i lambda_i is the pressure. g grows by 1 per mm along the
+axis, and the force along the axis is the sum of t_i lambda_i, t_i being the integral of
+psi_i phi'(g) da, or of m_i p_i, m_i that of psi_i dA and p_i = lambda_i t_i / m_i, the pressure on
+undeformed area. Gaps w_i m_i / t_i with the loads B_i m_i / t_i of these p_i replace w_i and
+lambda_i in the solver.
+
+Integrals over the undeformed pad instead make incompressible tissue unstable where the pressure is
+some times its modulus: a facet behind the obstacle may spread and its neighbor before it shrink,
+which displaces a volume and so takes work from the pressure, but closes no gap that is weighted so.
+Over the deformed pad, a uniform pressure does the work of the volume between pad and obstacle.
+Compressible tissue does not answer that work by its mean stress, and is the more stable with
+J = 1 (`ContactSurface.spreads`). Both converge to the same contact.
 
     phi(g) = g - c² h / b ln cosh(b g / (c h)),    phi'(g) = 1 - c tanh(b g / (c h)),
 
@@ -40,20 +48,21 @@ class DeformedGap:
     """Weighted gaps, contact loads and their derivatives of a deformed pad under a pressure.
 
     pressure p (n,) kPa; at the integration points: distance g (n_tri, n_q) mm and its gradient
-    (n_tri, n_q, 3).
+    (n_tri, n_q, 3), the ratio J (n_tri, n_q) of deformed to undeformed area and its derivative
+    (n_tri, 6, n_q, 3) 1/mm with respect to the displacements of the nodes.
     """
 
     contact: "ContactSurface"
     pressure: Array
     distance: Array
     gradient: Array
+    spread: Array
+    spreading: Array
 
     @cached_property
     def weighted(self) -> Array:
         """The weighted gaps w (n,) mm³."""
-        t = self.distance / self._scale
-        bent = self.distance - MOST * self._scale * (np.logaddexp(t, -t) - np.log(2.0))
-        return self.contact.integrated(self.contact.hats * bent[:, None])
+        return self.contact.integrated(self._hats * self._bent[:, None])
 
     @property
     def gaps(self) -> Array:
@@ -63,15 +72,24 @@ class DeformedGap:
     @cached_property
     def steepness(self) -> Array:
         """The mean t / m (n,) of phi'."""
-        slopes = self.contact.integrated(self.contact.hats * self._slope[:, None])
+        slopes = self.contact.integrated(self._hats * self._slope[:, None])
         return np.asarray(slopes / self.contact.projected)
 
     @cached_property
     def loads(self) -> sparse.csc_matrix:
-        """The loads B m / t (n_unknowns, n) mm² of unit pressures, the derivatives of gaps of 0."""
+        """The loads B m / t (n_unknowns, n) mm² of unit pressures.
+
+        They are the derivatives of the gaps per deformed area, w / t, times m: a uniform gap does
+        not change where the pad spreads.
+        """
         on, rows = self.contact.on, self.contact.rows
-        hats = self.contact.hats * self._slope[:, None]
-        block = np.einsum("tjq,kq,tqc->tkcj", hats, on.part.quadratic, self.gradient)
+        sloped = self._slope * self.spread
+        closing = np.einsum("tq,kq,tqc->tkqc", sloped, on.part.quadratic, self.gradient)
+        closing += self.spreading * self._bent[:, None, :, None]
+        block = np.einsum("tjq,tkqc->tkcj", self.contact.hats, closing)
+        mean = (self.weighted / (self.steepness * self.contact.projected))[on.owner]
+        spread = np.einsum("tjq,tq,tkqc->tkcj", self.contact.hats, self._slope, self.spreading)
+        block -= mean[:, None, None, :] * spread
         block /= self.steepness[on.owner][:, None, None, :]
         rows = np.broadcast_to(rows[:, :, :, None], block.shape).ravel()
         columns = np.broadcast_to(on.owner[:, None, None, :], block.shape).ravel()
@@ -83,19 +101,47 @@ class DeformedGap:
     @cached_property
     def fold_stiffness(self) -> Array:
         """Derivative (n,) kPa/mm of the pressure with respect to g: the resistance to folds."""
-        mean = self.contact.integrated(self.contact.hats * self._fall[:, None])
+        mean = self.contact.integrated(self._hats * self._fall[:, None])
         return np.asarray(self._multipliers * mean / self.contact.projected)
 
     def stiffness(self) -> sparse.csr_matrix:
-        """Contribution of phi'' to the tangent: the integral of -phi'' psi lambda (grad g . v)².
+        """Contribution of phi'' to the tangent: integral of -phi'' psi lambda (grad g . v)² da.
 
         It is positive semidefinite.
         """
         return self._normal(self._multipliers, self._fall)
 
+    def spreading_stiffness(self) -> sparse.csr_matrix:
+        """Contribution to the tangent of facets that spread while their gap changes.
+
+        It is minus the integral of psi lambda phi' (grad g . v dJ(v') + grad g . v' dJ(v)) dA.
+        With `stiffness` it is the derivative of the loads of a flat contact in all directions that
+        close no weighted gap; in the others the complementarity problem fixes the displacement.
+        Second derivatives of g and, of the order of the gap, of J are left out.
+        """
+        on = self.contact.on
+        weights = -self._slope * self._spread_over(self._multipliers, self.contact.hats)
+        along = np.einsum("kq,tqc->tqkc", on.part.quadratic, self.gradient)
+        along = along.reshape(*along.shape[:2], -1)
+        spreading = self.spreading.swapaxes(1, 2).reshape(along.shape)
+        block = np.einsum("tq,tqi,tqj->tij", weights, along, spreading)
+        return self._assembled(block + block.swapaxes(1, 2))
+
     def support(self, chosen: Flags) -> sparse.csr_matrix:
         """Return the matrix of the integral of psi (grad g . v)² over the `chosen` candidates."""
         return self._normal(chosen.astype(np.float64), np.ones_like(self.distance))
+
+    @cached_property
+    def _hats(self) -> Array:
+        """Weights times hats (n_tri, 3, n_q) mm² on the deformed pad."""
+        return np.asarray(self.contact.hats * self.spread[:, None])
+
+    @cached_property
+    def _bent(self) -> Array:
+        """The values phi(g) (n_tri, n_q) mm."""
+        t = self.distance / self._scale
+        bent = self.distance - MOST * self._scale * (np.logaddexp(t, -t) - np.log(2.0))
+        return np.asarray(bent)
 
     @cached_property
     def _multipliers(self) -> Array:
@@ -119,14 +165,20 @@ class DeformedGap:
         return np.asarray(MOST / self._scale * (1.0 - self._turn**2))
 
     def _normal(self, factor: Array, density: Array) -> sparse.csr_matrix:
-        """Return the integral of psi `factor` (n,) `density` (n_tri, n_q) (grad g . v)²."""
-        on, rows = self.contact.on, self.contact.rows
-        owned = np.where(on.owner >= 0, factor[on.owner], 0.0)
-        weights = np.einsum("tjq,tj->tq", self.contact.hats, owned) * density
-        along = np.einsum("kq,tqc->tqkc", on.part.quadratic, self.gradient)
+        """Return the integral of psi `factor` (n,) `density` (n_tri, n_q) (grad g . v)² da."""
+        weights = self._spread_over(factor, self._hats) * density
+        along = np.einsum("kq,tqc->tqkc", self.contact.on.part.quadratic, self.gradient)
         along = along.reshape(*along.shape[:2], -1)
-        block = np.einsum("tq,tqi,tqj->tij", weights, along, along)
-        rows = rows.reshape(len(block), -1)
+        return self._assembled(np.einsum("tq,tqi,tqj->tij", weights, along, along))
+
+    def _spread_over(self, factor: Array, hats: Array) -> Array:
+        """Sum (n_tri, n_q) of the `hats` (n_tri, 3, n_q), times the `factor` (n,) of each."""
+        owner = self.contact.on.owner
+        return np.einsum("tjq,tj->tq", hats, np.where(owner >= 0, factor[owner], 0.0))
+
+    def _assembled(self, block: Array) -> sparse.csr_matrix:
+        """Matrix (n_unknowns, n_unknowns) of the blocks (n_tri, 18, 18) of the facets."""
+        rows = self.contact.rows.reshape(len(block), -1)
         where = (
             np.broadcast_to(rows[:, :, None], block.shape).ravel(),
             np.broadcast_to(rows[:, None, :], block.shape).ravel(),
@@ -141,7 +193,7 @@ class ContactSurface:
 
     on: the candidates; neighborhood: they and the vertices around them, where gaps are read;
     at_rest (n_near, 3) mm: the undeformed positions of the neighborhood; reach mm: the largest gap
-    of the candidates.
+    of the candidates; spreads: whether gaps are weighted over the deformed pad.
     """
 
     obstacle: Obstacle
@@ -150,6 +202,7 @@ class ContactSurface:
     at_rest: Array
     n_unknowns: int
     reach: float
+    spreads: bool = True
 
     def __len__(self) -> int:
         """Return the number of candidates."""
@@ -179,12 +232,28 @@ class ContactSurface:
         """Evaluate the gaps and loads of the pad in a state."""
         distance, gradient, _ = self.obstacle.implicit(self.deformed(state.values), state.depth)
         distance = np.where(np.isfinite(distance), distance, FAR)
-        return DeformedGap(self, state.pressure, distance, gradient)
+        return DeformedGap(self, state.pressure, distance, gradient, *self._spread(state.values))
 
     def deformed(self, values: Array) -> Array:
         """Deformed positions (n_tri, n_q, 3) mm of the quadrature points."""
         nodal = values[self.rows]
         return np.asarray(self.on.places + np.einsum("kq,tkc->tqc", self.on.part.quadratic, nodal))
+
+    def _spread(self, values: Array) -> tuple[Array, Array]:
+        """Deformed over undeformed area J (n_tri, n_q), its derivative (n_tri, 6, n_q, 3) 1/mm."""
+        part = self.on.part
+        if not self.spreads:
+            count, points = part.weights.shape
+            return np.ones((count, points)), np.zeros((count, 6, points, 3))
+        moved = np.einsum("akq,tkc->tqac", part.slopes, values[self.rows])
+        first, second = np.moveaxis(part.sides[:, None] + moved, 2, 0)
+        normal = np.cross(first, second)
+        at_rest = np.linalg.norm(np.cross(part.sides[:, 0], part.sides[:, 1]), axis=1)
+        length = np.linalg.norm(normal, axis=2)
+        unit = normal / np.maximum(length, np.finfo(float).tiny)[..., None]
+        across = np.stack([np.cross(second, unit), np.cross(unit, first)])
+        spreading = np.einsum("akq,atqc->tkqc", part.slopes, across)
+        return length / at_rest[:, None], spreading / at_rest[:, None, None, None]
 
     def clearance(self, values: Array, depth: float) -> tuple[Array, Array]:
         """Compute normal gaps (n_near,) mm and displacements (n_near, 3) mm of the neighborhood.
@@ -204,7 +273,13 @@ class ContactSurface:
 
 
 def contact_surface(
-    space: Space, triangles: Integers, normals: Array, obstacle: Obstacle, reach: float
+    space: Space,
+    triangles: Integers,
+    normals: Array,
+    obstacle: Obstacle,
+    reach: float,
+    *,
+    spreads: bool = True,
 ) -> ContactSurface:
     """Build the contact surface: the candidates within `reach` mm, and one ring around them.
 
@@ -214,4 +289,4 @@ def contact_surface(
     on = candidates(space, triangles, normals, obstacle, reach, rings=1)
     around = neighborhood(space, triangles, normals, obstacle, reach, on.vertices, 1 + RINGS)
     at_rest = space.points[around.vertices]
-    return ContactSurface(obstacle, on, around, at_rest, space.n_unknowns, reach)
+    return ContactSurface(obstacle, on, around, at_rest, space.n_unknowns, reach, spreads)

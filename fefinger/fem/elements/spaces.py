@@ -126,8 +126,9 @@ class Trace:
     """Quadratic displacements and linear pressures on a set of surface triangles.
 
     Quadrature of degree 5 on each triangle: weights (n_tri, n_q) mm², places (n_tri, n_q, 3) mm on
-    the flat facets, linear (3, n_q) and quadratic (6, n_q) shape functions, nodes (n_tri, 6) of the
-    displacement space (three vertices, then the edges 01, 12, 02).
+    the flat facets, linear (3, n_q) and quadratic (6, n_q) shape functions, slopes (2, 6, n_q) of
+    the latter along the sides (n_tri, 2, 3) mm from the first vertex to the other two; nodes
+    (n_tri, 6) of the displacement space (three vertices, then the edges 01, 12, 02).
     """
 
     triangles: Integers
@@ -136,6 +137,8 @@ class Trace:
     places: Array
     linear: Array
     quadratic: Array
+    slopes: Array
+    sides: Array
 
 
 def trace(space: Space, triangles: Integers) -> Trace:
@@ -145,8 +148,8 @@ def trace(space: Space, triangles: Integers) -> Trace:
     linear = Basis(reference, ElementTriP1(), intorder=5)
     shapes = np.array([np.asarray(f[0])[0] for f in linear.basis])
     corners = space.points[triangles]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas = np.linalg.norm(normal, axis=1) / 2
+    sides = corners[:, 1:] - corners[:, :1]
+    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
     return Trace(
         triangles=triangles,
         nodes=np.hstack([triangles, space.edge_nodes(triangles)]),
@@ -154,4 +157,11 @@ def trace(space: Space, triangles: Integers) -> Trace:
         places=np.einsum("iq,tid->tqd", shapes, corners),
         linear=shapes,
         quadratic=np.array([np.asarray(f[0])[0] for f in quadratic.basis]),
+        slopes=_slopes(quadratic),
+        sides=sides,
     )
+
+
+def _slopes(quadratic: Basis) -> Array:
+    """Return the derivatives (2, 6, n_q) of the shape functions of the reference triangle."""
+    return np.array([np.asarray(f[0].grad)[:, 0] for f in quadratic.basis]).swapaxes(0, 1)

@@ -20,6 +20,9 @@ from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
 
+INCOMPRESSIBLE = 9.0
+"""Bulk over shear modulus: that of a Poisson's ratio of 0.446."""
+
 ElementData = tuple[Array, Integers, Array, Array, Array, Array, Array]
 
 
@@ -60,6 +63,11 @@ class Continuum:
         """Factors of 1 and no history stress: a purely elastic step."""
         cells, points = self.weights.shape
         return HistoryStress(np.ones((cells, 2)), np.zeros((cells, points, 6)))
+
+    @property
+    def nearly_incompressible(self) -> bool:
+        """Whether every tissue has a bulk modulus above INCOMPRESSIBLE times its shear modulus."""
+        return bool((self.laws[:, 0] * self.laws[:, 1] * INCOMPRESSIBLE < 1).all())
 
     def _element_data(self, values: Array) -> ElementData:
         """First arguments of every compiled loop."""

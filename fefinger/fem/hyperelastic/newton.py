@@ -244,6 +244,8 @@ class Equilibrium:
         pressed = iterate.state.pressure > 0
         matrix = body.tangent(iterate.state.values, target.history, whole=whole)
         matrix, support = matrix + iterate.gap.stiffness(), 0.0
+        if whole:
+            matrix += iterate.gap.spreading_stiffness()
         if not (whole and target.control == "depth"):
             renewed = self._rough(matrix)
         else:
@@ -278,6 +280,7 @@ class Equilibrium:
         values = iterate.state.values
         definite = body.tangent(values, target.history, whole=False)
         difference = body.tangent(values, target.history) - definite
+        difference += iterate.gap.spreading_stiffness()
         fixed = definite + iterate.gap.stiffness()
         unit = gain * body.scale / float(np.sqrt(projected.sum()))
         leans = (iterate.state.pressure > 0) & (target.control == "depth")

@@ -1,4 +1,4 @@
-"""Stated errors where the force is prescribed: of its depth, and of all else at that force."""
+"""Errors under force control, from those at a depth: of the depth, and of the rest there."""
 
 import math
 from collections.abc import Mapping
@@ -21,9 +21,9 @@ def errors(at_depth: Mapping[str, float], force: float, case: Situation) -> dict
 
 
 def steepness(case: Situation) -> float:
-    """Return the least p of the measured presses next to a scene, about its depth.
+    """Return the smallest exponent p of force = a depth^p in the measured presses around a scene.
 
-    Of a scene that is like none of them it is 1: a contact only stiffens as it grows.
+    It is 1 for a scene that is like none of them: a contact only stiffens as it grows.
     """
     if case.place is None or not case.measured_tissue:
         return 1.0
@@ -32,7 +32,7 @@ def steepness(case: Situation) -> float:
 
 
 def _power(force: Measured, part: float) -> float:
-    """Return the least power of the force over depth beside a depth over thickness in a press."""
+    """Return the smallest exponent of force over depth, near a depth over thickness of a press."""
     depth = np.asarray(force.depth)
     powers = np.diff(np.log(force.values)) / np.diff(np.log(depth))
     at = int(np.searchsorted(depth, part * force.conditions["thickness_mm"]))

@@ -58,9 +58,9 @@ def law(case: Situation) -> Law:
         return _printed(case, doubt=_strange(case.finger))
     flat = case.indenter.flat
     if flat is not None and not flat.tilt:
-        found = between(rows, flat.angle)
-        if found is not None:
-            return _own(case, rows, *found)
+        interpolated = between(rows, flat.angle)
+        if interpolated is not None:
+            return _own(case, rows, *interpolated)
     angles = sorted(row["angle"] for row in rows)
     return _printed(case, doubt=f"its law is known under plates at {_listed(angles)} degrees")
 

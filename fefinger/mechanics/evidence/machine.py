@@ -1,4 +1,4 @@
-"""How fast this machine is, against those that measured the reports.
+"""Speed of this machine relative to those on which the reports were measured.
 
 The measure is the CPU time of one fixed piece of work, taken once and kept in the user's cache.
 Reports hold that of the machine that measured them as `machine_seconds`.
@@ -28,7 +28,7 @@ ROUNDS = 5
 
 
 def kept_path() -> Path:
-    """Return where the user's cache keeps the time of the work."""
+    """Return the file of the benchmark time in the user's cache."""
     return cache.root() / "machine.json"
 
 
@@ -61,13 +61,13 @@ def _work() -> float:
 
 
 def seconds(*, now: bool = True) -> float | None:
-    """Return the time of the work on this machine, kept or measured `now` and then kept.
+    """Return the benchmark time of this machine, from the cache or measured `now` and then cached.
 
     None where it is not kept and is not to be measured.
     """
-    found = known()
-    if found is not None or not now:
-        return found
+    before = known()
+    if before is not None or not now:
+        return before
     measured = measure()
     try:
         kept_path().parent.mkdir(parents=True, exist_ok=True)
@@ -79,13 +79,13 @@ def seconds(*, now: bool = True) -> float | None:
 
 
 def known() -> float | None:
-    """Return the time of this machine, kept or measured by this process before, or None."""
-    found = kept()
-    return _unkept.get("seconds") if found is None else found
+    """Return the benchmark time of this machine if it was measured before, else None."""
+    cached = kept()
+    return _unkept.get("seconds") if cached is None else cached
 
 
 def kept() -> float | None:
-    """Return the kept time of this machine, or None; that of another machine counts as none."""
+    """Return the cached time of this machine, or None; that of another machine does not count."""
     try:
         record = json.loads(kept_path().read_text(encoding="utf-8"))
         return float(record["seconds"]) if record["machine"] == _name() else None

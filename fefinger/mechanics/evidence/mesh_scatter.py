@@ -1,4 +1,4 @@
-"""By what answers differ on meshes of one finger, which the mesher draws at random."""
+"""Scatter of the answers between meshes of the same finger, as the mesher is random."""
 
 import numpy as np
 

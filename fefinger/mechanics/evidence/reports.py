@@ -1,4 +1,4 @@
-"""What the reports have measured of each mechanics: the source of its stated cost and error."""
+"""Measured cost and error of each mechanics, as the reports have them."""
 
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What `solid` costs: CPU seconds of presses in `reports/solid-cost.json`, by mesh and depth."""
+"""Cost of `solid`: CPU seconds of presses in `reports/solid-cost.json`, by mesh and depth."""
 
 from functools import cache, lru_cache
 from typing import NamedTuple
@@ -54,12 +54,12 @@ def cost(mesh: str) -> Cost:
         for each in timed
     ]
     steps = np.log([each.value for each in timed])
-    found = np.linalg.lstsq(np.array(basis, dtype=float), steps, rcond=None)[0]
-    growth, sharp, stiffening = found[len(MESHES) :].tolist()
+    solution = np.linalg.lstsq(np.array(basis, dtype=float), steps, rcond=None)[0]
+    growth, sharp, stiffening = solution[len(MESHES) :].tolist()
     known = [
         [_median(f"{stage} seconds", name) for name in MESHES] for stage in ("setup", "reference")
     ]
-    costs = np.array([*known, np.exp(found[: len(MESHES)])])
+    costs = np.array([*known, np.exp(solution[: len(MESHES)])])
     meshes = [Candidate("linear", name) for name in (*MESHES, mesh)]
     sizes = np.log([table().value(LINEAR, "unknowns", each) for each in meshes])
     power = np.diff(np.log(costs))[:, 0] / (sizes[1] - sizes[0])

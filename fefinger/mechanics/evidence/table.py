@@ -256,8 +256,8 @@ def _tradeoff(name: str) -> Iterator[Measured]:
             for press, share in margins["motion"].items():
                 yield _entry(name, candidate, f"share of motion, {what}", press, share)
     for scene, row in read(name)["scenes"].items():
-        for label, found in row["candidates"].items():
-            for what, value in (found.get("spikes") or {}).items():
+        for label, errors in row["candidates"].items():
+            for what, value in (errors.get("spikes") or {}).items():
                 yield _entry(name, Candidate.of(label), f"spikes, {what}", scene, value)
 
 

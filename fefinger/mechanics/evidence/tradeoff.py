@@ -173,7 +173,7 @@ def place_of(indenter: Indenter) -> Place | None:
 
 
 def other_object(indenter: Indenter) -> str:
-    """Return in which way an object is none that was pressed; empty if it is a plate or ball."""
+    """Return how an object differs from the measured plates and balls; empty if it is one."""
     if indenter.flat is not None:
         tilt = indenter.flat.tilt
         return f"indenter.tilt = {tilt:g} degrees" if tilt else ""
@@ -203,7 +203,7 @@ def measured_tissue(finger: Finger) -> bool:
 
 
 def nearest(indenter: Indenter) -> Indenter:
-    """Return the plate or ball next to one that was not pressed; another object as it is."""
+    """Return the nearest measured plate or ball; any other object unchanged."""
     if indenter.flat is not None:
         return Flat(min(indenter.flat.angle, max(_sizes("angle"))))
     if indenter.ball_radius is not None:

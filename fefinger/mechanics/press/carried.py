@@ -21,7 +21,7 @@ from fefinger.mechanics.press.hard_parts import with_nail
 from fefinger.mechanics.press.history import frames_of
 from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
 from fefinger.mechanics.press.problem import Press, SolutionMethod
-from fefinger.mechanics.press.response import exact, inside
+from fefinger.mechanics.press.response import deepest_penetration, exactness
 from fefinger.mechanics.press.small_strain import WHOLE_MESH
 from fefinger.neural.reference import Reference
 from fefinger.results.records import Fields, Response
@@ -182,7 +182,7 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
         if press.sites is not None:
             strain = np.tensordot(shares.strain, carried.strain(press.sites.points), 1)
         reference = carried.reference()
-    penetration = inside(table.gap)
+    penetration = deepest_penetration(table.gap)
     return Response(
         mechanics=press.mechanics,
         time=press.time,
@@ -198,7 +198,7 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
         fields=fields,
         status=(
             f"Solved: an elastic press of {len(table.depth) - 1} depths up to {table.deepest:.3g} "
-            f"mm, carried along {len(press.time)} times; {exact(penetration)}."
+            f"mm, carried along {len(press.time)} times; {exactness(penetration)}."
         ),
         seconds=stages.seconds,
         notes=press.notes,

@@ -92,10 +92,10 @@ def _to_force(press: Press, force: float, stages: Stages, *, further: bool) -> E
     tried = depths(thickness, FARTHEST * thickness)
     if press.standard:
         tried = np.union1d(tried, REFERENCE_DEPTH)
-    found = _solved(press, tried, stages, enough)
-    if further or len(found.depth) > FEWEST:
-        return found
-    return _solved(press, no_deeper(found.deepest), stages)
+    table = _solved(press, tried, stages, enough)
+    if further or len(table.depth) > FEWEST:
+        return table
+    return _solved(press, no_deeper(table.deepest), stages)
 
 
 def _solved(
@@ -166,23 +166,23 @@ def load_or_solve(
     """
 
     def stored() -> ElasticPress | None:
-        found = elastic_store.at_hand(press.finger, indenter, press.mesh)
-        if found is None or found.deepest < least * (1 - 1e-9) or found.force[-1] < force:
+        table = elastic_store.at_hand(press.finger, indenter, press.mesh)
+        if table is None or table.deepest < least * (1 - 1e-9) or table.force[-1] < force:
             return None
-        return found
+        return table
 
-    found = stored()
-    if found is not None:
-        return found
+    table = stored()
+    if table is not None:
+        return table
     mesh = press.mesh.source_sha256 or press.mesh.fingerprint
     place = elastic_store.cached_path(elastic_store.key(press.finger, indenter, mesh))
     with cache.alone(place):
-        found = stored()  # another process may have solved it meanwhile
-        if found is None:
+        table = stored()  # another process may have solved it meanwhile
+        if table is None:
             # A plate ends nowhere; contact with any other object may reach its rim.
             further = indenter.flat is not None
-            found = solve(press, least, stages, force=force, further=further)
+            table = solve(press, least, stages, force=force, further=further)
             with suppress(OSError):  # without room for it, it is solved again the next time
-                elastic_store.write(found, place)
+                elastic_store.write(table, place)
                 cache.limit("elastic")
-    return found
+    return table

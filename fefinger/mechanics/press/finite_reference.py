@@ -44,7 +44,9 @@ def reference_state(press: Press, elements: Continuum, plate: Obstacle) -> State
         If the plate finds no equilibrium, or its contact leaves the candidates.
     """
     body, reach = press.body, 2 * REACH * REFERENCE_DEPTH
-    contact = contact_surface(body.space, body.pad, body.normals, plate, reach)
+    contact = contact_surface(
+        body.space, body.pad, body.normals, plate, reach, spreads=elements.nearly_incompressible
+    )
     equilibrium = Equilibrium(elements, contact, press.system)
     states: list[State] = []
     path = Path("depth", np.linspace(0, 1, STEPS + 1), lambda t: REFERENCE_DEPTH * t)

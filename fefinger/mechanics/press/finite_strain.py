@@ -144,11 +144,11 @@ def _reference(press: Press, elements: Continuum, halt: str) -> Reference | None
 
 
 class _RimReachedError(Exception):
-    """Contact has reached the rim of its candidates, or of the pad: what follows is in vain."""
+    """Ends a solution early: contact has reached the rim of its candidates, or of the pad."""
 
 
 class _EnoughError(Exception):
-    """The press bears what was wanted."""
+    """Ends a solution early: the press has reached its target."""
 
 
 class _Recorder:
@@ -226,7 +226,14 @@ def follow_course(
     body = press.body
     reach = SPREAD * problem.REACH * press.expected_depth
     for _ in range(problem.ATTEMPTS):
-        contact = contact_surface(body.space, body.pad, body.normals, press.obstacle, reach)
+        contact = contact_surface(
+            body.space,
+            body.pad,
+            body.normals,
+            press.obstacle,
+            reach,
+            spreads=elements.nearly_incompressible,
+        )
         limits.check_under(press.motion, contact.on.beyond)
         history = _on_candidates(press, elements, contact, course, stages, allowance)
         pressed = np.asarray((history.pressure > 0).any(axis=0))

@@ -104,7 +104,7 @@ def load_steps(
 
 
 def peak_steps(motion: Motion, steps: LoadSteps, relaxations: Collection[Prony]) -> set[int]:
-    """Return the steps, by number, at which such a spring pushes most, or by force is deepest."""
+    """Return the numbers of the steps with the largest force, or under force control depth."""
     return {
         int(_spring(prony, motion, steps.times, steps.value)[:, 0].argmax())
         for prony in relaxations

@@ -22,7 +22,7 @@ def normalized(prony: Prony) -> tuple[str, ...]:
 
 
 def apart(finger: Finger) -> tuple[Doubt, ...]:
-    """List what of a finger does not relax with one function for all stress."""
+    """List the options of a finger by which not all stress relaxes with one function."""
     doubts = []
     if finger.relaxation != "whole":
         reason = f"finger.relaxation = {finger.relaxation!r}: it relaxes the whole stress"
@@ -37,7 +37,7 @@ def apart(finger: Finger) -> tuple[Doubt, ...]:
 
 
 def relaxing(finger: Finger) -> tuple[str, ...]:
-    """Return notes on tissues that relax apart, or in their deviatoric stress alone."""
+    """Return notes on tissues that relax differently, or in their deviatoric stress alone."""
     notes = []
     if finger.relaxation == "deviatoric":
         notes.append("Only the deviatoric stress relaxes; the pressure is elastic.")
@@ -71,7 +71,7 @@ def stiffens(finger: Finger) -> bool:
 
 
 def yielding(finger: Finger) -> tuple[Doubt, ...]:
-    """List what of a finger is neither a rigid bone nor a nail held with it."""
+    """List the bone that is not rigid, and the nail that is not held with it."""
     doubts = []
     if isinstance(finger.bone, Hard):
         reason = f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: its bone is rigid"
@@ -83,7 +83,7 @@ def yielding(finger: Finger) -> tuple[Doubt, ...]:
 
 
 def sideways(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
-    """List what of a scene is not a frictionless press along one direction."""
+    """List the options of a scene beyond a frictionless press along one direction."""
     doubts = []
     if motion.slides:
         reason = f"motion.kind = {motion.kind!r}: its indenter does not move sideways"

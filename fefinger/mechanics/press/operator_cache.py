@@ -1,4 +1,4 @@
-"""Where the user's cache keeps the operators of `condensed`: under the hash of what decides one.
+"""Folders of the operators of `condensed` in the user's cache, named by a hash of all inputs.
 
 An operator depends on the ratio of the moduli only: it is built for a skin of 1 kPa and scaled.
 """

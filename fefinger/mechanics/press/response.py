@@ -44,7 +44,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         force = press.sides * contact.pressure @ on_pad.projected * NEWTON_PER_MILLINEWTON
         strain = _small_strain(press, history)
         beside = sliding.lateral(press, history, pad, column) if press.slides else None
-    penetration = inside(gap)
+    penetration = deepest_penetration(gap)
     return Response(
         mechanics=press.mechanics,
         time=press.time,
@@ -58,9 +58,9 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         strain=strain,
         reference=history.reference,
         fields=fields,
-        status=f"Solved: {contact.exchanges} contact solutions with {exact(penetration)}.",
+        status=f"Solved: {contact.exchanges} contact solutions with {exactness(penetration)}.",
         seconds=stages.seconds,
-        notes=(*press.notes, *gave_way(press.body), *sliding.notes(press, history)),
+        notes=(*press.notes, *precision_notes(press.body), *sliding.notes(press, history)),
         numbers={
             "unknowns": press.body.space.n_unknowns,
             "candidates": len(on_pad.vertices),
@@ -92,7 +92,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         by_force = press.motion.control == "force"
         depth = steps.bounded(history.depth) if by_force else steps.path
         strain = _finite_strain(press, history)
-    penetration = inside(history.gap)
+    penetration = deepest_penetration(history.gap)
     return Response(
         mechanics=press.mechanics,
         time=steps.time,
@@ -108,7 +108,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         fields=fields,
         status=_status(history, penetration),
         seconds=stages.seconds,
-        notes=(*press.notes, *gave_way(press.body)),
+        notes=(*press.notes, *precision_notes(press.body)),
         numbers={
             "unknowns": press.body.space.n_unknowns,
             "candidates": len(history.contact),
@@ -130,7 +130,7 @@ def origins(mesh: FingerMesh, body: Solid, stages: Stages) -> dict[str, str]:
     return sources | {"solver": body.system.name} if isinstance(body, Body) else sources
 
 
-def gave_way(body: Solid) -> tuple[str, ...]:
+def precision_notes(body: Solid) -> tuple[str, ...]:
     """Return notes on factors in single precision that failed."""
     if not isinstance(body, Body):
         return ()
@@ -145,7 +145,7 @@ def gave_way(body: Solid) -> tuple[str, ...]:
     return (*body.system.solver.notes, tangents)
 
 
-def inside(gap: Array) -> float:
+def deepest_penetration(gap: Array) -> float:
     """Return the largest depth in mm of a vertex of the pad inside the indenter.
 
     Contact closes the gaps weighted with the hats, not the one at each vertex.
@@ -153,7 +153,7 @@ def inside(gap: Array) -> float:
     return float(np.maximum(-gap, 0.0).max(initial=0.0))
 
 
-def exact(penetration: float) -> str:
+def exactness(penetration: float) -> str:
     """Return in what sense the complementarity of a contact is exact, for its status."""
     return (
         "exact complementarity of pressures and weighted gaps; "
@@ -209,5 +209,5 @@ def _status(history: FiniteStrainHistory, penetration: float) -> str:
     return (
         f"{'Stopped' if history.halt else 'Solved'}: {len(history.depth)} steps{downhill} in "
         f"{history.iterations} iterations on {history.factors + 1} factors, with "
-        f"{exact(penetration)}.{f' Then: {history.halt}' if history.halt else ''}"
+        f"{exactness(penetration)}.{f' Then: {history.halt}' if history.halt else ''}"
     )

@@ -1,4 +1,4 @@
-"""Where the end organs lie, and the small flat press that they are measured against.
+"""Places of the end organs, also of those of the reference press.
 
 Shared by all mechanics; needs no mesh. Their strain is read by `fem/elements/recovery.py`.
 """

@@ -63,7 +63,7 @@ def time_grid(motion: Motion, *, fast: bool, refine: int = 1, most: int = MOST) 
 
 
 def moving(motion: Motion, time: Array) -> int:
-    """Return at how many times (n_t,) s contact is another than just before.
+    """Count the times (n_t,) s at which the contact differs from that at the time before.
 
     Under a constant force tissue creeps, and contact grows; at a constant depth it stays.
     """

@@ -1,1 +1,1 @@
-"""Fingers that are stepped one instant at a time."""
+"""Fingers for real-time loops: each call advances them by one time step."""

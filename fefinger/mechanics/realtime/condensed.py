@@ -1,4 +1,4 @@
-"""A finger to drive from a loop of one's own, at the rates of a haptic controller.
+"""A finger in real time, advanced by your own loop at the rates of a haptic controller.
 
     finger = ff.Condensed(ff.Finger.subject("a.h."), ff.Flat(angle=30), deepest=2.0)
     step = finger.step(depth=0.3, dt=1e-3)

@@ -1,4 +1,4 @@
-"""A finger at finite strain to drive from a loop, by its tabulated elastic press.
+"""A finger at finite strain in real time, by its tabulated elastic press.
 
     finger = ff.Pressed(ff.Finger.subject("a.h."), ff.Flat(angle=30), deepest=1.5)
     step = finger.step(depth=0.3, dt=1e-3)

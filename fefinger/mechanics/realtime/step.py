@@ -1,4 +1,4 @@
-"""What a real-time finger returns from a step."""
+"""Result of one step of a real-time finger."""
 
 from dataclasses import dataclass
 

@@ -5,13 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation.problems.grids import box
+from scipy import sparse
 from scipy.linalg import expm, logm
 
-from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
+from fefinger.fem.contact.deformed_gap import BEND, MOST, ContactSurface, contact_surface
 from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import candidates, patch
+from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.probe import gradient_at, gradient_at_vertices
 from fefinger.fem.elements.spaces import Space
+from fefinger.fem.hyperelastic.continuum import continuum
+from fefinger.fem.hyperelastic.laws import neo_hookean
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.profiles import FLANK, Bar, Ellipsoid, Plane, Profile, Relief
@@ -47,14 +51,21 @@ def raised(space: Space, across: np.ndarray, height: float = 0.0) -> State:
 
 
 @pytest.mark.parametrize("profile", [Plane(), Ellipsoid((3.0, 2.0, 4.0))], ids=["plane", "round"])
-def test_the_loads_are_the_derivatives_of_the_weighted_gaps(profile: Profile):
+@pytest.mark.parametrize("spreads", [True, False])
+def test_the_loads_are_the_derivatives_of_the_gaps_per_deformed_area(
+    profile: Profile, spreads: bool
+):
     space, contact, _ = surface(profile)
+    contact = replace(contact, spreads=spreads)
     state, h = moved(space, contact), 1e-5
     along = np.random.default_rng(7).normal(size=space.n_unknowns)
     found = contact.at(state)
     ahead, behind = (contact.at(replace(state, values=state.values + s * along)) for s in (h, -h))
-    change = (ahead.weighted - behind.weighted) / (2 * h)
-    assert found.steepness * (found.loads.T @ along) == pytest.approx(change, rel=1e-7, abs=1e-9)
+    slope = 1.0 - MOST * np.tanh(found.distance * BEND / (MOST * contact.sizes))
+    gap = found.weighted / (found.steepness * contact.projected)
+    area = contact.integrated(contact.hats * (slope * (ahead.spread - behind.spread))[:, None])
+    change = (ahead.weighted - behind.weighted - gap * area) / (2 * h)
+    assert found.steepness * (found.loads.T @ along) == pytest.approx(change, rel=1e-7, abs=1e-8)
 
 
 def test_the_gaps_close_as_fast_as_their_weights_and_the_force_along_the_axis_says_so():
@@ -72,34 +83,40 @@ def test_the_gaps_close_as_fast_as_their_weights_and_the_force_along_the_axis_sa
 def test_the_bed_resists_what_closes_the_gaps_and_nothing_else():
     space, contact, _ = surface(Plane())
     found = contact.at(moved(space, contact, 2))
+    area = contact.integrated(contact.hats * found.spread[:, None]).sum()
     support = found.support(np.ones(len(contact), dtype=bool))
     rigid, across = np.zeros((2, space.n_unknowns))
     rigid[: space.n_displacements] = np.tile(AXIS, space.n_nodes)
     across[: space.n_displacements] = np.tile([0.8, 0.0, 0.6], space.n_nodes)
-    assert rigid @ support @ rigid == pytest.approx(contact.projected.sum())
+    assert rigid @ support @ rigid == pytest.approx(area)
     assert np.abs(support @ across).max() < 1e-15
     one = np.arange(len(contact)) == 0
     assert found.support(one).sum() < support.sum()
 
 
-def test_what_resists_folds_is_the_derivative_of_the_loads():
-    space, contact, _ = surface(Plane())
-    state, h = moved(space, contact, 4), 1e-6
-    along = np.random.default_rng(5).normal(size=space.n_unknowns)
+def test_the_stiffness_of_a_flat_contact_is_the_derivative_of_its_loads():
+    space, contact, _ = surface(Plane(), -UP)
+    random, h = np.random.default_rng(5), 1e-6
+    state = replace(moved(space, contact, 4), depth=0.0)
+    across, along = state.values.copy(), random.normal(size=space.n_unknowns)
+    across[2 : space.n_displacements : 3] = 0.0  # the top stays on the plate
+    state = replace(state, values=across)
     found = contact.at(state)
     multipliers = state.pressure / found.steepness
+    loads = found.loads.toarray()
+    along -= loads @ np.linalg.lstsq(loads, along, rcond=None)[0]  # closes no weighted gap
 
     def load(way: float) -> np.ndarray:
-        there = contact.at(replace(state, values=state.values + way * along))
+        there = contact.at(replace(state, values=across + way * along))
         return there.loads @ (multipliers * there.steepness)
 
     change = (load(h) - load(-h)) / (2 * h)
-    stiffness = found.stiffness()
-    assert -stiffness @ along == pytest.approx(change, abs=1e-6 * np.abs(change).max())
-    assert np.linalg.eigvalsh(stiffness.toarray()).min() > -1e-12 * abs(stiffness).max()
+    folds, spreads = found.stiffness(), found.spreading_stiffness()
+    assert -(folds + spreads) @ along == pytest.approx(change, abs=1e-6 * np.abs(change).max())
+    assert np.linalg.eigvalsh(folds.toarray()).min() > -1e-12 * abs(folds).max()
     assert (found.fold_stiffness > 0).all()
     pulled = contact.at(replace(state, pressure=-state.pressure))
-    assert abs(pulled.stiffness()).max() == 0
+    assert abs(pulled.stiffness()).max() == abs(pulled.spreading_stiffness()).max() == 0
 
 
 def test_a_facet_that_is_flat_has_its_mean_gap_and_one_that_is_folded_has_less():
@@ -114,10 +131,42 @@ def test_a_facet_that_is_flat_has_its_mean_gap_and_one_that_is_folded_has_less()
     folds = {}
     for fold in (0.02, 0.04):
         bent = contact.at(raised(space, fold * size * (top * 2.0 / 3.0 - middle)))
-        mean = contact.integrated(contact.hats * bent.distance[:, None])
+        hats = contact.hats * bent.spread[:, None]
+        mean = contact.integrated(hats * bent.distance[:, None])
         folds[fold] = (mean - bent.weighted) / size
     assert (folds[0.02] > 0).all()
     assert folds[0.04] / folds[0.02] == pytest.approx(4.0, rel=0.1)  # of second order
+
+
+@pytest.mark.parametrize("pressure", [5.0, 50.0])
+def test_an_enclosed_incompressible_block_stays_stable_under_any_pressure(pressure: float):
+    """Rigid walls all around and a plate on top: a pressure changes nothing but the mean stress.
+
+    Stability is read from the inertia of the tangent bordered by the closed gaps. Without the
+    spreading of facets, as with gaps that are weighted over the undeformed pad, it is lost.
+    """
+    space, contact, _ = surface(Plane(), -UP)
+    body = continuum(space, {1: neo_hookean(Elastic(3.0, 0.5))})
+    n, at = space.n_displacements, space.node_points
+    held = np.stack([(at[:, 0] % 1 == 0), (at[:, 1] % 1 == 0), at[:, 2] == 0], axis=1).ravel()
+    free = np.flatnonzero(~np.concatenate([held, np.zeros(space.n_unknowns - n, dtype=bool)]))
+
+    def negative(load: float, *, spreads: bool) -> int:
+        values = np.zeros(space.n_unknowns)
+        values[n:] = -load / body.scale
+        found = contact.at(State(values, np.full(len(contact), load), 0.0))
+        inner, _ = body.residual(values, body.at_rest)
+        assert inner[free] == pytest.approx((found.loads @ found.pressure)[free], abs=1e-12 * load)
+        tangent = body.tangent(values, body.at_rest)
+        if spreads:
+            tangent = tangent + found.spreading_stiffness()
+        bordered = sparse.bmat([[tangent, found.loads], [found.loads.T, None]]).toarray()
+        rows = np.concatenate([free, space.n_unknowns + np.arange(len(contact))])
+        return int((np.linalg.eigvalsh(bordered[np.ix_(rows, rows)]) < -1e-9).sum())
+
+    at_rest = negative(0.0, spreads=True)
+    assert negative(pressure, spreads=True) == at_rest
+    assert negative(50.0, spreads=False) > at_rest
 
 
 def test_an_undeformed_surface_has_the_gaps_of_small_strain():

@@ -9,7 +9,7 @@ from fefinger.validation.problems import published
 
 import fefinger as ff
 from fefinger.mechanics import Mechanics, linear, solid
-from fefinger.mechanics.press.response import inside
+from fefinger.mechanics.press.response import deepest_penetration
 from fefinger.plan import choose
 from fefinger.result import Result
 from fefinger.results.records import Response
@@ -59,8 +59,8 @@ def test_a_finer_mesh_lets_less_in() -> None:
 
 
 def test_a_gap_that_is_open_everywhere_lets_nothing_in() -> None:
-    assert inside(np.array([[0.1, 1e3], [0.0, 2.0]])) == 0.0
-    assert inside(np.array([[0.1, -0.2], [-0.3, np.inf]])) == 0.3
+    assert deepest_penetration(np.array([[0.1, 1e3], [0.0, 2.0]])) == 0.0
+    assert deepest_penetration(np.array([[0.1, -0.2], [-0.3, np.inf]])) == 0.3
 
 
 def test_it_is_saved_and_results_without_it_load(tmp_path: Path) -> None:
