@@ -2,7 +2,8 @@
 
 With one relaxation function of the whole second Piola-Kirchhoff stress, small motions about a
 relaxed press have the stiffness G* K_m + K_g: the material part of the tangent relaxes, the
-geometric one, of the stress at rest, does not. The contact is that of the press and stays closed.
+geometric one, of the stress at rest, does not. The contact is that of the press and stays closed; of
+nearly incompressible tissue, the part of it that the spread of the skin has is left out.
 One sparse complex solution per frequency, without modes; it shares the elements with `solid`, and
 nothing with `modal` but the mass matrix.
 """
@@ -75,7 +76,8 @@ class Preloaded:
         body = FINITE_STRAIN.body(finger, press.mesh, None, lambda fraction: None)
         elements = continuum(body.space, laws(finger), soft=(1, 2))
         contact = contact_surface(
-            body.space, body.pad, body.normals, press.obstacle, table.table.reach
+            *(body.space, body.pad, body.normals, press.obstacle, table.table.reach),
+            spreads=elements.nearly_incompressible,
         )
         equilibrium = Equilibrium(elements, contact, body.system)
         state = State(np.zeros(body.space.n_unknowns), np.zeros(len(contact)), 0.0)
