@@ -2,8 +2,7 @@
 
 With one relaxation function of the whole second Piola-Kirchhoff stress, small motions about a
 relaxed press have the stiffness G* K_m + K_g: the material part of the tangent relaxes, the
-geometric one, of the stress at rest, does not. The contact is that of the press and stays closed; of
-nearly incompressible tissue, the part of it that the spread of the skin has is left out.
+geometric one, of the stress at rest, does not. The contact is that of the press and stays closed.
 One sparse complex solution per frequency, without modes; it shares the elements with `solid`, and
 nothing with `modal` but the mass matrix.
 """
@@ -133,8 +132,9 @@ class Preloaded:
         """Force in N per mm of the plate, for a relaxation factor G* and an angular frequency."""
         free, space = self.system.free, self.elements.space
         material, geometric = self._parts
-        # The contact law bends with the distance of skin and plate, not with that of the skin.
-        bent, along = self.gap.stiffness(), np.zeros(space.n_unknowns)
+        # The contact law changes with the distance of skin and plate, not with that of the skin.
+        bent = self.gap.stiffness() + self.gap.spreading_stiffness()
+        along = np.zeros(space.n_unknowns)
         along[: space.n_displacements] = np.tile(self.press.obstacle.axis, space.n_nodes)
         coupled = (bent @ along)[free]
         body = (factor * material + geometric + bent - omega**2 * self._mass)[free][:, free]
