@@ -27,6 +27,9 @@ ERROR, SECONDS = "ask.rel_error", "ask.seconds"
 MODAL = "modal"
 """The mechanics with inertia."""
 
+USELESS = 1.0
+"""Error that nobody is advised to allow."""
+
 LEFT_OUT = (
     "They are of solving: saving with a report takes some 3 to 10 s more, and compiling, once "
     "after the installation, some 20 s."
@@ -213,7 +216,9 @@ def _relaxing(rungs: tuple[Rung, ...]) -> str:
         close = [
             rung
             for rung in rungs
-            if rung.refusals and all(refusal.field == field for refusal in rung.refusals)
+            if rung.refusals
+            and all(refusal.field == field for refusal in rung.refusals)
+            and rung.error < USELESS
         ]
         if close:
             best = min(close, key=lambda rung: float(getattr(rung, quantity)))
@@ -230,7 +235,8 @@ def _unchecked(case: Situation) -> str:
     if not case.ask.spikes or case.finger.resolution != AUTO:
         return ""
     coarse = case.on(RESOLUTIONS[0])
-    able = [rung for name in MESHED for rung in _rungs(name, coarse) if not rung.refusals]
+    inertia = _inertia(coarse)
+    able = [rung for name in MESHED for rung in _rungs(name, coarse, inertia) if not rung.refusals]
     if not able:
         return ""
     best = min(able, key=lambda rung: rung.seconds)

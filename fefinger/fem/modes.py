@@ -22,9 +22,9 @@ from fefinger.support.checks import ConvergenceError, InputError, number
 
 
 BLOCK = 24  # vectors per block: two solutions in the time of 24 on the standard finger are 8 single
-TOLERANCE = 1e-10  # of the residual of a mode, over its share 1 / w² of the flexibility
-CHECK = 4  # blocks between looks at the residuals
-SLACK = 6.0  # longest basis over the number of modes wanted
+TOLERANCE = 1e-8  # of the residual of a mode, over its share 1 / w² of the flexibility
+CHECK = 2  # blocks between looks at the residuals
+SLACK = 10.0  # longest basis over the number of modes wanted
 LEAST = 600  # vectors that a basis may always have; smaller bodies are solved as dense ones
 SEED = 27
 

@@ -63,14 +63,14 @@ def once(case: Situation) -> float:
 
 def _operator(case: Situation) -> float:
     """Return the time in s of building an operator that the mechanics without inertia lacks."""
-    return reports.condensed_once(case) if stiffens(case.finger) else 0.0
+    return reports.condensed_once(vibration.of_inertia(case)) if stiffens(case.finger) else 0.0
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     """Return the expected relative error, and its source: without inertia, and of the modes."""
     error, source = _base(case.finger).error(case, quantity)
     left = vibration.modal_error(case)
-    return math.hypot(error, left), f"{source}; {vibration.sentence(left)}"
+    return math.hypot(error, left), f"{source}; {vibration.sentence(case)}"
 
 
 def coarser(scene: Scene) -> Finger | None:
@@ -92,4 +92,10 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     from fefinger.mechanics.press import modal_response
 
     notes = tuple(note for note in _base(scene.finger).NOTES if note != QUASISTATIC)
-    return modal_response.respond(scene, progress, mechanics=name, notes=(*notes, *INERTIA))
+    answer = modal_response.respond(
+        *(scene, progress),
+        mechanics=name,
+        notes=(*notes, *INERTIA),
+        geometric_share=vibration.geometric_share,
+    )
+    return replace(answer, notes=(*answer.notes, *vibration.notes(Situation.of(scene))))

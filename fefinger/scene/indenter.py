@@ -57,7 +57,10 @@ class Indenter(ABC):
     """
 
     friction: float = field(default=0.0, kw_only=True, repr=False)
-    """Coulomb's coefficient, static and kinetic."""
+    """Coulomb's coefficient, static and, by default, kinetic."""
+
+    friction_kinetic: float | None = field(default=None, kw_only=True, repr=False)
+    """Coefficient of what slips, at most the static one."""
 
     kind: ClassVar[str]
     sharp: ClassVar[bool] = False
@@ -152,9 +155,16 @@ class Indenter(ABC):
         value = number(f"indenter.{name}", getattr(self, name), **limits)
         object.__setattr__(self, name, value)
 
+    @property
+    def kinetic(self) -> float:
+        """Kinetic coefficient of friction."""
+        return self.friction if self.friction_kinetic is None else self.friction_kinetic
+
     def _set_contact(self) -> None:
         """Check friction, and the roll where there is one."""
         self._set("friction", at_least=0)
+        if self.friction_kinetic is not None:
+            self._set("friction_kinetic", at_least=0, at_most=self.friction)
         if hasattr(self, "roll"):
             self._set("roll", at_least=ROLLS[0], at_most=ROLLS[1], unit="degrees")
 

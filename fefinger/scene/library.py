@@ -7,7 +7,7 @@ it before relying on it. "low": an estimate that fills a gap.
 import math
 import tomllib
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Literal
@@ -162,6 +162,9 @@ def dandekar2003() -> TissueSet:
     )
 
 
+VISCOUS = "_viscous"
+"""Suffix of the sets whose relaxation goes on to a kHz."""
+
 VISCOUS_FROM = 160.0
 """Hz at which fingertips lose as much as they store: 1 N/mm and 1 N s/m, to a factor of 2."""
 
@@ -169,25 +172,25 @@ FASTEST = 6283.0
 """Rate in 1/s of the branch that models that loss: 1 kHz, beyond the measured band."""
 
 
-def maeno1998_viscous() -> TissueSet:
-    """Layers of Maeno et al. (1998) whose relaxation goes on to a kHz (confidence low).
+def _viscous(name: str) -> TissueSet:
+    """Tissue set `name` with a relaxation that goes on to a kHz (confidence low).
 
     Published relaxation ends near 260 1/s, so that tissue loses nothing above some 100 Hz.
     Wiertlewski and Hayward (2012) found fingertips of about 1 N/mm, elastic up to 100 Hz, and
     viscous above with about 1 N s/m: digits quoted from memory, under lateral motion, with preloads
-    up to 1 N. One branch more of the relaxation of the means (Table 3.1 of the thesis) has that
-    ratio of loss to stiffness below its rate, which was not measured; the relaxed modulus stays.
-    Sudden strains meet 7 times the stiffness: a set for vibrations, not for impacts.
+    up to 1 N. One branch more has that ratio of loss to stiffness below its rate, which was not
+    measured; the relaxed modulus stays. Sudden strains meet some 7 times the stiffness: a set for
+    vibrations, not for impacts.
     """
-    base, slow = maeno1998(), pawluk_relaxation()[MEANS]
+    base = TISSUE_SETS[name]()
+    slow = base.prony or pawluk_relaxation()[MEANS]
     # Below its rate a branch is a damper, of weight / rate; before it the stiffness is the sum.
     fast = FASTEST / (2 * math.pi * VISCOUS_FROM)
     weights = (*slow.weights, fast)
     total = math.fsum(weights)
-    return TissueSet(
-        skin=base.skin,
-        subcutaneous=base.subcutaneous,
-        source="Maeno et al. (1998), Pawluk (1997), Wiertlewski and Hayward (2012)",
+    return replace(
+        base,
+        source=f"{base.source}; Wiertlewski and Hayward (2012) above 40 Hz",
         confidence="low",
         prony=Prony(tuple(weight / total for weight in weights), (*slow.v, FASTEST)),
     )
@@ -272,10 +275,13 @@ def default_tissue(subject: object, *, given: bool) -> str:
 
 TISSUE_SETS: dict[str, Callable[[], TissueSet]] = {
     "maeno1998": maeno1998,
-    "maeno1998_viscous": maeno1998_viscous,
     "dandekar2003": dandekar2003,
     "saal2017": saal2017,
     **{calibrated_name(subject): partial(_calibrated, subject) for subject in _FITTED},
+}
+TISSUE_SETS |= {
+    f"{name}{VISCOUS}": partial(_viscous, name)
+    for name in (PUBLISHED, *map(calibrated_name, _FITTED))
 }
 
 

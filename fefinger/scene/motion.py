@@ -128,6 +128,11 @@ class Motion(ABC):
         return self.peak
 
     @property
+    def swing(self) -> float:
+        """Amplitude in mm or N of what vibrates, or else the whole motion."""
+        return float(getattr(self, "amplitude", self.peak))
+
+    @property
     def paths(self) -> tuple[Trajectory, ...]:
         """Trajectories in mm of what moves across the direction of travel; none by default."""
         return ()

@@ -255,10 +255,22 @@ class SampledMotion(Motion):
         return float(np.fft.rfftfreq(len(speed), 1 / rate)[place]) or None
 
     @property
-    def steady_level(self) -> float:
-        """The mean of the samples where they are above 0."""
+    def swing(self) -> float:
+        """Largest distance of the samples from their mean over two cycles."""
+        highest, rate = self.highest_frequency, self.sample_rate
+        if highest is None or rate is None:
+            return self.peak
         values = np.array(getattr(self, self.control))
-        return float(values[values > 0].mean())
+        count = min(len(values), 2 * int(rate / highest) + 1)
+        padded = np.pad(values, (count // 2, count - 1 - count // 2), mode="edge")
+        mean = np.convolve(padded, np.full(count, 1 / count), mode="valid")
+        return float(np.abs(values - mean).max())
+
+    @property
+    def steady_level(self) -> float:
+        """The median of the samples where they are above 0: a preload, not the way to it."""
+        values = np.array(getattr(self, self.control))
+        return float(np.median(values[values > 0]))
 
     @cached_property
     def trajectory(self) -> Trajectory:

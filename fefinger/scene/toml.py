@@ -39,7 +39,7 @@ FROM_FILE = {
     Relief.kind: FileReader(
         Relief.from_file,
         "CSV, NPZ, PNG or STL",
-        ("pitch", "height", "angle", "tilt", "roll", "friction"),
+        ("pitch", "height", "angle", "tilt", "roll", "friction", "friction_kinetic"),
     ),
     Sampled.kind: FileReader(Sampled.from_file, "CSV or WAV", SAMPLES),
     ForceSampled.kind: FileReader(ForceSampled.from_file, "CSV or WAV", SAMPLES),

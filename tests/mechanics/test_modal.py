@@ -7,6 +7,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from fefinger.validation.waves.preload import Preloaded, modulus
 
 import fefinger as ff
 from fefinger.mechanics import condensed, modal, pressed
@@ -157,7 +158,7 @@ def test_a_preload_is_the_same_by_depth_and_by_force(loop: ff.Modal) -> None:
 @pytest.mark.parametrize(
     ("frequency", "preload", "sentence"),
     [
-        ([3000.0], {"depth": 0.8}, "half of the frequency of the last of 300 modes"),
+        ([3000.0], {"depth": 0.8}, "of the frequency of the last of 130 modes"),
         ([0.0, 10.0], {"depth": 0.8}, "above 0 Hz"),
         ([10.0], {}, "a depth in mm or a force in N"),
         ([10.0], {"depth": 3.0}, "at most 1.2"),
@@ -178,8 +179,8 @@ def test_a_mode_is_one_cycle_of_its_frequency_on_the_mesh(loop: ff.Modal, tmp_pa
     np.testing.assert_allclose(fields.displacement[4], -fields.displacement[0], atol=1e-12)
     loop.save_shape(tmp_path / "mode.vtkhdf", 0)
     assert (tmp_path / "mode.vtkhdf").stat().st_size > 1000
-    with pytest.raises(InputError, match="expected a number from 0 to 299"):
-        loop.shape(300)
+    with pytest.raises(InputError, match="expected a number from 0 to 129"):
+        loop.shape(130)
 
 
 def test_delays_are_those_of_the_phase(loop: ff.Modal) -> None:
@@ -288,8 +289,48 @@ def test_a_wave_file_is_a_vibration_about_a_preload(tmp_path: Path) -> None:
     motion = ff.Scene.from_toml(tmp_path / "hum.toml").motion
     assert motion.value(0.0) == 0.0
     assert motion.value(0.15) == pytest.approx(0.8)
+    assert motion.steady_level == pytest.approx(0.8, rel=0.01)
+    assert motion.swing == pytest.approx(0.02 * 20000 / 32768, rel=0.2)
     assert motion.peak == pytest.approx(0.8 + 0.02 * 20000 / 32768, rel=1e-3)
     assert 250.0 <= motion.highest_frequency < 350.0  # it starts and ends abruptly
     (tmp_path / "no.wav").write_bytes(b"hello")
     with pytest.raises(InputError, match="expected a WAV file"):
         ff.Sampled.from_file(tmp_path / "no.wav", amplitude=0.1, preload=1.0)
+
+
+@pytest.mark.parametrize(
+    ("relaxation", "damped"), [("", False), ("_viscous", True)], ids=["published", "viscous"]
+)
+def test_the_error_of_a_sweep_is_stated_and_says_what_damps(relaxation: str, damped: bool) -> None:
+    finger = ff.Finger.subject("a.h.", tissue=f"calibrated_ah{relaxation}")
+    motion = ff.FrequencySweep(1.0, amplitude=0.02, start=10, stop=600)
+    case = Situation.of(ff.Scene(finger=finger, motion=motion))
+    error, source = modal.error(case)
+    base = pressed.error(case)[0]
+    assert base < error < 1.0
+    assert ("hardly damp" in source) is not damped
+    below = Situation.of(ff.Scene(finger=finger, motion=dataclasses.replace(motion, stop=100)))
+    assert vibration.vibration_error(below) < vibration.vibration_error(case)
+    assert not any(refusal.field == "motion.frequency" for refusal in modal.refuse(case))
+
+
+def test_a_frequency_beyond_the_measured_ones_is_a_sentence() -> None:
+    motion = ff.FrequencySweep(1.0, amplitude=0.02, start=10, stop=2500)
+    reasons = [
+        refusal.reason
+        for refusal in modal.refuse(Situation.of(scene(motion)))
+        if refusal.field == "motion.frequency"
+    ]
+    assert len(reasons) == 1
+    assert "stay below" in reasons[0]
+
+
+def test_stiffening_tissue_vibrates_as_solid_linearized_about_its_preload() -> None:
+    finger = ff.Finger.subject("a.h.", tissue="calibrated_ah_viscous", resolution="coarse")
+    prepared = Preloaded.of(finger, 1.0)
+    frequency = np.array([100.0])
+    share = vibration.geometric_share(1.0 / finger.thickness)
+    factor = prepared.factor * (1 + share * (1 - 1 / abs(modulus(finger, frequency)[0])))
+    exact = prepared.exact(finger, frequency)
+    assert prepared.linear(finger, frequency, factor) == pytest.approx(exact, rel=0.1)
+    assert sum(prepared.statics) == pytest.approx(prepared.secant(1e-3), rel=1e-4)

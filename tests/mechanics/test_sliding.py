@@ -59,6 +59,47 @@ def test_friction_resists_the_spread_of_a_press_and_moves_no_plate_aside():
     assert rough.lateral.torque == pytest.approx(0, abs=1e-12)
 
 
+def test_skin_that_slips_has_the_kinetic_coefficient():
+    motion = replace(SHORT, distance=1.5)
+    plates = [
+        ff.Flat(30, friction=0.5),
+        ff.Flat(30, friction=0.5, friction_kinetic=0.5),
+        ff.Flat(30, friction=0.5, friction_kinetic=0.3),
+    ]
+    one, same, weaker = (respond(plate, motion) for plate in plates)
+    assert np.array_equal(one.lateral.force, same.lateral.force)
+    touching = weaker.force > 0.01 * weaker.force.max()
+    pull = np.hypot(*weaker.lateral.force[touching].T) / weaker.force[touching]
+    traction, pressure = weaker.lateral.traction[-1], weaker.pressure[-1]
+    assert np.hypot(*traction.T) == pytest.approx(0.3 * pressure, abs=1e-8 * pressure.max())
+    assert pull[-1] == pytest.approx(0.3, rel=1e-5)
+    assert 0.3 < pull.max() < 0.5
+    assert weaker.lateral.stick_area[-1] == 0
+    assert any("kinetic" in note for note in weaker.notes)
+    assert not any("kinetic" in note for note in one.notes)
+
+
+@pytest.mark.parametrize("kinetic", [-0.1, 0.6, float("nan")])
+def test_a_kinetic_coefficient_lies_between_none_and_the_static_one(kinetic):
+    with pytest.raises(InputError, match=r"indenter\.friction_kinetic: expected"):
+        ff.Flat(30, friction=0.5, friction_kinetic=kinetic)
+
+
+def test_in_a_loop_skin_lets_go_as_in_a_scene_and_takes_hold_again():
+    finger = Sliding(FINGER, ff.Flat(30, friction=0.5, friction_kinetic=0.3), deepest=1.0)
+    finger.step(0.7, (0.0, 0.0), 0.1)
+    ratios, sticks = [], []
+    for k in range(1, 61):
+        now = finger.step(0.7, (0.03 * k, 0.0), 1e-3)
+        ratios.append(np.hypot(*now.lateral) / now.force)
+        sticks.append(now.stick)
+    assert ratios[-1] == pytest.approx(0.3, rel=1e-5)
+    assert max(ratios) > 0.31
+    assert sticks[0] > 0 == sticks[-1]
+    assert finger.step(0.7, (1.79, 0.0), 1e-3).stick > 0  # it turns back
+    assert finger.step(0.7, (1.79, 0.0), 1e-3).stick > 0
+
+
 def test_a_torque_is_that_of_the_traction_about_the_center_of_pressure():
     at = ff.Sphere(4.0, at=(-1.0, 2.0), friction=0.4)
     response = respond(at, ff.Slide(10, 0.5, distance=1.0, direction=30, settle=0.05))

@@ -86,7 +86,7 @@ def sheared(body: Body, size: int, path: Array, mu: float = MU) -> Sheared:
     memory = step_compiled.pad_state(
         np.zeros(3 * count), np.zeros(3 * count), np.zeros(0), np.zeros(0)
     )
-    grip = friction_step.grip(on.gap, on.areas)
+    grip = friction_step.grip(on.gap, on.areas, mu, mu)
     depth, rows, lost = CONTACT**2 / RADIUS, [], []
     for moved in np.diff(path, prepend=0.0).tolist():
         outcome = friction_step.step(state, memory, grip, 0.0, moved, 0.0, depth, False)

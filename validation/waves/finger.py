@@ -5,24 +5,31 @@ from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected, Noted
-from fefinger.validation.waves import loops
+from fefinger.validation.waves import loops, preload
 from scipy import sparse
 
 from fefinger.fem.contact.closed_contact import ClosedContact
 from fefinger.fem.elements.mass import mass
 from fefinger.fem.modes import modes_of
+from fefinger.mechanics.evidence import vibration
 from fefinger.mechanics.press.mode_store import PER_CUBIC_METER, finger_modes
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.realtime.modal import Modal
+from fefinger.mechanics.situation import Situation
 from fefinger.results.harmonic import Complex, Harmonic
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.motions import FrequencySweep
+from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 
 
 MESH = "standard"
 VISCOUS = "maeno1998_viscous"
 MANY = 900  # modes of the reference
+HELD_OUT_PART = 0.08
+"""Preload over the thickness at which the stated errors of stiffening tissue are tried."""
+
 BAND = np.linspace(50.0, 450.0, 17)
 """Hz in which stated errors are compared."""
 
@@ -73,6 +80,58 @@ def _with_many(loop: Modal, depth: float) -> ClosedContact:
         *(squares, shares[:, active], rest[block], static.patch.projected[active]),
         *(o.weights, o.rates, inertia[block]),
     )
+
+
+@cache
+def preloaded(part: float) -> preload.Preloaded:
+    """Return the coarse finger of d.s., calibrated, pressed by a part of its thickness.
+
+    The stated errors were measured at other preloads.
+    """
+    held_out = Finger.subject("d.s.", resolution="coarse")
+    return preload.Preloaded.of(held_out, part * held_out.thickness)
+
+
+def preload_slope() -> float:
+    """Return the relaxed stiffness about a preload over a secant of equilibria, less 1."""
+    prepared = preloaded(HELD_OUT_PART)
+    return sum(prepared.statics) / prepared.secant(1e-3) - 1
+
+
+def two_part_statics() -> float:
+    """Return the error of G* a + b, from two real factors, for a complex one without inertia."""
+    prepared = preloaded(HELD_OUT_PART)
+    factor = complex(preload.modulus(prepared.press.finger, np.array([60.0]))[0])
+    material, geometric = prepared.statics
+    exact = prepared.stiffness(factor, 0.0)
+    return abs((factor * material + geometric) / exact - 1)
+
+
+def preload_error(kind: str) -> Noted:
+    """Return the largest error of the harmonic answer of stiffening tissue over what is stated."""
+    prepared = preloaded(HELD_OUT_PART)
+    pressed = prepared.press.finger
+    other = pressed if kind == "published" else preload.viscous(pressed)
+    frequency = np.array([60.0, 120.0, 200.0])
+    share = vibration.geometric_share(HELD_OUT_PART)
+    factors = prepared.factor * (1 + share * (1 - 1 / np.abs(preload.modulus(other, frequency))))
+    answers = [
+        prepared.linear(other, frequency[k : k + 1], factor)[0] for k, factor in enumerate(factors)
+    ]
+    still = np.abs(prepared.still(other, frequency))
+    errors = np.abs(np.array(answers) - prepared.exact(other, frequency)) / still
+    stated = np.array([_stated(other, prepared.depth, each) for each in frequency])
+    text = ", ".join(
+        f"{100 * error:.2g} % of {100 * limit:.2g} % at {each:g} Hz"
+        for error, limit, each in zip(errors, stated, frequency, strict=True)
+    )
+    return Noted(float((errors / stated).max()), text)
+
+
+def _stated(finger: Finger, depth: float, frequency: float) -> float:
+    """Return the stated error of the harmonic answer at a frequency about a depth."""
+    motion = FrequencySweep(depth, amplitude=0.01, start=0.5 * frequency, stop=frequency)
+    return vibration.vibration_error(Situation.of(Scene(finger=finger, motion=motion)), "harmonic")
 
 
 @cache

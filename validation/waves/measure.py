@@ -4,7 +4,10 @@
 
 The planner reads it (`mechanics/evidence/vibration.py`). Statics are compared with inertia in one
 linear finger: in frequency as the change of the dynamic stiffness under an indenter, in time as the
-largest change of the force of a ramp over its peak.
+largest change of the force of a ramp over its peak. Errors of vibrations are over the stiffness
+without inertia at that frequency, with the published relaxation, whose resonances hardly damp, and
+with one that goes on to a kHz. Tissue that stiffens is compared with `solid`, linearized about the
+compressed finger (`preload.py`).
 """
 
 import json
@@ -17,9 +20,9 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.provenance import provenance
+from fefinger.validation.waves.preload import Preloaded, modulus, viscous
 
 from fefinger.fem.contact.modal_march import ModalContact
-from fefinger.fem.contact.oscillators import complex_modulus
 from fefinger.mechanics.press.mode_store import FingerModes, finger_modes
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.realtime.modal import Modal
@@ -33,35 +36,38 @@ from fefinger.support.arrays import Array
 
 SUBJECTS = ("d.p.", "d.s.", "a.h.", "p.w.")
 TISSUE = "maeno1998"
+RELAXATIONS = {"published": TISSUE, "viscous": f"{TISSUE}_viscous"}
 OBJECTS: dict[str, Indenter] = {"flat-30": Flat(30), "sphere-5": Sphere(5)}
 PARTS = 0.05, 0.1, 0.15
 """Preloads over the thickness of the finger."""
 
-REDUCED = np.geomspace(0.005, 0.6, 48)
+REDUCED = np.geomspace(0.005, 1.0, 60)
 """Frequency x thickness of the tissue / wave speed, with the modulus at that frequency."""
 
-RATIOS = np.linspace(0.02, 0.4, 39)
+PRELOADED = 0.05, 0.1, 0.13
+"""Preloads over the thickness of stiffening fingers; vibrations about the first two."""
+
+FEW_REDUCED = np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.6, 0.9])
+"""Of vibrations about a preload at finite strain, each of which takes seconds."""
+
+RATIOS = np.linspace(0.02, 0.7, 69)
 """Frequencies over that of the last mode."""
 
 SPEEDS = 20.0, 60.0, 200.0, 500.0, 1000.0, 2000.0
 """Speeds of ramps in mm/s to a tenth of the thickness."""
 
 
-def frequencies(finger: Finger, reduced: Array) -> Array:
-    """Frequencies (n,) in Hz at which frequency x thickness / wave speed has given values."""
+def frequencies(finger: Finger, reduced: Array, stiffer: float = 1.0) -> Array:
+    """Frequencies (n,) in Hz at which frequency x thickness / wave speed has given values.
+
+    stiffer: factor on the moduli.
+    """
     tried = np.geomspace(0.1, 5000, 4000)
-    speeds = wave_speed(finger) * np.sqrt(np.abs(modulus(finger, tried)))
+    speeds = wave_speed(finger) * np.sqrt(stiffer * np.abs(modulus(finger, tried)))
     return np.asarray(np.interp(reduced, tried * finger.pulp / speeds, tried))
 
 
-def modulus(finger: Finger, frequency: Array) -> Array:
-    """Complex modulus (n_f,) of a finger over the long-time one."""
-    prony = finger.prony
-    weights = np.array(prony.weights[1:]) / prony.weights[0]
-    return np.asarray(complex_modulus(weights, np.array(prony.v), frequency))
-
-
-def vibrations(finger: Finger) -> Iterator[dict[str, Any]]:
+def vibrations(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
     """Yield the change of the dynamic stiffness by inertia, per object and preload."""
     frequency = frequencies(finger, REDUCED)
     for name, indenter in OBJECTS.items():
@@ -71,9 +77,9 @@ def vibrations(finger: Finger) -> Iterator[dict[str, Any]]:
             slow = loop.harmonic([1e-3], depth=part * finger.thickness).stiffness[0]
             still = slow / modulus(finger, np.array([1e-3])) * modulus(finger, frequency)
             yield {
+                "relaxation": relaxation,
                 "object": name,
                 "part": part,
-                "reduced": REDUCED.tolist(),
                 "error": np.abs(answer.stiffness / still - 1).tolist(),
             }
 
@@ -100,7 +106,65 @@ def ramps(finger: Finger) -> Iterator[dict[str, float]]:
         yield {"speed_over_wave": speed / wave_speed(finger), "error": float(change)}
 
 
-def truncation(finger: Finger) -> Iterator[dict[str, float]]:
+def between_meshes(relaxation: str, subject: str) -> dict[str, Any]:
+    """Return the change of the dynamic stiffness by inertia from the coarse to the standard mesh.
+
+    Both over the stiffness without inertia on the same mesh.
+    """
+    changes = []
+    for mesh in ("coarse", "standard"):
+        finger = Finger.subject(subject, tissue=RELAXATIONS[relaxation], resolution=mesh)
+        frequency, depth = frequencies(finger, REDUCED), 0.1 * finger.thickness
+        answer = Modal(finger, Flat(30), deepest=depth).harmonic([1e-3, *frequency], depth=depth)
+        factors = modulus(finger, answer.frequency)
+        changes.append((answer.stiffness / answer.stiffness[0] * factors[0] / factors)[1:])
+    difference = np.abs(changes[1] - changes[0])
+    return {
+        "relaxation": relaxation,
+        "error": difference.tolist(),
+    }
+
+
+def preloads(subject: str) -> Iterator[dict[str, Any]]:
+    """Yield what stiffening tissue changes of a vibration about a preload, per preload."""
+    finger = Finger.subject(subject, resolution="coarse")
+    for part in PRELOADED:
+        prepared = Preloaded.of(finger, part * finger.thickness)
+        material, geometric = prepared.statics
+        row: dict[str, Any] = {
+            "part": part,
+            "factor": prepared.factor,
+            "share": material / (material + geometric) - 1,
+        }
+        for relaxation in RELAXATIONS if part < PRELOADED[-1] else ():
+            other = finger if relaxation == "published" else viscous(finger)
+            row[relaxation] = preload_errors(prepared, other)
+        yield row
+
+
+def preload_errors(prepared: Preloaded, finger: Finger) -> dict[str, list[float]]:
+    """Errors of the harmonic answer about a preload, and of that through time."""
+    frequency = frequencies(finger, FEW_REDUCED, prepared.factor)
+    factors = modulus(finger, frequency)
+    relaxed, exact = sum(prepared.statics), prepared.exact(finger, frequency)
+    harmonic: list[complex] = []
+    inertia: list[complex] = []
+    for f, g in zip(frequency, np.abs(factors), strict=True):
+        share = prepared.statics[0] / relaxed - 1
+        factor = prepared.factor * (1 + share * (1 - 1 / g))
+        slow, fast = prepared.linear(finger, np.array([1e-3, f]), factor)
+        harmonic.append(fast)
+        inertia.append(fast - slow * factors[len(inertia)] / modulus(finger, np.array([1e-3]))[0])
+    still = np.abs(prepared.still(finger, frequency))
+    through = relaxed * factors + np.array(inertia)
+    return {
+        "reduced": FEW_REDUCED.tolist(),
+        "harmonic": (np.abs(np.array(harmonic) - exact) / still).tolist(),
+        "time": (np.abs(through - exact) / still).tolist(),
+    }
+
+
+def truncation(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
     """Yield what the modes of the time answer leave out, by frequency over the last mode's.
 
     Over the stiffness without inertia.
@@ -125,7 +189,11 @@ def truncation(finger: Finger) -> Iterator[dict[str, float]]:
         flexibility = full.rest[np.ix_(active, active)] / g + (shares.T * receptance) @ shares
         sides = 2.0 if solid.half else 1.0
         stiffness = sides * 1e-3 * weights @ np.linalg.solve(flexibility, weights)
-        yield {"ratio": float(ratio), "error": float(abs(stiffness - wanted) / scale)}
+        yield {
+            "relaxation": relaxation,
+            "ratio": float(ratio),
+            "error": float(abs(stiffness - wanted) / scale),
+        }
 
 
 def seconds(subject: str, mesh: str) -> dict[str, float]:
@@ -149,15 +217,23 @@ def seconds(subject: str, mesh: str) -> dict[str, float]:
 
 def main(path: str) -> None:
     """Measure all, and write the report."""
-    fingers = [Finger.subject(name, tissue=TISSUE, resolution="coarse") for name in SUBJECTS]
+    kinds = [
+        (kind, Finger.subject(name, tissue=tissue, resolution="coarse"))
+        for kind, tissue in RELAXATIONS.items()
+        for name in SUBJECTS
+    ]
+    fingers = [finger for kind, finger in kinds if kind == "published"]
     record = {
         **provenance("python -m fefinger.validation.waves.measure"),
         "tissue": TISSUE,
         "subjects": SUBJECTS,
         "mesh": "coarse",
-        "vibration": [row for finger in fingers for row in vibrations(finger)],
+        "reduced": REDUCED.tolist(),
+        "vibration": [row for each in kinds for row in vibrations(*each)],
+        "mesh_of_inertia": [between_meshes(kind, s) for kind in RELAXATIONS for s in SUBJECTS],
+        "preload": [row for subject in SUBJECTS for row in preloads(subject)],
         "ramp": [row for finger in fingers for row in ramps(finger)],
-        "truncation": [row for finger in fingers for row in truncation(finger)],
+        "truncation": [row for each in kinds for row in truncation(*each)],
         "last_mode": [
             finger_modes(f, operator(f, half=True)).complete * f.thickness / wave_speed(f)
             for f in fingers

@@ -173,7 +173,35 @@ def _fingers() -> Iterator[Case]:
         Expected.between(0.95, 1.0, "1"),
         "three times as many modes on the same mesh",
     )
+    yield from _preloads()
     yield from finger.verdicts()
+
+
+def _preloads() -> Iterator[Case]:
+    """Yield the cases of stiffening tissue about a finite preload."""
+    yield Case(
+        "stiffening tissue about a preload: relaxed tangent over a secant of `solid`, less 1",
+        finger.preload_slope,
+        Expected(0.0, 1e-4, "1"),
+        "equilibria of `solid` 0.1 % deeper and shallower, at finite strain",
+        reason="a secant, in which the contact grows",
+    )
+    yield Case(
+        "stiffening tissue about a preload: G* a + b against the tangent at a complex G*",
+        finger.two_part_statics,
+        Expected.between(0.0, 0.02, "1"),
+        "`solid`, linearized; a and b from two real factors",
+        reason="the body is not of one dimension",
+    )
+    for kind in ("published", "viscous"):
+        yield Case(
+            f"stiffening tissue about a preload, {kind} relaxation, 60 to 200 Hz: error of the "
+            "harmonic answer over what is stated",
+            partial(finger.preload_error, kind),
+            Expected.between(0.0, 1.0, "1"),
+            "`solid`, linearized about the compressed finger; d.s. at a preload that no stated "
+            "error was measured at",
+        )
 
 
 def figures() -> Iterator[tuple[str, Any]]:

@@ -82,7 +82,7 @@ def _visit(s: FrictionState, i: int, m: int) -> None:
         x[j] += step
         _add(s.rest, s.block[j], step, m)
     _, u, v, _ = _target(s, i)
-    size, bound = np.hypot(u, v), s.mu[0] * x[j]
+    size, bound = np.hypot(u, v), s.mu[s.where[i]] * x[j]
     if size > bound:
         u, v = u * bound / size, v * bound / size
     first, second = u - x[j + 1], v - x[j + 2]
@@ -107,7 +107,7 @@ def _residual(s: FrictionState) -> float:
     for i in range(s.counts[K]):
         j = 3 * i
         p, u, v, _ = _target(s, i)
-        size, bound = np.hypot(u, v), s.mu[0] * x[j]
+        size, bound = np.hypot(u, v), s.mu[s.where[i]] * x[j]
         if size > bound:
             u, v = u * bound / size, v * bound / size
         top = max(top, x[j])
@@ -128,14 +128,14 @@ def _unknowns(s: FrictionState) -> int:
         p, u, v, stiff = _target(s, i)
         if p <= 0.0:
             continue
-        bound, size = s.mu[0] * x[3 * i], np.hypot(u, v)
+        bound, size = s.mu[s.where[i]] * x[3 * i], np.hypot(u, v)
         slips = size > bound
         s.vertex[q], s.extra[q], s.code[q] = i, 0.0, KINDS * s.where[i] + (1 if slips else 0)
         s.column[q], s.row[q] = (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
         q += 1
         if slips:
             a, b = u / size, v / size
-            s.column[q - 1] = (1.0, s.mu[0] * a, s.mu[0] * b)
+            s.column[q - 1] = (1.0, s.mu[s.where[i]] * a, s.mu[s.where[i]] * b)
             free = min(s.block[3 * i + 1, 3 * i + 1], s.block[3 * i + 2, 3 * i + 2]) > 0.0
             if free and bound > 0.0:
                 s.vertex[q], s.extra[q] = i, (size / bound - 1.0) * stiff
@@ -258,7 +258,10 @@ def _go(s: FrictionState, part: float) -> None:
         for a in range(3):
             s.compressed[j + a] = s.before[j + a] + part * (s.start[j + a] - s.before[j + a])
         s.compressed[j] = max(0.0, s.compressed[j])
-        bound, size = s.mu[0] * s.compressed[j], np.hypot(s.compressed[j + 1], s.compressed[j + 2])
+        bound, size = (
+            s.mu[s.where[i]] * s.compressed[j],
+            np.hypot(s.compressed[j + 1], s.compressed[j + 2]),
+        )
         if size > bound:
             s.compressed[j + 1] *= bound / size
             s.compressed[j + 2] *= bound / size

@@ -16,11 +16,11 @@ the last matrix, and whether its inverse is at hand."""
 class FrictionState(NamedTuple):
     """State of the contact problem with friction: F x + b against both projections.
 
-    flexibility F (3n, 3n); mu (1,); x and moved = F x (3n,); block (3n, 3n): rows of the vertices
-    `where` (n,) in question, whose position is `place` (n,) or -1; compressed, constant and rest
-    (3n,): x, b and F x + b of the block; before and start (3n,): ends of a Newton step; vertex and
-    extra (3n,), column and row (3n, 3), code and kept (3n,): its unknowns, and those of the last
-    matrix, with its inverse (3n, 3n); counts (5,); residual (1,): of the last
+    flexibility F (3n, 3n); mu (n,) of the vertices; x and moved = F x (3n,); block (3n, 3n): rows
+    of the vertices `where` (n,) in question, whose position is `place` (n,) or -1; compressed,
+    constant and rest (3n,): x, b and F x + b of the block; before and start (3n,): ends of a Newton
+    step; vertex and extra (3n,), column and row (3n, 3), code and kept (3n,): its unknowns, and
+    those of the last matrix, with its inverse (3n, 3n); counts (5,); residual (1,): of the last
     solution; chosen and factor (3n,): work; saved (2, 3n) and saved_where (n + 1,): x, moved and
     the vertices at the last `save`.
     """
@@ -57,7 +57,7 @@ def friction_state(flexibility: Array, mu: float) -> FrictionState:
     n = len(flexibility) // 3
     return FrictionState(
         flexibility=np.array(flexibility, order="C"),
-        mu=np.array([mu], dtype=np.float64),
+        mu=np.full(n, mu, dtype=np.float64),
         x=np.zeros(3 * n),
         moved=np.zeros(3 * n),
         block=np.zeros((3 * n, 3 * n)),

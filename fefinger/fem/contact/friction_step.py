@@ -4,6 +4,9 @@ As `step_compiled`, with history and elastic stress of three components per vert
 the traction in two directions across the axis. With one relaxation function the displacement at the
 end of a step is F y of the elastic traction y = (x - h) / g, so that the slip of a step is
 (F x - F h) / g less the displacement before it and less what the obstacle moved.
+
+Where the kinetic coefficient is less than the static one, a vertex has the kinetic one from the
+step after its first slip to the step in which it sticks again, or leaves contact.
 """
 
 from typing import NamedTuple
@@ -26,6 +29,9 @@ from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY, SMALL_FORCE
 
 
+STUCK = 1e-6
+"""Traction short of mu times the pressure, over that, from which a vertex counts as sticking."""
+
 MATCH = 1e-7
 """Relative error of the force under force control, above what the residual of the cone leaves."""
 
@@ -34,25 +40,30 @@ class Grip(NamedTuple):
     """What a pad with friction remembers besides its stress.
 
     gap (n,) mm³ and projected (n,) mm²: of the patch, the first at the present place; slip (2n,)
-    mm³: weighted slip since first contact; lost (1,) uJ; stiffness (1,) mN/mm: of the last steps
-    under force control; limits (n,): outcome of a step with contact at the vertex, as of `Output`.
+    mm³: weighted slip since first contact; static and kinetic (1,): coefficients; lost (1,)
+    uJ; stiffness (1,) mN/mm: of the last steps under force control; limits (n,): outcome of a step
+    with contact at the vertex, as of `Output`.
     """
 
     gap: Array
     projected: Array
     slip: Array
+    static: Array
+    kinetic: Array
     lost: Array
     stiffness: Array
     limits: Integers
 
 
-def grip(gap: Array, projected: Array) -> Grip:
-    """Allocate the memory of a pad at rest."""
+def grip(gap: Array, projected: Array, static: float, kinetic: float) -> Grip:
+    """Allocate the memory of a pad at rest, with the coefficients of friction."""
     n = len(gap)
     return Grip(
         gap=np.array(gap, dtype=np.float64),
         projected=np.array(projected, dtype=np.float64),
         slip=np.zeros(2 * n),
+        static=np.array([static], dtype=np.float64),
+        kinetic=np.array([kinetic], dtype=np.float64),
         lost=np.zeros(1),
         stiffness=np.zeros(1),
         limits=np.zeros(n, dtype=np.int64),
@@ -63,6 +74,7 @@ def grip(gap: Array, projected: Array) -> Grip:
 def reset(s: FrictionState, m: PadState, c: Grip) -> None:
     """Reset the pad to rest: no contact and no history."""
     release(s)
+    s.mu[:] = c.static[0]
     for array in (m.terms, m.moved_terms):
         array[:] = 0.0
     for row in (m.elastic, m.moved_elastic, m.depth, m.peak, c.slip, c.lost, c.stiffness):
@@ -162,13 +174,15 @@ def _at_force(s: FrictionState, m: PadState, c: Grip, g: float, force: float) ->
 
 @njit(cache=True)
 def _slip(s: FrictionState, m: PadState, c: Grip, g: float) -> None:
-    """Update slip and lost work from the solution; `offset` still holds what the step started at.
+    """Update slip, coefficients and lost work from the solution.
 
-    The slip times g is F x + b: b holds the history and the path.
+    The slip times g is F x + b: b, the history and the path, is still in `offset`.
     """
     n = len(c.gap)
     for j in range(n):
         pressed = s.x[j] > 0.0
+        slips = pressed and np.hypot(s.x[n + j], s.x[2 * n + j]) >= s.mu[j] * s.x[j] * (1 - STUCK)
+        s.mu[j] = c.kinetic[0] if slips else c.static[0]
         for a in range(2):
             k = (a + 1) * n + j
             slid = (s.moved[k] + m.offset[k]) / g if pressed else 0.0

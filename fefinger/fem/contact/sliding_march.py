@@ -12,10 +12,6 @@ from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
 
 
-STUCK = 1e-6
-"""Traction short of mu times the pressure, over that, from which a vertex counts as sticking."""
-
-
 def slide(
     flexibility: Array,
     travel: Travel,
@@ -57,7 +53,7 @@ def slide(
 
 def slide_with_friction(
     flexibility: Array,
-    mu: float,
+    mu: tuple[float, float],
     travel: Travel,
     projected: Array,
     relaxation: Relaxation,
@@ -65,7 +61,9 @@ def slide_with_friction(
     shift: Array,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> History:
-    """Compute the contact history with a flexibility (3n, 3n) and Coulomb's coefficient mu.
+    """Compute the contact history with a flexibility (3n, 3n) and Coulomb's friction.
+
+    mu: static and kinetic coefficient.
 
     Raises
     ------
@@ -73,38 +71,41 @@ def slide_with_friction(
         As `slide`; and if no traction fits the law of friction.
     """
     n = len(projected)
-    s = friction_state.friction_state(flexibility, mu)
+    s = friction_state.friction_state(flexibility, mu[0])
     m = step_compiled.pad_state(
         np.zeros(3 * n), np.zeros(3 * n), relaxation.weights, relaxation.rates
     )
-    grip = friction_step.grip(np.zeros(n), projected)
+    grip = friction_step.grip(np.zeros(n), projected, *mu)
     time, by_force = prescribed.time, prescribed.control == "force"
     m.peak[0] = prescribed.value.max(initial=0.0)
     count = len(time)
     depth, x, elastic = np.empty(count), np.empty((count, 3 * n)), np.empty((count, 3 * n))
+    bounds = np.empty((count, n))
     slopes, slip, lost, worst = np.empty((count, 2)), np.empty((count, 2, n)), np.empty(count), 0.0
     for k, target in enumerate(prescribed.value):
         dt = float(time[k] - time[k - 1]) if k else 0.0
         moved = shift[k] - shift[k - 1] if k else np.zeros(2)
         grip.gap[:], rim = travel.gap(shift[k])
+        bounds[k] = s.mu
         outcome = friction_step.step(
             s, m, grip, dt, float(moved[0]), float(moved[1]), float(target), by_force
         )
-        friction_step.check(outcome, mu, f"at {time[k]:.4g} s")
+        friction_step.check(outcome, mu[0], f"at {time[k]:.4g} s")
         check_ahead(rim, s.x[:n], shift[k], time[k])
         depth[k], x[k], elastic[k], lost[k] = m.depth[0], s.x, m.elastic, grip.lost[0]
         slopes[k], slip[k] = travel.push(shift[k], s.x[:n]), grip.slip.reshape(2, n) / projected
         worst = max(worst, float(s.residual[0]))
         progress((k + 1) / count)
     pressure, traction = np.ascontiguousarray(x[:, :n]), x[:, n:].reshape(count, 2, n)
-    sliding = Sliding(shift, slopes, traction, slip, sticks(pressure, traction, mu), lost, worst)
+    sticking = sticks(pressure, traction, bounds)
+    sliding = Sliding(shift, slopes, traction, slip, sticking, lost, worst)
     return History(depth, pressure, elastic, int(s.counts[friction_state.SOLVED]), sliding)
 
 
-def sticks(pressure: Array, traction: Array, mu: float) -> Flags:
+def sticks(pressure: Array, traction: Array, mu: float | Array) -> Flags:
     """Flag the vertices (..., n) under pressure with less than the traction of slip."""
     size = np.hypot(traction[..., 0, :], traction[..., 1, :])
-    return np.asarray((pressure > 0) & (size < mu * pressure * (1 - STUCK)))
+    return np.asarray((pressure > 0) & (size < mu * pressure * (1 - friction_step.STUCK)))
 
 
 def check_ahead(rim: Flags, pressure: Array, shift: Array, time: float) -> None:

@@ -3,21 +3,28 @@
 Measured in `reports/modal.json` on the fingers of four subjects under a plate and a ball: the
 change of the dynamic stiffness by inertia over frequency x thickness / wave speed, with the modulus
 at that frequency; the change of the force of ramps over speed / wave speed, with the relaxed
-modulus; and what the modes leave out. Of all fingers, objects and preloads the largest is taken.
-Tissue that stiffens with strain is taken as before it does: it is faster, and inertia changes less.
+modulus; what the modes leave out and what the mesh changes; and, in tissue that stiffens, what the
+linear finger that stands for it is off. Of all fingers, objects and preloads the largest is taken,
+of those whose relaxation damps as much: near resonances that hardly damp nothing is certain.
+Tissue that stiffens has the least factor on its moduli of the measured fingers. Errors of a
+vibration are over its own force without inertia; that force is SHARE x amplitude / depth of the
+peak.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 
 import numpy as np
 
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.table import read
-from fefinger.mechanics.press.mode_cache import at_hand
+from fefinger.mechanics.press.mode_cache import MESH_OF_INERTIA, at_hand
+from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.press.operator_cache import parities
 from fefinger.mechanics.refusals import Doubt
 from fefinger.mechanics.situation import Situation
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
 from fefinger.scene.inertia import wave_speed
 from fefinger.support.arrays import Array
 from fefinger.support.text import percent
@@ -34,19 +41,33 @@ FINE = 2.5
 SAMPLED = 10.0
 """Samples per cycle below which straight lines between them change the force by more than 2 %."""
 
-BEYOND = 0.3
+BEYOND = 0.7
 """Frequency over that of the last mode beyond which the answer through time is not trusted."""
+
+RESONANT = 0.2
+"""Frequency x thickness / wave speed from which fingers resonate under a plate."""
+
+SHARE = 5.0
+"""Force of a vibration over the peak, by amplitude over depth: at most 4.6 of the measured ones."""
+
+DAMPED = 0.8
+"""Share of the loss factor of the viscous relaxation at a frequency from which a finger damps as it
+does."""
+
+EXTRAPOLATED = 1 / 3
+"""Error of the standard mesh over its difference from the coarse one, of order 2; four times as
+large on the coarse mesh."""
 
 
 def statics_error(case: Situation) -> tuple[float, str]:
     """Return the measured error of leaving inertia out, of what vibrates or of a ramp, and why."""
     frequency, speed = case.motion.highest_frequency or 0.0, _speed(case)
     wave = wave_speed(case.finger)
-    faster = wave * _stiffer(case, frequency)
-    reduced = frequency * case.finger.pulp / faster
-    of_vibration = float(np.interp(reduced, *_envelope("vibration")))
+    reduced = _reduced(case, frequency)
+    of_vibration = float(np.interp(reduced, *_envelope("vibration", _damping(case, frequency))))
     of_ramp = float(np.interp(speed / wave, *_envelope("ramp")))
     if of_vibration >= of_ramp:
+        faster = frequency * case.finger.pulp / reduced if reduced else wave
         reason = (
             f"frequency x thickness / wave speed = {frequency:g} Hz x {case.finger.pulp:.3g} mm / "
             f"{1e-3 * faster:.3g} m/s = {reduced:.2g}"
@@ -58,17 +79,65 @@ def statics_error(case: Situation) -> tuple[float, str]:
 
 
 def modal_error(case: Situation) -> float:
-    """Return the error of the force by the modes that are left out, and by the steps."""
+    """Return the error of the force by modes, mesh and steps, over its peak."""
+    return STEPS + _share(case) * vibration_error(case)
+
+
+def vibration_error(case: Situation, answer: str = "time") -> float:
+    """Return the error of the oscillation of the force, over that without inertia.
+
+    answer: "time", or "harmonic" for that about a preload.
+    """
     frequency = case.motion.highest_frequency
     if frequency is None:
-        return STEPS
-    left = float(np.interp(_ratio(case, frequency), *_envelope("truncation")))
-    return STEPS + left
+        return 0.0
+    kind, reduced = _damping(case, frequency), _reduced(case, frequency)
+    modes = float(np.interp(_ratio(case, frequency), *_envelope("truncation", kind)))
+    stiff = stiffens(case.finger)
+    mesh = {"coarse": 4.0, "standard": 1.0, "fine": 0.25}[
+        MESH_OF_INERTIA[case.mesh] if stiff else case.mesh
+    ]
+    meshes = EXTRAPOLATED * mesh * float(np.interp(reduced, *_envelope("mesh_of_inertia", kind)))
+    strain = float(np.interp(reduced, *_of_preload(kind, answer))) if stiff else 0.0
+    return float(np.sqrt(modes**2 + meshes**2 + strain**2))
 
 
-def sentence(left: float) -> str:
-    """Return the source of an error of modes and steps."""
-    return f"reports/{REPORT}: {percent(left)} of modes and steps"
+def geometric_share(part: float) -> float:
+    """Material over whole stiffness of a finger pressed by a part of its thickness, less 1.
+
+    The mean of the measured fingers: the stress of the preload lowers the stiffness and, other than
+    that of the material, does not grow with the frequency.
+    """
+    return float(np.interp(part, *_by_part("share", np.mean, 0.0)))
+
+
+def sentence(case: Situation) -> str:
+    """Return the source of the error of modes, mesh and steps."""
+    left, frequency = modal_error(case), case.motion.highest_frequency
+    if frequency is None:
+        return f"reports/{REPORT}: {percent(left)} of modes and steps"
+    text = (
+        f"reports/{REPORT}: {percent(left)} of modes, mesh and steps, as the oscillation of the "
+        f"force is {percent(vibration_error(case))} off at {frequency:g} Hz"
+    )
+    if _damping(case, frequency) == "published" and _reduced(case, frequency) > RESONANT:
+        text += (
+            ", where resonances of this tissue hardly damp; a set that damps them, of low "
+            "confidence, is finger.tissue = '..._viscous'"
+        )
+    return text
+
+
+def notes(case: Situation) -> tuple[str, ...]:
+    """Return the note on how certain the oscillation itself is, where there is one."""
+    frequency = case.motion.highest_frequency
+    if frequency is None:
+        return ()
+    text = f"The oscillation of the force is within {percent(vibration_error(case))} of its own"
+    if case.motion.frequencies is not None:
+        harmonic = percent(vibration_error(case, "harmonic"))
+        text += f", the harmonic answer within {harmonic},"
+    return (f"{text} up to {frequency:g} Hz (reports/{REPORT}).",)
 
 
 def doubts(case: Situation) -> list[Doubt]:
@@ -83,18 +152,27 @@ def doubts(case: Situation) -> list[Doubt]:
             "sample the motion more finely"
         )
         return [Doubt("motion.time", reason)]
+    reduced, measured = _reduced(case, frequency), float(_envelope("vibration", "published")[0][-1])
+    if reduced > measured * (1 + 1e-9):
+        reason = (
+            f"frequency x thickness / wave speed = {reduced:.2g} > {measured:g}: no finger was "
+            f"measured beyond; stay below {frequency * measured / reduced:.2g} Hz"
+        )
+        return [Doubt("motion.frequency", reason)]
     if _ratio(case, frequency) <= BEYOND:
         return []
+    highest = frequency * BEYOND / _ratio(case, frequency)
     reason = (
         f"frequency / frequency of the last mode = {_ratio(case, frequency):.2g} > {BEYOND:g}: "
-        "the modes that are computed do not reach it"
+        f"the modes that are computed reach some {highest:.2g} Hz; stay below, or take stiffer "
+        "tissue"
     )
     return [Doubt("motion.frequency", reason)]
 
 
 def seconds(case: Situation) -> float:
     """Return the expected time in s of modes and steps, besides that without inertia."""
-    record = read(REPORT)
+    record, case = read(REPORT), of_inertia(case)
     mesh = "standard" if case.mesh == "fine" else case.mesh
     larger = FINE if case.mesh == "fine" else 1.0
     costs = record["seconds"][mesh]
@@ -104,8 +182,14 @@ def seconds(case: Situation) -> float:
     return spent * slowness(record) + once(case)
 
 
+def of_inertia(case: Situation) -> Situation:
+    """Return the situation on the mesh on which inertia is computed."""
+    return case.on(MESH_OF_INERTIA[case.mesh]) if stiffens(case.finger) else case
+
+
 def once(case: Situation) -> float:
     """Return the time in s of computing the modes, which are kept; 0 where at hand."""
+    case = of_inertia(case)
     if at_hand(case.finger, half=case.half):
         return 0.0
     record = read(REPORT)
@@ -122,13 +206,44 @@ def _speed(case: Situation) -> float:
     return float(np.abs(case.motion.rate(case.meshes[0].times)).max())
 
 
-def _stiffer(case: Situation, frequency: float) -> float:
-    """Wave speed at a frequency over that in relaxed tissue."""
-    prony = case.finger.prony
+def _modulus(finger: Finger, frequency: float) -> complex:
+    """Complex modulus at a frequency in Hz over that of relaxed tissue."""
     omega = 2j * np.pi * frequency
-    rates = np.array(prony.v)
-    weights = np.array(prony.weights[1:]) / prony.weights[0]
-    return float(np.sqrt(abs(1.0 + (weights * omega / (omega + rates)).sum())))
+    rates = np.array(finger.prony.v)
+    weights = np.array(finger.prony.weights[1:]) / finger.prony.weights[0]
+    return complex(1.0 + (weights * omega / (omega + rates)).sum())
+
+
+def _damping(case: Situation, frequency: float) -> str:
+    """Return the measured relaxation that damps at most as much: "published" or "viscous"."""
+    if not frequency:
+        return "published"
+    viscous = Finger.subject("a.h.", tissue=f"{library.PUBLISHED}{library.VISCOUS}")
+    losses = [
+        each.imag / each.real
+        for each in (_modulus(finger, frequency) for finger in (case.finger, viscous))
+    ]
+    return "viscous" if losses[0] >= DAMPED * losses[1] else "published"
+
+
+def _faster(case: Situation, frequency: float) -> float:
+    """Wave speed in mm/s at a frequency, under the preload."""
+    factor = 1.0
+    if stiffens(case.finger) and case.motion.control == "depth":
+        part = min(case.motion.steady_level, case.peak) / case.finger.thickness
+        factor = max(1.0, float(np.interp(part, *_by_part("factor", np.min, 1.0))))
+    speed = wave_speed(case.finger)
+    return float(speed * np.sqrt(factor * abs(_modulus(case.finger, frequency))))
+
+
+def _reduced(case: Situation, frequency: float) -> float:
+    """Frequency x thickness of the tissue / wave speed."""
+    return frequency * case.finger.pulp / _faster(case, frequency)
+
+
+def _share(case: Situation) -> float:
+    """Force of the oscillation over the peak, at most 1."""
+    return min(1.0, SHARE * case.motion.swing / case.peak)
 
 
 def _ratio(case: Situation, frequency: float) -> float:
@@ -136,16 +251,36 @@ def _ratio(case: Situation, frequency: float) -> float:
 
     The frequency of the last mode follows from wave speed and thickness.
     """
-    last = min(read(REPORT)["last_mode"]) * wave_speed(case.finger) / case.finger.thickness
-    return frequency / (last * _stiffer(case, frequency))
+    last = min(read(REPORT)["last_mode"]) * _faster(case, frequency) / case.finger.thickness
+    return frequency / last
 
 
 @cache
-def _envelope(name: str) -> tuple[Array, Array]:
-    """Largest measured errors over the reduced frequency or speed, rising, from 0 at 0."""
-    rows = read(REPORT)[name]
-    if name == "vibration":
-        points = [pair for row in rows for pair in zip(row["reduced"], row["error"], strict=True)]
+def _by_part(name: str, of: Callable[[Array], float], at_rest: float) -> tuple[Array, Array]:
+    """Values of the measured fingers over the preload in parts of the thickness."""
+    rows = read(REPORT)["preload"]
+    parts = np.unique([row["part"] for row in rows])
+    values = [of(np.array([row[name] for row in rows if row["part"] == p])) for p in parts]
+    return np.append(0.0, parts), np.append(at_rest, values)
+
+
+@cache
+def _of_preload(kind: str, answer: str) -> tuple[Array, Array]:
+    """Largest measured errors of stiffening tissue over the reduced frequency."""
+    rows = [row[kind] for row in read(REPORT)["preload"] if kind in row]
+    return _rising([pair for row in rows for pair in zip(row["reduced"], row[answer], strict=True)])
+
+
+@cache
+def _envelope(name: str, kind: str = "") -> tuple[Array, Array]:
+    """Largest measured errors over the reduced frequency or speed, rising, from 0 at 0.
+
+    kind: relaxation of the measured fingers, where there are several.
+    """
+    rows = [row for row in read(REPORT)[name] if not kind or row["relaxation"] == kind]
+    if name in ("vibration", "mesh_of_inertia"):
+        reduced = read(REPORT)["reduced"]
+        points = [pair for row in rows for pair in zip(reduced, row["error"], strict=True)]
     else:
         key = {"ramp": "speed_over_wave", "truncation": "ratio"}[name]
         points = [(row[key], row["error"]) for row in rows]

@@ -1,14 +1,19 @@
 """The fields on the mesh at some of the times of a press."""
 
 import numpy as np
+from scipy import sparse
 
 from fefinger.fem.elements.probe import gradient_at_vertices, strain_at_vertices
+from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
+from fefinger.geometry.locate import locate
 from fefinger.mechanics.press.history import FiniteStrainHistory, SmallStrainHistory, frames_of
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Fields
 from fefinger.support.arrays import Array
 
+
+NEAREST = 24  # cells that a point is looked for in
 
 VOIGT_ROWS, VOIGT_COLUMNS = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
 
@@ -55,3 +60,16 @@ def no_fields(press: Press, times: Array) -> Fields:
         strain=np.zeros((*shape, 6)),
         pressure=np.zeros(shape),
     )
+
+
+def interpolation(space: Space, points: Array) -> sparse.csr_matrix:
+    """Matrix (n_points, n_vertices) from values at the vertices of a mesh to those at points.
+
+    Linear within the cells; a point just outside gets the values of the nearest place.
+    """
+    cell, weights = locate(space.points[space.vertices], points, nearest=NEAREST)
+    weights = np.maximum(weights, 0.0)
+    weights /= weights.sum(axis=1, keepdims=True)
+    rows = np.arange(len(points)).repeat(4)
+    where = (rows, space.vertices[cell].ravel())
+    return sparse.csr_matrix((weights.ravel(), where), (len(points), len(space.points)))

@@ -4,6 +4,8 @@ Contact is that of the relaxed finger at the preload, and stays as it is: the an
 derivative with respect to the amplitude. Two static terms stand for the modes that are left out.
 """
 
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Self
 
@@ -30,7 +32,7 @@ from fefinger.support.checks import InputError, numbers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-HIGHEST = 0.5
+HIGHEST = 0.75
 """Highest frequency over that of the last mode, with the modulus at that frequency."""
 
 LISTED = 20  # modes of the held finger that are stored
@@ -39,6 +41,10 @@ CONTACT = (
     "Harmonic answer: the contact is that of the relaxed finger at the preload and does not change "
     "with the oscillation, whose amplitude is infinitesimal."
 )
+
+
+class RimError(InputError):
+    """Error for contact that reaches the rim of the candidates."""
 
 
 @dataclass(frozen=True)
@@ -148,7 +154,7 @@ class Vibrating:
                 "one that reaches the rim of the candidates; press less, or give a larger "
                 "`deepest`"
             )
-            raise InputError(message)
+            raise RimError(message)
         return float(depth), pressure
 
     def _held(self, active: Integers) -> tuple[ClosedContact, ClosedContact]:
@@ -185,8 +191,8 @@ class Vibrating:
         beyond = frequency > reached
         if beyond.any():
             message = (
-                f"frequency: expected at most {reached[beyond].min():.4g} Hz, half of the "
-                f"frequency of the last of {len(o.squares)} modes, received "
+                f"frequency: expected at most {reached[beyond].min():.4g} Hz, {HIGHEST:g} of "
+                f"the frequency of the last of {len(o.squares)} modes, received "
                 f"{frequency[beyond].max():g} Hz; lower it, or take stiffer tissue"
             )
             raise InputError(message)
@@ -211,3 +217,27 @@ def _rows(solid: Operator, sites: Sites | None, line: Integers) -> sparse.csr_ma
     shape = (len(columns), solid.space.n_unknowns)
     skin = sparse.csr_matrix((ones, (np.arange(len(columns)), columns)), shape=shape)
     return sparse.vstack([strain, skin]).tocsr()
+
+
+def about(
+    make: Callable[[float], Vibrating],
+    deepest: float,
+    frequency: Array,
+    *,
+    depth: float | None = None,
+    force: float | None = None,
+) -> Harmonic:
+    """Compute a harmonic answer about a preload, with more candidates where contact needs them.
+
+    make: prepares a finger for preloads up to a depth in mm; deepest: that of the first attempt.
+
+    Raises
+    ------
+    InputError
+        As `Vibrating.harmonic`.
+    """
+    for _ in range(problem.ATTEMPTS - 1):
+        with suppress(RimError):
+            return make(deepest).harmonic(frequency, depth=depth, force=force)
+        deepest *= problem.GROW
+    return make(deepest).harmonic(frequency, depth=depth, force=force)

@@ -81,8 +81,8 @@ class Press:
     time (n_t,) s of the answer; sites: the end organs whose strain is wanted, if any; reference:
     the press that scales that strain, where spikes are wanted; pressure, fields: whether they are
     wanted; notes: the simplifications that a reader of the answer has to know; friction: Coulomb's
-    coefficient; foreseen: a first guess in mm of the largest depth under force control, where there
-    is one.
+    coefficient, and kinetic that of what slips; foreseen: a first guess in mm of the largest depth
+    under force control, where there is one.
     """
 
     mechanics: str
@@ -100,6 +100,7 @@ class Press:
     fields: bool
     notes: tuple[str, ...]
     friction: float = 0.0
+    kinetic: float = 0.0
     foreseen: float | None = None
 
     @classmethod
@@ -157,6 +158,7 @@ class Press:
                 *too_fine(scene.indenter, motion, body, obstacle),
             ),
             friction=scene.indenter.friction,
+            kinetic=scene.indenter.kinetic,
         )
 
     @property

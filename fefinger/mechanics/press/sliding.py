@@ -32,9 +32,11 @@ SLIDING = (
 )
 """Note on every answer with a path or friction."""
 
-COULOMB = (
-    "Friction: Coulomb's law with one coefficient for stick and slip, at every vertex of the skin, "
-    "in the plane of the plate."
+COULOMB = "Friction: Coulomb's law at every vertex of the skin, in the plane of the plate."
+
+WEAKER = (
+    "Friction: skin that slips has the kinetic coefficient from the next time step on, until it "
+    "sticks again; when skin lets go depends on the time steps."
 )
 
 
@@ -111,7 +113,7 @@ def solved(
     if press.friction:
         return slide_with_friction(
             reduced.flexibility,
-            press.friction,
+            (press.friction, press.kinetic),
             travel,
             on.projected,
             relaxation,
@@ -183,7 +185,8 @@ def notes(press: Press, history: SmallStrainHistory) -> tuple[str, ...]:
         return ()
     if not press.friction:
         return (SLIDING,)
-    return (SLIDING, COULOMB, outcome(press, history))
+    weaker = (WEAKER,) if press.kinetic < press.friction else ()
+    return (SLIDING, COULOMB, *weaker, outcome(press, history))
 
 
 def outcome(press: Press, history: SmallStrainHistory) -> str:

@@ -116,11 +116,12 @@ class Sliding:
         weights, rates = np.array(prony.weights[1:]) / prony.weights[0], np.array(prony.v)
         areas = on.projected if not mu else np.zeros(size)
         self._memory = step_compiled.pad_state(np.zeros(size), areas, weights, rates)
-        self._grip = friction_step.grip(np.zeros(count), on.projected)
+        self._grip = friction_step.grip(np.zeros(count), on.projected, mu, indenter.kinetic)
         self._state = lcp_compiled.lcp_state(np.zeros((0, 0)) if mu else reduced.flexibility)
         self._gripping = friction_state.friction_state(
             reduced.flexibility if mu else np.zeros((0, 0)), mu
         )
+        self._bounds = self._gripping.mu.copy()
         self._chosen = np.zeros(size, dtype=np.int64)
         self._factor = np.zeros(size, dtype=self._output.rows.dtype)
         across = frame(obstacle.axis)[:2]
@@ -268,8 +269,10 @@ class Sliding:
         memory, grip, state, output = self._memory, self._grip, self._gripping, self._output
         grip.gap[:], grip.limits[:] = gap, limits_here
         x, y = moved.tolist()
+        bounds = state.mu.copy()
         outcome = friction_step.step(state, memory, grip, dt, x, y, target, by_force)
         if outcome == lcp_compiled.DONE:
+            self._bounds = bounds
             friction_step.strains(memory, output.rows, self._chosen, self._factor, output.strain)
         return int(outcome)
 
@@ -295,7 +298,7 @@ class Sliding:
         now, on, count = self.now, self.patch, len(self.patch.vertices)
         traction = self._gripping.x[count:].reshape(2, count)
         now.lateral += traction @ on.projected * NEWTON_PER_MILLINEWTON
-        sticking = sticks(now.pressure, traction, self.indenter.friction)
+        sticking = sticks(now.pressure, traction, self._bounds)
         now.stick, now.lost = float(self._output.areas[sticking].sum()), 1e-3 * self._grip.lost[0]
         if force > 0:
             x, y = (self._places - weights @ self._places / force).T
