@@ -67,9 +67,9 @@ def test_the_answer_does_not_depend_on_which_vertices_may_touch(
     """
     reaches = []
 
-    def seen(*parts: Any) -> ContactSurface:
+    def seen(*parts: Any, **options: Any) -> ContactSurface:
         reaches.append(parts[-1])
-        return contact_surface(*parts)
+        return contact_surface(*parts, **options)
 
     monkeypatch.setattr(finite_strain, "contact_surface", seen)
     monkeypatch.setattr(finite_strain, "SPREAD", spread)
