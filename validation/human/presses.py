@@ -31,14 +31,10 @@ SUBJECTS = ("d.p.", "d.s.", "a.h.", "p.w.")
 DEFAULT = "a.h."
 """Subject of the built-in scenes."""
 
-SNAPPING = 2.0
-"""Held force in N from which facets of the standard mesh snap over, so that the coarse one is
-taken."""
-
 TAPPING = 16.0
 """Speed in mm/s of the deep presses: 2.6 mm in a half period at 3 Hz."""
 
-DEEPEST = (2.4, 2.3, 2.2)
+DEEPEST = (2.9, 2.75, 2.6, 2.4)
 """Depths in mm that a deep press is tried to, largest first."""
 
 PROFILES = {"0.54": (1.61, 4.75, 11.4), "1.1": (1.89, 5.14, 19.9), "2.3": (2.19, 5.54, 35.8)}
@@ -99,8 +95,7 @@ def deep(name: str) -> dict[str, Any]:
 
 def held(name: str, force: float, angle: float = 30.0) -> dict[str, Any]:
     """Return depth, area, pressures and the profile along the finger of a held force."""
-    mesh = "standard" if force < SNAPPING else "coarse"
-    response = press(name, ForceRampHold(1.0, force, hold=20.0), angle, mesh)
+    response = press(name, ForceRampHold(1.0, force, hold=20.0), angle)
     assert response.pad is not None
     assert response.pressure is not None
     assert response.contact_area is not None
@@ -110,7 +105,7 @@ def held(name: str, force: float, angle: float = 30.0) -> dict[str, Any]:
     along = np.argsort(points[middle, 0])
     pushed = points[pressure > 0, 0]
     return {
-        "mesh": mesh,
+        "mesh": "standard",
         "force_N": float(response.force[-1]),
         "depth_mm": float(f"{response.depth[-1]:.4g}"),
         "area_mm2": float(f"{response.contact_area[-1]:.4g}"),
