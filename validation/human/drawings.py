@@ -35,7 +35,7 @@ def figures(subjects: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     )
     yield (
         "Pressure along the middle of the pad of the mean finger under held forces, means over 1 "
-        "mm (near the distal edge it alternates from vertex to vertex); dashed: the "
+        "mm; dashed: the "
         "highest pressure and the contact radius of the source's model (Pawluk 1997, Table 3.2).",
         _profiles(),
     )
