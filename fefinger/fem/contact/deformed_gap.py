@@ -119,22 +119,25 @@ class DeformedGap:
         close no weighted gap; in the others the complementarity problem fixes the displacement.
         Second derivatives of g and, of the order of the gap, of J are left out.
         """
-        on = self.contact.on
         weights = -self._slope * self._spread_over(self._multipliers, self.contact.hats)
-        along = np.einsum("kq,tqc->tqkc", on.part.quadratic, self.gradient)
-        along = along.reshape(*along.shape[:2], -1)
-        spreading = self.spreading.swapaxes(1, 2).reshape(along.shape)
-        block = np.einsum("tq,tqi,tqj->tij", weights, along, spreading)
+        spreading = self.spreading.swapaxes(1, 2).reshape(self._along.shape)
+        block = np.einsum("tq,tqi,tqj->tij", weights, self._along, spreading)
         return self._assembled(block + block.swapaxes(1, 2))
 
     def support(self, chosen: Flags) -> sparse.csr_matrix:
-        """Return the matrix of the integral of psi (grad g . v)² over the `chosen` candidates."""
+        """Return the matrix of the integral of psi (grad g . v)² da over `chosen` candidates."""
         return self._normal(chosen.astype(np.float64), np.ones_like(self.distance))
 
     @cached_property
     def _hats(self) -> Array:
         """Weights times hats (n_tri, 3, n_q) mm² on the deformed pad."""
         return np.asarray(self.contact.hats * self.spread[:, None])
+
+    @cached_property
+    def _along(self) -> Array:
+        """Derivative (n_tri, n_q, 18) of g with respect to the displacements of a facet's nodes."""
+        along = np.einsum("kq,tqc->tqkc", self.contact.on.part.quadratic, self.gradient)
+        return np.asarray(along.reshape(*along.shape[:2], -1))
 
     @cached_property
     def _bent(self) -> Array:
@@ -167,9 +170,7 @@ class DeformedGap:
     def _normal(self, factor: Array, density: Array) -> sparse.csr_matrix:
         """Return the integral of psi `factor` (n,) `density` (n_tri, n_q) (grad g . v)² da."""
         weights = self._spread_over(factor, self._hats) * density
-        along = np.einsum("kq,tqc->tqkc", self.contact.on.part.quadratic, self.gradient)
-        along = along.reshape(*along.shape[:2], -1)
-        return self._assembled(np.einsum("tq,tqi,tqj->tij", weights, along, along))
+        return self._assembled(np.einsum("tq,tqi,tqj->tij", weights, self._along, self._along))
 
     def _spread_over(self, factor: Array, hats: Array) -> Array:
         """Sum (n_tri, n_q) of the `hats` (n_tri, 3, n_q), times the `factor` (n,) of each."""

@@ -263,7 +263,7 @@ Missed = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def _margin(missed: Missed, part: float | None) -> float:
-    """Return what QUANTILE of the depths about a depth over thickness, or of all, do not exceed."""
+    """Quantile QUANTILE of the errors at the depths about a depth over thickness, or at all."""
     parts, values = missed
     near = values[[part is None or part / DEPTHS < each < part * DEPTHS for each in parts]]
     chosen = near if near.size else values
@@ -316,7 +316,7 @@ def _other_edges(candidate: Candidate, quantity: str, kind: str) -> Missed:
 
 @cache
 def _other_fingers(candidate: Candidate, quantity: str) -> Missed:
-    """Return what the errors in presses of other fingers exceed those of MAIN by."""
+    """Excess of the errors in presses of other fingers over those of MAIN, by depth."""
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     more = []
     for name, press in presses.items():

@@ -173,7 +173,7 @@ def place_of(indenter: Indenter) -> Place | None:
 
 
 def other_object(indenter: Indenter) -> str:
-    """Return how an object differs from the measured plates and balls; empty if it is one."""
+    """Difference of an object from the measured plates and balls, in words; empty if none."""
     if indenter.flat is not None:
         tilt = indenter.flat.tilt
         return f"indenter.tilt = {tilt:g} degrees" if tilt else ""

@@ -47,7 +47,7 @@ from fefinger.support.progress import Progress, Stages
 
 WORTH = 4  # steps that are worth keeping when a run has to stop
 # Factors that a press may take: of each step, and of all steps beyond that. Ordinary presses take
-# less than ten in all; one against the bone, whose facets snap over, a hundred for a single step.
+# less than ten in all; one against the bone can take a hundred for a single step.
 BUDGET = FactorizationBudget(usual=8, spare=40)
 SPREAD = 2.0  # of the candidates at finite strain, beyond those at small: a pad flattens
 
