@@ -135,7 +135,11 @@ def test_a_finding_stands_before_the_comparisons():
     place = html.index("Hertz is too soft.")
     assert html.index('id="two"') < place < html.index("Forces.") < html.index("fourth")
     assert ["bone", "1.50"] in cells(html)
-    assert html.index("Forces.") < html.rindex("<h3>Comparisons") < html.index('<td class="case">fourth')
+    assert (
+        html.index("Forces.")
+        < html.rindex("<h3>Comparisons")
+        < html.index('<td class="case">fourth')
+    )
 
 
 def test_the_cases_closest_to_their_tolerance_are_named_and_a_failed_one_is_not():

@@ -153,11 +153,6 @@ def modes_below(frequency: float) -> float:
     return float(np.sum(finger_modes(whole, operator(whole, half=False)).frequencies < frequency))
 
 
-def lowest_mode() -> float:
-    """Return the lowest frequency in Hz of half the free finger, relaxed."""
-    return float(finger(loops.TISSUE).frequencies[0])
-
-
 def stiffness_at(tissue: str, force: float, frequency: float) -> float:
     """Return the real dynamic stiffness in N/mm at a preload in N and a frequency in Hz."""
     found = answer(tissue, force)
