@@ -73,11 +73,15 @@ class StressHistory:
 
 @dataclass(frozen=True)
 class Path:
-    """Prescribed motion of the indenter: `value` is depth in mm or force in mN over time in s."""
+    """Prescribed motion of the indenter: `value` is depth in mm or force in mN over time in s.
+
+    drag(t) (3,): the friction of a plate that slides, see `Target`.
+    """
 
     control: str
     times: Array
     value: Callable[[float], float]
+    drag: Callable[[float], Array] = lambda t: np.zeros(3)
 
     @property
     def peak(self) -> float:
@@ -153,7 +157,7 @@ class _PathSolver:
         """Solve the step from time `start` to `stop`; subdivide it where it does not converge."""
         value = float(self.path.value(stop))
         history = self.stress.over(stop - start)
-        target = Target(self.path.control, value, history, self.peak)
+        target = Target(self.path.control, value, history, self.peak, self.path.drag(stop))
         try:
             state = self.equilibrium.find(self._guess(value), target)
         except ConvergenceError as error:
