@@ -226,6 +226,8 @@ def stl(facets: list) -> bytes:
     ],
 )
 def test_files_that_are_no_relief_get_a_sentence(tmp_path: Path, name, options, message):
+    for damaged in ("a.png", "a.stl"):
+        (tmp_path / damaged).write_bytes(b"no picture, no surface")
     (tmp_path / "hole.stl").write_bytes(stl([[(0, 0, 0), (4, 0, 1), (0, 4, 0)]]))
     with pytest.raises(InputError, match=message):
         ff.Relief.from_file(tmp_path / name, **options)

@@ -27,6 +27,8 @@ SPLITS, PARTS = 3, 4
 Halves instead of quarters fail more often, and every failed attempt costs a full iteration.
 """
 
+FARTHEST = 2.0  # extrapolation of a step, over the step before it
+
 
 @dataclass(frozen=True)
 class Series:
@@ -176,6 +178,6 @@ class _PathSolver:
         last = self.state.depth - self.previous.depth
         if self.path.control != "depth" or last == 0:
             return self.state
-        ratio = float(np.clip((value - self.state.depth) / last, -1.0, 1.0))
+        ratio = float(np.clip((value - self.state.depth) / last, -FARTHEST, FARTHEST))
         values = self.state.values + ratio * (self.state.values - self.previous.values)
         return replace(self.state, values=values)

@@ -36,8 +36,8 @@ from fefinger.support.tolerances import EQUILIBRIUM
 ITERATIONS = 120
 PATIENCE = 25  # iterations of one step before its factor is renewed
 STUCK = 2 * PATIENCE  # iterations without a smaller error before the step is given up
-FEW = 6  # iterations of a step with a good factor
-RENEWAL = 200  # sum over steps of (iterations beyond FEW)² that justifies a new factor
+FEW = 5  # iterations of a step with a good factor
+RENEWAL = 20  # sum over steps of (iterations beyond FEW)² that justifies a new factor
 SEARCH = 8  # factors of one step under depth control; beyond, blended tangents cost less
 SOON = 3  # iterations with a factor before the fold stiffness may renew it
 # Change of the fold stiffness that a factor tolerates, in shear modulus / facet size. A larger one
@@ -74,11 +74,18 @@ class Equilibrium:
 
     The last factor of the tangent is reused from step to step. `system` is the body at rest with
     its held facets. `iterations`, `factors` and `descents` (steps that needed blended tangents)
-    count the work; `allowed` bounds `factors`.
+    count the work; `allowed` bounds `factors`. `tolerance` is the relative residual to reach.
     """
 
-    def __init__(self, body: Continuum, contact: ContactSurface, system: System) -> None:
+    def __init__(
+        self,
+        body: Continuum,
+        contact: ContactSurface,
+        system: System,
+        tolerance: float = EQUILIBRIUM,
+    ) -> None:
         self.body, self.contact, self.system = body, contact, system
+        self.tolerance = tolerance
         self.load = 0.0  # the largest load so far, which scales the residual
         self.iterations, self.factors, self.descents = 0, 0, 0
         self.allowed = np.inf
@@ -128,22 +135,27 @@ class Equilibrium:
                 mixing = Anderson(MEMORY)
                 continue
             sound, error = state, iterate.error
-            if error <= EQUILIBRIUM:
+            if error <= self.tolerance:
                 self._excess += max(0, count - FEW) ** 2
                 return state
             if error < best:
                 best, best_at = error, count
             elif count - best_at > stuck or self.factors > most:
                 break
-            worn = self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1
-            if worn or (
-                count - renewed >= SOON
-                and self._folds_too_stiff(iterate.gap.fold_stiffness, target)
+            # One iteration brings the contact of the new step; a tangent before it ages sooner.
+            worn = count == 1 and self._excess > RENEWAL
+            if (
+                worn
+                or count % PATIENCE == PATIENCE - 1
+                or (
+                    count - renewed >= SOON
+                    and self._folds_too_stiff(iterate.gap.fold_stiffness, target)
+                )
             ):
                 self._renew(iterate, target, whole=whole)
                 mixing, renewed = Anderson(MEMORY), count
             state = self._step(iterate, target, mixing)
-        raise _not_converged(error, count + 1)
+        raise self._not_converged(error, count + 1)
 
     def _globalized(self, start: State, target: Target) -> State:
         """Iterate with blends of the consistent and a positive definite tangent.
@@ -165,7 +177,7 @@ class Equilibrium:
             calm = calm + 1 if iterate.error < errors[-1] else 0
             sound = state
             errors.append(iterate.error)
-            if iterate.error <= EQUILIBRIUM:
+            if iterate.error <= self.tolerance:
                 return state
             if _stagnant(errors):
                 break
@@ -177,7 +189,7 @@ class Equilibrium:
             state = self._trusted(state, self._step(iterate, target, plain))
             if target.control == "depth" and (len(errors) - 1) % HOLD == 0:
                 share = max(share / STRIDE, LEAST)
-        raise _not_converged(errors[-1], len(errors) - 1)
+        raise self._not_converged(errors[-1], len(errors) - 1)
 
     def _trusted(self, state: State, far: State) -> State:
         """Shorten an iteration from `state` to `far` to the largest trusted displacement."""
@@ -361,6 +373,13 @@ class Equilibrium:
             near = near | penetrating
         return State(mixing.next(state.values, change), pressure, depth)
 
+    def _not_converged(self, error: float, count: int) -> ConvergenceError:
+        message = (
+            f"equilibrium: expected a relative residual of at most {self.tolerance:g}, reached "
+            f"{error:.1e} after {count} iterations; take shorter steps"
+        )
+        return ConvergenceError(message)
+
 
 @dataclass(frozen=True)
 class _Iterate:
@@ -382,11 +401,3 @@ def _stagnant(errors: list[float]) -> bool:
     if last - int(np.argmin(errors)) > STUCK:
         return True
     return last > ASTRAY and errors[-1] > max(1.0, errors[last - ASTRAY // 2] / FALLS)
-
-
-def _not_converged(error: float, count: int) -> ConvergenceError:
-    message = (
-        f"equilibrium: expected a relative residual of at most {EQUILIBRIUM:g}, reached "
-        f"{error:.1e} after {count} iterations; take shorter steps"
-    )
-    return ConvergenceError(message)

@@ -44,6 +44,7 @@ from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.support.progress import Progress, Stages
+from fefinger.support.tolerances import PRESS_EQUILIBRIUM
 
 
 WORTH = 4  # steps that are worth keeping when a run has to stop
@@ -264,7 +265,7 @@ def _on_candidates(
     where = press.sites.points if press.sites else np.empty((0, 3))
     where = mirror.to_half(where) if body.half else where
     probe = recovered_gradient_at(body.space, where, body.planes)
-    equilibrium = Equilibrium(elements, contact, press.system)
+    equilibrium = Equilibrium(elements, contact, press.system, PRESS_EQUILIBRIUM)
     recorder = _Recorder(body, contact, probe, course)
     halt, ended = "", False
     with stages.stage("steps") as report:
