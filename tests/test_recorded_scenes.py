@@ -82,7 +82,7 @@ def test_spikes_before_a_time_do_not_count(pressed):
 
 
 def test_units_of_a_population_differ_by_default_and_not_when_told(pressed):
-    scene, _ = pressed
+    scene = replace(pressed[0], motion=replace(PRESS, depth=1.5))  # every unit fires
     line = ff.Line(start=(0, 0), stop=(0, 1e-3), count=4)
     trains = []
     for layout in (line, replace(line, spread=0.0, noise=0.0), replace(line, seed=1)):

@@ -62,6 +62,9 @@ class Motion(ABC):
     slides: ClassVar[bool] = False
     """Whether it has a path across the direction of travel."""
 
+    straight: ClassVar[bool] = False
+    """Whether that path is a line, along which it has a `heading`."""
+
     @cached_property
     @abstractmethod
     def trajectory(self) -> Trajectory:
@@ -95,6 +98,13 @@ class Motion(ABC):
         """Store fields while a frozen motion is made."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
+
+    def heading(self, t: ArrayLike) -> Array:
+        """Return the direction (..., 2) in which a plate slides, shorter where it is not at speed.
+
+        Where it stops it stays. It is zero without a slide along a line.
+        """
+        return np.zeros((*np.shape(t), 2))
 
     @property
     def unit(self) -> str:

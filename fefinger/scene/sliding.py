@@ -27,6 +27,7 @@ class SlideMotion(RampMotion):
     """
 
     slides = True
+    straight = True
 
     speed: float
     distance: float
@@ -90,6 +91,14 @@ class SlideMotion(RampMotion):
     def velocity(self, t: ArrayLike) -> Array:
         """Return the velocity (..., 2) mm/s of the object at the times `t` in s."""
         return self.along.rate(t)[..., None] * self._heading
+
+    def heading(self, t: ArrayLike) -> Array:
+        """Return the velocity (..., 2) over the speed just before the times `t` in s.
+
+        In the corner of the last stop it is that before.
+        """
+        stop = self.recorded_from + self.passes * self.pass_seconds
+        return self.velocity(np.nextafter(np.minimum(t, stop), -np.inf)) / self.speed
 
     @property
     def _heading(self) -> Array:

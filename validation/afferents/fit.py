@@ -269,7 +269,9 @@ class Task:
         falls = []
         for i, (depth, _) in enumerate(FALLS):
             since = np.concatenate(times[i * TRIALS : (i + 1) * TRIALS]) - depth / SLOW
-            first, late = (np.count_nonzero((since >= t) & (since < t + 1.0)) for t in (0.0, 11.5))
+            first, late = (
+                int(np.count_nonzero((since >= t) & (since < t + 1.0))) for t in (0.0, 11.5)
+            )
             falls.append(1.0 - late / max(first, 1))
         return np.array(falls)
 

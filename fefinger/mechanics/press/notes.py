@@ -84,14 +84,18 @@ def yielding(finger: Finger) -> tuple[Doubt, ...]:
 
 def sideways(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
     """List the options of a scene beyond a frictionless press along one direction."""
-    doubts = []
-    if motion.slides:
-        reason = f"motion.kind = {motion.kind!r}: its indenter does not move sideways"
-        doubts.append(Doubt("motion.kind", reason))
-    if indenter.friction > 0:
-        reason = f"indenter.friction = {indenter.friction:g} > 0: its contact is frictionless"
-        doubts.append(Doubt("indenter.friction", reason))
-    return tuple(doubts)
+    if not motion.slides:
+        return rough(indenter)
+    reason = f"motion.kind = {motion.kind!r}: its indenter does not move sideways"
+    return (Doubt("motion.kind", reason), *rough(indenter))
+
+
+def rough(indenter: Indenter) -> tuple[Doubt, ...]:
+    """Return the friction of an indenter, if it has any."""
+    if indenter.friction == 0:
+        return ()
+    reason = f"indenter.friction = {indenter.friction:g} > 0: its contact is frictionless"
+    return (Doubt("indenter.friction", reason),)
 
 
 def hard(finger: Finger) -> tuple[str, ...]:

@@ -196,8 +196,8 @@ class Press:
 def too_fine(
     indenter: Indenter, motion: Motion, body: Solid, obstacle: Obstacle
 ) -> tuple[str, ...]:
-    """Warn of a texture that slides and is finer than the facets of the pad can follow."""
-    if not (motion.slides and np.isfinite(indenter.feature)):
+    """Warn of a texture that slides, or has stated crests, and is finer than the pad's facets."""
+    if not ((motion.slides or indenter.raised) and np.isfinite(indenter.feature)):
         return ()
     corners = body.space.points[body.pad]
     near = np.linalg.norm(corners.mean(axis=1) - obstacle.origin, axis=1) < AROUND
