@@ -278,10 +278,10 @@ def test_the_ladder_is_a_table_with_errors_times_refusals_and_sources():
 
 def test_a_scene_that_all_refuse_names_first_what_runs_it_all_the_same():
     with pytest.raises(InputError) as refused:
-        plan.choose(builtin.load("sphere-press", {"indenter.radius": 1.0}))
+        plan.choose(builtin.load("sphere-press", {"indenter.radius": 0.9}))
     first, _, table = str(refused.value).partition("\n\n")
     assert "Name pressed (--mechanics pressed)" in first
-    assert "round objects are measured to radii of 2 mm" in first
+    assert "round objects are measured to radii of 1 mm" in first
     assert "refused because" in table.splitlines()[0]
 
 
