@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fefinger import mechanics as ladder
@@ -115,31 +115,44 @@ def _ladder(case: Situation, *, every: bool, named: str | None) -> tuple[Rung, .
     return tuple(considered)
 
 
-def _inertia(case: Situation) -> tuple[float, str]:
-    """Return the error of leaving inertia out, and why, where it is too large and `modal` is able.
+@dataclass(frozen=True)
+class _Inertia:
+    """What all mechanics but `modal` leave out: its error over the peak of the force, and why.
 
-    Else 0: a motion that is too fast is then answered with a warning.
+    avoidable: whether `modal` is able; refused, and reason: the error of the oscillation where that
+    is too large.
+    """
+
+    error: float = 0.0
+    evidence: str = ""
+    avoidable: bool = False
+    refused: float = 0.0
+    reason: str = ""
+
+
+def _inertia(case: Situation) -> _Inertia:
+    """Return what leaving inertia out costs.
+
+    A motion that is too fast, but that `modal` is not able to answer, is answered with a warning.
     """
     error, reason = vibration.statics_error(case)
-    if error <= case.ask.rel_error or MODAL not in ladder.names():
-        return 0.0, ""
-    refusals = ladder.get(MODAL).refuse(case.meshes[0])
-    if any(refusal.about == "ability" for refusal in refusals):
-        return 0.0, ""
-    return error, f"error of leaving inertia out = {beyond(error, case.ask.rel_error)}: {reason}"
+    over_peak, evidence = vibration.left_out(case)
+    refusals = ladder.get(MODAL).refuse(case.meshes[0]) if MODAL in ladder.names() else ()
+    unable = MODAL not in ladder.names() or any(each.about == "ability" for each in refusals)
+    if unable or error <= case.ask.rel_error:
+        return _Inertia(over_peak, evidence, not unable)
+    reason = f"error of leaving inertia out = {beyond(error, case.ask.rel_error)}: {reason}"
+    return _Inertia(over_peak, evidence, True, error, f"{reason} ({ERROR})")
 
 
 def _willing(rung: Rung) -> bool:
     return not rung.refusals and not math.isnan(rung.error)
 
 
-def _rungs(name: str, case: Situation, inertia: tuple[float, str] = (0.0, "")) -> Iterator[Rung]:
-    """Give the rungs of one mechanics, one for each mesh; one alone where it is not able.
-
-    inertia: the error of all but `modal` that leaving it out causes, and its reason.
-    """
+def _rungs(name: str, case: Situation, inertia: _Inertia) -> Iterator[Rung]:
+    """Give the rungs of one mechanics, one for each mesh; one alone where it is not able."""
     if name == MODAL:
-        inertia = (0.0, "")
+        inertia = _Inertia()
     meshed = MECHANICS[name].meshed
     for each in case.meshes if meshed else (case,):
         refusals = ladder.get(name).refuse(each)
@@ -153,12 +166,14 @@ def _rung(
     candidate: Candidate,
     case: Situation,
     refusals: tuple[Refusal, ...],
-    inertia: tuple[float, str],
+    inertia: _Inertia,
 ) -> Rung:
     """Look up cost and error of one candidate, with refusals where they exceed those of `ask`."""
     name = candidate.mechanics
     mechanics, ask = ladder.get(name), case.ask
     seconds, (error, evidence) = mechanics.cost(case), mechanics.error(case)
+    evidence += inertia.evidence
+    error = math.hypot(error, inertia.error) if inertia.avoidable else error
     if math.isnan(error):
         refusals = (*refusals, Refusal(name, "accuracy", f"its error here is {evidence}"))
     elif math.isinf(error):
@@ -166,9 +181,10 @@ def _rung(
     elif error > ask.rel_error:
         reason = f"expected relative error = {beyond(error, ask.rel_error)} ({ERROR})"
         refusals = (*refusals, Refusal(name, "accuracy", reason, ERROR))
-    if inertia[1]:
-        error = max(error, inertia[0])
-        refusals = (*refusals, Refusal(name, "accuracy", f"{inertia[1]} ({ERROR})", ERROR))
+    error = error if inertia.avoidable else math.hypot(error, inertia.error)
+    if inertia.reason:
+        error = max(error, inertia.refused)
+        refusals = (*refusals, Refusal(name, "accuracy", inertia.reason, ERROR))
     if ask.seconds is not None and seconds > ask.seconds:
         reason = f"expected time = {beyond(seconds, ask.seconds, ' s')} ({SECONDS})"
         refusals = (*refusals, Refusal(name, "time", reason, SECONDS))

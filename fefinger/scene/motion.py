@@ -206,6 +206,16 @@ class Motion(ABC):
         # No prescribed force is below 0 N, but a ramp back to 0 may round to one.
         return np.maximum(value, 0.0) if self.control == "force" else value
 
+    def vibration(self, t: ArrayLike) -> Array:
+        """Return the part of the value that vibrates about its slow course, at the times `t` in s.
+
+        In mm or N; 0 in a motion without a vibration.
+        """
+        wave, at = self.trajectory.wave, np.asarray(t, float)
+        if wave is None:
+            return np.zeros_like(at)
+        return wave.value(np.clip(at, 0.0, self.trajectory.duration))
+
     def rate(self, t: ArrayLike) -> Array:
         """Return the speed in mm/s or the rate in N/s at the times `t` in s."""
         return self.trajectory.rate(t)
