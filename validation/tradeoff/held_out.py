@@ -74,7 +74,7 @@ class Answer(NamedTuple):
 
 
 def answers(scene: Scene) -> dict[str, Answer]:
-    """Return what every candidate answers that is able to."""
+    """Answers of all candidates that are able to answer."""
     found = {}
     for label in CANDIDATES:
         candidate = Candidate.of(label)
@@ -245,7 +245,7 @@ def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
 
 
 def _timed(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
-    """Return how expected and taken times compare, where candidates were timed."""
+    """Return the share of cheap choices, and expected over taken times, where they were timed."""
     ratios = [each["taken_ratio"] for each in judged.values() if each.get("taken_ratio")]
     if not ratios:
         return {}
