@@ -132,10 +132,8 @@ def preload_error(kind: str) -> Noted:
 def through_time() -> Noted:
     """Return the error of a slow vibration through time, peak to peak, over what is stated."""
     held_out = Finger.subject("d.s.", resolution="coarse")
-    motion = RampSinusoid(
-        *(20.0, HELD_OUT_PART * held_out.thickness),
-        **{"amplitude": 0.02, "frequency": SLOW, "cycles": 3, "settle": 1.0},
-    )
+    depth = HELD_OUT_PART * held_out.thickness
+    motion = RampSinusoid(20.0, depth, amplitude=0.02, frequency=SLOW, cycles=3, settle=1.0)
     ask = Ask(pressure=False, strain=False, fields=False)
     scene = Scene(finger=held_out, motion=motion, ask=ask)
     swings = []
