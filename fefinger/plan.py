@@ -1,6 +1,7 @@
 """Which mechanics answers a scene, on which mesh: the cheapest that is good enough."""
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -211,7 +212,7 @@ def _by_name(rungs: tuple[Rung, ...]) -> str:
     """Suggest the mechanics to name: that with the fewest refusals and the smallest error."""
     able = [rung for rung in rungs if all(refusal.about != "ability" for refusal in rung.refusals)]
     if not able:
-        return "None is able to: the table says what would have to change."
+        return _unable(rungs)
 
     def ranked(rung: Rung) -> tuple[float, ...]:
         error = math.inf if math.isnan(rung.error) else rung.error
@@ -223,6 +224,16 @@ def _by_name(rungs: tuple[Rung, ...]) -> str:
         f"{duration(best.seconds)}; the result then records what speaks against it: "
         f"{'; '.join(refusal.reason for refusal in best.refusals)}."
     )
+
+
+def _unable(rungs: tuple[Rung, ...]) -> str:
+    """State why no mechanics is able: by the reason that most of them share, if there is one."""
+    reasons = [
+        refusal.reason for rung in rungs for refusal in rung.refusals if refusal.about == "ability"
+    ]
+    reason, count = Counter(reasons).most_common(1)[0]
+    shared = f" {count} of {len(rungs)} refuse because of {reason}." if count > 1 else ""
+    return f"None is able to.{shared} The table says what would have to change."
 
 
 def _relaxing(rungs: tuple[Rung, ...]) -> str:

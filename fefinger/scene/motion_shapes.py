@@ -32,12 +32,11 @@ UNEVEN = 1e-3
 LEFT_OUT = 1e-2
 """Share of the power of the speed beyond the highest frequency of samples."""
 
+WAVE_OPTIONS = ("amplitude", "preload", "settle")
+"""Options of a motion from a WAV file; the last has a default."""
+
 SETTLE = 0.2
 """Time in s of the approach to a preload before a waveform from a file, and of the rest after."""
-
-
-WAVE_NEEDS = "amplitude", "preload"
-"""Fields that a WAV file needs: its full scale, and what it vibrates about."""
 
 
 class RampMotion(Motion):
@@ -341,10 +340,10 @@ class SampledMotion(Motion):
     def from_file(cls, file: str | Path, **options: Any) -> Self:
         """Read a motion from a CSV file, or from a WAV file with the `options` of `from_wav`."""
         if Path(file).suffix.lower() == ".wav":
-            reject_unknown("motion", options, (*WAVE_NEEDS, "settle"))
-            for name in WAVE_NEEDS:
+            reject_unknown("motion", options, WAVE_OPTIONS)
+            for name in WAVE_OPTIONS[:2]:
                 if name not in options:
-                    msg = f"motion.{name}: missing; a WAV file needs {' and '.join(WAVE_NEEDS)}"
+                    msg = f"motion.{name}: missing; a WAV file needs amplitude and preload"
                     raise InputError(msg)
             return cls.from_wav(file, **options)
         reject_unknown("motion", options, ("corner",))

@@ -8,6 +8,7 @@ import numpy as np
 
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+from fefinger.support.outputs import check_input
 
 
 def read_wave(name: str, file: Path) -> tuple[int, Array]:
@@ -20,13 +21,11 @@ def read_wave(name: str, file: Path) -> tuple[int, Array]:
     """
     from scipy.io import wavfile
 
+    check_input(name, file, "a WAV file")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", wavfile.WavFileWarning)  # chunks that hold no sound
             rate, samples = wavfile.read(file)
-    except OSError as error:
-        message = f"{name}: {str(file)!r} cannot be read: {error.strerror or error}"
-        raise InputError(message) from None
     except (ValueError, EOFError, struct.error) as error:
         message = f"{name}: expected a WAV file, received {str(file)!r}: {error}"
         raise InputError(message) from None

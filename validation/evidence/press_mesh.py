@@ -89,6 +89,7 @@ OBJECTS: dict[str, tuple[Indenter, float]] = {
     "flat-45": (Flat(45), 0.17),
     "sphere-10": (Sphere(10), 0.2),
     "sphere-2": (Sphere(2), 0.08),
+    "sphere-1": (Sphere(1), 0.25),
     "pin": (Pin(width=2.0), 0.08),
     "grating-10": (Grating(period=4.0, ridge=2.0, depth=0.6, angle=10.0), 0.15),
     "tilt-15": (Flat(30, tilt=15.0), 0.15),
@@ -219,7 +220,8 @@ def main(folder: Path) -> None:
         rows[name] = row(measurement)
         command = "python -m fefinger.validation.evidence.press_mesh reports"
         kept = {key: rows[key] for key in MEASUREMENTS if key in rows}
-        path.write_text(json.dumps(provenance(command) | {"rows": kept}) + "\n")
+        record = provenance(command) | {"rows": kept}
+        path.write_text(json.dumps(record, separators=(",", ":")) + "\n")
         print(name, np.round(rows[name].get("force_N", [0])[-1], 3), flush=True)  # progress
 
 

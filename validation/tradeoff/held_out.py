@@ -21,7 +21,7 @@ import numpy as np
 from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff import scenes
 from fefinger.validation.tradeoff.errors import left
-from fefinger.validation.tradeoff.runs import empty_cache
+from fefinger.validation.tradeoff.runs import only_meshes
 
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence.tradeoff import STATED
@@ -85,7 +85,7 @@ def answers(scene: Scene) -> dict[str, Answer]:
         able = own if candidate.mechanics != "lumped" else asked
         if any(each.about == "ability" for each in mechanics.refuse(Situation.of(able))):
             continue
-        with suppress(InputError, ConvergenceError), empty_cache():
+        with suppress(InputError, ConvergenceError), only_meshes():
             started = time.process_time()
             response = mechanics.respond(able)
             found[label] = Answer(response, time.process_time() - started)
@@ -149,7 +149,7 @@ def judge(
     """
     taken = taken or {}
     rows: dict[str, dict[str, Any]] = {}
-    with empty_cache():
+    with only_meshes():
         ladder = rungs(scene)
     for rung in ladder:
         name = rung.candidate.label

@@ -14,8 +14,8 @@ from fefinger.mechanics.realtime.rolling import Rolling
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Sites
-from fefinger.scene import library
 from fefinger.scene.finger import Finger
+from fefinger.scene.innervation import receptors
 from fefinger.support.arrays import Array
 
 
@@ -102,7 +102,7 @@ class Show:
 
 def end_organs(solid: Solid) -> Sites:
     """Return one site of each type below the places of the pad around first touch, in one half."""
-    depths = {kind: organ.depth for kind, organ in library.receptors().items()}
+    depths = {kind: organ.depth for kind, organ in receptors().items()}
     pad = np.unique(solid.pad)
     pad = pad[solid.normals[pad][:, 2] < -0.5]
     near = pad[np.argsort(np.linalg.norm(solid.space.points[pad], axis=1))]

@@ -70,9 +70,9 @@ def between(names: tuple[str, str], share: float, axis: tuple[str, ...], part: f
 
 
 PLATES = ("flat-0", "flat-15", "flat-30", "flat-45", "flat-60")
-BALLS = ("flat-30", "sphere-10", "sphere-5", "sphere-2")
+BALLS = ("flat-30", "sphere-10", "sphere-5", "sphere-2", "sphere-1")
 PLACES = {name: float(name[5:]) for name in PLATES}
-CURVATURES = {"flat-30": 0.0, "sphere-10": 0.1, "sphere-5": 0.2, "sphere-2": 0.5}
+CURVATURES = {"flat-30": 0.0, "sphere-10": 0.1, "sphere-5": 0.2, "sphere-2": 0.5, "sphere-1": 1.0}
 
 
 @pytest.mark.parametrize(
@@ -121,7 +121,7 @@ def test_any_other_object_has_the_largest_error_of_those_it_lies_between(indente
     ("indenter", "reason"),
     [
         (Flat(30, tilt=40), "tilt is measured to 15 degrees"),
-        (Sphere(1.5), "measured to radii of 2 mm"),
+        (Sphere(0.9), "measured to radii of 1 mm"),
         (Sphere(5, at=(0.0, 5.0)), "measured to 4 mm from the middle"),
         (replace(GRATING, period=2.0, ridge=1.0), "measured to widths of 2 mm"),
         (replace(GRATING, angle=45.0), "measured at angles of 10 to 30 degrees"),
@@ -150,6 +150,14 @@ def test_deeper_than_its_own_press_a_plate_has_the_error_of_those_around() -> No
     known = between(("flat-30", "flat-60"), 0.5, PLATES, 0.195)
     assert found == pytest.approx(known + steps())
     assert "a.h./flat-30 and a.h./flat-60" in source
+
+
+def test_deeper_than_its_own_press_a_ball_has_the_error_of_those_around(monkeypatch) -> None:
+    monkeypatch.setattr(f"{__name__}.PLACES", CURVATURES)
+    found, source = get("solid").error(case(Sphere(2), 1.5))
+    known = between(("sphere-5", "sphere-1"), 0.375, BALLS, 0.15)
+    assert found == pytest.approx(known + steps())
+    assert all(f"a.h./{name}" in source for name in ("sphere-1", "sphere-5"))
 
 
 def test_a_subject_has_its_own_press_and_another_finger_a_margin() -> None:
