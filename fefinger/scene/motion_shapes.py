@@ -32,7 +32,10 @@ UNEVEN = 1e-3
 LEFT_OUT = 1e-2
 """Share of the power of the speed beyond the highest frequency of samples."""
 
-WAVE_OPTIONS = ("amplitude", "preload", "settle")
+WAVE_NEEDS = ("amplitude", "preload")
+"""Fields that a WAV file needs: its full scale, and what it vibrates about."""
+
+WAVE_OPTIONS = (*WAVE_NEEDS, "settle")
 """Options of a motion from a WAV file; the last has a default."""
 
 SETTLE = 0.2
