@@ -344,9 +344,9 @@ class SampledMotion(Motion):
         """Read a motion from a CSV file, or from a WAV file with the `options` of `from_wav`."""
         if Path(file).suffix.lower() == ".wav":
             reject_unknown("motion", options, WAVE_OPTIONS)
-            for name in WAVE_OPTIONS[:2]:
+            for name in WAVE_NEEDS:
                 if name not in options:
-                    msg = f"motion.{name}: missing; a WAV file needs amplitude and preload"
+                    msg = f"motion.{name}: missing; a WAV file needs {' and '.join(WAVE_NEEDS)}"
                     raise InputError(msg)
             return cls.from_wav(file, **options)
         reject_unknown("motion", options, ("corner",))
