@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from fefinger.result import load as load
     from fefinger.results.records import Plan as Plan
     from fefinger.scene.ask import Ask as Ask
+    from fefinger.scene.dots import Dots as Dots
     from fefinger.scene.finger import Finger as Finger
     from fefinger.scene.indenters import Bar as Bar
     from fefinger.scene.indenters import Cylinder as Cylinder
@@ -55,14 +56,13 @@ if TYPE_CHECKING:
     from fefinger.scene.motions import Slide as Slide
     from fefinger.scene.motions import Trapezoid as Trapezoid
     from fefinger.scene.motions import Vibration as Vibration
-    from fefinger.scene.patterns import Braille as Braille
-    from fefinger.scene.patterns import Dots as Dots
-    from fefinger.scene.patterns import Letters as Letters
     from fefinger.scene.population import Grid as Grid
     from fefinger.scene.population import Line as Line
     from fefinger.scene.population import Places as Places
     from fefinger.scene.population import Scatter as Scatter
     from fefinger.scene.scene import Scene as Scene
+    from fefinger.scene.texts import Braille as Braille
+    from fefinger.scene.texts import Letters as Letters
     from fefinger.scene.textured import Grating as Grating
     from fefinger.scene.textured import Relief as Relief
     from fefinger.scene.tissue import Hard as Hard
@@ -93,7 +93,8 @@ _HOMES = {
         *("ForceSampled", "ForceSweep", "FrequencySweep"),
         *("Slide", "ForceSlide", "SampledPath", "ForceSampledPath"),
     ),
-    "scene.patterns": ("Braille", "Dots", "Letters"),
+    "scene.dots": ("Dots",),
+    "scene.texts": ("Braille", "Letters"),
     "pipeline": ("run",),
     "plan": ("choose", "explain"),
     "mechanics.realtime.condensed": ("Condensed",),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fefinger.scene import library
+from fefinger.scene.innervation import innervation
 from fefinger.scene.population import Grid, Layout
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, number
@@ -127,7 +127,7 @@ def with_mesh_check(spikes: "SpikeTrains", mechanics: "Mechanics", scene: "Scene
 def delays(types: Sequence[str], distance: float) -> Array:
     """Conduction delay (n,) in s of units of these types over `distance` mm of nerve."""
     distance = number("distance", distance, at_least=0.0, unit="mm")
-    rows = library.innervation()
+    rows = innervation()
     return np.array([1e-3 * distance / rows[choice("types", t, rows)].velocity for t in types])
 
 

@@ -13,9 +13,10 @@ from fefinger.mechanics import get
 from fefinger.mechanics.press import population
 from fefinger.mechanics.press.skin import meshed, spherical
 from fefinger.pages import report
-from fefinger.scene import builtin, library
+from fefinger.scene import builtin
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
+from fefinger.scene.innervation import innervation
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 
@@ -39,7 +40,7 @@ def scene(layout, **options):
 def test_a_scatter_has_as_many_units_as_its_disc_holds():
     units = population.place(asked(ff.Scatter(radius=5.0, seed=2), TYPES), SKIN, AXIS)
     area = 0.01 * np.pi * 25
-    for kind, row in library.innervation().items():
+    for kind, row in innervation().items():
         assert units.types.count(kind) == round(row.density * area)
         counts = np.bincount(units.unit)[np.array(units.types) == kind]
         assert row.organs[0] <= counts.min() <= counts.max() <= row.organs[1]

@@ -82,11 +82,11 @@ def test_spikes_before_a_time_do_not_count(pressed):
 
 
 def test_units_of_a_population_differ_by_default_and_not_when_told(pressed):
-    scene, _ = pressed
+    scene = replace(pressed[0], motion=replace(PRESS, depth=1.5))  # every unit fires
     line = ff.Line(start=(0, 0), stop=(0, 1e-3), count=4)
     trains = []
     for layout in (line, replace(line, spread=0.0, noise=0.0), replace(line, seed=1)):
-        ask = replace(scene.ask, spikes=("SAI",), population=layout)
+        ask = replace(scene.ask, spikes=("SAII",), population=layout)
         response = get("hertz").respond(replace(scene, ask=ask))
         trains.append(fire(ask, response, check=False))
     drawn, alike, other = (len({tuple(np.round(t, 4)) for t in each.times}) for each in trains)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fefinger.commands import console
-from fefinger.commands.options import changes_option, json_option, output_option
+from fefinger.commands.options import changes_option, json_option, output_option, types_option
 
 
 if TYPE_CHECKING:
@@ -14,13 +14,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("scene", default="pin-hold")
-@click.option(
-    "--type",
-    "types",
-    multiple=True,
-    metavar="TYPE",
-    help="SAI, SAII, FAI or FAII (repeatable; SAI and FAI).",
-)
+@types_option("repeatable, by default SAI and FAI")
 @click.option("--reach", type=float, default=3.0, metavar="MM", help="Half the side of the square.")
 @click.option("--spacing", type=float, default=1.0, metavar="MM", help="Distance of the places.")
 @click.option("--seed", type=int, default=0, metavar="N", help="Seed of the end organs.")

@@ -5,6 +5,8 @@ from typing import Any
 
 import click
 
+from fefinger.support.checks import choice
+
 
 DONE, FAILED, UNUSABLE = 0, 1, 2
 
@@ -20,6 +22,20 @@ def changes_option(command: Command) -> Command:
         metavar="FIELD=VALUE",
         help="Change a value of the scene, such as motion.depth=2 (repeatable).",
     )(command)
+
+
+def types_option(about: str) -> Callable[[Command], Command]:
+    """Add `--type TYPE`, checked types of afferents; `about` is added to the help."""
+
+    def checked(context: Any, option: Any, types: tuple[str, ...]) -> tuple[str, ...]:
+        from fefinger.support.vocabulary import TYPES
+
+        return tuple(choice("--type", kind, TYPES) for kind in types)
+
+    text = f"SAI, SAII, FAI or FAII ({about})."
+    return click.option(
+        "--type", "types", multiple=True, metavar="TYPE", help=text, callback=checked
+    )
 
 
 def json_option(command: Command) -> Command:

@@ -3,12 +3,12 @@
 import click
 
 from fefinger.commands import console
-from fefinger.commands.options import json_option, output_option
+from fefinger.commands.options import json_option, output_option, types_option
 
 
 @click.command()
 @click.option("--from", "source", required=True, metavar="SIGNALS.csv", help="Series to read.")
-@click.option("--type", "types", multiple=True, metavar="TYPE", help="SAI, SAII, FAI or FAII.")
+@types_option("repeatable, by default all four")
 @click.option(
     "--length",
     type=float,

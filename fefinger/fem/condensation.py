@@ -23,6 +23,7 @@ from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
+from fefinger.fem.linalg.dissection import dissect
 from fefinger.fem.linalg.solvers import compressible
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.geometry import mirror
@@ -133,7 +134,7 @@ def condense(solid: Solid, tissues: Mapping[int, Elastic], fixed: Integers) -> C
     is_free[fixed] = False
     number = np.where(is_free, np.cumsum(is_free) - 1, -1)
     pad = number[(3 * palmar(solid)[:, None] + np.arange(3)).ravel()]
-    dissection = multifrontal.dissect(
+    dissection = dissect(
         number[space.unknowns],
         space.points[space.vertices].mean(axis=1),
         int(is_free[: space.n_displacements].sum()),

@@ -11,6 +11,7 @@ import numpy as np
 
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
+from fefinger.support.outputs import check_input
 
 
 WIDTHS = (6.0, 40.0)
@@ -102,9 +103,7 @@ def _loaded(file: Path, field: str) -> Any:
     """Load the triangles of a file; raise InputError if it has none."""
     import trimesh
 
-    if not file.is_file():
-        message = f"{field}: expected a surface file, received {str(file)!r}, which does not exist"
-        raise InputError(message)
+    check_input(field, file, "a surface file")
     try:
         if file.suffix.lower() in VTK:
             mesh = trimesh.Trimesh(*_vtk(file))
@@ -113,8 +112,8 @@ def _loaded(file: Path, field: str) -> Any:
         count = len(mesh.faces)
     except Exception as error:
         message = (
-            f"{field}: expected a triangle surface (STL, OBJ, PLY or VTK), {file.name} cannot be "
-            f"read as one: {error}"
+            f"{field}: expected a triangle surface (STL, OBJ, PLY or VTK), received "
+            f"{str(file)!r}, which cannot be read as one; export it again"
         )
         raise InputError(message) from error
     if count == 0:

@@ -11,7 +11,7 @@ import math
 
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.evidence import carrying
-from fefinger.mechanics.press.notes import RIGID_BONE, apart, yielding
+from fefinger.mechanics.press.notes import RIGID_BONE, apart, rough, yielding
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
@@ -37,7 +37,7 @@ NOTES = (
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return why it should not answer: tissues that relax apart, or what `solid` refuses."""
-    unable = [*apart(case.finger), *yielding(case.finger)]
+    unable = [*apart(case.finger), *yielding(case.finger), *rough(case.indenter)]
     if case.ask.solver is not None:
         reason = f"ask.solver = {case.ask.solver!r}: it solves with the factors of 'solid'"
         unable.append(Doubt("ask.solver", reason))

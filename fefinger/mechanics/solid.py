@@ -10,7 +10,7 @@ from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import reports, solid_cost
 from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import proximal_cut
-from fefinger.mechanics.press.notes import hard, sideways
+from fefinger.mechanics.press.notes import hard, out_of_plane
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -32,8 +32,9 @@ SOLVERS = ("single", "multifrontal")
 NOTES = (
     "Finite strain: strains are logarithmic, in the directions of the undeformed finger; pressures "
     "are per undeformed area, contact areas are those of the deformed skin.",
-    "Frictionless contact with a rigid indenter, which the skin may slide along. Gaps are closed "
-    "as weighted means over the facets around each vertex, not at every point.",
+    "Contact with a rigid indenter, which the skin may slide along, frictionless unless a plate "
+    "with a coefficient of friction slides. Gaps are closed as weighted means over the facets "
+    "around each vertex, not at every point.",
     "The second Piola-Kirchhoff stress of the soft tissues relaxes (Fung's quasi-linear "
     "viscoelasticity); solved at steps of the motion and interpolated between them.",
     "Quasi-static: no inertia and no waves.",
@@ -50,7 +51,8 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
     """Return why finite strain should not answer a scene, in the name of a mechanics."""
-    unable = [*sideways(case.motion, case.indenter), *case.too_long, *linear.unmeshable(case)]
+    sliding = out_of_plane(case.motion, case.indenter)
+    unable = [*sliding, *case.too_long, *linear.unmeshable(case)]
     if unable:
         return refusals(mechanics, "ability", unable)
     doubts = [*linear.too_small(case), *linear.unmeasured(case.finger)]

@@ -168,9 +168,10 @@ def check_room(under: SmoothSurface, bone: Array, recipe: Recipe) -> None:
     least = -float(under.level(bone).max())
     if least < ROOM:
         message = (
-            f"thickness: expected at least {ROOM:g} mm of subcutaneous tissue around the bone of a "
-            f"finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick, received "
-            f"{least:.2f} mm; use a thinner skin, other dimensions or, for a scan, its frame"
+            f"finger.thickness: expected at least {ROOM:g} mm of subcutaneous tissue around the "
+            f"bone of a finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick, "
+            f"received {least:.2f} mm; use a thinner skin, other dimensions or, for a scan, its "
+            "frame"
         )
         raise InputError(message)
 

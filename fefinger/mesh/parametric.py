@@ -47,7 +47,7 @@ def parametric(recipe: Recipe) -> Shape:
     if wanted[0] < 0.6 * recipe.thickness:
         least = np.sqrt(0.6 * recipe.thickness * wanted[1])
         message = (
-            f"pad_radius: expected at least {least:.1f} mm on a "
+            f"finger.pad_radius: expected at least {least:.1f} mm on a "
             f"finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick, received "
             f"{recipe.pad_radius:g} mm; the pad would be sharper along the finger than its tip"
         )
@@ -106,9 +106,10 @@ def _check_round(under: Shell, recipe: Recipe) -> None:
     x = under.tip - (under.tip - under.cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
     if min(under.palmar_ratio(x).min(), under.dorsal_ratio(x).min()) < FLATTEST:
         message = (
-            f"skin_thickness: expected less than some {TIP_RADIUS * recipe.thickness:.2g} mm, the "
-            f"radius of the tip of a finger {recipe.thickness:g} mm thick, received "
-            f"{recipe.skin_thickness:g} mm; use a thinner skin or a thicker finger"
+            "finger.skin.thickness: expected less than some "
+            f"{TIP_RADIUS * recipe.thickness:.2g} mm, the radius of the tip of a finger "
+            f"{recipe.thickness:g} mm thick, received {recipe.skin_thickness:g} mm; use a "
+            "thinner skin or a thicker finger"
         )
         raise InputError(message)
 
@@ -126,7 +127,7 @@ def _skin(recipe: Recipe, *, along: float, across: float) -> tuple[float, dict[s
     share = middle * np.cos(PLATE) * across / half**2
     if share > 0.98:
         message = (
-            f"pad_radius: expected a fingertip that narrows towards its tip, received width "
+            f"finger.pad_radius: expected a fingertip that narrows towards its tip, received width "
             f"{recipe.width:g}, thickness {recipe.thickness:g} and pad radius "
             f"{recipe.pad_radius:g} mm, which would need {2 * half * np.sqrt(share):.1f} mm of "
             "width at the contact point; use a smaller thickness or a larger pad radius"
@@ -152,8 +153,9 @@ def _palmar(recipe: Recipe, along: float) -> tuple[Table, float]:
     x, z = _distal(recipe, along, slope)
     if z[-1] > 0.9 * recipe.thickness:
         message = (
-            f"pad_radius: expected a pad that rises at most {0.9 * recipe.thickness:.1f} mm to its "
-            f"tip, received {recipe.pad_radius:g} mm, which rises {z[-1]:.1f} mm on a finger of "
+            "finger.pad_radius: expected a pad that rises at most "
+            f"{0.9 * recipe.thickness:.1f} mm to its tip, received "
+            f"{recipe.pad_radius:g} mm, which rises {z[-1]:.1f} mm on a finger of "
             f"thickness {recipe.thickness:g} mm; use a smaller pad radius or a larger thickness"
         )
         raise InputError(message)

@@ -51,9 +51,10 @@ class Recipe:
             ("pad_radius", 3.0, 60.0),
             ("skin_thickness", 0.3, 3.0),
         ):
-            value = number(name, getattr(self, name), at_least=above, at_most=at_most, unit="mm")
+            field = f"finger.{name.replace('skin_', 'skin.')}"
+            value = number(field, getattr(self, name), at_least=above, at_most=at_most, unit="mm")
             object.__setattr__(self, name, value)
-        choice("resolution", self.resolution, RESOLUTIONS)
+        choice("finger.resolution", self.resolution, RESOLUTIONS)
 
     @classmethod
     def of(cls, finger: Any, touch: Touch = None) -> "Recipe":

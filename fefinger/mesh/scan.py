@@ -91,7 +91,7 @@ def _bone(
     if recipe.bone_surface is None:
         shell = finger_shape.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
         return shell, shell, ()
-    closed, notes = read_closed(recipe.bone_surface, field="bone_surface")
+    closed, notes = read_closed(recipe.bone_surface, field="finger.bone_surface")
     cloud = _cloud(_refined(closed), origin)
     level, tables = _profiles(cloud, cut)
     return cloud, Shell.of(level, cut=cut, **tables), notes

@@ -70,8 +70,7 @@ def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None 
         if at is not None:
             touch_point(shape, at)
     except InputError as error:
-        reason = str(error)
-        return reason if reason.startswith(("finger.", "indenter.")) else f"finger.{reason}"
+        return str(error)
     return ""
 
 

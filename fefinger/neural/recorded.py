@@ -47,7 +47,7 @@ BOUNDS: dict[str, Bounds] = {
     "static": Bounds(0.0, 1.0, "", "gain of the filter at rest over that at high frequency"),
     "corner": Bounds(1e-2, 2000.0, "Hz", "corner frequency of the filter"),
     "order": Bounds(1.0, 2.0, "", "order of the filter; 2: the corner twice"),
-    "negative": Bounds(0.0, 1.0, "", "weight of a negative output of the filter"),
+    "negative": Bounds(0.0, 1.0, "", "current of a negative output over that of a positive one"),
     "largest": Bounds(1.01, 1e4, "", "current of the saturated generator over threshold"),
     "adapting": Bounds(0.0, 1.0, "", "part of a constant current that adaptation takes away"),
     "adaptation": Bounds(1e-4, 1e3, "s", "time constant of adaptation"),
@@ -55,7 +55,7 @@ BOUNDS: dict[str, Bounds] = {
     "recovering": Bounds(1e-4, 10.0, "s", "time constant with which it returns"),
     "membrane": Bounds(1e-4, 1.0, "s", "time constant of the membrane"),
     "refractory": Bounds(5e-4, 0.1, "s", "absolute refractory time"),
-    "noise": Bounds(0.0, 10.0, "", "standard deviation of the noise current over threshold"),
+    "noise": Bounds(0.0, 10.0, "", "standard deviation of the noise current from threshold on"),
     "jitter": Bounds(0.0, 2e-3, "s", "standard deviation of the time from threshold to impulse"),
     "spread": Bounds(0.0, 3.0, "", "standard deviation of the logarithm of the gains of units"),
 }
@@ -67,12 +67,15 @@ class Recorded:
     """Parameters of the units of one type; BOUNDS has their units, ranges and meanings.
 
     Filter: a lead of the given order, M [(static p + s) / (p + s)]^order with p = 2 pi corner.
-    Generator: I = u / (1 + u / largest), u = gain (y where y > 0, else -negative y).
+    Generator: I = u / (1 + u / largest) with u = gain |y|, times `negative` where y < 0: it still
+    follows a vibration that saturates both signs.
     Adaptation: adaptation dw/dt = I - w takes adapting w off the current.
     Membrane: membrane dv/dt = I - adapting w - a + noise - v, spike at 1, then 0 for `refractory`;
     every spike adds recovery to a, which fades within recovering. The noise is linear between
-    independent normal values 1 ms apart. An impulse is recorded at its time in the membrane and a
-    normal time of mean 0 and standard deviation `jitter`, never within `refractory` of the last.
+    independent normal values 1 ms apart, and fades with I below threshold: the channels of a
+    generator at rest are closed, so that noise alone never makes an impulse. An impulse is recorded
+    at its time in the membrane and a normal time of mean 0 and standard deviation `jitter`, never
+    within `refractory` of the last.
 
     Raises
     ------

@@ -88,8 +88,8 @@ def normal(stream: np.uint64, knot: int) -> float:
 def generated(units: Units, i: int, x: float, first: float, second: float) -> float:
     """Return the generator current of unit i over threshold, at its input and filter modes."""
     y = units.at_rest[i] * x + units.share[i, 0] * first + units.share[i, 1] * second
-    y = units.gain[i] * (y if y > 0.0 else -units.negative[i] * y)
-    return y / (1.0 + y / units.largest[i])
+    u = units.gain[i] * abs(y)
+    return (1.0 if y > 0.0 else units.negative[i]) * u / (1.0 + u / units.largest[i])
 
 
 @njit(cache=True)
@@ -186,13 +186,13 @@ def advance(
         mode = fade * mode + grow
         slow = wane * slow + rise
         y = at_rest * entered + share * mode + other * slow
-        y = gain * (y if y > 0.0 else -negative * y)
-        before, current = current, y / (1.0 + y * saturation)
+        u = gain * abs(y)
+        before, current = current, (1.0 if y > 0.0 else negative) * u / (1.0 + u * saturation)
         mean = 0.5 * (before + current)
         drive = mean - adapting * (adapted + 0.5 * adapt * (mean - adapted))
         drive -= 0.5 * taken * (1.0 + after)
         if noise > 0.0:
-            drive += noise * _noise(stream, state, t + 0.5 * h)
+            drive += noise * min(mean, 1.0) * _noise(stream, state, t + 0.5 * h)
         adapted += adapt * (mean - adapted)
         taken *= after
         if free >= t + h:
@@ -223,7 +223,7 @@ def rested(units: Units, x: Array, start: float = 0.0) -> Array:
     states[:, KNOT] = np.nan
     states[:, LAST] = start - units.refractory
     states[:, X] = states[:, MODE] = states[:, SLOW] = x
-    y = units.gain * (units.at_rest + units.share.sum(axis=1)) * x
-    y = np.where(y > 0.0, y, -units.negative * y)
-    states[:, CURRENT] = y / (1.0 + y / units.largest)
+    y = (units.at_rest + units.share.sum(axis=1)) * x
+    u = units.gain * np.abs(y)
+    states[:, CURRENT] = np.where(y > 0.0, 1.0, units.negative) * u / (1.0 + u / units.largest)
     return states

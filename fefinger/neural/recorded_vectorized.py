@@ -87,15 +87,15 @@ def _steps(s: Array, t: float, h: float, since: float) -> int:
         mode = s[_FADE + i] * s[_MODE + i] + s[_PUSH + i]
         slow = s[_WANE + i] * s[_SLOW + i] + s[_LIFT + i]
         y = s[_AT_REST + i] * x + s[_SHARE + i] * mode + s[_OTHER + i] * slow
-        y = s[_GAIN + i] * (y if y > 0.0 else -s[_NEGATIVE + i] * y)
-        current = y / (1.0 + y * s[_INVERSE + i])
+        u = s[_GAIN + i] * abs(y)
+        current = (1.0 if y > 0.0 else s[_NEGATIVE + i]) * u / (1.0 + u * s[_INVERSE + i])
         mean = 0.5 * (s[_CURRENT + i] + current)
         adapted, taken, forget = s[_ADAPTED + i], s[_TAKEN + i], s[_FORGET + i]
         nearer = s[_ADAPT + i] * (mean - adapted)
         drive = mean - s[_ADAPTING + i] * (adapted + 0.5 * nearer)
         drive -= 0.5 * taken * (1.0 + forget)
         left = s[_LEFT + i]
-        drive += s[_NOISE + i] * (left + (s[_RIGHT + i] - left) * since)
+        drive += s[_NOISE + i] * min(mean, 1.0) * (left + (s[_RIGHT + i] - left) * since)
         v, free = s[_V + i], s[_FREE + i]
         now = v + s[_LEAK + i] * (drive - v)
         now = now if free <= t else v
@@ -237,8 +237,9 @@ def _jump(s: Array, i: int, change: float) -> None:
     s[_MODE + i] += change
     s[_SLOW + i] += change
     y = s[_AT_REST + i] * s[_X + i] + s[_SHARE + i] * s[_MODE + i] + s[_OTHER + i] * s[_SLOW + i]
-    y = s[_GAIN + i] * (y if y > 0.0 else -s[_NEGATIVE + i] * y)
-    s[_CURRENT + i] = y / (1.0 + y * s[_INVERSE + i])
+    u = s[_GAIN + i] * abs(y)
+    u /= 1.0 + u * s[_INVERSE + i]
+    s[_CURRENT + i] = u if y > 0.0 else s[_NEGATIVE + i] * u
 
 
 @njit(cache=True, nogil=True)

@@ -80,16 +80,16 @@ def read(path: str | PathLike[str]) -> Signals:
     if len(table.rows) < 2:
         msg = f"{path}: expected two rows of numbers or more, received one"
         raise InputError(msg)
+    at = [i for i, name in enumerate(header) if name in TIME]
+    if len(at) != 1:
+        msg = f"{path}: expected one column named {', '.join(TIME)}, received {', '.join(header)}"
+        raise InputError(msg)
     if twice := repeated(header):
         names = ", ".join(map(repr, twice))
         msg = (
             f"{path}: expected a different name for each column, received {names} more than once; "
             "rename the columns, as in left_displacement_mm"
         )
-        raise InputError(msg)
-    at = [i for i, name in enumerate(header) if name in TIME]
-    if len(at) != 1:
-        msg = f"{path}: expected one column named {', '.join(TIME)}, received {', '.join(header)}"
         raise InputError(msg)
     columns = [i for i in range(len(header)) if i != at[0]]
     if not columns:
@@ -153,20 +153,21 @@ def fire(
     if repeated(types):
         msg = f"--type: expected every type once, received {', '.join(types)}; leave out repeats"
         raise InputError(msg)
-    columns, kinds, names = _units(signals, types)
+    if length is not None:
+        number("--length", length, above=0.0, unit="mm")
     recorded = choice("--afferents", family, FAMILIES) == "recorded"
+    simulate = _recorded(tolerance, generator) if recorded else _thesis(tolerance, generator)
+    columns, kinds, names = _units(signals, types)
     poles, lengths = _poles_and_lengths(recorded)
     lengths = lengths if length is None else dict.fromkeys(TYPES, length)
     mm = [_mm(signals, i, lengths.get(kind)) for i, kind in zip(columns, kinds, strict=True)]
     if not corners:
         for i, kind, each in zip(columns, kinds, mm, strict=True):
             _check_sampling(signals, i, kind, each, poles[kind])
-    simulate = _recorded(tolerance, generator) if recorded else _thesis(tolerance, generator)
     run = partial(simulate, types=kinds, lengths=mm, names=names)
     trains = run(signals.time, signals.drive[:, columns])
     notes = trains.notes + _starts(signals) + _signs(signals)
     if length is not None and None not in signals.lengths:
-        number("--length", length, above=0.0, unit="mm")
         notes += ("--length is not used, because no column is a strain.",)
     if not corners:
         time, drive = _curved(signals)
@@ -294,7 +295,7 @@ def _mm(signals: Signals, column: int, length: float | None) -> float:
             "that it causes at the end organ, 2 mm for 0.2 mm and 0.1), received none"
         )
         raise InputError(msg)
-    return number("--length", length, above=0.0, unit="mm")
+    return length
 
 
 def _seconds(tolerance: float) -> float:

@@ -1,6 +1,7 @@
 """Self-contained HTML pages: a template and the style sheet of `templates/`, pictures inside."""
 
 import base64
+import re
 from collections.abc import Iterator, Mapping
 from importlib import resources
 from typing import Any
@@ -24,6 +25,7 @@ def render(template: str, **values: Any) -> str:
     environment.filters |= {
         "percent": lambda value: f"{100 * value:.2g} %",
         "number": lambda value: f"{value:.3g}",
+        "code": code,
     }
     return environment.get_template(template).render(css=source("report.css"), **values)
 
@@ -31,6 +33,13 @@ def render(template: str, **values: Any) -> str:
 def source(name: str) -> str:
     """Return a file of `templates/` that goes into a page as it is."""
     return raw(resources.files(TEMPLATES).joinpath(name).read_text("utf-8"))
+
+
+def code(text: str) -> str:
+    """Return a sentence for a page, with what stands between backticks set as code."""
+    from markupsafe import escape
+
+    return raw(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))
 
 
 def raw(text: str) -> str:

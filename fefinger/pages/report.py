@@ -55,6 +55,7 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
         files=list(_files(result)),
         warnings=[*result.too_fast, *_blocked(result)],
         parts=list(_parts(result)),
+        membranes=result.spikes is not None and result.spikes.family == "thesis",
         units=list(_units(result)),
         plan=result.plan,
         status=result.status,

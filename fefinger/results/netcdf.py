@@ -16,6 +16,7 @@ from fefinger.results import records
 from fefinger.results.harmonic import Harmonic
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
+from fefinger.support.outputs import unreadable
 
 
 if TYPE_CHECKING:
@@ -83,10 +84,10 @@ def read(path: str | PathLike[str]) -> records.ResultRecord:
     file = Path(path)
     if file.is_dir():
         file = file / "result.nc"
-    if not file.is_file():
+    if reason := unreadable(file):
         message = (
             f"result: expected a folder written by `fefinger run -o` or its result.nc, "
-            f"received {str(path)!r}, where there is no file {str(file)!r}"
+            f"received {str(path)!r}: {str(file)!r} {reason}"
         )
         raise InputError(message)
     try:
@@ -94,10 +95,10 @@ def read(path: str | PathLike[str]) -> records.ResultRecord:
             kind = opened.attrs.get("format")
             if kind == FORMAT:
                 return _result(opened)
-    except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
+    except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError):
         message = (
             f"result: expected a result of fefinger in {str(file)!r}, received a damaged or "
-            f"foreign file ({error}); run the scene again"
+            "foreign file; run the scene again"
         )
         raise InputError(message) from None
     message = f"result: expected the format {FORMAT!r} in {str(file)!r}, received {kind!r}"

@@ -38,7 +38,8 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
         rows.append((star, rung.mechanics, mesh, error, seconds, first))
         rows += [("", "", "", "", "", more) for more in reasons[1:]]
     heading = ("", "mechanics", "mesh", "error", "time", "refused because")
-    return f"{table(rows, heading)}\n\n{_sources(rungs)}"
+    sources = _sources(rungs)
+    return table(rows, heading) + (f"\n\n{sources}" if sources else "")
 
 
 def _reasons(rung: "Rung") -> list[str]:
@@ -90,10 +91,10 @@ def trust(rung: "Rung", ask: "Ask") -> str:
 
 
 def _sources(rungs: Sequence["Rung"]) -> str:
-    """Return one line per source of an error, with the mechanics that it is of."""
+    """Return one line per source of an error, with the mechanics that it is of; "" for none."""
     by_source: dict[str, list[str]] = {}
     for rung in rungs:
         if not math.isnan(rung.error):
             by_source.setdefault(rung.evidence, []).append(rung.candidate.label)
     rows = [(", ".join(names), source) for source, names in by_source.items()]
-    return table(rows, ("error of", "evidence")) if rows else "No error is known."
+    return table(rows, ("error of", "evidence")) if rows else ""

@@ -7,6 +7,7 @@ from typing import Any, Self
 from fefinger.scene import library
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.outputs import check_input
 from fefinger.theory.relaxation import Prony
 
 
@@ -134,12 +135,10 @@ class Finger:
         given: Any = getattr(self, name)
         if given is None:
             return
-        if not isinstance(given, str | Path) or not Path(given).is_file():
-            msg = (
-                f"finger.{name}: expected a file with a surface, received {given!r}, which does "
-                "not exist"
-            )
+        if not isinstance(given, str | Path):
+            msg = f"finger.{name}: expected the path of a surface file, received {given!r}"
             raise InputError(msg)
+        check_input(f"finger.{name}", given, "a surface file")
         object.__setattr__(self, name, str(given))
 
     def _check_layers(self) -> None:
@@ -155,7 +154,13 @@ class Finger:
                     f"{self.skin.modulus:g} kPa, received {part.modulus:g} kPa; a GPa is 1e6 kPa"
                 )
                 raise InputError(msg)
-        number("finger.skin.thickness", self.skin.thickness, above=0, below=self.pulp, unit="mm")
+        skin = number("finger.skin.thickness", self.skin.thickness, above=0, unit="mm")
+        if not skin < self.pulp:
+            msg = (
+                f"finger.skin.thickness: expected less than {self.pulp:g} mm, half of "
+                f"finger.thickness, received {skin:g} mm; check whether the finger is in mm"
+            )
+            raise InputError(msg)
         if self.subcutaneous.thickness is not None:
             msg = (
                 f"finger.subcutaneous.thickness: expected none, because this tissue fills the rest "

@@ -7,6 +7,7 @@ import numpy as np
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 from fefinger.support.csv_columns import read_columns
+from fefinger.support.outputs import check_input
 
 
 Numbers = tuple[float, ...]
@@ -35,6 +36,7 @@ def read_relief(
             wanted = f"indenter.{name}: expected {expected} with the file {str(file)!r}"
             msg = f"{wanted}, received {value!r}"
             raise InputError(msg)
+    check_input("indenter.file", file, "a file of heights")
     if not needs:
         return read_heights(file)
     step = number("indenter.pitch", pitch, above=0, unit="mm")

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Self, final
@@ -10,24 +11,16 @@ import numpy as np
 
 from fefinger.geometry import profiles
 from fefinger.scene.indenter import PlateLike, turned
+from fefinger.scene.raised import Room, check_edge
 from fefinger.scene.relief_file import read_relief
 from fefinger.support.checks import InputError, number, numbers
 
 
+LEVEL = 1e-9
+"""Height over length below which a relief is a plane."""
+
 SAMPLES = 4
 """Least number of samples of a relief in x and in y: as many as a cubic needs."""
-
-
-def check_flank(edge: float, height: float, width: float) -> None:
-    """Raise InputError for an edge so round that its flank is wider than what it bounds."""
-    flank = profiles.flank_of(edge, height)
-    if flank > width:
-        largest = edge * (width / flank) ** 2
-        msg = (
-            f"indenter.edge: expected at most {largest:.3g} mm, which makes its flank as wide as "
-            f"the {width:.3g} mm that it bounds, received {edge:g}"
-        )
-        raise InputError(msg)
 
 
 @final
@@ -61,7 +54,10 @@ class Grating(PlateLike):
         self._set("shift", unit="mm")
         if self.edge is not None:
             self._set("edge", above=0, unit="mm")
-            check_flank(self.edge, self.depth, min(self.ridge, self.period - self.ridge))
+            groove = self.period - self.ridge
+            sizes = f"period = {self.period:g}, ridge = {self.ridge:g}"
+            room = Room("ridge", sizes, min(self.ridge, groove))
+            check_edge(self.edge, self.depth, (room,), least=0.0)
         self._set_angles()
 
     @property
@@ -166,6 +162,23 @@ class Relief(PlateLike):
     def describe(self) -> str:
         """Return "a rigid relief", with the number of its heights."""
         return f"a rigid relief of {len(self.x)} by {len(self.y)} heights"
+
+    @cached_property
+    def feature(self) -> float:
+        """Width in mm of its ridges, if it were a sine with the mean squares of height and slope.
+
+        Infinite for a plane, level or not.
+        """
+        lines = [np.asarray(each) for each in (self.x, self.y)]
+        heights = np.asarray(self.heights, dtype=np.float64)
+        places = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+        basis = np.column_stack([places, np.ones(len(places))])
+        plane = np.linalg.lstsq(basis, heights.ravel(), rcond=None)[0]
+        rough = heights - (basis @ plane).reshape(heights.shape)
+        slopes = np.hypot(*np.gradient(rough, *lines))
+        if float(np.abs(rough).max()) <= LEVEL * float(np.ptp(lines[0])):
+            return float("inf")
+        return float(np.pi * rough.std() / np.sqrt(np.mean(slopes**2)))
 
     @property
     def extent(self) -> tuple[tuple[float, float], tuple[float, float]]:

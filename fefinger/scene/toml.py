@@ -12,11 +12,13 @@ from fefinger.scene.finger import LAYERS, Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS, Flat
 from fefinger.scene.motion import Motion
+from fefinger.scene.motion_shapes import WAVE_OPTIONS
 from fefinger.scene.motions import MOTIONS, ForceSampled, ForceSampledPath, Sampled, SampledPath
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
 from fefinger.scene.textured import Relief
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, reject_unknown
+from fefinger.support.outputs import unreadable
 from fefinger.theory.relaxation import Prony
 
 
@@ -32,7 +34,7 @@ class FileReader(NamedTuple):
     keys: tuple[str, ...]
 
 
-SAMPLES = ("corner", "amplitude", "preload", "settle")
+SAMPLES = ("corner", *WAVE_OPTIONS)
 """Other keys of a motion from a file: the first of CSV, the others of WAV."""
 
 FROM_FILE = {
@@ -58,13 +60,13 @@ NOT_IN_SCENE = {
 
 def read(file: str | Path) -> dict[str, Any]:
     """Read the tables of a TOML file; InputError names the invalid line."""
+    if reason := unreadable(file):
+        msg = f"{file}: expected a TOML file with a scene, received a path that {reason}"
+        raise InputError(msg)
     try:
         text = Path(file).read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         msg = f"{file}: expected a TOML file (UTF-8 text), received other bytes at {error.start}"
-        raise InputError(msg) from None
-    except OSError as error:
-        msg = f"{file}: cannot be read: {error.strerror or error}"
         raise InputError(msg) from None
     return parse(text, name=str(file))
 
@@ -150,7 +152,9 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
     if "prony" in table:
         table["prony"] = pronies["finger"]
     if subject is not None:
-        return Finger.subject(subject, **table)
+        finger = Finger.subject(subject, **table)
+        _check_surface(finger)
+        return finger
     surface = table.pop("surface", None)
     if surface is not None:
         return Finger.from_surface(surface, **table)
@@ -159,6 +163,17 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
             msg = f"finger.{size}: missing; expected a subject, or width and thickness in mm"
             raise InputError(msg)
     return Finger(**table)
+
+
+def _check_surface(finger: Finger) -> None:
+    """Raise InputError for a scan that cannot be used: with the size of a subject nothing reads it.
+
+    Without a check here it would be refused when the mesh is made.
+    """
+    if finger.surface is not None:
+        from fefinger.geometry.surface_file import read_surface
+
+        read_surface(finger.surface, field="finger.surface")
 
 
 def _stored(table: dict[str, Any]) -> Finger:
@@ -321,6 +336,12 @@ def _plain(record: Any) -> dict[str, Any]:
         if value is not None and value != {}:
             table[field.name] = value
     return table
+
+
+def keys_beside_file(kind: Any) -> tuple[str, ...]:
+    """List the keys of the table of an indenter or motion of a kind that is read from a file."""
+    reader = FROM_FILE.get(kind)
+    return () if reader is None else ("kind", "file", *reader.keys)
 
 
 def keys(part: str, kind: Any) -> tuple[str, ...]:

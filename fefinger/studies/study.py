@@ -126,6 +126,9 @@ def study(
     if mechanics is not None:
         choice("mechanics", mechanics, (*names(), EACH))
     count = None if workers is None else int(number("workers", workers, at_least=1))
+    for field in over.keys() & (changes or {}).keys():
+        msg = f"{field}: expected in --over or in --set, received in both; leave one out"
+        raise InputError(msg)
     request = StudyRequest(scene, checked(over), changes or {}, mechanics, at)
     tasks, failed = request.tasks()
     if not tasks:

@@ -55,7 +55,10 @@ def cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Answer]]
     try:
         client = Client(address)
     except (OSError, ValueError) as error:
-        msg = f"--scheduler: expected a Dask scheduler at {address!r}, received: {error}"
+        msg = (
+            "--scheduler: expected the address of a Dask scheduler, such as tcp://host:8786, "
+            f"received {address!r} ({error})"
+        )
         raise InputError(msg) from None
     with client:
         futures = {client.submit(answer, task, pure=False): i for i, task in enumerate(tasks)}

@@ -11,9 +11,13 @@ import numpy as np
 
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+from fefinger.support.outputs import unreadable
 
 
-UNITS = {"time": "s", "depth": "mm", "force": "N", "x": "mm", "y": "mm", "height": "mm"}
+UNITS = {"time": "s", "depth": "mm", "force": "N", "x": "mm", "y": "mm", "height": "mm"} | {
+    "angle": "degrees",
+    "tilt": "degrees",
+}
 
 SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
 """Separators other than commas that a file may have by mistake, with their names."""
@@ -67,12 +71,18 @@ def read_table(source: str, file: str | PathLike[str]) -> CsvTable:
     InputError
         A file that cannot be read, has nothing below its header, or other separators than commas.
     """
+    if reason := unreadable(file):
+        msg = f"{source}: expected a CSV file, received a path that {reason}; check its name"
+        raise InputError(msg)
     try:
         with open(file, newline="", encoding="utf-8-sig") as stream:
             lines = [[cell.strip() for cell in line] for line in csv.reader(stream)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        todo = "; save it as UTF-8" if isinstance(error, UnicodeDecodeError) else ""
-        msg = f"{source}: expected a CSV file of text, cannot read it: {error}{todo}"
+        other = isinstance(error, UnicodeDecodeError)
+        received = (
+            "bytes that are no UTF-8 text; save it as UTF-8" if other else f"another: {error}"
+        )
+        msg = f"{source}: expected a CSV file of text, received {received}"
         raise InputError(msg) from error
     rows = [(number, cells) for number, cells in enumerate(lines, start=1) if any(cells)]
     header = rows[0][1] if rows else []

@@ -1,4 +1,4 @@
-"""Checks of output files and folders before a computation starts."""
+"""Checks of input files, and of output files and folders, before a computation starts."""
 
 import os
 import tempfile
@@ -11,10 +11,27 @@ from fefinger.support.checks import InputError
 from fefinger.support.interrupt import on_end
 
 
+def unreadable(path: str | PathLike[str]) -> str:
+    """Why no file can be read at `path`, as "does not exist"; empty where one can."""
+    if os.path.isdir(path):
+        return "is a folder"
+    if not os.path.exists(path):
+        return "does not exist"
+    return "" if os.access(path, os.R_OK) else "may not be read"
+
+
+def check_input(field: str, path: str | PathLike[str], expected: str) -> None:
+    """Raise InputError of `field`, which expects `expected`, unless a file can be read there."""
+    reason = unreadable(path)
+    if reason:
+        message = f"{field}: expected {expected}, received {os.fspath(path)!r}, which {reason}"
+        raise InputError(message)
+
+
 def check_ending(path: str | PathLike[str], option: str, ending: str) -> None:
     """Raise InputError unless the file given as `option` has the suffix `ending`."""
     if Path(path).suffix.lower() != ending:
-        message = f"{option}: expected a file that ends in {ending}, received {Path(path).name!r}"
+        message = f"{option}: expected a file that ends in {ending}, received {os.fspath(path)!r}"
         raise InputError(message)
 
 

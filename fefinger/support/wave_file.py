@@ -8,6 +8,7 @@ import numpy as np
 
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+from fefinger.support.outputs import check_input
 
 
 def read_wave(name: str, file: Path) -> tuple[int, Array]:
@@ -16,17 +17,15 @@ def read_wave(name: str, file: Path) -> tuple[int, Array]:
     Raises
     ------
     InputError
-        No WAV file, or one without samples; `name` is the field that names it.
+        No WAV file, or one that is silent; `name` is the field that names it.
     """
     from scipy.io import wavfile
 
+    check_input(name, file, "a WAV file")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", wavfile.WavFileWarning)  # chunks that hold no sound
             rate, samples = wavfile.read(file)
-    except OSError as error:
-        message = f"{name}: {str(file)!r} cannot be read: {error.strerror or error}"
-        raise InputError(message) from None
     except (ValueError, EOFError, struct.error) as error:
         message = f"{name}: expected a WAV file, received {str(file)!r}: {error}"
         raise InputError(message) from None
@@ -42,5 +41,8 @@ def read_wave(name: str, file: Path) -> tuple[int, Array]:
         wave = first.astype(np.float64) / -float(np.iinfo(first.dtype).min)
     if not (np.isfinite(wave).all() and np.abs(wave).max() <= 1.0):
         message = f"{name}: expected samples from -1 to 1, received others in {str(file)!r}"
+        raise InputError(message)
+    if not wave.any():
+        message = f"{name}: expected a WAV file with sound, received {str(file)!r}, which is silent"
         raise InputError(message)
     return int(rate), wave

@@ -128,7 +128,8 @@ def signals(result: ResultRecord, rows: list[tuple[str, Array, Curves]]) -> Any:
             line for axis in axes[:, -1] for line in axis.lines if line.get_label()[:1] != "_"
         ]
         if handles:
-            drawn.legend(handles=handles, loc="outside upper right", ncols=len(handles))
+            # On the left, where a phone shows it without scrolling.
+            drawn.legend(handles=handles, loc="outside upper left", ncols=len(handles))
         _label_time(axes, spans)
         return drawn
 

@@ -42,6 +42,7 @@ BAD_SETTINGS = {
     "finger.subject=x.y.": "finger.subject: expected one of 'd.p.'",
     "indenter.angle=90": "indenter.angle: expected a finite number in degrees at least 0",
     "motion.sped=3": "sped: unknown key in [motion]. Did you mean 'speed'?",
+    "finger.thickness=1": "finger.skin.thickness: expected less than 0.5 mm, half of finger.thickn",
     "depth": "--set 'depth': expected FIELD=VALUE, as in motion.depth=2",
 }
 
@@ -73,6 +74,28 @@ def test_a_value_that_cannot_be_used_is_refused_before_any_work(
     assert message in refused(capsys, ["run", "flat-press", "-o", str(out), "--set", setting])
     assert not answered
     assert not out.exists()
+
+
+SMALL = ["--set", "finger={width=0.014, thickness=10, tissue='maeno1998'}"]
+
+
+def test_a_refusal_that_most_mechanics_share_is_in_the_first_sentence(capsys):
+    err = refused(capsys, ["explain", "sphere-press", *SMALL])
+    assert "refuse because of finger.width: expected a finite number in mm" in err.splitlines()[0]
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"amplitude": 0.1}, "motion.preload: missing; a WAV file needs amplitude and preload"),
+        ({"preload": 0.1}, "motion.amplitude: missing; a WAV file needs amplitude and preload"),
+        ({"corner": 0.1}, "corner: unknown key in [motion]"),
+    ],
+)
+def test_a_wave_needs_its_scale(capsys, settings, message):
+    given = {"kind": "sampled", "file": "a.wav"} | settings
+    options = [word for key, value in given.items() for word in ("--set", f"motion.{key}={value}")]
+    assert message in refused(capsys, ["explain", "flat-press", *options])
 
 
 def test_a_scene_that_does_not_exist_is_refused_with_the_names_that_do(capsys):
@@ -123,6 +146,61 @@ def test_a_name_of_files_is_no_path(capsys, monkeypatch, tmp_path, name):
     monkeypatch.setattr(suites, "run", lambda *a, **k: pytest.fail("work began"))
     err = refused(capsys, ["validate", "--quick", "--name", name, "-o", str(tmp_path)])
     assert f"--name: expected a base name of files, such as validation, received {name!r}" in err
+
+
+SCALE = ["--set", "motion.amplitude=0.1", "--set", "motion.preload=0.5"]
+EXPLAIN = ["explain", "flat-press", "--set"]
+FILES = {
+    "run": ["run", "PATH.toml"],
+    "surface": [*EXPLAIN, "finger.surface=PATH.stl"],
+    "tissue": [*EXPLAIN, "finger.tissue=PATH.toml"],
+    "relief": [*EXPLAIN, "indenter.kind=relief", "--set", "indenter.file=PATH.csv"],
+    "motion": [*EXPLAIN, "motion.kind=sampled", "--set", "motion.file=PATH.csv"],
+    "wave": [*EXPLAIN, "motion.kind=sampled", "--set", "motion.file=PATH.wav", *SCALE],
+    "fit": ["fit", "PATH.csv"],
+    "calibrate": ["calibrate", "PATH.csv", "--width", "15", "--thickness", "11"],
+    "spikes": ["spikes", "--from", "PATH.csv"],
+}
+
+
+@pytest.mark.parametrize("arguments", FILES.values(), ids=FILES)
+@pytest.mark.parametrize("what", ["does not exist", "is a folder", "other bytes"])
+def test_an_input_file_that_cannot_be_read_is_named(capsys, monkeypatch, tmp_path, arguments, what):
+    monkeypatch.chdir(tmp_path)
+    words = [word.replace("PATH", "none") for word in arguments]
+    name = next(word.rpartition("=")[2] for word in words if "none." in word)
+    if what == "is a folder":
+        (tmp_path / name).mkdir()
+    if what == "other bytes":
+        (tmp_path / name).write_bytes(b"\x00\xff\xa0" * 40)
+    if what == "does not exist" and words[0] == "run":
+        what = "no such file"
+    err = refused(capsys, words)
+    assert name in err
+    assert what == "other bytes" or what in err
+    assert "codec" not in err
+    assert "Errno" not in err
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [
+        ("--tolerance=-1", "--tolerance: expected"),
+        ("--length=0", "--length: expected a finite number in mm above 0"),
+        ("--type=SA1", "--type: expected one of 'SAI', 'SAII', 'FAI', 'FAII', received 'SA1'"),
+        ("--afferents=both", "--afferents: expected one of 'recorded', 'thesis'"),
+    ],
+)
+def test_an_option_of_spikes_is_checked_before_the_sampling(capsys, tmp_path, option, words):
+    coarse = tmp_path / "coarse.csv"
+    coarse.write_text("time,displacement_mm\n0,0\n1,1\n1.5,1\n")
+    assert words in refused(capsys, ["spikes", "--from", str(coarse), option])
+
+
+def test_a_field_that_is_both_varied_and_set_is_refused(capsys):
+    both = ["--over", "motion.depth=0.5,1", "--set", "motion.depth=1"]
+    err = refused(capsys, ["study", "flat-press", *both])
+    assert "motion.depth: expected in --over or in --set, received in both" in err
 
 
 @pytest.mark.parametrize("command", ["run", "explain", "mesh"])

@@ -160,6 +160,11 @@ def test_textures_finer_than_the_mesh_are_warned_of_with_the_number():
     (note,) = (each for each in fine.notes if each.startswith("Warning"))
     assert "= 0.5 / 0.8" in note
     assert "< 1.5" in note
+    lines = np.linspace(-8, 8, 81)
+    relief = ff.Relief.of(lambda x, y: 0.1 * np.sin(2 * np.pi * x / 1.4) + 0 * y, lines, lines)
+    assert any(each.startswith("Warning: the texture") for each in respond(relief, SHORT).notes)
+    pressed = respond(ff.Dots(3), ff.Ramp(20, 0.4))
+    assert any(each.startswith("Warning: the texture") for each in pressed.notes)
     wide = respond(ff.Grating(8, 4, 0.5, edge=0.5), SHORT)
     assert not [each for each in wide.notes if each.startswith("Warning")]
 

@@ -132,7 +132,7 @@ def test_nail_is_a_patch_of_the_back(shape: Shape, recipe: Recipe) -> None:
         ((20, 8, 6), "pad_radius: expected at least 11.0 mm"),
         ((3, 10, 14), "width: expected a finite number in mm at least 5"),
         ((14, float("nan"), 14), "thickness: expected a finite number"),
-        ((14.4, 12.0, 15.2, 2.83), "skin_thickness: expected less than some 2.4 mm"),
+        ((14.4, 12.0, 15.2, 2.83), "finger.skin.thickness: expected less than some 2.4 mm"),
     ],
 )
 def test_impossible_fingers_get_a_sentence(sizes: tuple[float, ...], message: str) -> None:

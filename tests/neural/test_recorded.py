@@ -101,8 +101,8 @@ def test_the_generator_saturates_and_weighs_both_signs():
     unit = PLAIN.varied(gain=3.0, largest=5.0, negative=0.25)
     x = np.array([0.0, 0.1, 2.0, 1e3, -2.0, -1e6])
     out = generated(unit, np.arange(6.0), x)
-    u = np.array([0.0, 0.3, 6.0, 3e3, 1.5, 7.5e5])
-    assert out == pytest.approx(u / (1 + u / 5.0))
+    u = np.array([0.0, 0.3, 6.0, 3e3, 6.0, 3e6])
+    assert out == pytest.approx(u / (1 + u / 5.0) * np.where(x < 0, 0.25, 1.0))
 
 
 @pytest.mark.parametrize("adapting", [0.2, 0.6])
@@ -147,6 +147,53 @@ def test_halving_the_step_moves_spikes_of_the_fitted_units_little(kind):
     apart = [np.abs(each[:, None] - fine).min(axis=1) for each in trains[:2]]
     assert np.median(apart[0]) < 3e-4
     assert np.median(apart[1]) <= np.median(apart[0])
+
+
+@pytest.mark.parametrize("frequency", [200.0, 400.0, 600.0, 800.0])
+def test_a_strong_vibration_does_not_silence_a_pacinian_unit(frequency):
+    """A generator that saturates both signs alike gives a constant current, which adapts away."""
+    rates = []
+    for amplitude in (0.025, 0.1, 0.5):
+        time, x = sine(frequency, amplitude, 0.5)
+        trains = simulate_recorded(time, x[:, None], types=("FAII",), check=False)
+        rates.append(2.0 * trains.count()[0])
+    assert min(rates) > 0.8 * max(rates) > 0.2 * frequency
+
+
+@pytest.mark.parametrize("kind", ["FAI", "FAII"])
+def test_fast_adapting_units_are_silent_in_slow_presses_and_long_holds(kind):
+    """Whatever their noise: 30 units in a press of 1 mm within 1000 s, and in a hold as long."""
+    time = np.linspace(0.0, 2000.0, 2001)
+    x = np.tile(np.minimum(1e-3 * time, 1.0)[:, None], 30)
+    vary = Variation(seed=2, spread=0.0, noise=None)
+    trains = simulate_recorded(time, x, types=(kind,) * 30, variation=vary, check=False, step=1e-3)
+    assert trains.count().sum() == 0
+
+
+@pytest.mark.parametrize("kind", ["FAI", "FAII"])
+def test_fast_adapting_units_fire_at_onset_and_at_release(kind):
+    time = np.arange(0.0, 2.2, 5e-4)
+    x = 0.7 * np.clip(np.minimum(50 * (time - 0.1), 50 * (2.0 - time)), 0.0, 1.0)
+    (times,) = simulate_recorded(time, x[:, None], types=(kind,), check=False).times
+    onset, release = np.abs(times - 0.11) < 0.05, np.abs(times - 1.99) < 0.05
+    assert onset.any()
+    assert release.any()
+    assert np.all(onset | release)
+
+
+def test_slowly_adapting_units_fire_on_in_a_hold_of_minutes():
+    time = np.linspace(0.0, 400.0, 4001)
+    (times,) = simulate_recorded(
+        time, np.minimum(time, 1.0)[:, None], types=("SAI",), check=False
+    ).times
+    first, late = (np.sum((times > start) & (times < start + 10.0)) for start in (1.0, 390.0))
+    assert 0.05 * first < late < 0.6 * first
+
+
+@pytest.mark.parametrize(("mean", "fires"), [(0.2, False), (1.2, True)])
+def test_noise_fades_below_threshold_and_makes_no_impulse_alone(mean, fires):
+    unit = PLAIN.varied(noise=0.8, membrane=0.001)
+    assert bool(len(fire(unit, np.full(LONG.shape, mean), LONG))) == fires
 
 
 def test_jitter_displaces_each_impulse_alone_and_leaves_the_others():

@@ -104,7 +104,7 @@ def test_an_archive_without_the_arrays_or_with_other_shapes_gets_a_sentence(tmp_
     np.savez(tmp_path / "b.npz", x=LINE, y=LINE, height=np.zeros((3, 25)))
     with pytest.raises(InputError, match=r"shape \(x, y\) = \(25, 25\)"):
         ff.Relief.from_file(tmp_path / "b.npz")
-    with pytest.raises(InputError, match="cannot read"):
+    with pytest.raises(InputError, match="which does not exist"):
         ff.Relief.from_file(tmp_path / "none.csv")
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.scene import library
+from fefinger.scene import innervation, library
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
@@ -87,7 +87,7 @@ def test_every_tissue_set_makes_a_finger_and_names_its_source_and_confidence(nam
 
 
 def test_end_organs_lie_inside_their_published_range_in_every_subject():
-    receptors = library.receptors()
+    receptors = innervation.receptors()
     assert tuple(receptors) == TYPES
     for receptor in receptors.values():
         low, high = receptor.published

@@ -1,6 +1,7 @@
 """Raised dots, Braille and letters: their surfaces, against counts, sizes and other splines."""
 
 import struct
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +33,7 @@ def test_crests_have_the_stated_radius_and_the_stated_height(pattern):
     assert h.min() == pytest.approx(0, abs=1e-3 * pattern.height)
     assert h.max() == pytest.approx(pattern.height, rel=2e-3)
     sharpest = sharpest_radius(pattern.profile, places.reshape(-1, 2))
-    assert sharpest == pytest.approx(pattern.edge, rel=0.06)
+    assert sharpest == pytest.approx(pattern.crest, rel=0.06)
 
 
 @pytest.mark.parametrize("pattern", PATTERNS, ids=lambda one: one.describe())
@@ -117,11 +118,21 @@ def test_letters_are_as_tall_as_stated_and_have_their_holes():
 
 
 BAD = [
-    (lambda: ff.Dots(0.8), "indenter.spacing: .* at least 1.18"),
+    (
+        lambda: ff.Dots(0.75),
+        "spacing: .* received spacing = 0.75, diameter = 0.7, which leave 0.05",
+    ),
+    (lambda: ff.Dots(0.6), "indenter.spacing: .* which leave 0 mm"),
+    (lambda: ff.Dots(2, edge=1e-4), "indenter.edge: expected at least 0.00277 mm at a height of"),
+    (lambda: ff.Dots(1000), "indenter.spacing: expected a surface of at most 1e.07 samples"),
+    (lambda: ff.Braille("a", diameter=2.4), "received spacing = 2.34, diameter = 2.4, which leave"),
+    (lambda: ff.Braille("a", cell=3.5), "indenter.cell: .* received cell = 3.5, spacing = 2.34, d"),
+    (lambda: ff.Letters("a", size=0.5), "indenter.size: .* received size = 0.5, which leave 0.067"),
+    (lambda: ff.Letters("M" * 60, size=40).profile, "indenter.text: expected a surface of at most"),
     (lambda: ff.Dots(2, edge=1.0), "indenter.edge: expected at most 0.212 mm"),
     (lambda: ff.Dots(2, arrangement="hexagon"), "indenter.arrangement: expected one of"),
     (lambda: ff.Dots(2, seed=-1), "indenter.seed: expected a whole number"),
-    (lambda: ff.Dots(1.2, arrangement="random"), "room for 144 dots 1.18 mm wide at random"),
+    (lambda: ff.Dots(1.0, arrangement="random"), "room for 144 dots 1 mm wide at random"),
     (lambda: ff.Braille("tøj"), "indenter.text: .* received 'ø'"),
     (lambda: ff.Braille(" "), "not all blank"),
     (lambda: ff.Letters("a" * 61), "1 to 60 characters"),
@@ -135,11 +146,45 @@ def test_what_cannot_be_made_gets_a_sentence(make, message):
         make()
 
 
+@pytest.mark.parametrize(
+    ("pattern", "crest"),
+    [
+        (ff.Dots(3), 0.1),
+        (ff.Dots(3, height=0.5, diameter=0.5), 0.5**2 / (10 / 3**0.5 * 0.5)),
+        (ff.Dots(1.0), 0.3**2 / (10 / 3**0.5 * 0.4)),
+        (ff.Braille("a"), 0.25),
+        (ff.Letters("a"), 0.05),
+        (ff.Letters("a", size=1), 0.135**2 / (10 / 3**0.5 * 0.5)),
+        (ff.Dots(3, edge=0.03), 0.03),
+    ],
+)
+def test_an_edge_that_nobody_states_is_the_usual_one_or_what_fits(pattern, crest):
+    assert pattern.crest == pattern.least_radius == pytest.approx(crest)
+    flatter = replace(pattern, height=pattern.height * 2)
+    assert flatter.crest <= crest
+    assert flatter.edge == pattern.edge  # what was stated stays stated
+
+
 def test_a_grating_with_a_stated_edge_has_it_and_keeps_its_widths():
     grating = ff.Grating(3, 1.2, 0.5, edge=0.1)
     assert grating.least_radius == pytest.approx(0.1, rel=0.02)
     at = np.array([[0.6, 0.0], [1.5, 0.0], [0.0, 0.0]])
     assert grating.profile.height(at)[0] == pytest.approx([0.25, 0.5, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("surface", "width"),
+    [
+        (lambda x, y: 0.2 * np.sin(np.pi * x) + 0 * y, 1.0),
+        (lambda x, y: 0.2 * np.sin(np.pi * x) + 0.3 * x - 0.1 * y, 1.0),
+        (lambda x, y: 0.2 * np.sin(np.pi * x) * np.sin(np.pi * y), 1 / 2**0.5),
+        (lambda x, y: 0.3 * x - 0.1 * y, np.inf),
+        (lambda x, y: 0 * x * y, np.inf),
+    ],
+)
+def test_the_width_of_the_parts_of_a_relief_is_that_of_its_sine(surface, width):
+    lines = np.linspace(-6, 6, 121)
+    assert ff.Relief.of(surface, lines, lines).feature == pytest.approx(width, rel=0.02)
 
 
 def test_a_relief_is_read_from_a_picture_an_array_and_a_surface(tmp_path: Path):
@@ -181,6 +226,8 @@ def stl(facets: list) -> bytes:
     ],
 )
 def test_files_that_are_no_relief_get_a_sentence(tmp_path: Path, name, options, message):
+    for damaged in ("a.png", "a.stl"):
+        (tmp_path / damaged).write_bytes(b"no picture, no surface")
     (tmp_path / "hole.stl").write_bytes(stl([[(0, 0, 0), (4, 0, 1), (0, 4, 0)]]))
     with pytest.raises(InputError, match=message):
         ff.Relief.from_file(tmp_path / name, **options)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.mechanics import hertz, layered, lumped, pressed, solid
+from fefinger.mechanics import hertz, layered, lumped
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import builtin
@@ -123,7 +123,7 @@ def test_a_path_that_leaves_the_object_is_refused_before_any_work():
     ff.Scene(finger=FINGER, indenter=ff.Dots(3), motion=aside)
 
 
-@pytest.mark.parametrize("mechanics", [lumped, hertz, layered, pressed, solid])
+@pytest.mark.parametrize("mechanics", [lumped, hertz, layered])
 def test_the_other_mechanics_name_the_field_that_they_have_no_answer_for(mechanics):
     motion = ff.Slide(60, 1, distance=5)
     scene = ff.Scene(finger=FINGER, indenter=ff.Flat(30, friction=0.4), motion=motion)

@@ -348,7 +348,7 @@ def test_a_cluster_gives_the_same():
 
 def test_a_scheduler_that_is_not_there_gets_a_sentence(monkeypatch):
     pytest.importorskip("distributed", reason="needs the extra 'distributed'")
-    with pytest.raises(InputError, match="expected a Dask scheduler at 'nowhere'"):
+    with pytest.raises(InputError, match="received 'nowhere'"):
         ff.study("flat-press", {"indenter.angle": (20,)}, scheduler="nowhere")
 
 

@@ -35,8 +35,8 @@ def test_a_file_that_cannot_be_used_is_refused_with_its_place(tmp_path, text, me
 
 def test_files_that_are_no_text_are_refused(tmp_path):
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x01")
-    for name, message in (("binary.csv", "it: .*save it as UTF-8"), ("missing.csv", "it: ")):
-        with pytest.raises(InputError, match=f"cannot read {message}"):
+    for name, message in (("binary.csv", "no UTF-8 text; save"), ("missing.csv", "does not exist")):
+        with pytest.raises(InputError, match=message):
             read_table("file", tmp_path / name)
 
 

@@ -21,7 +21,7 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Bar, Flat, Pin, Sphere
-from fefinger.scene.library import receptors
+from fefinger.scene.innervation import receptors
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import ForceRampHold, Ramp
 from fefinger.scene.population import Places

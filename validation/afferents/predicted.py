@@ -112,13 +112,17 @@ def pin_factor() -> float:
     return float(np.exp(np.interp(np.mean(PIN_BANDS[-1]), rates, np.log(factors))))
 
 
-def adaptation(depth: float) -> float:
-    """Fall of the SAI rate in the first 12 s of a hold, over the rate in its first second."""
-    time = np.concatenate([np.arange(0.0, depth / 0.4, 0.01), depth / 0.4 + np.arange(0, 14, 0.01)])
-    times = under_pin("SAI", time, np.minimum(0.4 * time, depth))
-    start = depth / 0.4
-    first = between(times, start, start + 1.0)
-    return 1.0 - between(times, start + 11.5, start + 12.5) / first
+def sustained(depth: float) -> float:
+    """SAI rate in the fifth minute of a hold, over that in its first second."""
+    time = np.linspace(0.0, 300.0, 6001)
+    times = under_pin("SAI", time, np.minimum(time, depth))
+    return between(times, 240.0, 300.0) / between(times, depth, depth + 1.0)
+
+
+def crept(kind: str) -> int:
+    """Impulses of a unit as the pin goes 1.5 mm deep at 0.01 mm/s and stays for a minute."""
+    time = np.linspace(0.0, 210.0, 2101)
+    return len(under_pin(kind, time, np.minimum(0.01 * time, 1.5)))
 
 
 REACH = 1.0

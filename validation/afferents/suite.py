@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.afferents import data, drawings, predicted
-from fefinger.validation.afferents.fit import Task
+from fefinger.validation.afferents.fit import FALLS, Task
 from fefinger.validation.afferents.misses import MISSES
 from fefinger.validation.afferents.vibration import Probed, determination, fit_of_rates
 from fefinger.validation.case import Case, Expected
@@ -27,8 +27,11 @@ BAR = "Phillips & Johnson (1981), J Neurophysiol 46:1177, digitised by Ouyang et
 TOUCHSIM = "models of units of TouchSim (Saal et al. 2017), computed"
 SURROUND = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2711, abstract"
 HOLD = "J Neurosci 3:2652: falls of 38 % (0.65 mm) and 36 % (1.3 mm)"
+MINUTES = "SAI fire on for half an hour (Iggo & Muir 1969, J Physiol 200:763; from memory)"
 KNIBESTOL = "Knibestol (1973), J Physiol 232:427, abstract"
 FIELDS = "Johansson (1978), as cited: fields of SAI and FAI of some 4 mm"
+SLOW = "velocity thresholds of FAI from 0.4, of FAII from 0.5 mm/s on (Knibestol 1973)"
+PLATEAU = "Muniak et al. (2007): FAII at 600 Hz fire 271 to 313 impulses/s from 8 to 25 um"
 SILENT = "models of units of TouchSim, computed: no impulse in a hold"
 GROWTH = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2701, abstract"
 GROWS = (
@@ -87,6 +90,17 @@ def slope(kind: str, low: float, high: float) -> float:
 def under_spheres() -> np.ndarray:
     """Impulses of the SAI unit in the first second under every sphere of the data."""
     return Task("SAI").under_spheres(fitted()["SAI"])
+
+
+@cache
+def falls() -> np.ndarray:
+    """Falls of the rate of the SAI unit in the first 12 s of the holds of FALLS."""
+    return Task("SAI").falls(fitted()["SAI"])
+
+
+def _fall(number: int) -> float:
+    """Return one of these falls."""
+    return float(falls()[number])
 
 
 def spheres_error() -> float:
@@ -150,6 +164,9 @@ def _fitted() -> Iterator[Case]:
         yield _case(name, partial(at_rest, kind), -0.1, 0.1, "Hz", SILENT)
     name = "fitted: RMS error of SAI by curvature and force"
     yield _case(name, spheres_error, -0.15, 0.15, "1", GOODWIN)
+    for i, (depth, _) in enumerate(FALLS):
+        name = f"fitted: fall of the SAI rate in 12 s of a hold at {depth:g} mm"
+        yield _case(name, partial(_fall, i), 0.33, 0.41, "1", HOLD)
 
 
 def _log_tanh(kind: str) -> float:
@@ -180,10 +197,10 @@ def _of_holds() -> Iterator[Case]:
         name = f"predicted: SAI at {depth:g} mm, 2 mm wide, with the gain of the models at 1.5 mm"
         reason = "one number, the middle of the band at 1.5 mm, sets the gain of this unit"
         yield _case(name, partial(_scaled_hold, i), low, high, "Hz", TOUCHSIM, reason)
-    for depth in (0.65, 1.3):
-        name = f"predicted: fall of the SAI rate in 12 s of a hold at {depth:g} mm"
-        reason = "its time constant was set by these two numbers, its size was not"
-        yield _case(name, partial(predicted.adaptation, depth), 0.33, 0.41, "1", HOLD, reason)
+    name = (
+        "predicted: SAI rate in the fifth minute of a hold at 1.3 mm, over that in its first second"
+    )
+    yield _case(name, partial(predicted.sustained, 1.3), 0.03, 0.6, "1", MINUTES)
 
 
 def _of_places() -> Iterator[Case]:
@@ -231,12 +248,25 @@ def _of_bursts() -> Iterator[Case]:
 
             name = f"predicted: impulses of {kind} at the {part} of a pin, 0.7 mm at 20 mm/s"
             yield _case(name, count, low, high, "impulses", TOUCHSIM)
+        name = f"predicted: impulses of {kind} in a press of 1.5 mm at 0.01 mm/s, and its hold"
+        yield _case(name, partial(predicted.crept, kind), -0.5, 0.5, "impulses", SLOW)
         name = f"predicted: R² of the log-tanh law of rate by speed, {kind}"
         yield _case(name, partial(_log_tanh, kind), 0.8, 1.2, "1", KNIBESTOL)
+    name = "predicted: impulses of FAI at the release of a pin, 0.7 mm at 5 mm/s"
+    yield _case(
+        name, lambda: predicted.bursts("FAI", 0.7, 5.0).release, 1, 8, "impulses", KNIBESTOL
+    )
+    name = "predicted: rate of FAII at 600 Hz and 0.5 mm, over that at 25 um"
+    yield _case(name, _far_over_near, 0.7, 1.5, "1", PLATEAU, "rates of units saturate")
     stretch = "fires from this stretch on"
     yield _case(f"set by hand: SAII {stretch}", predicted.stretch_threshold, 0.0, 0.01, "1", EDIN)
     name = "set by hand: SAII at the end of a stretch by 6.4 % at 64 %/s"
     yield _case(name, predicted.stretch_rate, 50.0, 95.0, "Hz", EDIN)
+
+
+def _far_over_near() -> float:
+    """Rate of FAII at 600 Hz and 0.5 mm over that at the largest recorded amplitude."""
+    return rate("FAII", 600.0, 0.5) / rate("FAII", 600.0, 0.0248)
 
 
 def _of_variation() -> Iterator[Case]:

@@ -100,8 +100,8 @@ class Probed:
 
         def peak(amplitude: float) -> float:
             y = still + amplitude * wave
-            u = unit.gain * np.where(y > 0, y, -unit.negative * y)
-            current = u / (1.0 + u / unit.largest)
+            u = unit.gain * np.abs(y)
+            current = np.where(y > 0, 1.0, unit.negative) * u / (1.0 + u / unit.largest)
             return float(np.fft.irfft(np.fft.rfft(current) * passed, 512).max())
 
         low, high = 1e-7, 10.0
@@ -112,8 +112,11 @@ class Probed:
 
 
 def samples(frequency: float) -> int:
-    """Return samples per cycle: enough for straight lines, no more than steps where it is fast."""
-    return 40 if frequency < 100.0 else 20
+    """Return samples per cycle: as in a scene, 0.2 ms apart or less, and at least 20.
+
+    The filter of FAII differentiates twice: the corners of straight lines further apart drive it.
+    """
+    return max(20, round(5000.0 / frequency))
 
 
 def determination(computed: Array, recorded: Array) -> float:

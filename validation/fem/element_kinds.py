@@ -25,6 +25,7 @@ from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.probe import strain_at, tensors
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
+from fefinger.fem.linalg.dissection import dissect
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.support.arrays import Array, Integers
 from fefinger.theory.contact.stack import Stack
@@ -203,7 +204,7 @@ def solved(kind: Kind, body: Quarter, depth: float) -> tuple[Pressed, Array, flo
     number = np.where(is_free, np.cumsum(is_free) - 1, -1)
     centers = space.points[space.vertices].mean(axis=1)
     inside = int(is_free[: discrete.n_displacements].sum())
-    dissection = multifrontal.dissect(number[discrete.unknowns], centers, inside)
+    dissection = dissect(number[discrete.unknowns], centers, inside)
     factor = multifrontal.factor(reduced, dissection)
     loads = (wide.T @ patch.loads[: space.n_displacements]).toarray()
     answer = np.zeros((n, loads.shape[1] + 1))

@@ -10,13 +10,14 @@ from fefinger.mechanics import condensed, linear
 from fefinger.mechanics.realtime.sliding import Sliding
 from fefinger.results.records import Lateral, Response, Sites
 from fefinger.scene.ask import Ask
+from fefinger.scene.dots import Dots
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import ForceSlide, RampHold, SampledPath, Slide
-from fefinger.scene.patterns import Dots, Letters
 from fefinger.scene.scene import Scene
+from fefinger.scene.texts import Letters
 from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony
 
@@ -33,7 +34,7 @@ def respond(indenter: Indenter, motion: Motion, finger: Finger = FINGER) -> Resp
 
 
 def lateral(response: Response) -> Lateral:
-    """Return what a response has of path and friction."""
+    """Path, lateral force and friction of a response."""
     assert response.lateral is not None
     return response.lateral
 

@@ -7,9 +7,9 @@ from scipy.optimize import brentq
 
 from fefinger.mechanics import condensed
 from fefinger.scene.ask import Ask
+from fefinger.scene.dots import Dots
 from fefinger.scene.finger import Finger
 from fefinger.scene.motions import Slide
-from fefinger.scene.patterns import Dots
 from fefinger.scene.scene import Scene
 
 

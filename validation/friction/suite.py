@@ -6,7 +6,17 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.case import Case, Expected, Noted
-from fefinger.validation.friction import bonded, dots, drawings, finger, mesh, sheared, waves
+from fefinger.validation.friction import (
+    blocks,
+    bonded,
+    dots,
+    drawings,
+    finger,
+    finite,
+    mesh,
+    sheared,
+    waves,
+)
 from fefinger.validation.friction.sheared import Body
 
 from fefinger.mechanics.evidence.reports import RAISED
@@ -78,7 +88,10 @@ def cases(*, quick: bool) -> Iterator[Case]:
             "plane strain: (k h)² Im E* / 4",
             reason="second order in the time step, of 200 steps in a period",
         )
+    yield from _blocks()
     yield from _balances()
+    if not quick:
+        yield from _finite()
     yield from _verdicts(quick=quick)
 
 
@@ -119,6 +132,61 @@ def _sphere(body: Body, size: int, *, quick: bool) -> Iterator[Case]:
         partial(sheared.least_work, body, size),
         Expected.between(-1e-12, 1.0, "1"),
         "second law",
+    )
+
+
+def _blocks() -> Iterator[Case]:
+    """Yield the cases of a block on a spring, with a kinetic coefficient below the static one."""
+    yield Case(
+        "block on a spring, mu_k < mu_s: force along a loop",
+        blocks.loop_error,
+        Expected(0.0, 1e-8, "1"),
+        "closed form",
+    )
+    yield Case(
+        "block on a spring, mu_k < mu_s: work of friction in a cycle",
+        blocks.work_ratio,
+        Expected(1.0, 1e-3, "1"),
+        "closed form",
+        reason="it lets go within a time step, of 3000 in a pass",
+    )
+    yield Case(
+        "block on a relaxing spring, mu_k < mu_s: time at which it lets go",
+        blocks.release_ratio,
+        Expected(1.0, 3e-3, "1"),
+        "closed form: hereditary integral of a ramp",
+        reason="it lets go at the end of a time step",
+    )
+
+
+def _finite() -> Iterator[Case]:
+    """Yield the cases of a plate that slides at finite strain."""
+    yield Case(
+        "finite strain: by how much friction changes the force, over small strain",
+        finite.change_ratio,
+        Expected(1.0, 0.05, "1"),
+        "small-strain limit, the same mesh",
+        reason="first order in the depth, here 0.08 mm",
+    )
+    yield Case(
+        "finite strain: path at which the whole contact slips, over small strain",
+        finite.onset_ratio,
+        Expected(1.0, 0.1, "1"),
+        "small-strain limit, the same mesh",
+        reason="read at time steps",
+    )
+    yield Case(
+        "finite strain: force on the bone less P (axis + mu s), 1 mm deep",
+        finite.reaction_error,
+        Expected(0.0, 1e-8, "1"),
+        "balance of forces",
+    )
+    yield Case(
+        "finite strain: slide to the other side, mirrored",
+        finite.mirrored,
+        Expected(0.0, 1e-7, "1"),
+        "symmetry",
+        reason="equilibrium to 5e-8 of the largest force",
     )
 
 

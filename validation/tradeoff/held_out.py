@@ -21,7 +21,7 @@ import numpy as np
 from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff import scenes
 from fefinger.validation.tradeoff.errors import left_on
-from fefinger.validation.tradeoff.runs import empty_cache
+from fefinger.validation.tradeoff.runs import only_meshes
 
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence.tradeoff import STATED
@@ -74,7 +74,7 @@ class Answer(NamedTuple):
 
 
 def answers(scene: Scene) -> dict[str, Answer]:
-    """Return what every candidate answers that is able to."""
+    """Answers of all candidates that are able to answer."""
     found = {}
     for label in CANDIDATES:
         candidate = Candidate.of(label)
@@ -85,7 +85,7 @@ def answers(scene: Scene) -> dict[str, Answer]:
         able = own if candidate.mechanics != "lumped" else asked
         if any(each.about == "ability" for each in mechanics.refuse(Situation.of(able))):
             continue
-        with suppress(InputError, ConvergenceError), empty_cache():
+        with suppress(InputError, ConvergenceError), only_meshes():
             started = time.process_time()
             response = mechanics.respond(able)
             found[label] = Answer(response, time.process_time() - started)
@@ -149,7 +149,7 @@ def judge(
     """
     taken = taken or {}
     rows: dict[str, dict[str, Any]] = {}
-    with empty_cache():
+    with only_meshes():
         ladder = rungs(scene)
     for rung in ladder:
         name = rung.candidate.label
@@ -245,7 +245,7 @@ def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
 
 
 def _timed(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
-    """Return how expected and taken times compare, where candidates were timed."""
+    """Return the share of cheap choices, and expected over taken times, where they were timed."""
     ratios = [each["taken_ratio"] for each in judged.values() if each.get("taken_ratio")]
     if not ratios:
         return {}

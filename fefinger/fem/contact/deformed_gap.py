@@ -82,7 +82,7 @@ class DeformedGap:
         They are the derivatives of the gaps per deformed area, w / t, times m: a uniform gap does
         not change where the pad spreads.
         """
-        on, rows = self.contact.on, self.contact.rows
+        on = self.contact.on
         sloped = self._slope * self.spread
         closing = np.einsum("tq,kq,tqc->tkqc", sloped, on.part.quadratic, self.gradient)
         closing += self.spreading * self._bent[:, None, :, None]
@@ -91,12 +91,23 @@ class DeformedGap:
         spread = np.einsum("tjq,tq,tkqc->tkcj", self.contact.hats, self._slope, self.spreading)
         block -= mean[:, None, None, :] * spread
         block /= self.steepness[on.owner][:, None, None, :]
-        rows = np.broadcast_to(rows[:, :, :, None], block.shape).ravel()
-        columns = np.broadcast_to(on.owner[:, None, None, :], block.shape).ravel()
-        owned = columns >= 0
-        entries = (block.ravel()[owned], (rows[owned], columns[owned]))
-        shape = (self.contact.n_unknowns, len(self.contact))
-        return sparse.coo_matrix(entries, shape=shape).tocsc()
+        return self._columns(block)
+
+    def pulled(self, drag: Array) -> sparse.csc_matrix:
+        """Return the loads (n_unknowns, n) mm² of unit pressures with friction on a plate.
+
+        Where the skin slips, the traction is the pressure phi' sum psi lambda times `drag` (3,): a
+        vector in the plane, of the length of the coefficient and in the direction in which the
+        plate pulls the skin. Its integral against the displacements is added to `loads`; it is no
+        derivative of a gap. The sum over the nodes is m p (axis + drag), to rounding.
+        """
+        if not drag.any():
+            return self.loads
+        on, part = self.contact.on, self.contact.on.part
+        block = np.einsum("tjq,tq,kq->tkj", self._hats, self._slope, part.quadratic)
+        block /= self.steepness[on.owner][:, None, :]
+        block = block[:, :, None, :] * drag[:, None]
+        return self.loads + self._columns(block)
 
     @cached_property
     def fold_stiffness(self) -> Array:
@@ -176,6 +187,16 @@ class DeformedGap:
         """Sum (n_tri, n_q) of the `hats` (n_tri, 3, n_q), times the `factor` (n,) of each."""
         owner = self.contact.on.owner
         return np.einsum("tjq,tj->tq", hats, np.where(owner >= 0, factor[owner], 0.0))
+
+    def _columns(self, block: Array) -> sparse.csc_matrix:
+        """Matrix (n_unknowns, n) of the blocks (n_tri, 6, 3, 3) of nodes, directions and hats."""
+        owner, rows = self.contact.on.owner, self.contact.rows
+        rows = np.broadcast_to(rows[:, :, :, None], block.shape).ravel()
+        columns = np.broadcast_to(owner[:, None, None, :], block.shape).ravel()
+        owned = columns >= 0
+        entries = (block.ravel()[owned], (rows[owned], columns[owned]))
+        shape = (self.contact.n_unknowns, len(self.contact))
+        return sparse.coo_matrix(entries, shape=shape).tocsc()
 
     def _assembled(self, block: Array) -> sparse.csr_matrix:
         """Matrix (n_unknowns, n_unknowns) of the blocks (n_tri, 18, 18) of the facets."""

@@ -27,6 +27,8 @@ SPLITS, PARTS = 3, 4
 Halves instead of quarters fail more often, and every failed attempt costs a full iteration.
 """
 
+FARTHEST = 2.0  # extrapolation of a step, over the step before it
+
 
 @dataclass(frozen=True)
 class Series:
@@ -73,11 +75,15 @@ class StressHistory:
 
 @dataclass(frozen=True)
 class Path:
-    """Prescribed motion of the indenter: `value` is depth in mm or force in mN over time in s."""
+    """Prescribed motion of the indenter: `value` is depth in mm or force in mN over time in s.
+
+    drag(t) (3,): the friction of a plate that slides, see `Target`.
+    """
 
     control: str
     times: Array
     value: Callable[[float], float]
+    drag: Callable[[float], Array] = lambda t: np.zeros(3)
 
     @property
     def peak(self) -> float:
@@ -153,7 +159,7 @@ class _PathSolver:
         """Solve the step from time `start` to `stop`; subdivide it where it does not converge."""
         value = float(self.path.value(stop))
         history = self.stress.over(stop - start)
-        target = Target(self.path.control, value, history, self.peak)
+        target = Target(self.path.control, value, history, self.peak, self.path.drag(stop))
         try:
             state = self.equilibrium.find(self._guess(value), target)
         except ConvergenceError as error:
@@ -172,6 +178,6 @@ class _PathSolver:
         last = self.state.depth - self.previous.depth
         if self.path.control != "depth" or last == 0:
             return self.state
-        ratio = float(np.clip((value - self.state.depth) / last, -1.0, 1.0))
+        ratio = float(np.clip((value - self.state.depth) / last, -FARTHEST, FARTHEST))
         values = self.state.values + ratio * (self.state.values - self.previous.values)
         return replace(self.state, values=values)

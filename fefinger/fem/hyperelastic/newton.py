@@ -8,6 +8,10 @@ costs iterations but no accuracy; it is replaced when the residual falls too slo
 fails, as when a facet snaps through and the tangent is indefinite on the way, a blend of the
 consistent and a positive definite tangent is used (`_globalized`), without acceleration until the
 residual falls again.
+
+Under a plate that slides, the loads B gain the friction of the skin that slips, P = B + mu T: the
+complementarity problem has the matrix B' K0^-1 P, without symmetry. It is exact in the pressures;
+that the friction of a facet changes with its shape is left out of the tangent, not of the residual.
 """
 
 from contextlib import suppress
@@ -32,8 +36,8 @@ from fefinger.support.tolerances import EQUILIBRIUM
 ITERATIONS = 120
 PATIENCE = 25  # iterations of one step before its factor is renewed
 STUCK = 2 * PATIENCE  # iterations without a smaller error before the step is given up
-FEW = 6  # iterations of a step with a good factor
-RENEWAL = 200  # sum over steps of (iterations beyond FEW)² that justifies a new factor
+FEW = 5  # iterations of a step with a good factor
+RENEWAL = 20  # sum over steps of (iterations beyond FEW)² that justifies a new factor
 SEARCH = 8  # factors of one step under depth control; beyond, blended tangents cost less
 SOON = 3  # iterations with a factor before the fold stiffness may renew it
 # Change of the fold stiffness that a factor tolerates, in shear modulus / facet size. A larger one
@@ -43,6 +47,7 @@ STIFF = 3.0
 NEAR = 0.1  # gap over depth below which a vertex takes part in the complementarity problem
 SUPPORTS = 4.0, 32.0, 256.0  # stiffness under the contact, in shear modulus / size of the patch
 MEMORY = 12  # iterates of the Anderson acceleration
+SAME_DRAG = 1e-9  # change of the coefficient of friction that needs no other columns
 RETREATS = 8  # halvings of an iteration that inverted a cell
 
 # Globalized iteration with blended tangents (`_globalized`):
@@ -69,11 +74,18 @@ class Equilibrium:
 
     The last factor of the tangent is reused from step to step. `system` is the body at rest with
     its held facets. `iterations`, `factors` and `descents` (steps that needed blended tangents)
-    count the work; `allowed` bounds `factors`.
+    count the work; `allowed` bounds `factors`. `tolerance` is the relative residual to reach.
     """
 
-    def __init__(self, body: Continuum, contact: ContactSurface, system: System) -> None:
+    def __init__(
+        self,
+        body: Continuum,
+        contact: ContactSurface,
+        system: System,
+        tolerance: float = EQUILIBRIUM,
+    ) -> None:
         self.body, self.contact, self.system = body, contact, system
+        self.tolerance = tolerance
         self.load = 0.0  # the largest load so far, which scales the residual
         self.iterations, self.factors, self.descents = 0, 0, 0
         self.allowed = np.inf
@@ -98,6 +110,8 @@ class Equilibrium:
         """
         if target.control == "depth":
             start = replace(start, depth=target.value)
+        if np.abs(target.drag - self._factored.drag).max() > SAME_DRAG:
+            self._factored.pull(self.contact.at(start), target.drag)
         try:
             return self._search(start, target)
         except ConvergenceError:
@@ -121,22 +135,27 @@ class Equilibrium:
                 mixing = Anderson(MEMORY)
                 continue
             sound, error = state, iterate.error
-            if error <= EQUILIBRIUM:
+            if error <= self.tolerance:
                 self._excess += max(0, count - FEW) ** 2
                 return state
             if error < best:
                 best, best_at = error, count
             elif count - best_at > stuck or self.factors > most:
                 break
-            worn = self._excess > RENEWAL or count % PATIENCE == PATIENCE - 1
-            if worn or (
-                count - renewed >= SOON
-                and self._folds_too_stiff(iterate.gap.fold_stiffness, target)
+            # One iteration brings the contact of the new step; a tangent before it ages sooner.
+            worn = count == 1 and self._excess > RENEWAL
+            if (
+                worn
+                or count % PATIENCE == PATIENCE - 1
+                or (
+                    count - renewed >= SOON
+                    and self._folds_too_stiff(iterate.gap.fold_stiffness, target)
+                )
             ):
                 self._renew(iterate, target, whole=whole)
                 mixing, renewed = Anderson(MEMORY), count
             state = self._step(iterate, target, mixing)
-        raise _not_converged(error, count + 1)
+        raise self._not_converged(error, count + 1)
 
     def _globalized(self, start: State, target: Target) -> State:
         """Iterate with blends of the consistent and a positive definite tangent.
@@ -158,7 +177,7 @@ class Equilibrium:
             calm = calm + 1 if iterate.error < errors[-1] else 0
             sound = state
             errors.append(iterate.error)
-            if iterate.error <= EQUILIBRIUM:
+            if iterate.error <= self.tolerance:
                 return state
             if _stagnant(errors):
                 break
@@ -170,7 +189,7 @@ class Equilibrium:
             state = self._trusted(state, self._step(iterate, target, plain))
             if target.control == "depth" and (len(errors) - 1) % HOLD == 0:
                 share = max(share / STRIDE, LEAST)
-        raise _not_converged(errors[-1], len(errors) - 1)
+        raise self._not_converged(errors[-1], len(errors) - 1)
 
     def _trusted(self, state: State, far: State) -> State:
         """Shorten an iteration from `state` to `far` to the largest trusted displacement."""
@@ -187,7 +206,9 @@ class Equilibrium:
         if least <= 0 or not np.abs(inner).max() < MOST:  # "not <" also catches nan
             return None
         gap = self.contact.at(state)
-        return _Iterate(state, inner, gap, self._error(state, target, inner, gap))
+        pulled = gap.pulled(target.drag)
+        error = self._error(state, target, inner - pulled @ state.pressure, gap)
+        return _Iterate(state, inner, gap, pulled, error)
 
     def _folds_too_stiff(self, fold_stiffness: Array, target: Target) -> bool:
         """Whether the fold stiffness has changed too much for the present factor.
@@ -200,13 +221,15 @@ class Equilibrium:
         change = np.abs(fold_stiffness - factored)
         return bool((change > np.maximum(STIFF * skin, factored / 2)).any())
 
-    def _error(self, state: State, target: Target, inner: Array, gap: DeformedGap) -> float:
-        """Largest of the relative errors of force, volume, gap and prescribed force."""
-        projected, n = self.contact.projected, self.body.space.n_displacements
-        force, gaps = gap.loads @ state.pressure, gap.gaps
+    def _error(self, state: State, target: Target, residual: Array, gap: DeformedGap) -> float:
+        """Largest of the relative errors of force, volume, gap and prescribed force.
+
+        residual (n_unknowns,) mN: internal forces less those of the contact.
+        """
+        projected, n, gaps = self.contact.projected, self.body.space.n_displacements, gap.gaps
         free = self.system.free[self.system.free < n]
-        load = max(self.load, float(np.linalg.norm(force)))
-        self.load, residual = load, inner - force
+        load = max(self.load, float(np.linalg.norm(gap.loads @ state.pressure)))
+        self.load = load
         load = max(load, target.small)
         size = max(abs(state.depth), float(np.abs(state.values[:n]).max(initial=0.0)))
         shallow = target.small / self.body.scale / float(np.sqrt(projected.sum()))
@@ -258,10 +281,23 @@ class Equilibrium:
                     break
                 self._support += 1
         supports = np.where(pressed, support, 0.0)
-        self._factored = FactoredTangent(
-            renewed, self.system.free, iterate.gap.loads, gain, supports, iterate.gap.fold_stiffness
-        )
+        self._factored = self._contacting(renewed, iterate.gap, target, supports)
         self._excess = 0
+
+    def _contacting(
+        self, renewed: ApproximateFactor, gap: DeformedGap, target: Target, support: Array
+    ) -> FactoredTangent:
+        """Return the factor of a tangent with the contact of the gaps and the friction of a target.
+
+        support (n,) kPa/mm: what was added to the tangent under the candidates.
+        """
+        gain = float(target.history.gains.mean())
+        factored = FactoredTangent(
+            renewed, self.system.free, gap.loads, gain, support, gap.fold_stiffness
+        )
+        if target.drag.any():
+            factored.pull(gap, target.drag)
+        return factored
 
     def _blend(self, iterate: "_Iterate", target: Target, share: float) -> float:
         """Factor a blend of the tangents; return the share of the positive definite one.
@@ -287,10 +323,7 @@ class Equilibrium:
         support = np.where(leans, SUPPORTS[-1] * unit, 0.0)
         while True:
             renewed = self._rough(fixed + (1 - share) * difference)
-            none, loads = np.zeros(len(projected)), iterate.gap.loads
-            factored = FactoredTangent(
-                renewed, self.system.free, loads, gain, none, iterate.gap.fold_stiffness
-            )
+            factored = self._contacting(renewed, iterate.gap, target, np.zeros(len(projected)))
             negative = renewed.negative - factored.add_support(support, projected)
             self._factored = factored
             if share >= 1 or negative <= self._pressures:
@@ -319,7 +352,7 @@ class Equilibrium:
         # K0 was made with another relaxation factor: K = K0 / softer.
         softer = factored.gain / float(target.history.gains.mean())
         support = factored.support * (state.pressure > 0) / softer
-        force = loads @ (state.pressure - support * apart) - iterate.inner
+        force = iterate.pulled @ state.pressure - loads @ (support * apart) - iterate.inner
         alone = softer * factored.solve(force)
         free = gaps + state.depth * projected + loads.T @ alone
         while True:
@@ -340,14 +373,25 @@ class Equilibrium:
             near = near | penetrating
         return State(mixing.next(state.values, change), pressure, depth)
 
+    def _not_converged(self, error: float, count: int) -> ConvergenceError:
+        message = (
+            f"equilibrium: expected a relative residual of at most {self.tolerance:g}, reached "
+            f"{error:.1e} after {count} iterations; take shorter steps"
+        )
+        return ConvergenceError(message)
+
 
 @dataclass(frozen=True)
 class _Iterate:
-    """An iterate with its internal force `inner` (n_unknowns,) mN, gaps and relative error."""
+    """An iterate with its internal force `inner` (n_unknowns,) mN, gaps and relative error.
+
+    pulled: the loads of unit pressures with their friction.
+    """
 
     state: State
     inner: Array
     gap: DeformedGap
+    pulled: sparse.csc_matrix
     error: float
 
 
@@ -357,11 +401,3 @@ def _stagnant(errors: list[float]) -> bool:
     if last - int(np.argmin(errors)) > STUCK:
         return True
     return last > ASTRAY and errors[-1] > max(1.0, errors[last - ASTRAY // 2] / FALLS)
-
-
-def _not_converged(error: float, count: int) -> ConvergenceError:
-    message = (
-        f"equilibrium: expected a relative residual of at most {EQUILIBRIUM:g}, reached "
-        f"{error:.1e} after {count} iterations; take shorter steps"
-    )
-    return ConvergenceError(message)

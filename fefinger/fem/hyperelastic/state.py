@@ -1,6 +1,8 @@
 """State of a hyperelastic body in contact, and the target of one load step."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from fefinger.fem.hyperelastic.continuum import HistoryStress
 from fefinger.support.arrays import Array
@@ -33,13 +35,15 @@ class Target:
     """Target of one load step: prescribed depth (mm) or force (mN), and the history stress.
 
     control: "depth" or "force"; value: the prescribed depth or force; peak: the largest of them
-    on the load path.
+    on the load path; drag (3,): friction of a plate that slides, as a part of the pressure and in
+    the direction in which it pulls the skin.
     """
 
     control: str
     value: float
     history: HistoryStress
     peak: float = 0.0
+    drag: Array = field(default_factory=lambda: np.zeros(3))
 
     @property
     def small(self) -> float:

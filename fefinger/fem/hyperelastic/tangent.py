@@ -4,12 +4,16 @@ import numpy as np
 from scipy import sparse
 
 from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.deformed_gap import DeformedGap
 from fefinger.fem.linalg.multifrontal_single import ApproximateFactor
 from fefinger.support.arrays import Array, Flags, Integers
 
 
 class FactoredTangent:
-    """Factored tangent K0, the contact loads B, and the computed columns of Z = K0^-1 B.
+    """Factored tangent K0, the contact loads B, and the computed columns of Z = K0^-1 P.
+
+    P are the `pulled` loads of unit pressures, those of friction included: B where there is none.
+    The flexibility B' Z then has its symmetry.
 
     gain: the relaxation factor at which the tangent was made; support (n_candidates,) kPa/mm: the
     stiffness added under the candidates; fold_stiffness (n_candidates,) kPa/mm: that of the
@@ -26,19 +30,27 @@ class FactoredTangent:
         support: Array,
         fold_stiffness: Array,
     ) -> None:
-        self.approximate_factor, self.free, self.loads, self.gain = (
-            approximate_factor,
-            free,
-            loads,
-            gain,
-        )
+        self.approximate_factor, self.free, self.gain = approximate_factor, free, gain
+        self.drag = np.zeros(3)
         self.support, self.fold_stiffness = support, fold_stiffness
+        self._take(loads, loads)
+        self._woodbury: tuple[sparse.csc_matrix, Array, Array] | None = None
+
+    def pull(self, gap: DeformedGap, drag: Array) -> None:
+        """Take loads at the present gaps, with friction of the vector `drag` (3,).
+
+        The tangent stays, without the derivative of the friction by the displacements.
+        """
+        self.drag = drag
+        self._take(gap.loads, gap.pulled(drag))
+
+    def _take(self, loads: sparse.csc_matrix, pulled: sparse.csc_matrix) -> None:
+        self.loads, self.pulled = loads, pulled
         self.column_of = np.full(loads.shape[1], -1, dtype=np.int64)
         self.columns = np.empty((0, loads.shape[0]), dtype=np.float32)
         self.flexibility = np.empty((0, 0))
         self._near = np.zeros(loads.shape[1], dtype=np.bool_)
         self._solver: Complementarity | None = None
-        self._woodbury: tuple[sparse.csc_matrix, Array, Array] | None = None
 
     def add_support(self, support: Array, projected: Array) -> int:
         """Add an elastic `support` (n_candidates,) to the gaps, weighted by the areas `projected`.
@@ -58,10 +70,13 @@ class FactoredTangent:
         )
         inverse = (vectors / values) @ vectors.T
         self.support, self._woodbury = support, (loads, columns, inverse)
+        removed = int((values < 0).sum())
+        if self.drag.any():
+            return removed  # the columns are those of other loads
         self.column_of[chosen] = np.arange(len(chosen))
         self.columns = (columns - columns @ (inverse @ flexibility)).T.astype(np.float32)
         self.flexibility = loads.T @ self.columns.T
-        return int((values < 0).sum())
+        return removed
 
     def solve(self, right: Array) -> Array:
         """Return K0^-1 `right` (n,) or (n, k) to the factor's precision, zero where prescribed."""
@@ -81,14 +96,17 @@ class FactoredTangent:
         new = np.flatnonzero(near & (self.column_of < 0))
         if len(new):
             self.column_of[new] = len(self.columns) + np.arange(len(new))
-            added = self.solve(self.loads[:, new].toarray()).T.astype(np.float32)
+            added = self.solve(self.pulled[:, new].toarray()).T.astype(np.float32)
             self.columns = np.concatenate([self.columns, added])
             order = np.argsort(self.column_of)[-len(self.columns) :]
             self.flexibility = self.loads[:, order].T @ self.columns.T
         where = self.column_of[near]
         flexibility = self.flexibility[np.ix_(where, where)].astype(np.float64)
-        symmetric = (flexibility + flexibility.T) / 2
-        self._near, self._solver = near, Complementarity(symmetric, any_sign=True)
+        symmetric = not self.drag.any()
+        if symmetric:
+            flexibility = (flexibility + flexibility.T) / 2
+        self._near = near
+        self._solver = Complementarity(flexibility, any_sign=True, symmetric=symmetric)
         return self._solver
 
     def moved(self, pressure: Array) -> Array:

@@ -16,6 +16,7 @@ from scipy import sparse
 
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
+from fefinger.fem.linalg.dissection import dissect
 from fefinger.support.arrays import Array, Integers
 
 
@@ -173,7 +174,7 @@ def _coarse(
     number[linear_unknowns] = np.arange(len(linear_unknowns))
     corners = (3 * space.vertices[:, :, None] + np.arange(3)).reshape(len(space.vertices), -1)
     centers = space.points[space.vertices].mean(axis=1)
-    parts = multifrontal.dissect(number[corners], centers, len(linear_unknowns))
+    parts = dissect(number[corners], centers, len(linear_unknowns))
     return up, multifrontal.factor((up.T @ strain @ up).tocsr(), parts)
 
 

@@ -1,8 +1,8 @@
 """A multifrontal factor of the symmetric quasi-definite matrices of mixed elasticity.
 
-Nested dissection of the cells (not of the matrix) makes the separators surfaces of the mesh. Each
-part of the dissection gathers the equations of its own unknowns in a dense front and passes the
-Schur complement of the rest to its parent (Duff and Reid, ACM Trans. Math. Softw. 9:302, 1983).
+Each part of a nested dissection of the cells gathers the equations of its own unknowns in a dense
+front and passes the Schur complement of the rest to its parent (Duff and Reid, ACM Trans. Math.
+Softw. 9:302, 1983).
 A pivot block [[A, B'], [B, -C]] with positive definite A and C needs no pivoting (Vanderbei, SIAM
 J. Optim. 5:100, 1995): F = L D L' with D = 1 on displacements and -1 on pressures, by two Cholesky
 factors, so that nearly all the work is done by dense matrix products.
@@ -18,6 +18,7 @@ from scipy import sparse
 from scipy.linalg import LinAlgError, cholesky
 from scipy.linalg.blas import dsyrk, dtrsm
 
+from fefinger.fem.linalg.dissection import Dissection, Front
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.tolerances import SINGULAR_PIVOT
@@ -25,44 +26,10 @@ from fefinger.support.tolerances import SINGULAR_PIVOT
 
 Floats = NDArray[np.floating]
 
-UNEVEN = 0.15  # allowed deviation of a cut from half the cells: 1.2 to 1.7 times fewer entries
-LEAF = 48  # cells in the smallest part: smaller parts cost more in Python than they save
-
-NOTHING: Integers = np.empty(0, dtype=np.int64)
-
 SINGULAR = (
     "held facets: expected a body that cannot move freely and cells of positive volume, received "
     "a stiffness matrix that is singular; hold more facets or repair the mesh"
 )
-
-
-@dataclass(frozen=True)
-class Front:
-    """One frontal matrix of the dissection, in the order of elimination.
-
-    start, stop: the unknowns eliminated here, displacements before pressures, the latter from
-    `pressure` on; rest: unknowns of the part that its ancestors eliminate, ascending; parts: the
-    numbers of the two halves, which come before it.
-    """
-
-    start: int
-    pressure: int
-    stop: int
-    rest: Integers
-    parts: tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class Dissection:
-    """The fronts, children first, and the order (n,) in which they eliminate the unknowns."""
-
-    order: Integers
-    fronts: tuple[Front, ...]
-
-    @property
-    def entries(self) -> int:
-        """Number of entries of a factor."""
-        return sum((f.stop - f.start) * (f.stop - f.start + len(f.rest)) for f in self.fronts)
 
 
 @dataclass(frozen=True)
@@ -109,54 +76,6 @@ class Factor:
             pivots = slice(f.front.start, f.front.stop)
             right = f.signs * work[pivots] - f.below.T @ work[f.front.rest]
             work[pivots] = dtrsm(1.0, f.lower, right, lower=1, trans_a=1)
-
-
-def dissect(
-    unknowns: Integers, centers: Array, n_displacements: int, last: Integers = NOTHING
-) -> Dissection:
-    """Compute a nested dissection of cells.
-
-    unknowns (n_cells, n_local) of each cell, -1 where prescribed; centers (n_cells, 3); unknowns
-    from `n_displacements` on are pressures. `last`, ascending, are eliminated in a front of their
-    own at the end, whose matrix before its elimination is the Schur complement on them.
-    """
-    pieces: list[tuple[Integers, Integers, tuple[int, ...]]] = []
-
-    def divide(cells: Integers, members: Integers, outer: Integers) -> int:
-        """Add the fronts of `cells`; `outer`: those of its unknowns that ancestors eliminate."""
-        parts: tuple[int, ...] = ()
-        if len(cells) <= LEAF:
-            pivots = np.setdiff1d(members, outer, assume_unique=True)
-        else:
-            halves, sides, shared = _halved(unknowns, centers, cells)
-            pivots = np.setdiff1d(shared, outer, assume_unique=True)
-            eliminated = np.union1d(pivots, outer)
-            parts = tuple(
-                divide(half, side, np.intersect1d(side, eliminated, assume_unique=True))
-                for half, side in zip(halves, sides, strict=True)
-            )
-        pieces.append((pivots, outer, parts))
-        return len(pieces) - 1
-
-    members = np.unique(unknowns)
-    root = divide(np.arange(len(unknowns)), members[members >= 0], last)
-    if len(last):
-        pieces.append((last, NOTHING, (root,)))
-    order = np.concatenate([pivots for pivots, _, _ in pieces])
-    rank = np.empty(len(order), dtype=np.int64)
-    rank[order] = np.arange(len(order))
-    stops = np.cumsum([len(pivots) for pivots, _, _ in pieces])
-    fronts = tuple(
-        Front(
-            start=int(stop) - len(pivots),
-            pressure=int(stop) - len(pivots) + int(np.searchsorted(pivots, n_displacements)),
-            stop=int(stop),
-            rest=np.sort(rank[outer]),
-            parts=parts,
-        )
-        for (pivots, outer, parts), stop in zip(pieces, stops, strict=True)
-    )
-    return Dissection(order, fronts)
 
 
 class Assembly:
@@ -222,41 +141,6 @@ def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Factor:
         assembly.updates[index] = _schur(rest, eliminated.below, split)
         done.append(eliminated)
     return Factor(order, tuple(done))
-
-
-def _halved(
-    unknowns: Integers, centers: Array, cells: Integers
-) -> tuple[list[Integers], list[Integers], Integers]:
-    """Split cells by the axis-parallel plane with the fewest shared unknowns.
-
-    All planes are tried that leave each side at least 0.5 - UNEVEN of the cells: some of them cut
-    far fewer unknowns than the median.
-    """
-    members, inverse = np.unique(unknowns[cells], return_inverse=True)
-    local = inverse.reshape(len(cells), -1)
-    low = int(np.ceil((0.5 - UNEVEN) * len(cells)))
-    high = len(cells) - low
-    least = len(members) + 1
-    for axis in range(3):
-        order = np.argsort(centers[cells, axis], kind="stable")
-        ordered = local[order].ravel()
-        place = np.repeat(np.arange(len(cells)), local.shape[1])
-        first, last = np.empty_like(members), np.empty_like(members)
-        # Of repeated indices numpy keeps the last value: in reverse, that is the first place.
-        first[ordered[::-1]] = place[::-1]
-        last[ordered] = place
-        real = members >= 0
-        changes = np.bincount(first[real], minlength=len(cells))
-        changes -= np.bincount(last[real], minlength=len(cells))
-        shared = np.cumsum(changes)[low - 1 : high]
-        if shared.min() < least:
-            least = int(shared.min())
-            # Of equally small cuts the most even one.
-            cuts = low + np.flatnonzero(shared == least)
-            cut = int(cuts[np.argmin(np.abs(cuts - len(cells) / 2))])
-            halves = [cells[order[:cut]], cells[order[cut:]]]
-            before, after = real & (first < cut), real & (last >= cut)
-    return halves, [members[before], members[after]], members[before & after]
 
 
 @njit(cache=True)

@@ -15,7 +15,8 @@ from numba import njit
 from scipy import sparse
 from scipy.linalg.lapack import get_lapack_funcs
 
-from fefinger.fem.linalg.multifrontal import SINGULAR, Assembly, Dissection, Floats, Front
+from fefinger.fem.linalg.dissection import Dissection, Front
+from fefinger.fem.linalg.multifrontal import SINGULAR, Assembly, Floats
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 

@@ -26,8 +26,8 @@ from scipy import sparse
 
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal, multifrontal_single
+from fefinger.fem.linalg.dissection import Dissection
 from fefinger.fem.linalg.minres import iterative
-from fefinger.fem.linalg.multifrontal import Dissection
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.tolerances import FACTOR_COMPRESSIBILITY

@@ -17,6 +17,7 @@ from scipy import sparse
 
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal, multifrontal_single
+from fefinger.fem.linalg.dissection import Dissection, dissect
 from fefinger.fem.linalg.solvers import SOLVERS, Equations, Prepared, choose, compressible
 from fefinger.fem.linalg.threads import one_thread
 from fefinger.support.arrays import Array, Integers
@@ -43,7 +44,7 @@ class System:
     fixed: Integers
     reduced: sparse.csr_matrix
     solver: Prepared
-    dissection: multifrontal.Dissection
+    dissection: Dissection
     failed: list[str] = field(default_factory=list)
 
     @property
@@ -181,7 +182,7 @@ def prepare(
         raise InputError(message)
     free, held = np.flatnonzero(is_free), np.flatnonzero(~is_free)
     number = np.where(is_free, np.cumsum(is_free) - 1, -1)
-    dissection = multifrontal.dissect(
+    dissection = dissect(
         number[space.unknowns],
         space.points[space.vertices].mean(axis=1),
         int(is_free[: space.n_displacements].sum()),

@@ -70,9 +70,8 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     parts = _presses(candidate, case, quantity, names)
     if len(parts) < len(names) and aside(case.indenter):
         parts = []  # the missing press is the one that is like it
-    flat = case.indenter.flat
-    if flat is not None and not flat.tilt and not _deep_enough(parts):
-        parts = _presses(candidate, case, quantity, around(flat.angle)) or parts
+    if parts and not _deep_enough(parts):
+        parts = _presses(candidate, case, quantity, around(case.indenter)) or parts
     if not parts:
         return Known(math.nan, f"not known: {reason or 'nothing like it was pressed'}")
     if not _deep_enough(parts):

@@ -55,14 +55,15 @@ def same(indenter: Indenter) -> tuple[str, ...]:
     return tuple(name for name, each in objects().items() if each == indenter)
 
 
-def around(angle: float) -> tuple[str, ...]:
-    """Return the plates next to an angle in degrees on either side, without one at it."""
-    plates = {
-        name: each.flat.angle
-        for name, each in objects().items()
-        if each.flat is not None and not each.flat.tilt
-    }
-    return _beside({name: own for name, own in plates.items() if own != angle}, angle)
+def around(indenter: Indenter) -> tuple[str, ...]:
+    """Return the plates or balls next to one on either side, without itself; none beside others."""
+    where = place(indenter)
+    if where is None:
+        return ()
+    axis, here = where
+    places = {name: place_on(axis, name) for name in objects()}
+    others = {name: there for name, there in places.items() if there is not None and there != here}
+    return _beside(others, here)
 
 
 def _plates(indenter: Indenter) -> tuple[tuple[str, ...], str]:

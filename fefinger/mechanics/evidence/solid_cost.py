@@ -85,15 +85,17 @@ def _median(quantity: str, mesh: str) -> float:
 
 
 @lru_cache(maxsize=8)
-def _steps(motion: Motion, relaxing: frozenset[Prony], *, fast: bool) -> int:
+def _steps(motion: Motion, relaxing: frozenset[Prony], friction: float, *, fast: bool) -> int:
     """Count the load steps of a motion."""
-    return len(load_steps(motion, time_grid(motion, fast=fast), relaxing).chosen)
+    time = time_grid(motion, fast=fast)
+    return len(load_steps(motion, time, relaxing, friction=friction).chosen)
 
 
 def seconds(case: Situation) -> float:
     """Return the expected wall time in s."""
     spent, finger = cost(case.mesh), case.finger
-    steps = _steps(case.motion, tissue_relaxations(finger), fast=case.fast)
+    relaxing, friction = tissue_relaxations(finger), case.indenter.kinetic
+    steps = _steps(case.motion, relaxing, friction, fast=case.fast)
     deep = min(reports.small_strain_part(case), spent.deepest)
     harder = spent.growth * deep + spent.sharp * case.indenter.sharp
     harder += spent.stiffening * any(x.law != LAW for x in (finger.skin, finger.subcutaneous))

@@ -11,7 +11,7 @@ from fefinger.fem.elements.probe import gradient_at_vertices
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.geometry import mirror
-from fefinger.mechanics.press import elastic_press
+from fefinger.mechanics.press import dragged, elastic_press
 from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.elastic_press import FARTHEST
 from fefinger.mechanics.press.elastic_table import ElasticPress
@@ -201,7 +201,7 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
             f"mm, carried along {len(press.time)} times; {exactness(penetration)}."
         ),
         seconds=stages.seconds,
-        notes=press.notes,
+        notes=(*press.notes, *((dragged.IN_PLANE,) if press.slides else ())),
         numbers={
             "unknowns": press.body.space.n_unknowns,
             "candidates": len(carried.contact),
@@ -215,6 +215,7 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
         },
         gap=gap,
         moment=moment,
+        lateral=dragged.smooth(press, press.time) if press.slides else None,
     )
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import elastic_store, limits, placement, problem
+from fefinger.mechanics.press import dragged, elastic_store, limits, placement, problem
 from fefinger.mechanics.press.constitutive import laws, relaxations
 from fefinger.mechanics.press.failure import failure_message
 from fefinger.mechanics.press.finite_reference import finite_reference_press, reference_strain
@@ -43,6 +44,7 @@ from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.support.progress import Progress, Stages
+from fefinger.support.tolerances import PRESS_EQUILIBRIUM
 
 
 WORTH = 4  # steps that are worth keeping when a run has to stop
@@ -111,15 +113,21 @@ def solve(
     motion, finger = press.motion, press.finger
     with stages.stage("factor"):
         elements = continuum(press.body.space, laws(finger), soft=(1, 2))
-    steps = load_steps(motion, press.time, tissue_relaxations(finger), refine)
+    relaxing = tissue_relaxations(finger)
+    steps = load_steps(motion, press.time, relaxing, refine, friction=press.kinetic)
     frames = set(frames_of(steps.value, int(np.argmax(steps.value))).tolist())
     course = Course(
-        Path(motion.control, steps.times, lambda t: press.load_unit * float(motion.value(t))),
+        Path(
+            motion.control,
+            steps.times,
+            lambda t: press.load_unit * float(motion.value(t)),
+            partial(dragged.drag, press),
+        ),
         lambda: StressHistory(
             elements, relaxations(finger), deviatoric=finger.relaxation == "deviatoric"
         ),
         steps,
-        frozenset(frames | peak_steps(motion, steps, tissue_relaxations(finger))),
+        frozenset(frames | peak_steps(motion, steps, relaxing)),
     )
     history = follow_course(press, elements, course, stages, allowance)
     with stages.stage("reference"):
@@ -257,7 +265,7 @@ def _on_candidates(
     where = press.sites.points if press.sites else np.empty((0, 3))
     where = mirror.to_half(where) if body.half else where
     probe = recovered_gradient_at(body.space, where, body.planes)
-    equilibrium = Equilibrium(elements, contact, press.system)
+    equilibrium = Equilibrium(elements, contact, press.system, PRESS_EQUILIBRIUM)
     recorder = _Recorder(body, contact, probe, course)
     halt, ended = "", False
     with stages.stage("steps") as report:

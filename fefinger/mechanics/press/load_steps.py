@@ -81,15 +81,22 @@ class LoadSteps:
 
 
 def load_steps(
-    motion: Motion, time: Array, relaxations: Collection[Prony], refine: int = 1
+    motion: Motion,
+    time: Array,
+    relaxations: Collection[Prony],
+    refine: int = 1,
+    *,
+    friction: float = 0.0,
 ) -> LoadSteps:
     """Choose steps of nearly equal distances, divided by `refine`, and growing ones at rest.
+
+    A coefficient of `friction` that sets in or turns round counts as that part of a press.
 
     More of them where a spring that stiffens, and relaxes by any of the `relaxations` of the
     tissues, would be wrong by more than SPRING_ERROR of its peak: where a motion changes its speed,
     above all.
     """
-    steps = _even(motion, time, refine)
+    steps = _even(motion, time, refine, friction)
     for prony in relaxations:
         exact = _spring(prony, motion, time, steps.path)
         limit = SPRING_ERROR / refine**2 * np.abs(exact).max(axis=0)
@@ -117,7 +124,7 @@ def tissue_relaxations(finger: Finger) -> frozenset[Prony]:
     return frozenset(layer.prony or finger.prony for layer in layers)
 
 
-def _even(motion: Motion, time: Array, refine: int) -> LoadSteps:
+def _even(motion: Motion, time: Array, refine: int, friction: float) -> LoadSteps:
     """Choose steps by the distance and the time of every piece that rises, falls or rests.
 
     Even distances alone make the last step of a rounded ramp so long that its relaxation is 2 % of
@@ -126,11 +133,14 @@ def _even(motion: Motion, time: Array, refine: int) -> LoadSteps:
     of the peak.
     """
     path = np.asarray(motion.value(time), dtype=np.float64)
-    rises = np.diff(path)
-    still = np.abs(rises) <= STILL * motion.peak
-    kind = np.where(still, 0, np.sign(rises)).astype(int)
+    rises, turns = np.diff(path), np.zeros(len(time) - 1)
+    if friction > 0:
+        turns = friction * np.linalg.norm(np.diff(motion.heading(time), axis=0), axis=1)
+    turns[turns <= STILL] = 0.0
+    still = (np.abs(rises) <= STILL * motion.peak) & (turns == 0)
+    kind = np.where(still, 0, np.sign(rises) + 3 * (turns > 0)).astype(int)
     seams = np.concatenate([[0], np.flatnonzero(np.diff(kind)) + 1, [len(time) - 1]])
-    distance = np.concatenate([[0.0], np.cumsum(np.abs(rises))])
+    distance = np.concatenate([[0.0], np.cumsum(np.abs(rises) + turns * motion.peak)])
     coordinate = np.zeros_like(time)
     chosen = [np.zeros(1, dtype=np.int64)]
     for first, last in pairwise(seams):

@@ -16,7 +16,8 @@ from fefinger.fem.body import Reduced, prescribed, solid
 from fefinger.fem.condensation import Compliance, Operator, Part, condense, mirrored
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.linalg.multifrontal import Eliminated, Front
+from fefinger.fem.linalg.dissection import Front
+from fefinger.fem.linalg.multifrontal import Eliminated
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press.hard_parts import fixed_facets
 from fefinger.mechanics.press.notes import apart, yielding

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.scene import library
+from fefinger.scene.innervation import innervation, receptors
 from fefinger.scene.population import Grid, Layout, Line, Places, Scatter
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
@@ -26,12 +26,12 @@ def place(ask: "Ask", skin: "Surface", axis: ArrayLike) -> "Population":
     """
     from fefinger.neural.populations import populate
 
-    layout, rows = ask.population, library.innervation()
+    layout, rows = ask.population, innervation()
     if layout is None:
         msg = "ask.population: expected one, received none"
         raise InputError(msg)
     types, places, numbers = _places(layout, ask.spikes, skin, np.asarray(axis, float))
-    depths = {kind: row.depth for kind, row in library.receptors().items()}
+    depths = {kind: row.depth for kind, row in receptors().items()}
     return populate(
         skin,
         types,
@@ -54,7 +54,7 @@ def _places(
     from fefinger.neural import populations
 
     if isinstance(layout, Scatter):
-        rows = library.innervation()
+        rows = innervation()
         wanted = {kind: layout.densities.get(kind, rows[kind].density) for kind in types}
         kinds, flat = populations.scatter(wanted, layout.radius, axis, seed=layout.seed)
         points, on = populations.settled(skin, flat, axis)

@@ -9,7 +9,7 @@ from fefinger.fem.contact.contact_area import CandidateSurface
 from fefinger.fem.elements.probe import tensors
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import sliding
+from fefinger.mechanics.press import dragged, sliding
 from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_fields
 from fefinger.mechanics.press.history import TANGENT_SOLVER, FiniteStrainHistory, SmallStrainHistory
 from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
@@ -81,9 +81,10 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
     with stages.stage("pressure"):
         steps, seen, half = history.steps, history.contact.neighborhood, press.body.half
         pressure, force = _between_steps(press, history)
-        pad = area = middle = gap = moment = None
+        borne = pressure
+        area = middle = gap = moment = None
+        pad, column = whole_pad(press.body, seen)
         if press.pressure:
-            pad, column = whole_pad(press.body, seen)
             pressure = on_seen(pressure, seen)[:, column]
             area = steps.bounded(areas_of_steps(history, pad, column))
             middle = centroid(pad, pressure)
@@ -92,6 +93,9 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         by_force = press.motion.control == "force"
         depth = steps.bounded(history.depth) if by_force else steps.path
         strain = _finite_strain(press, history)
+        slid = press.slides
+        beside = dragged.lateral(press, history, borne, force, column) if slid else None
+        notes = dragged.notes(press, history, borne)
     penetration = deepest_penetration(history.gap)
     return Response(
         mechanics=press.mechanics,
@@ -100,7 +104,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         force=force,
         contact_area=area,
         centroid=middle,
-        pad=pad,
+        pad=pad if press.pressure else None,
         pressure=pressure if press.pressure else None,
         sites=press.sites,
         strain=strain,
@@ -108,7 +112,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         fields=fields,
         status=_status(history, penetration),
         seconds=stages.seconds,
-        notes=(*press.notes, *precision_notes(press.body)),
+        notes=(*press.notes, *precision_notes(press.body), *notes),
         numbers={
             "unknowns": press.body.space.n_unknowns,
             "candidates": len(history.contact),
@@ -121,6 +125,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         sources=origins(press.mesh, press.body, stages) | {"solver": TANGENT_SOLVER},
         gap=gap,
         moment=moment,
+        lateral=beside,
     )
 
 

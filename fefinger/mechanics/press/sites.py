@@ -12,7 +12,7 @@ from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
-from fefinger.scene.library import receptors
+from fefinger.scene.innervation import receptors
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 

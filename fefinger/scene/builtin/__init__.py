@@ -102,9 +102,10 @@ def _check_tissue(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> No
 
 
 def changed(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
-    """Copy `tables` with the values of `overrides`, which have dotted paths; kinds come first."""
+    """Copy `tables` with the values of `overrides`, by dotted path: kinds, files, then others."""
     result = _copy(tables)
-    for path in sorted(overrides, key=lambda path: not path.endswith(".kind")):
+    order = {"kind": 0, "file": 1}
+    for path in sorted(overrides, key=lambda path: order.get(path.rpartition(".")[2], 2)):
         *parents, key = path.split(".")
         table = result
         for i, parent in enumerate(parents):
@@ -113,8 +114,8 @@ def changed(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str
                 where = ".".join(parents[: i + 1])
                 msg = f"{path}: expected a table at {where}, which is {table!r}"
                 raise InputError(msg)
-        if key == "kind" and table.get(key) != overrides[path]:
-            _forget_other_kinds(parents, table, overrides[path])
+        if key in order and table.get(key) != overrides[path]:
+            _forget_others(".".join(parents), table, key, overrides[path])
         table[key] = overrides[path]
     return result
 
@@ -134,11 +135,11 @@ def settings(texts: Iterable[str]) -> dict[str, Any]:
     return overrides
 
 
-def _forget_other_kinds(parents: list[str], table: dict[str, Any], kind: Any) -> None:
-    """Drop the keys that the new kind of indenter or motion does not have."""
-    from fefinger.scene.toml import keys
+def _forget_others(part: str, table: dict[str, Any], key: str, value: Any) -> None:
+    """Drop what a new kind of indenter or motion does not have, or one that is read from a file."""
+    from fefinger.scene.toml import keys, keys_beside_file
 
-    allowed = keys(".".join(parents), kind)
+    allowed = keys(part, value) if key == "kind" else keys_beside_file(table.get("kind"))
     for key in list(table):
         if allowed and key not in allowed:
             del table[key]

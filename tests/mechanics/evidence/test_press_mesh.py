@@ -168,6 +168,14 @@ def on_other_fingers(candidate: str, quantity: str, part: float) -> list[float]:
     return more
 
 
+def test_deeper_than_its_own_press_a_ball_has_the_error_of_those_around(monkeypatch) -> None:
+    monkeypatch.setattr(f"{__name__}.PLACES", CURVATURES)
+    found, source = get("solid").error(case(Sphere(2), 1.5))
+    known = between(("sphere-5", "sphere-1"), 0.375, BALLS, 0.15)
+    assert found == pytest.approx(known + steps())
+    assert all(f"a.h./{name}" in source for name in ("sphere-1", "sphere-5"))
+
+
 def test_a_subject_has_its_own_press_and_another_finger_a_margin() -> None:
     own, _ = get("solid").error(case(Flat(30), 1.3, subject="p.w."))
     assert own == pytest.approx(in_press("p.w./flat-30", "solid standard", 0.1) + steps())

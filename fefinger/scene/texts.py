@@ -1,8 +1,4 @@
-"""Rigid plates with raised dots, Braille or letters, which a finger scans.
-
-Sides rise as the smooth step S (`profiles.smooth_step`), whose length follows from the stated
-radius of the crest. Sizes across are those at half of the height.
-"""
+"""Rigid plates with a text in Braille or in embossed letters, which a finger reads."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,27 +7,12 @@ from typing import final
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.scene.indenter import PlateLike
-from fefinger.scene.textured import check_flank
+from fefinger.scene.raised import Raised, Room
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, choice
+from fefinger.support.checks import InputError
 
 
 Extent = tuple[tuple[float, float], tuple[float, float]]
-
-SAMPLES = 10
-"""Samples of a flank."""
-
-FINEST = 0.02
-"""Least distance in mm of samples: 10 million of them cover 60 x 60 mm."""
-
-ARRANGEMENTS = ("grid", "random")
-
-TILE = 12
-"""Spacings along a side of the square of random dots, which repeats."""
-
-THROWS = 400
-"""Places tried for each random dot."""
 
 MARGIN = 15.0
 """mm of bare plate around a text: a pad is no wider."""
@@ -46,141 +27,6 @@ it is cut off."""
 FONT, CAPITAL, STROKE = "DejaVu Sans", 0.729, 0.135
 """Font of letters, which Matplotlib ships; height of its capitals over its size, and width of its
 strokes over that height."""
-
-
-class Raised(PlateLike):
-    """A plate with raised parts of one height, `edge` mm the radius of their crests."""
-
-    sharp = True
-
-    height: float
-    edge: float
-    roll: float
-
-    @property
-    def raised(self) -> bool:
-        """True."""
-        return True
-
-    @property
-    def flank(self) -> float:
-        """Length in mm of their sides, seen from above."""
-        return profiles.flank_of(self.edge, self.height)
-
-    @property
-    def pitch(self) -> float:
-        """Distance in mm of the samples of the surface."""
-        return max(self.flank / SAMPLES, FINEST)
-
-    @property
-    def least_radius(self) -> float:
-        """The radius of the crests in mm."""
-        return self.edge
-
-    def rising(self, inside: Array) -> Array:
-        """Return the height in mm at places `inside` mm within the outline at half height."""
-        t = np.clip(0.5 + inside / self.flank, 0.0, 1.0)
-        return self.height * profiles.smooth_step(t)
-
-    def _set_raised(self, width: float) -> None:
-        """Check height and edge of parts `width` mm wide, and the angles."""
-        self._set("height", above=0, unit="mm")
-        self._set("edge", above=0, unit="mm")
-        check_flank(self.edge, self.height, width)
-        self._set_angles()
-
-
-@final
-@dataclass(frozen=True)
-class Dots(Raised):
-    """A plate with dots `spacing` mm apart, on a square grid or at random, without an end.
-
-    `diameter` mm is that at half of the `height` mm. Random dots (`seed`) have the density of the
-    grid and do not overlap; their pattern repeats after 12 spacings. On a grid a dot lies at the
-    point that the smooth plate would touch first.
-    """
-
-    kind = "dots"
-
-    spacing: float
-    height: float = 0.4
-    diameter: float = 0.7
-    edge: float = 0.1
-    arrangement: str = "grid"
-    seed: int = 0
-    angle: float = 30.0
-    tilt: float = 0.0
-    roll: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Check the sizes, and that dots do not overlap."""
-        self._set("diameter", above=0, unit="mm")
-        self._set_raised(self.diameter)
-        self._set("spacing", at_least=self.base, unit="mm")
-        choice("indenter.arrangement", self.arrangement, ARRANGEMENTS)
-        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            msg = f"indenter.seed: expected a whole number of 0 or more, received {self.seed!r}"
-            raise InputError(msg)
-        if self.arrangement == "random":
-            _ = self.centers
-
-    @property
-    def base(self) -> float:
-        """Diameter of a dot in mm where it rises from the plate."""
-        return self.diameter + self.flank
-
-    @property
-    def feature(self) -> float:
-        """The diameter in mm, or the narrowest gap between dots of a grid."""
-        return min(self.diameter, self.spacing - self.diameter)
-
-    @property
-    def tile(self) -> float:
-        """Side in mm of the square that repeats."""
-        return self.spacing * (1 if self.arrangement == "grid" else TILE)
-
-    @cached_property
-    def centers(self) -> Array:
-        """Places (n, 2) mm of the dots in the square from (0, 0) that repeats."""
-        if self.arrangement == "grid":
-            return np.zeros((1, 2))
-        rng, placed = np.random.default_rng(self.seed), np.empty((0, 2))
-        for place in rng.uniform(0.0, self.tile, (THROWS * TILE**2, 2)):
-            apart = np.abs(placed - place)
-            apart = np.minimum(apart, self.tile - apart)
-            if (np.hypot(*apart.T) >= self.base).all():
-                placed = np.vstack([placed, place])
-            if len(placed) == TILE**2:
-                return placed
-        msg = (
-            f"indenter.spacing: expected room for {TILE**2} dots {self.base:.3g} mm wide at random "
-            f"at {self.spacing:g} mm, found it for {len(placed)}; take a larger spacing"
-        )
-        raise InputError(msg)
-
-    @cached_property
-    def profile(self) -> profiles.Tiled:
-        """The square of dots, repeated."""
-        from scipy.spatial import cKDTree
-
-        count = max(int(np.ceil(self.tile / self.pitch)), 2 * SAMPLES)
-        step, beyond = self.tile / count, 2 * SAMPLES
-        lines = step * np.arange(-beyond, count + beyond + 1, dtype=np.float64)
-        places = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1)
-        away, _ = cKDTree(self.centers, boxsize=self.tile).query(places % self.tile)
-        heights = self.rising(self.diameter / 2 - away)
-        return profiles.Tiled(profiles.Relief(lines, lines, heights), self.tile)
-
-    def describe(self) -> str:
-        """Return "a rigid plate of dots", with their sizes."""
-        order = "every" if self.arrangement == "grid" else "at random, one on a square of"
-        size = f"{self.diameter:g} mm wide, {self.height:g} high, {order} {self.spacing:g} mm"
-        return f"a rigid plate of dots {size}"
-
-    @property
-    def mirrored(self) -> bool:
-        """Whether it is its own mirror image: a grid along or across the finger."""
-        return super().mirrored and self.arrangement == "grid"
 
 
 class Text(Raised):
@@ -211,6 +57,8 @@ class Text(Raised):
     @cached_property
     def profile(self) -> profiles.Relief:
         """The surface of text and plate."""
+        (left, right), (low, high) = self.extent
+        self._check_samples("text", self.text, (right - left, high - low))
         x, y = (self._lines(low, high) for low, high in self.extent)
         return profiles.Relief(x, y, self.rising(self.inside(x - self.start, y)))
 
@@ -240,17 +88,18 @@ class Braille(Text):
     """A text in Braille, letter by letter (grade 1): letters, figures, blanks, some signs.
 
     Dots of `diameter` mm at half of their `height` mm, `spacing` mm apart in a cell, and a cell
-    every `cell` mm: by default those of printed books.
+    every `cell` mm: by default those of printed books. `edge` is 0.25 mm where that fits.
     """
 
     kind = "braille"
+    usual_edge = 0.25
 
     text: str
     height: float = 0.48
     diameter: float = 1.1
     spacing: float = 2.34
     cell: float = 6.2
-    edge: float = 0.25
+    edge: float | None = None
     start: float = 0.0
     angle: float = 30.0
     tilt: float = 0.0
@@ -259,16 +108,28 @@ class Braille(Text):
     def __post_init__(self) -> None:
         """Check the text and the sizes."""
         self._set("diameter", above=0, unit="mm")
-        self._set_raised(self.diameter)
-        self._set("spacing", at_least=self.diameter + self.flank, unit="mm")
-        self._set("cell", at_least=self.spacing + self.diameter + self.flank, unit="mm")
+        self._set("spacing", above=0, unit="mm")
+        self._set("cell", above=0, unit="mm")
+        self._set_raised()
         self._set_text()
         _ = self.centers
 
     @property
+    def rooms(self) -> tuple[Room, ...]:
+        """The diameter, and the gaps between dots in a cell and beside it."""
+        dot = f"diameter = {self.diameter:g}"
+        within = f"spacing = {self.spacing:g}, {dot}"
+        beside = f"cell = {self.cell:g}, {within}"
+        return (
+            Room("diameter", dot, self.diameter),
+            Room("spacing", within, self.spacing - self.diameter),
+            Room("cell", beside, self.cell - self.spacing - self.diameter),
+        )
+
+    @property
     def feature(self) -> float:
-        """The diameter in mm."""
-        return self.diameter
+        """The diameter in mm, or the narrowest gap between dots."""
+        return min(each.width for each in self.rooms)
 
     @cached_property
     def centers(self) -> Array:
@@ -305,15 +166,16 @@ class Braille(Text):
 class Letters(Text):
     """An embossed text in DejaVu Sans, capitals `size` mm high, raised by `height` mm.
 
-    Their strokes are 0.135 of that wide.
+    Their strokes are 0.135 of that wide. `edge` is 0.05 mm where that fits.
     """
 
     kind = "letters"
+    usual_edge = 0.05
 
     text: str
     size: float = 6.0
     height: float = 0.5
-    edge: float = 0.05
+    edge: float | None = None
     start: float = 0.0
     angle: float = 30.0
     tilt: float = 0.0
@@ -322,8 +184,13 @@ class Letters(Text):
     def __post_init__(self) -> None:
         """Check the text and the sizes."""
         self._set("size", above=0, unit="mm")
-        self._set_raised(self.feature)
+        self._set_raised()
         self._set_text()
+
+    @property
+    def rooms(self) -> tuple[Room, ...]:
+        """The width of a stroke."""
+        return (Room("size", f"size = {self.size:g}", self.feature),)
 
     @property
     def feature(self) -> float:

@@ -1,0 +1,74 @@
+"""End organs and nerve fibers of the fingertip, as published: depths, densities, branches."""
+
+from dataclasses import dataclass
+
+from fefinger.scene.library import Confidence
+
+
+@dataclass(frozen=True)
+class Receptor:
+    """Depth in mm of the end organs of one type under the surface of the skin, with its source."""
+
+    depth: float
+    published: tuple[float, float]
+    source: str
+    confidence: Confidence
+
+
+def receptors() -> dict[str, Receptor]:
+    """End organ of each type and its depth, with the range that is commonly quoted.
+
+    We know no primary measurement of these depths in the human fingertip, so each is a parameter of
+    the user (`ask.depths`) with confidence medium at best. The effective depths of
+    TouchSim (SAI 0.3, FAI 1.6, FAII 2.0 mm) are fits of a half-space model, not anatomy.
+    """
+    merkel = "Merkel cells under the epidermis, at the base of the intermediate ridges"
+    meissner = "Meissner corpuscles in the dermal papillae just below the epidermis"
+    ruffini = "Ruffini corpuscles in the deep dermis"
+    pacini = "Pacinian corpuscles under the dermis"
+    return {
+        "SAI": Receptor(0.8, (0.7, 1.0), merkel, "medium"),
+        "SAII": Receptor(1.25, (1.0, 1.5), ruffini, "low"),
+        "FAI": Receptor(0.5, (0.5, 0.5), meissner, "medium"),
+        "FAII": Receptor(2.5, (2.0, 3.0), pacini, "medium"),
+    }
+
+
+@dataclass(frozen=True)
+class Innervation:
+    """Innervation of the fingertip by one afferent type.
+
+    density: units per cm². organs: smallest and largest number of end organs of a unit. field:
+    diameter in mm of the disc over which they are spread; None for one end organ. velocity: m/s of
+    the impulses in the nerve. notes: source and confidence of each number.
+    """
+
+    density: float
+    organs: tuple[int, int]
+    field: float | None
+    velocity: float
+    notes: str
+
+
+def innervation() -> dict[str, Innervation]:
+    """Innervation of the fingertip by the four afferent types.
+
+    Densities of SAI, FAI and FAII: TouchSim (Saal et al. 2017, constants.py), confidence medium.
+    Johansson & Vallbo (1979), J Physiol 286:283, give 241 per cm² for all types together; the rest,
+    6, is assigned to SAII, which TouchSim lacks: an inference, confidence low. Numbers of end
+    organs: Pawluk (1997), 1.1.2, from zones of maximal sensitivity, confidence medium. Fields: 2 to
+    8 mm in diameter there, about 4 mm in a page that cites Johansson (1978); the skin spreads
+    strain beyond the end organs, so their disc is narrower by a guess, confidence low. Velocities
+    of FAI and FAII: means of Knibestol (1973), PMC1350502, confidence high; of SAI and SAII: taken
+    to be those of the fast type with fields alike, a guess, confidence low.
+    """
+    tip, near = "density: TouchSim, medium", "velocity: by analogy, low"
+    read = "velocity: PMC1350502, high"
+    fields = "organs: Pawluk (1997), medium; field: a guess, low"
+    one = "organs: Pawluk (1997), medium"
+    return {
+        "SAI": Innervation(70.0, (4, 7), 3.0, 55.3, f"{tip}; {fields}; {near}"),
+        "SAII": Innervation(6.0, (1, 1), None, 46.9, f"density: 241 - 235, low; {one}; {near}"),
+        "FAI": Innervation(140.0, (12, 17), 3.0, 55.3, f"{tip}; {fields}; {read}"),
+        "FAII": Innervation(25.0, (1, 1), None, 46.9, f"{tip}; {one}; {read}"),
+    }

@@ -1,0 +1,145 @@
+"""Plates with raised parts: heights, and the radius of crests that fits and that samples resolve.
+
+Sides rise as the smooth step S (`profiles.smooth_step`): seen from above a side of `height` mm
+whose sharpest crest has the radius r is a flank of sqrt(10 / sqrt(3) r height) mm. It has to fit on
+the part, and into the gap beside it. Sizes across are those at half of the height.
+"""
+
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from fefinger.geometry.profiles import flank_of, smooth_step
+from fefinger.scene.indenter import PlateLike
+from fefinger.support.arrays import Array
+from fefinger.support.checks import InputError
+
+
+SAMPLES = 10
+"""Samples of a flank."""
+
+MOST = 10_000_000
+"""Largest number of samples of a surface, which takes some seconds and 1 GB."""
+
+FINEST = 0.02
+"""Least distance in mm of samples: 10 million of them cover 60 x 60 mm."""
+
+SHORTEST = 4 * FINEST
+"""Least length in mm of a flank: in four samples its crest has the stated radius within 15 %."""
+
+
+class Room(NamedTuple):
+    """Width in mm that sizes of an object leave to a flank, and the field to change."""
+
+    field: str
+    sizes: str
+    width: float
+
+
+def radius_of(flank: float, height: float) -> float:
+    """Radius in mm of the crest of a flank in mm."""
+    return flank**2 / flank_of(1.0, height) ** 2
+
+
+def fitting(usual: float, height: float, rooms: tuple[Room, ...]) -> float:
+    """Return the usual radius in mm, or the largest that fits; of `rooms` the narrowest counts."""
+    return min(usual, radius_of(min(each.width for each in rooms), height))
+
+
+def check_rooms(rooms: tuple[Room, ...]) -> None:
+    """Raise InputError for a part, or a gap between parts, that is too narrow for any flank."""
+    field, sizes, width = min(rooms, key=lambda each: each.width)
+    if width < SHORTEST:
+        msg = (
+            f"indenter.{field}: expected sizes that leave the sides of raised parts at least "
+            f"{SHORTEST:g} mm, received {sizes}, which leave {max(width, 0.0):.3g} mm"
+        )
+        raise InputError(msg)
+
+
+def check_edge(
+    edge: float, height: float, rooms: tuple[Room, ...], least: float = SHORTEST
+) -> None:
+    """Raise InputError for an edge whose flank does not fit, or is shorter than `least` mm."""
+    _, sizes, width = min(rooms, key=lambda each: each.width)
+    if flank_of(edge, height) > width * (1 + 1e-12):
+        msg = (
+            f"indenter.edge: expected at most {radius_of(width, height):.3g} mm, which makes its "
+            f"flank as wide as the {width:.3g} mm that {sizes} leave it, received {edge:g}"
+        )
+        raise InputError(msg)
+    if flank_of(edge, height) < least * (1 - 1e-12):
+        msg = (
+            f"indenter.edge: expected at least {radius_of(least, height):.3g} mm at a height of "
+            f"{height:.3g} mm, where its flank is {least:g} mm long, received {edge:g}"
+        )
+        raise InputError(msg)
+
+
+class Raised(PlateLike):
+    """A plate with raised parts of one height, `edge` mm the radius of their crests.
+
+    By default that is `usual_edge`, or less where only a sharper one fits.
+    """
+
+    sharp = True
+    usual_edge: ClassVar[float]
+
+    height: float
+    edge: float | None
+    roll: float
+
+    @property
+    def rooms(self) -> tuple[Room, ...]:
+        """Widths that the sizes leave to the sides of raised parts."""
+        raise NotImplementedError
+
+    @property
+    def crest(self) -> float:
+        """The radius of the crests in mm."""
+        return self.edge or fitting(self.usual_edge, self.height, self.rooms)
+
+    @property
+    def raised(self) -> bool:
+        """True."""
+        return True
+
+    @property
+    def flank(self) -> float:
+        """Length in mm of their sides, seen from above."""
+        return flank_of(self.crest, self.height)
+
+    @property
+    def pitch(self) -> float:
+        """Distance in mm of the samples of the surface."""
+        return max(self.flank / SAMPLES, FINEST)
+
+    @property
+    def least_radius(self) -> float:
+        """The radius of the crests in mm."""
+        return self.crest
+
+    def rising(self, inside: Array) -> Array:
+        """Return the height in mm at places `inside` mm within the outline at half height."""
+        t = np.clip(0.5 + inside / self.flank, 0.0, 1.0)
+        return self.height * smooth_step(t)
+
+    def _set_raised(self) -> None:
+        """Check height, edge and what is between raised parts, and the angles."""
+        self._set("height", above=0, unit="mm")
+        check_rooms(self.rooms)
+        if self.edge is not None:
+            self._set("edge", above=0, unit="mm")
+            check_edge(self.edge, self.height, self.rooms)
+        self._set_angles()
+
+    def _check_samples(self, field: str, value: object, sides: tuple[float, float]) -> None:
+        """Raise InputError for a surface with `sides` mm that takes too many samples."""
+        count = float(np.prod([side / self.pitch for side in sides]))
+        if count > MOST:
+            msg = (
+                f"indenter.{field}: expected a surface of at most {MOST:.0e} samples, received "
+                f"{value!r}, whose {sides[0]:.3g} x {sides[1]:.3g} mm take {count:.1e} of them, "
+                f"{self.pitch:.2g} mm apart; take a smaller one, or a rounder edge"
+            )
+            raise InputError(msg)

@@ -1,0 +1,86 @@
+"""The nested dissection orders all unknowns, and its cuts are the smallest ones."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from fefinger.validation.problems.grids import box
+from scipy import sparse
+
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.spaces import Space
+from fefinger.fem.linalg import multifrontal
+from fefinger.fem.linalg.dissection import dissect, smallest_cut
+
+
+LINE = np.linspace(0, 1, 5)
+
+
+@pytest.fixture
+def space() -> Space:
+    return box(LINE, LINE, LINE)
+
+
+def centers(space: Space) -> np.ndarray:
+    return space.points[space.vertices].mean(axis=1)
+
+
+def test_every_unknown_is_eliminated_once_displacements_before_pressures(space: Space) -> None:
+    parts = dissect(space.unknowns, centers(space), space.n_displacements)
+    assert np.array_equal(np.sort(parts.order), np.arange(space.n_unknowns))
+    for front in parts.fronts:
+        assert (front.rest >= front.stop).all()
+        pivots = parts.order[front.start : front.stop]
+        of_pressure = np.arange(len(pivots)) >= front.pressure - front.start
+        assert ((pivots >= space.n_displacements) == of_pressure).all()
+
+
+def test_no_cell_lies_on_both_sides_of_a_separator(space: Space) -> None:
+    parts = dissect(space.unknowns, centers(space), space.n_displacements)
+    side = np.zeros(space.n_unknowns, dtype=int)
+    top = parts.fronts[-1]
+    first = parts.fronts[top.parts[0]].stop  # children first: its half was ordered before
+    side[parts.order[:first]] = 1
+    side[parts.order[first : top.start]] = 2
+    of_cells = side[space.unknowns]
+    assert {1, 2} <= set(side)
+    assert not ((of_cells == 1).any(axis=1) & (of_cells == 2).any(axis=1)).any()
+
+
+def test_the_factor_is_sparse(space: Space) -> None:
+    signs = np.where(np.arange(space.n_unknowns) < space.n_displacements, 1e-3, -1e-3)
+    matrix = stiffness(space, {1: Elastic(1.0, 0.3)}) + sparse.diags(signs, format="csr")
+    parts = dissect(space.unknowns, centers(space), space.n_displacements)
+    stored = multifrontal.factor(matrix, parts)
+    assert stored.entries == parts.entries < 0.4 * space.n_unknowns**2
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_cut_shares_as_few_unknowns_as_the_best_of_all_divisions(seed: int) -> None:
+    n_cells, low = 11, 2
+    rng = np.random.default_rng(seed)
+    local = np.array([rng.choice(14, 4, replace=False) for _ in range(n_cells)])
+    local = np.hstack([local, local[:, :1] + 14])  # an unknown with the same cells as another
+    real = np.isin(np.arange(28), local) & (rng.random(28) > 0.1)
+    order = rng.permutation(n_cells)
+
+    def shared(first: np.ndarray) -> int:
+        return len(set(local[first].flat) & set(local[~first].flat) & set(np.flatnonzero(real)))
+
+    divisions = []
+    for middle in product([False, True], repeat=n_cells - 2 * low):
+        first = np.zeros(n_cells, dtype=bool)
+        first[order[:low]], first[order[low:-low]] = True, middle
+        divisions.append(shared(first))
+    cut = smallest_cut(local, real, order, low)
+    assert cut[order[:low]].all()
+    assert not cut[order[-low:]].any()
+    assert shared(cut) == min(divisions) < max(divisions)
+
+
+def test_cells_without_unknowns_are_cut_too() -> None:
+    space = box(LINE, LINE, np.linspace(0, 4, 9))
+    unknowns = np.where(space.points[space.vertices][:, :1, 2] < 2, -1, space.unknowns)
+    parts = dissect(unknowns, centers(space), space.n_displacements)
+    members = np.unique(unknowns)
+    assert np.array_equal(np.sort(parts.order), members[members >= 0])

@@ -1,0 +1,112 @@
+"""A block that a plate drags on a spring: static and kinetic friction in closed form.
+
+One vertex under a constant force P whose displacement along the plate is linear in its traction: a
+spring of stiffness k. It sticks until the spring pulls with the static coefficient times P, slips
+with the kinetic one as long as the plate moves on, and after a turn sticks until the static one is
+reached the other way. A spring that relaxes lets go later.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from fefinger.fem.contact.sliding_march import slide_with_friction
+from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
+from fefinger.support.arrays import Array, Flags
+from fefinger.theory.relaxation import Prony, hereditary_integral
+
+
+STATIC, KINETIC = 0.6, 0.35
+FORCE, STIFFNESS, AREA = 41.3, 25.0, 1.0  # mN, mN/mm of the relaxed spring, mm²
+SPEED, FAR = 2.0, 3.0  # mm/s, and mm of a pass, of which less than a third ends stick
+STEPS = 3000  # in a pass
+ELASTIC = Prony((1.0,), ())
+RELAXING = Prony((0.4, 0.35, 0.25), (20.0, 1.5))
+
+
+@dataclass(frozen=True)
+class Plate:
+    """A plane over the vertex, as a `Travel`."""
+
+    def gap(self, shift: Array, incline: Array | None) -> tuple[Array, Flags]:
+        """Return the weighted gap (1,) at any place, and no rim."""
+        return np.zeros(1), np.zeros(1, dtype=bool)
+
+    def push(self, shift: Array, pressure: Array, incline: Array | None) -> Array:
+        """Return no force (2,): nothing is inclined."""
+        return np.zeros(2)
+
+
+def dragged(prony: Prony, passes: int) -> tuple[Array, Array, History]:
+    """Return times in s, the path in mm and the contact of a block that is dragged to and fro."""
+    lap = np.linspace(0.0, FAR, STEPS + 1)[1:]
+    legs = [lap if k % 2 == 0 else FAR - lap for k in range(passes)]
+    path = np.concatenate([[0.0], *legs])
+    time = np.arange(len(path)) * FAR / SPEED / STEPS
+    shift = np.stack([path, np.zeros_like(path)], axis=1)
+    history = slide_with_friction(
+        np.diag([AREA**2 / 100.0, AREA**2 / STIFFNESS, AREA**2 / STIFFNESS]),
+        (STATIC, KINETIC),
+        Plate(),  # type: ignore[arg-type]
+        np.array([AREA]),
+        Relaxation(np.array(prony.weights), np.array(prony.v), 3),
+        Prescribed("force", time, np.full(len(time), FORCE)),
+        shift,
+    )
+    return time, path, history
+
+
+def pull(history: History) -> Array:
+    """Return the force (n_t,) mN with which the plate pulls the block."""
+    assert history.sliding is not None
+    assert history.sliding.traction is not None
+    return np.asarray(history.sliding.traction[:, 0, 0] * AREA)
+
+
+def loop_error() -> float:
+    """Return the largest error of the force along a loop, over that at which it lets go.
+
+    In the step in which the block lets go it still has the static coefficient.
+    """
+    _, path, history = dragged(ELASTIC, 3)
+    exact, slips = np.zeros(len(path)), False
+    for k in range(1, len(path)):
+        moved = path[k] - path[k - 1]
+        turned = k > 1 and moved * (path[k - 1] - path[k - 2]) < 0
+        slips = slips and not turned
+        held = exact[k - 1] + STIFFNESS * moved
+        if slips:
+            exact[k] = np.sign(moved) * KINETIC * FORCE
+        else:
+            slips = abs(held) > STATIC * FORCE
+            exact[k] = np.clip(held, -STATIC * FORCE, STATIC * FORCE)
+    return float(np.abs(pull(history) - exact).max() / (STATIC * FORCE))
+
+
+def work_ratio() -> float:
+    """Return the work of friction in a closed cycle over 4 mu_k P (A - mu_k P / k).
+
+    A is a pass. The block slips by A - (mu_s + mu_k) P / k in it, and by (mu_s - mu_k) P / k where
+    it lets go; what the spring gives off then beyond friction is kinetic energy, which is lost.
+    """
+    _, path, history = dragged(ELASTIC, 4)
+    assert history.sliding is not None
+    lost = history.sliding.lost
+    assert lost is not None
+    cycle = float(lost[-1] - lost[2 * STEPS])
+    assert path[-1] == path[2 * STEPS]
+    return cycle / (2 * KINETIC * FORCE * (FAR - 2 * KINETIC * FORCE / STIFFNESS))
+
+
+def release_ratio() -> float:
+    """Return the time at which a relaxing spring lets go over that of its hereditary integral."""
+    time, _, history = dragged(RELAXING, 1)
+    first = int(np.argmax(pull(history) >= STATIC * FORCE * (1 - 1e-6)))
+
+    def short(moment: float) -> float:
+        ramp = np.array([0.0, moment])
+        pulled = hereditary_integral(RELAXING, ramp, STIFFNESS / RELAXING.weights[0] * SPEED * ramp)
+        return float(pulled[-1]) - STATIC * FORCE
+
+    return float(time[first] / brentq(short, 1e-9, float(time[-1])))

@@ -1,0 +1,85 @@
+"""A plate that slides at finite strain, against small strain, balances and symmetry."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+from fefinger.validation.friction.finger import ASK, ELASTIC, MU, difference, lateral
+
+from fefinger.fem.hyperelastic.continuum import continuum
+from fefinger.mechanics import linear, solid
+from fefinger.mechanics.press import finite_strain
+from fefinger.mechanics.press.constitutive import laws
+from fefinger.mechanics.press.problem import Press
+from fefinger.results.records import Response
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Slide
+from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
+from fefinger.support.progress import Stages
+
+
+SHALLOW, DEEP = 0.08, 1.0  # mm
+ROUGH = 0.8
+
+
+def scene(depth: float, mu: float, direction: float = 180.0) -> Scene:
+    """Return a plate that is pressed and slides proximally, on elastic tissue."""
+    motion = Slide(20, depth, distance=max(2 * depth, 1.0), direction=direction, settle=0.0)
+    finger = replace(ELASTIC, resolution="coarse")
+    return Scene(finger=finger, indenter=Flat(30, friction=mu), motion=motion, ask=ASK)
+
+
+@cache
+def shallow(mechanics: str, mu: float) -> Response:
+    """Return the answer of small or finite strain to a shallow slide."""
+    return {each.name: each for each in (linear, solid)}[mechanics].respond(scene(SHALLOW, mu))
+
+
+def change_ratio() -> float:
+    """Return by how much friction changes the force, at finite over small strain."""
+    small, finite = (
+        shallow(name, ROUGH).force[-1] / shallow(name, 0.0).force[-1] - 1
+        for name in ("linear", "solid")
+    )
+    return float(finite / small)
+
+
+def onset_ratio() -> float:
+    """Return the path at which the whole contact slips, at finite over small strain.
+
+    At small strain none of it sticks from there on; at finite strain no skin was drawn as far.
+    """
+    small = lateral(shallow("linear", ROUGH))
+    assert small.stick_area is not None
+    path = np.abs(small.shift[:, 0])
+    first = int(np.flatnonzero((path > 0) & (small.stick_area == 0))[0])
+    (note,) = (each for each in shallow("solid", ROUGH).notes if each.startswith("Gross slip"))
+    return float(note.split("moved by ")[1].split(" mm")[0]) / float(path[first])
+
+
+def reaction_error() -> float:
+    """Force on the bone less P (axis + mu s), over P, after a deep slide."""
+    press = Press.of(
+        scene(DEEP, MU), finite_strain.FINITE_STRAIN, Stages(None), mechanics="solid", notes=()
+    )
+    history = finite_strain.solve(press, Stages(None))
+    elements = continuum(press.body.space, laws(press.finger), soft=(1, 2))
+    inner, _ = elements.residual(history.frames[len(history.depth) - 1], elements.at_rest)
+    count = press.body.space.n_displacements
+    reaction = inner[:count].copy()
+    reaction[press.system.free[press.system.free < count]] = 0.0
+    borne = float(history.contact.projected @ history.pressure[-1])
+    proximal = np.array([-np.cos(np.radians(30)), 0.0, -np.sin(np.radians(30))])
+    total = reaction.reshape(-1, 3).sum(axis=0) / borne + press.obstacle.axis + MU * proximal
+    return float(np.abs(total[[0, 2]]).max())
+
+
+def mirrored() -> float:
+    """Return the difference of a slide to the other side from the mirror image."""
+    found: list[list[Array]] = []
+    for direction, sign in ((90.0, 1.0), (270.0, -1.0)):
+        response = solid.respond(scene(0.3, MU, direction))
+        one = lateral(response)
+        found.append([response.force, sign * one.force[:, 1], np.asarray(one.work)])
+    return difference(*found)
