@@ -4,6 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from fefinger import mechanics as ladder
@@ -119,30 +120,36 @@ def _ladder(case: Situation, *, every: bool, named: str | None) -> tuple[Rung, .
 class _Inertia:
     """What all mechanics but `modal` leave out: its error over the peak of the force, and why.
 
-    avoidable: whether `modal` is able; refused, and reason: the error of the oscillation where that
-    is too large.
+    vibration, and reason: the error of the oscillation or of the ramp itself.
     """
 
-    error: float = 0.0
-    evidence: str = ""
-    avoidable: bool = False
-    refused: float = 0.0
-    reason: str = ""
+    case: Situation
+    error: float
+    evidence: str
+    vibration: float
+    reason: str
+
+    @cached_property
+    def avoidable(self) -> bool:
+        """Whether `modal` is able; else a motion that is too fast is answered with a warning."""
+        if MODAL not in ladder.names():
+            return False
+        refusals = ladder.get(MODAL).refuse(self.case.meshes[0])
+        return not any(refusal.about == "ability" for refusal in refusals)
+
+    def refusals(self, name: str) -> tuple[Refusal, ...]:
+        """Refuse where the oscillation without inertia is off by more than what is allowed."""
+        allowed = self.case.ask.rel_error
+        if self.vibration <= allowed or not self.avoidable:
+            return ()
+        error = beyond(self.vibration, allowed)
+        reason = f"error of leaving inertia out = {error}: {self.reason} ({ERROR})"
+        return (Refusal(name, "accuracy", reason, ERROR),)
 
 
 def _inertia(case: Situation) -> _Inertia:
-    """Return what leaving inertia out costs.
-
-    A motion that is too fast, but that `modal` is not able to answer, is answered with a warning.
-    """
-    error, reason = vibration.statics_error(case)
-    over_peak, evidence = vibration.left_out(case)
-    refusals = ladder.get(MODAL).refuse(case.meshes[0]) if MODAL in ladder.names() else ()
-    unable = MODAL not in ladder.names() or any(each.about == "ability" for each in refusals)
-    if unable or error <= case.ask.rel_error:
-        return _Inertia(over_peak, evidence, not unable)
-    reason = f"error of leaving inertia out = {beyond(error, case.ask.rel_error)}: {reason}"
-    return _Inertia(over_peak, evidence, True, error, f"{reason} ({ERROR})")
+    """Return what leaving inertia out costs."""
+    return _Inertia(case, *vibration.left_out(case), *vibration.statics_error(case))
 
 
 def _willing(rung: Rung) -> bool:
@@ -151,8 +158,6 @@ def _willing(rung: Rung) -> bool:
 
 def _rungs(name: str, case: Situation, inertia: _Inertia) -> Iterator[Rung]:
     """Give the rungs of one mechanics, one for each mesh; one alone where it is not able."""
-    if name == MODAL:
-        inertia = _Inertia()
     meshed = MECHANICS[name].meshed
     for each in case.meshes if meshed else (case,):
         refusals = ladder.get(name).refuse(each)
@@ -172,8 +177,11 @@ def _rung(
     name = candidate.mechanics
     mechanics, ask = ladder.get(name), case.ask
     seconds, (error, evidence) = mechanics.cost(case), mechanics.error(case)
-    evidence += inertia.evidence
-    error = math.hypot(error, inertia.error) if inertia.avoidable else error
+    left_out = () if name == MODAL else inertia.refusals(name)
+    whole = error
+    if name != MODAL:
+        whole, evidence = math.hypot(error, inertia.error), evidence + inertia.evidence
+        error = whole if error <= ask.rel_error < whole and inertia.avoidable else error
     if math.isnan(error):
         refusals = (*refusals, Refusal(name, "accuracy", f"its error here is {evidence}"))
     elif math.isinf(error):
@@ -181,10 +189,8 @@ def _rung(
     elif error > ask.rel_error:
         reason = f"expected relative error = {beyond(error, ask.rel_error)} ({ERROR})"
         refusals = (*refusals, Refusal(name, "accuracy", reason, ERROR))
-    error = error if inertia.avoidable else math.hypot(error, inertia.error)
-    if inertia.reason:
-        error = max(error, inertia.refused)
-        refusals = (*refusals, Refusal(name, "accuracy", inertia.reason, ERROR))
+    error = max(whole, inertia.vibration) if left_out else whole
+    refusals = (*refusals, *left_out)
     if ask.seconds is not None and seconds > ask.seconds:
         reason = f"expected time = {beyond(seconds, ask.seconds, ' s')} ({SECONDS})"
         refusals = (*refusals, Refusal(name, "time", reason, SECONDS))

@@ -25,7 +25,7 @@ TEXTS = (
     "relaxation is 3.3 times, and the frequencies 1.8 times as high.",
     "Does inertia explain the phase of the impedance above 30 Hz, in which the source thesis "
     "differs from measurements (its Figs 2-8 and 2-9)? Up to 200 Hz it does not: with the "
-    "published relaxation the phase falls by 12 degrees from 30 to 200 Hz without mass, and by 13 "
+    "published relaxation the phase falls by 14 degrees from 30 to 200 Hz without mass, and by 13 "
     "with it. A relaxation that goes on to a kHz makes it rise from 30 Hz on; mass makes it rise "
     "above 250 Hz.",
     "Along the skin, a finger with the faster branch has the impedance that was measured on "

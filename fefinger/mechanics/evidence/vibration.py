@@ -51,7 +51,7 @@ DAMPED = 0.8
 """Share of the loss factor of the viscous relaxation at a frequency from which a finger damps as it
 does."""
 
-NEGLIGIBLE = 0.01
+NEGLIGIBLE = 0.02
 """Change by inertia that is not worth a sentence."""
 
 EXTRAPOLATED = 1 / 3

@@ -132,7 +132,7 @@ def _corrected(
     history = solve_modal(press, grid, stages, factor)
     press = at_stored(press, grid)
     still = _still(press, factor, stages)
-    relaxation = PreloadRelaxation(table, share, tangent(table, depth))
+    relaxation = PreloadRelaxation(table, share, depth, tangent(table, depth))
     answer = _added(answer, press, history, still, grid, factor, depth, relaxation)
     answer = _swept(answer, scene, press, history, factor, stages, depth)
     if answer.harmonic is None:

@@ -3,8 +3,9 @@
 The stiffness k of a pressed finger is that of its material and a smaller, negative one of the
 stress at rest, -s k. The first relaxes with G, the second does not: a small motion x has the force
 k ((1 + s) G * x - s x), G being 1 at long times. So it relaxes as a finger whose decaying weights
-are 1 + s times as large. A carried press relaxes as a whole, with the force G * k x; what is left
-out, s k (G * x - x), is added here.
+are 1 + s times as large. A carried press relaxes as a whole, with the force G * k x. The difference
+is added here; and that of the stiffness, since the force of a carried press between its depths is
+that of pressures without overshoot, whose slope is off by some percent.
 """
 
 from dataclasses import dataclass, replace
@@ -16,6 +17,10 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
+
+
+BESIDE = 0.02
+"""Distance from the preload, over it, between which the slope of the carried press is taken."""
 
 
 def about_preload(finger: Finger, share: float) -> Finger:
@@ -33,11 +38,12 @@ def about_preload(finger: Finger, share: float) -> Finger:
 class PreloadRelaxation:
     """What the relaxation about a preload changes of a carried press along a vibration.
 
-    table: the press; share: s; stiffness N/mm of the relaxed finger at the preload.
+    table: the press; share: s; preload mm; stiffness N/mm of the relaxed finger there.
     """
 
     table: CarriedPress
     share: float
+    preload: float
     stiffness: float
 
     def force(self, motion: Motion, time: Array) -> Array:
@@ -47,13 +53,23 @@ class PreloadRelaxation:
         at, slow = (np.interp(x, elastic.nodes, elastic.force) for x in (depth, depth - vibration))
         swing, prony = np.asarray(at - slow), self.table.press.finger.prony
         relaxing = hereditary_integral(prony, time, swing) / prony.long_time
-        return np.asarray(self.share * (relaxing - swing))
+        whole = self.stiffness / self._carried
+        material = (1.0 + self.share) * relaxing - self.share * swing
+        return np.asarray(whole * material - relaxing)
 
     def depth(self, motion: Motion, time: Array) -> Array:
         """Change (n_t,) of the depth in mm at prescribed force, at times (n_t,) in s."""
         finger, swing = self.table.press.finger, motion.vibration(time)
-        elastic = [
+        moved, carried = (
             each.long_time * creep_integral(each, time, swing)
             for each in (about_preload(finger, self.share).prony, finger.prony)
-        ]
-        return np.asarray((elastic[0] - elastic[1]) / self.stiffness)
+        )
+        return np.asarray(moved / self.stiffness - carried / self._carried)
+
+    @property
+    def _carried(self) -> float:
+        """Stiffness in N/mm of the carried press at the preload."""
+        elastic = self.table.elastic
+        low, high = (1 - BESIDE) * self.preload, (1 + BESIDE) * self.preload
+        high = min(high, float(elastic.nodes[-1]))
+        return (elastic.at(high) - elastic.at(low)) / (high - low)

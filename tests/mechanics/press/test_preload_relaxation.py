@@ -30,7 +30,7 @@ class Linear:
 def relaxation() -> PreloadRelaxation:
     depth = np.linspace(0.0, 3.0, 4)
     table = Linear(ElasticForce(depth, STIFFNESS * depth), SimpleNamespace(finger=FINGER))
-    return PreloadRelaxation(cast(CarriedPress, table), SHARE, STIFFNESS)
+    return PreloadRelaxation(cast(CarriedPress, table), SHARE, 1.0, STIFFNESS)
 
 
 def amplitude(time: np.ndarray, values: np.ndarray) -> complex:
