@@ -61,7 +61,7 @@ def onset_ratio() -> float:
 
 @cache
 def balance() -> tuple[float, float]:
-    """What is missing of P (axis + mu s), over P, in the contact and on the bone.
+    """Return what is missing of P (axis + mu s), over P, in the contact and on the bone.
 
     After a deep slide.
     """
