@@ -1,5 +1,7 @@
 """Pose of the indenter for pictures: position, direction, surface, outline in the medial plane."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -95,6 +97,37 @@ def pose(result: ResultRecord, depth: float, time: float | None = None) -> Pose:
         return here
     normal = first.axis + motion.inclines(time, plate) @ across
     return here._replace(axis=normal / np.linalg.norm(normal))
+
+
+@dataclass(frozen=True)
+class Texture:
+    """A plate with a level texture that slides, drawn over the same places at every time.
+
+    first: its pose before it moves; shift(t) (2,) mm: its place across the travel.
+    """
+
+    first: Pose
+    shift: Callable[[float], Array]
+
+    def rise(self, time: float, points: Array) -> Array:
+        """Return how far (n,) mm points of the drawn surface move along the travel.
+
+        To the surface at a time in s, as far as it goes there.
+        """
+        local = (points - self.first.origin) @ self.first.frame.T
+        turn = self.first.frame[:2] @ frame(self.first.axis)[:2].T
+        height = self.first.profile.rise(local[:, :2] - turn @ self.shift(time))
+        return np.where(np.isfinite(height), -height - local[:, 2], 0.0)
+
+
+def texture(result: ResultRecord) -> Texture | None:
+    """Return the texture of an indenter that slides; None without one."""
+    first = _first(result, 0.0)
+    if result.lateral is None or not result.scene.motion.slides:
+        return None
+    if first.profile.plane or not first.profile.level:
+        return None
+    return Texture(first, result.scene.motion.shift)
 
 
 def _first(result: ResultRecord, depth: float) -> Pose:

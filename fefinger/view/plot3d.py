@@ -322,12 +322,14 @@ class Stage:
 
     def _add_indenter(self) -> None:
         """Add the indenter, clear as glass where it would hide what is shown."""
-        touch = indenter_pose.pose(self.shown.result, 0.0)
-        shape = _shape(touch).translate(-CLEAR * touch.axis)
+        result = self.shown.result
+        touch, texture = indenter_pose.pose(result, 0.0), indenter_pose.texture(result)
+        drawn = touch if texture is None else texture.first
+        shape = _shape(drawn).translate(-CLEAR * touch.axis)
         if not self.shown.whole:
             shape = shape.clip("-y", origin=(0.0, 0.0, 0.0))
         added = [self.plotter.add_mesh(shape, color="#8fa3b5", opacity=0.15, show_edges=False)]
-        if touch.profile.plane:
+        if drawn.profile.plane:
             rim = shape.extract_surface(algorithm=None).extract_feature_edges(
                 feature_edges=False, manifold_edges=False
             )
@@ -335,9 +337,12 @@ class Stage:
         self.props += [Prop(actor, ("indenter",)) for actor in added]
 
         def move(frame: int) -> None:
-            depth = self._depth(float(self.shown.fields.times[frame]))
+            time = float(self.shown.fields.times[frame])
             for actor in added:
-                actor.position = tuple(depth * touch.axis)
+                actor.position = tuple(self._depth(time) * touch.axis)
+            if texture is not None:
+                risen = texture.rise(time, shape.points + CLEAR * touch.axis)
+                shape.points = shape.points + risen[:, None] * touch.axis
 
         self.moves.append(move)
 

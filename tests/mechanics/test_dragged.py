@@ -16,6 +16,7 @@ from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Response
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Stages
+from fefinger.support.tolerances import EQUILIBRIUM
 
 
 ELASTIC = ff.Prony((1.0,), ())
@@ -85,7 +86,7 @@ def test_the_bone_bears_pressure_and_friction_and_their_moment():
     drag = MU * np.array([-np.cos(np.radians(30)), 0.0, -0.5])  # proximal, in the plane
     along = (press.obstacle.axis + drag)[[0, 2]]
     total = reaction.reshape(-1, 3).sum(axis=0)[[0, 2]]
-    assert total == pytest.approx(-borne * along, abs=1e-8 * borne)
+    assert total == pytest.approx(-borne * along, abs=EQUILIBRIUM * borne)
 
 
 def test_friction_is_mu_times_the_force_at_all_times_at_speed(slid: Response):

@@ -43,15 +43,22 @@ def recorded() -> dict[str, tuple[Array, Array]]:
 @cache
 def computed() -> dict[str, Array]:
     """Return the mean rates (n,) Hz of the units of each type at SPACINGS."""
-    rates: dict[str, list[float]] = {kind: [] for kind in recorded()}
-    for spacing in SPACINGS:
-        for kind, rate in scanned(spacing).items():
-            rates[kind].append(rate)
-    return {kind: np.array(each) for kind, each in rates.items()}
+    return {kind: np.array([scanned(each)[0][kind] for each in SPACINGS]) for kind in recorded()}
 
 
-def scanned(spacing: float) -> dict[str, float]:
-    """Return the mean rates in Hz by type over dots of a spacing in mm."""
+def variation(kind: str) -> tuple[Array, Array]:
+    """Return mean and deviation in time (n,) of the strain of a type at SPACINGS."""
+    mean, deviation = np.array([scanned(each)[1][kind] for each in SPACINGS]).T
+    return mean, deviation
+
+
+@cache
+def scanned(spacing: float) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
+    """Return rates in Hz, and mean and deviation of strain, over dots of a spacing in mm.
+
+    By type, of all units; the strain is the largest compression at the end organs, and its
+    deviation that in time.
+    """
     scene = builtin.load(
         "slide-dots",
         {
@@ -67,7 +74,15 @@ def scanned(spacing: float) -> dict[str, float]:
     trains = afferents.fire(scene.ask, response, since=scene.motion.recorded_from)
     seconds = scene.motion.duration - scene.motion.recorded_from
     counts, types = trains.count(), np.array(trains.types)
-    return {kind: float(counts[types == kind].mean() / seconds) for kind in scene.ask.spikes}
+    rates = {kind: float(counts[types == kind].mean() / seconds) for kind in scene.ask.spikes}
+    assert response.strain is not None
+    assert response.sites is not None
+    sliding = response.strain[response.time >= scene.motion.recorded_from]
+    organs, strains = np.array(response.sites.types), {}
+    for kind in scene.ask.spikes:
+        pressed = -np.linalg.eigvalsh(sliding[:, organs == kind])[..., 0]
+        strains[kind] = float(pressed.mean()), float(pressed.std(axis=0).mean())
+    return rates, strains
 
 
 @dataclass(frozen=True)
@@ -82,6 +97,13 @@ class Comparison:
     correlation: float
     modulation: float
     best: float
+
+
+def strain_against_recorded(kind: str) -> tuple[float, float]:
+    """Return the correlations of mean and deviation of the strain with the recorded rates."""
+    known = np.interp(SPACINGS, *recorded()[kind])
+    mean, deviation = (float(np.corrcoef(known, each)[0, 1]) for each in variation(kind))
+    return mean, deviation
 
 
 def against_recorded(kind: str) -> Comparison:

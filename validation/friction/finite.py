@@ -7,6 +7,7 @@ import numpy as np
 from fefinger.validation.friction.finger import ASK, ELASTIC, MU, difference, lateral
 
 from fefinger.fem.hyperelastic.continuum import continuum
+from fefinger.fem.hyperelastic.state import State
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain
 from fefinger.mechanics.press.constitutive import laws
@@ -58,21 +59,32 @@ def onset_ratio() -> float:
     return float(note.split("moved by ")[1].split(" mm")[0]) / float(path[first])
 
 
-def reaction_error() -> float:
-    """Force on the bone less P (axis + mu s), over P, after a deep slide."""
+@cache
+def balance() -> tuple[float, float]:
+    """Return what is missing of P (axis + mu s), over P, in the contact and on the bone.
+
+    After a deep slide.
+    """
     press = Press.of(
         scene(DEEP, MU), finite_strain.FINITE_STRAIN, Stages(None), mechanics="solid", notes=()
     )
     history = finite_strain.solve(press, Stages(None))
     elements = continuum(press.body.space, laws(press.finger), soft=(1, 2))
-    inner, _ = elements.residual(history.frames[len(history.depth) - 1], elements.at_rest)
+    last = len(history.depth) - 1
+    values = history.frames[last]
+    inner, _ = elements.residual(values, elements.at_rest)
     count = press.body.space.n_displacements
     reaction = inner[:count].copy()
     reaction[press.system.free[press.system.free < count]] = 0.0
     borne = float(history.contact.projected @ history.pressure[-1])
     proximal = np.array([-np.cos(np.radians(30)), 0.0, -np.sin(np.radians(30))])
-    total = reaction.reshape(-1, 3).sum(axis=0) / borne + press.obstacle.axis + MU * proximal
-    return float(np.abs(total[[0, 2]]).max())
+    along = press.obstacle.axis + MU * proximal
+    state = State(values, history.pressure[last], float(history.depth[last]))
+    pulled = history.contact.at(state).pulled(MU * proximal) @ state.pressure
+    found = [pulled[:count], -reaction]
+    missing = [each.reshape(-1, 3).sum(axis=0) / borne - along for each in found]
+    contact, bone = (float(np.abs(each[[0, 2]]).max()) for each in missing)
+    return contact, bone
 
 
 def mirrored() -> float:
