@@ -5,6 +5,7 @@ They are written to `docs/generated/` at the start of every build.
 
 import inspect
 import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
@@ -165,7 +166,8 @@ def commands() -> Iterator[str]:
         context = click.Context(command, info_name=f"fefinger {name}")
         yield f"## `fefinger {name}`"
         yield ""
-        yield from inspect.cleandoc((command.help or "").replace("\b", "")).splitlines()
+        text = inspect.cleandoc((command.help or "").replace("\b", ""))
+        yield from re.sub(r"(?<!\S)(--?[a-z]\w*)", r"`\1`", text).splitlines()
         yield ""
         yield f"```text\n{' '.join(command.get_usage(context).split()[1:])}\n```"
         records = [option.get_help_record(context) for option in command.params]

@@ -169,7 +169,7 @@ def answer(tissue: str, force: float) -> Harmonic:
 
 
 def modes_below(frequency: float) -> float:
-    """Return how many modes the whole free finger has below a frequency in Hz, relaxed."""
+    """Count the modes of the whole free finger below a frequency in Hz, relaxed."""
     whole = loops.finger(MESH)
     return float(np.sum(finger_modes(whole, operator(whole, half=False)).frequencies < frequency))
 

@@ -217,5 +217,5 @@ def figures() -> Iterator[tuple[str, Any]]:
 
 
 def finding() -> dict[str, Any]:
-    """Return what the suite found, in words."""
+    """Return the findings of the suite as sentences."""
     return {"texts": list(drawings.TEXTS)}
