@@ -209,7 +209,7 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
         return min(willing, key=lambda rung: rung.seconds)
     msg = (
         f"ask: no mechanics can answer this scene within the limits. {_relaxing(rungs)}"
-        f"{_unchecked(case)}{_by_name(rungs)}\n\n{written(rungs)}"
+        f"{_unchecked(case)}{vibration.advice(case)}{_by_name(rungs)}\n\n{written(rungs)}"
     )
     raise InputError(msg)
 

@@ -1,6 +1,7 @@
 """A value in time, in closed form: quadratics joined at breaks, and at most one sine on top."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -218,7 +219,7 @@ class Trajectory:
     def _segment(self, t: Array) -> NDArray[np.intp]:
         return np.clip(np.searchsorted(self.start, t, side="right") - 1, 0, None)
 
-    @property
+    @cached_property
     def breaks(self) -> tuple[float, ...]:
         """Times in s at which a derivative jumps, the start and the end among them."""
         times = {0.0, *self.start.tolist(), self.duration}
@@ -241,7 +242,7 @@ class Trajectory:
                 merged.append((t0, t1))
         return tuple(merged)
 
-    @property
+    @cached_property
     def peak(self) -> float:
         """The largest value."""
         bent = self.bend != 0

@@ -16,6 +16,9 @@ FORCES = 0.2, 0.5, 1.0
 
 SHADES = "#9fb6c9", STEEL, INK
 
+MARKS = 20.0, 50.0, 100.0, 200.0, 400.0
+"""Hz."""
+
 SHAPES = 4
 """Modes that are drawn."""
 
@@ -90,6 +93,9 @@ def _lateral() -> Any:
         ends = [lateral.measured(lateral.SHOWN, lateral.BAND, mass) for mass in lateral.MASSES]
         left.fill_between(lateral.BAND, *np.abs(ends), color=SHADES[0])
         right.fill_between(lateral.BAND, *np.degrees(np.angle(ends)), color=SHADES[0])
+        for axis in (left, right):
+            axis.minorticks_off()
+            axis.set_xticks(MARKS, [f"{mark:g}" for mark in MARKS])
         left.set(xlabel="frequency / Hz", ylabel="impedance / (N s/m)")
         right.set(xlabel="frequency / Hz", ylabel="phase of the impedance / degrees")
     return drawn

@@ -146,6 +146,15 @@ def _damped_set(finger: Finger) -> str:
     return f"; a set that damps them, of low confidence, is finger.tissue = {name!r}"
 
 
+def advice(case: Situation) -> str:
+    """Suggest the tissue that damps vibrations, where one near resonances hardly does."""
+    frequency = case.motion.highest_frequency
+    if frequency is None or _damping(case, frequency) != "published":
+        return ""
+    name = _damped_set(case.finger) if _reduced(case, frequency) > RESONANT else ""
+    return f"Resonances of this tissue hardly damp{name}. " if name else ""
+
+
 def notes(case: Situation) -> tuple[str, ...]:
     """Return the note on how certain the oscillation itself is, where there is one."""
     frequency = case.motion.highest_frequency
