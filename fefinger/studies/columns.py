@@ -26,7 +26,8 @@ UNITS: dict[str, dict[str, str]] = {
     },
     "motion": {
         **{"speed": "mm_per_s", "depth": "mm", "loading_rate": "N_per_s", "force": "N"},
-        **{"amplitude": "mm", "preload": "mm", "direction": "deg", "approach": "mm_per_s"},
+        **{"amplitude": "mm", "preload": "mm", "approach": "mm_per_s"},
+        **dict.fromkeys(("direction", "angle", "tilt"), "deg"),
         **dict.fromkeys(("frequency", "start", "stop"), "Hz"),
         **dict.fromkeys(("distance", "x", "y"), "mm"),
         **dict.fromkeys(("hold", "settle", "held", "seconds", "corner", "time"), "s"),

@@ -221,7 +221,7 @@ def stl(facets: list) -> bytes:
         ("a.png", {"pitch": 1.0}, "indenter.height: expected a number in mm"),
         ("a.csv", {"pitch": 1.0}, "indenter.pitch: expected none"),
         ("a.png", {"pitch": 1.0, "height": 1.0}, "cannot read the picture"),
-        ("a.stl", {"pitch": 1.0}, "cannot read the surface|expected triangles"),
+        ("a.stl", {"pitch": 1.0}, "expected triangles in"),
         ("hole.stl", {"pitch": 0.5}, "leaves .* % of it open"),
     ],
 )
