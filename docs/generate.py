@@ -3,7 +3,9 @@
 They are written to `docs/generated/` at the start of every build.
 """
 
+import inspect
 import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
@@ -164,16 +166,13 @@ def commands() -> Iterator[str]:
         context = click.Context(command, info_name=f"fefinger {name}")
         yield f"## `fefinger {name}`"
         yield ""
-        help_text = (command.help or "").replace("\b", "")
-        yield from help_text.splitlines()
+        text = inspect.cleandoc((command.help or "").replace("\b", ""))
+        yield from re.sub(r"(?<!\S)(--?[a-z]\w*)", r"`\1`", text).splitlines()
         yield ""
         yield f"```text\n{' '.join(command.get_usage(context).split()[1:])}\n```"
-        options = [
-            option.get_help_record(context)
-            for option in command.params
-            if option.get_help_record(context)
-        ]
-        yield from table(("option", "meaning"), ((f"`{flags}`", text) for flags, text in options))
+        records = [option.get_help_record(context) for option in command.params]
+        options = [(f"`{record[0]}`", record[1]) for record in records if record and record[1]]
+        yield from table(("option", "meaning"), options)
 
 
 # Reports
@@ -191,6 +190,7 @@ def verdicts() -> Iterator[str]:
             missing.append(f"`{name}`")
             continue
         made = record.get("provenance", {}).get("date", "")[:10]
+        made = made.replace("-", "\N{NON-BREAKING HYPHEN}")
         counts = [found.count(verdict) for verdict in VERDICTS]
         counted.append((f"`{name}`", about, len(found), *counts, made))
     total = [sum(row[column] for row in counted) for column in range(2, 3 + len(VERDICTS))]
@@ -253,8 +253,9 @@ def kept() -> Iterator[str]:
 
 
 def percent(share):
-    """Return a share in percent."""
-    return f"{float(f'{100 * share:.2g}'):g} %" if share < 0.995 else f"{100 * share:.0f} %"
+    """Return a share in percent, which no line breaks apart."""
+    value = float(f"{100 * share:.2g}") if share < 0.995 else round(100 * share)
+    return f"{value:g}\N{NO-BREAK SPACE}%"
 
 
 # Names

@@ -3,7 +3,8 @@
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from fefinger import mechanics as ladder
@@ -115,31 +116,48 @@ def _ladder(case: Situation, *, every: bool, named: str | None) -> tuple[Rung, .
     return tuple(considered)
 
 
-def _inertia(case: Situation) -> tuple[float, str]:
-    """Return the error of leaving inertia out, and why, where it is too large and `modal` is able.
+@dataclass(frozen=True)
+class _Inertia:
+    """What all mechanics but `modal` leave out: its error over the peak of the force, and why.
 
-    Else 0: a motion that is too fast is then answered with a warning.
+    vibration, and reason: the error of the oscillation or of the ramp itself.
     """
-    error, reason = vibration.statics_error(case)
-    if error <= case.ask.rel_error or MODAL not in ladder.names():
-        return 0.0, ""
-    refusals = ladder.get(MODAL).refuse(case.meshes[0])
-    if any(refusal.about == "ability" for refusal in refusals):
-        return 0.0, ""
-    return error, f"error of leaving inertia out = {beyond(error, case.ask.rel_error)}: {reason}"
+
+    case: Situation
+    error: float
+    evidence: str
+    vibration: float
+    reason: str
+
+    @cached_property
+    def avoidable(self) -> bool:
+        """Whether `modal` is able; else a motion that is too fast is answered with a warning."""
+        if MODAL not in ladder.names():
+            return False
+        refusals = ladder.get(MODAL).refuse(self.case.meshes[0])
+        return not any(refusal.about == "ability" for refusal in refusals)
+
+    def refusals(self, name: str) -> tuple[Refusal, ...]:
+        """Refuse where the oscillation without inertia is off by more than what is allowed."""
+        allowed = self.case.ask.rel_error
+        if self.vibration <= allowed or not self.avoidable:
+            return ()
+        error = beyond(self.vibration, allowed)
+        reason = f"error of leaving inertia out = {error}: {self.reason} ({ERROR})"
+        return (Refusal(name, "accuracy", reason, ERROR),)
+
+
+def _inertia(case: Situation) -> _Inertia:
+    """Return what leaving inertia out costs."""
+    return _Inertia(case, *vibration.left_out(case), *vibration.statics_error(case))
 
 
 def _willing(rung: Rung) -> bool:
     return not rung.refusals and not math.isnan(rung.error)
 
 
-def _rungs(name: str, case: Situation, inertia: tuple[float, str] = (0.0, "")) -> Iterator[Rung]:
-    """Give the rungs of one mechanics, one for each mesh; one alone where it is not able.
-
-    inertia: the error of all but `modal` that leaving it out causes, and its reason.
-    """
-    if name == MODAL:
-        inertia = (0.0, "")
+def _rungs(name: str, case: Situation, inertia: _Inertia) -> Iterator[Rung]:
+    """Give the rungs of one mechanics, one for each mesh; one alone where it is not able."""
     meshed = MECHANICS[name].meshed
     for each in case.meshes if meshed else (case,):
         refusals = ladder.get(name).refuse(each)
@@ -153,12 +171,17 @@ def _rung(
     candidate: Candidate,
     case: Situation,
     refusals: tuple[Refusal, ...],
-    inertia: tuple[float, str],
+    inertia: _Inertia,
 ) -> Rung:
     """Look up cost and error of one candidate, with refusals where they exceed those of `ask`."""
     name = candidate.mechanics
     mechanics, ask = ladder.get(name), case.ask
     seconds, (error, evidence) = mechanics.cost(case), mechanics.error(case)
+    left_out = () if name == MODAL else inertia.refusals(name)
+    whole = error
+    if name != MODAL:
+        whole, evidence = math.hypot(error, inertia.error), evidence + inertia.evidence
+        error = whole if error <= ask.rel_error < whole and inertia.avoidable else error
     if math.isnan(error):
         refusals = (*refusals, Refusal(name, "accuracy", f"its error here is {evidence}"))
     elif math.isinf(error):
@@ -166,9 +189,8 @@ def _rung(
     elif error > ask.rel_error:
         reason = f"expected relative error = {beyond(error, ask.rel_error)} ({ERROR})"
         refusals = (*refusals, Refusal(name, "accuracy", reason, ERROR))
-    if inertia[1]:
-        error = max(error, inertia[0])
-        refusals = (*refusals, Refusal(name, "accuracy", f"{inertia[1]} ({ERROR})", ERROR))
+    error = max(whole, inertia.vibration) if left_out else whole
+    refusals = (*refusals, *left_out)
     if ask.seconds is not None and seconds > ask.seconds:
         reason = f"expected time = {beyond(seconds, ask.seconds, ' s')} ({SECONDS})"
         refusals = (*refusals, Refusal(name, "time", reason, SECONDS))

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from fefinger.results.records import ResultRecord
 from fefinger.scene.finger import origin_notes
-from fefinger.scene.inertia import jump, quasistatic
+from fefinger.scene.inertia import coarse_samples, jump, quasistatic
 from fefinger.support.interrupt import shielded
 from fefinger.support.outputs import output_folder
 from fefinger.support.provenance import software
@@ -54,7 +54,7 @@ class Result(ResultRecord):
         is of another one, and on motions that are too fast for statics. Strain that was computed
         for the spikes alone is left out.
         """
-        notes = origin_notes(scene.finger) + jump(scene.motion)
+        notes = origin_notes(scene.finger) + jump(scene.motion) + coarse_samples(scene.motion)
         if not response.inertia:
             notes += quasistatic(scene, response.time, response.depth)
         strain = response.strain if scene.ask.strain else None

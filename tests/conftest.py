@@ -81,7 +81,7 @@ def operators(kept: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture(scope="session")
 def stride_far() -> Callable[[pytest.MonkeyPatch], None]:
-    """Return what makes `solid` take six steps to a peak instead of 24."""
+    """Return a patch with which `solid` takes six steps to a peak instead of 24."""
 
     def patch(patched: pytest.MonkeyPatch) -> None:
         patched.setattr(load_steps, "BY_DISTANCE", 2)
@@ -322,7 +322,7 @@ def saved(synthetic: Result, monkeypatch: pytest.MonkeyPatch) -> Result:
 
 @pytest.fixture
 def unsound(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
-    """Return what makes LAPACK's inverse of a block not a number in some precisions."""
+    """Return a patch with which LAPACK's inverse of a block is nan in some precisions."""
 
     def fail(*precisions: type) -> None:
         sound = multifrontal_single.get_lapack_funcs

@@ -44,7 +44,7 @@ def rung(name, *, seconds, error, refusals=()):
     )
 
 
-UNABLE = Refusal("lumped", "ability", "strain: asked, but it gives none")
+UNABLE = Refusal("lumped", "ability", "strain: requested, but it gives none")
 THIN = Refusal("hertz", "accuracy", "contact radius / tissue thickness = 0.9 > 0.1")
 LADDER = {
     "lumped": rung("lumped", seconds=1e-5, error=0.01, refusals=(UNABLE,)),
@@ -184,7 +184,7 @@ def test_when_nobody_answers_the_ladder_is_shown_with_what_to_relax():
     with pytest.raises(InputError) as caught:
         plan.explain(scene(rel_error=0.01, seconds=50))
     message = str(caught.value)
-    assert "ability: strain: asked, but it gives none" in message
+    assert "ability: strain: requested, but it gives none" in message
     assert "accuracy: contact radius / tissue thickness = 0.9 > 0.1" in message
     assert "accuracy: expected relative error = 0.03 > 0.01 (ask.rel_error)" in message
     assert "time: expected time = 60 s > 50 s (ask.seconds)" in message
@@ -287,8 +287,8 @@ def test_a_scene_that_all_refuse_names_first_what_runs_it_all_the_same():
 
 def test_refusals_that_differ_in_the_field_or_the_mesh_alone_are_written_once():
     written = plan_text.ladder(plan.explain(published.load("flat-press")).rungs)
-    assert written.count("it gives force and depth alone") == 1
-    assert "ability: ask.pressure, ask.strain, ask.fields, ask.spikes: asked, but" in written
+    assert written.count("it gives only force and depth") == 1
+    assert "ability: ask.pressure, ask.strain, ask.fields, ask.spikes: requested, but" in written
     changed = {"finger.tissue": "calibrated_ah", "finger.skin.thickness": 1.2}
     other = builtin.load("flat-press", changed)  # no error of small strain is known of it
     assert "as on the standard mesh" in plan_text.ladder(plan.explain(other).rungs)

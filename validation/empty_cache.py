@@ -11,10 +11,17 @@ VARIABLE = "XDG_CACHE_HOME"
 
 
 @contextmanager
-def empty_cache() -> Iterator[Path]:
-    """Let this process, and those it starts, have their caches in an empty folder: yield it."""
+def empty_cache(*shared: Path) -> Iterator[Path]:
+    """Let this process, and those it starts, have their caches in an empty folder: yield it.
+
+    `shared` files and folders of the user's cache are in it too.
+    """
     before = os.environ.get(VARIABLE)
     with TemporaryDirectory() as folder:
+        for path in shared:
+            link = Path(folder, "fefinger", path.name)
+            link.parent.mkdir(exist_ok=True)
+            link.symlink_to(path)
         os.environ[VARIABLE] = folder
         try:
             yield Path(folder)

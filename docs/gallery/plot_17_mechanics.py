@@ -14,6 +14,7 @@ import numpy as np
 
 import fefinger as ff
 from fefinger.results.candidate import MECHANICS
+from fefinger.support.text import duration, percent
 
 
 report = json.loads((Path(fefinger.reports.__path__[0]) / "held-out.json").read_text())
@@ -36,5 +37,7 @@ plt.show()
 # %%
 # What the planner expects for one scene.
 for rung in ff.explain("flat-press").rungs:
-    reason = rung.refusals[0].reason[:60] if rung.refusals else "good enough"
-    print(f"{rung.candidate.label:20} {100 * rung.error:6.1f} %  {rung.seconds:8.2f} s  {reason}")
+    reason = rung.refusals[0].reason[:40] if rung.refusals else "good enough"
+    print(
+        f"{rung.candidate.label:19}{percent(rung.error):>6} {duration(rung.seconds):>8}  {reason}"
+    )

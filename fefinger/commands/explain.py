@@ -26,10 +26,11 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     from fefinger.results.candidate import MECHANICS
     from fefinger.scene import builtin
     from fefinger.scene.finger import origin_notes
-    from fefinger.scene.inertia import jump
+    from fefinger.scene.inertia import coarse_samples, jump
 
     loaded = builtin.load(scene, builtin.settings(changes))
-    for sentence in (*origin_notes(loaded.finger), *jump(loaded.motion)):
+    warnings = (*jump(loaded.motion), *coarse_samples(loaded.motion))
+    for sentence in (*origin_notes(loaded.finger), *warnings):
         click.echo(sentence, err=True)
     chosen = plan.explain(loaded)
     if not MECHANICS[chosen.mechanics].inertia:

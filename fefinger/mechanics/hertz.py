@@ -30,7 +30,7 @@ from fefinger.support.units import NEWTON_PER_MILLINEWTON
 name = "hertz"
 
 THIN = 0.1
-"""Contact radius over the thickness of the tissue, beyond which the bone is felt."""
+"""Contact radius over the thickness of the tissue, beyond which the bone matters."""
 
 SHAPES = "the contact is that of a plate, sphere or ellipsoid"
 
@@ -106,7 +106,7 @@ class HalfSpace:
 
         strain = np.zeros((len(depth), len(r), 4))
         for row, reached in zip(strain, depth, strict=True):
-            # Deeper nodes are those of a force that has crept for longer than it was held.
+            # Deeper nodes belong to creep beyond the time that the force was held.
             if 0 < reached <= self.relative_radius:
                 field = Hertz(self.relative_radius, float(reached), self.modulus, self.poisson)
                 row[:] = field.strain(r, z).T
@@ -163,7 +163,7 @@ def lacking(case: Situation) -> list[Doubt]:
     if case.indenter.hertzian is None:
         unable.append(Doubt("indenter", f"indenter.kind = {case.indenter.kind!r}: {SHAPES}"))
     elif axisymmetric.touch(case.finger, case.indenter) is None:
-        reason = "indenter.at: it lies beyond the sphere that stands for the pad"
+        reason = "indenter.at: it lies beyond the sphere that replaces the pad"
         unable.append(Doubt("indenter.at", reason))
     return unable
 
@@ -272,7 +272,7 @@ def doubts_of_place(case: Situation) -> list[Doubt]:
     doubts = []
     if case.finger.surface is not None:
         radius = f"{case.finger.pad_radius:g} mm"
-        reason = f"finger.surface: the scan is left out; pad_radius = {radius} stands for it"
+        reason = f"finger.surface: the scan is left out; a pad of pad_radius = {radius} replaces it"
         doubts.append(Doubt("finger.surface", reason))
     flat = case.indenter.flat
     if flat is not None:

@@ -11,7 +11,7 @@ from fefinger.mechanics.evidence.press_mesh import UNKNOWN
 from fefinger.mechanics.evidence.stated_errors import is_measured, measured, without_press
 from fefinger.mechanics.press import proximal_cut
 from fefinger.mechanics.press.discretization import refinement_location
-from fefinger.mechanics.press.notes import apart, hard
+from fefinger.mechanics.press.notes import apart, hard, rocked
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -54,7 +54,8 @@ LAW = "neo-hookean"
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return why it should not answer: it can do every scene, less well at large strain."""
-    unable = (*apart(case.finger), *case.too_long, *unmeshable(case))
+    turns = rocked(case.motion, case.indenter)
+    unable = (*apart(case.finger), *turns, *case.too_long, *unmeshable(case))
     if unable:
         return refusals(name, "ability", unable)
     doubts = [*too_small(case), *too_soft(case.finger), *unmeasured(case.finger)]

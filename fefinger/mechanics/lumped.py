@@ -135,7 +135,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 def _beyond(ask: Ask) -> list[Doubt]:
     """Return the requested outputs other than force."""
     return [
-        Doubt(f"ask.{each}", f"ask.{each}: asked, but it gives force and depth alone")
+        Doubt(f"ask.{each}", f"ask.{each}: requested, but it gives only force and depth")
         for each in ("pressure", "strain", "fields", "spikes")
         if getattr(ask, each)
     ]

@@ -140,3 +140,13 @@ class Situation:
     def deepest(self, press: str) -> float:
         """Return the largest depth over thickness, by a press of the trade-off."""
         return self.depth_over_thickness(tradeoff.forces()[press])
+
+    @cached_property
+    def among_neighbors(self) -> float | None:
+        """Largest depth over thickness by the presses of the trade-off next to the scene.
+
+        None where none is, or the tissue is another one and bears another force.
+        """
+        if not (self.neighbors and self.measured_tissue):
+            return None
+        return max(map(self.deepest, self.neighbors))

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import reports, solid_cost
 from fefinger.mechanics.evidence.stated_errors import measured
-from fefinger.mechanics.press import dragged, proximal_cut
-from fefinger.mechanics.press.notes import hard
+from fefinger.mechanics.press import proximal_cut
+from fefinger.mechanics.press.notes import hard, out_of_plane
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -51,7 +51,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
     """Return why finite strain should not answer a scene, in the name of a mechanics."""
-    sliding = dragged.unable(case.motion, case.indenter)
+    sliding = out_of_plane(case.motion, case.indenter)
     unable = [*sliding, *case.too_long, *linear.unmeshable(case)]
     if unable:
         return refusals(mechanics, "ability", unable)

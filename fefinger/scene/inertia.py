@@ -4,8 +4,8 @@ Only `modal` has inertia. For the others this is a warning after the answer, whe
 also under force control; beforehand the planner compares the measured error of statics
 (`mechanics/evidence/vibration.py`) with `ask.rel_error`. The relative error is
 1 / cos(2 pi f h / c) - 1 for a layer of thickness h whose surface moves at the frequency f, with c
-the speed of shear waves, and about (v / c)² for a body moved at the speed v. The limits here keep
-both below 5 %.
+the speed of shear waves at that frequency, and about (v / c)² for a body moved at the speed v, with
+that of relaxed tissue. The limits here keep both below 5 %.
 """
 
 import math
@@ -28,18 +28,33 @@ DENSITY = 1e-6
 FAST = 0.22
 """Limit of indenter speed over shear wave speed: 0.22² is an error of 5 %."""
 
+SAMPLED = 10.0
+"""Samples per cycle below which straight lines between them change the force by more than 2 %."""
+
+FAINT = 0.01
+"""Swing over the peak below which a vibration is noise of a record."""
+
 QUICK = 0.05
 """Limit of frequency x thickness / shear wave speed: 1 / cos(2 pi 0.05) - 1 is 5 %."""
 
 
-def wave_speed(finger: "Finger") -> float:
-    """Return the speed in mm/s of shear waves in relaxed subcutaneous tissue, the slowest layer.
+def wave_speed(finger: "Finger", frequency: float = 0.0) -> float:
+    """Return the speed in mm/s of shear waves of a frequency in Hz in subcutaneous tissue.
 
-    sqrt(G / density) with G = E / (2 (1 + nu)): 3.39 m/s for E = 34 kPa and nu = 0.48. The kPa are
-    1e3 kg / (m s²), or kg / (mm s²).
+    The slowest layer: sqrt(G / density) with G = E / (2 (1 + nu)), 3.39 m/s for relaxed tissue of
+    E = 34 kPa and nu = 0.48. The kPa are 1e3 kg / (m s²), or kg / (mm s²).
     """
     tissue = finger.subcutaneous
-    return math.sqrt(tissue.modulus / (2 * (1 + tissue.poisson)) / DENSITY)
+    shear = tissue.modulus * abs(modulus(finger, frequency)) / (2 * (1 + tissue.poisson))
+    return math.sqrt(shear / DENSITY)
+
+
+def modulus(finger: "Finger", frequency: float) -> complex:
+    """Return the complex modulus at a frequency in Hz over that of relaxed tissue."""
+    relaxed, *decaying = finger.prony.weights
+    omega = 2j * math.pi * frequency
+    terms = zip(decaying, finger.prony.v, strict=True)
+    return 1.0 + sum(weight / relaxed * omega / (omega + rate) for weight, rate in terms)
 
 
 def jump(motion: "Motion") -> tuple[str, ...]:
@@ -50,6 +65,19 @@ def jump(motion: "Motion") -> tuple[str, ...]:
     return (
         f"Warning: the motion starts at {start:.3g} {motion.unit}, which the indenter reaches in a "
         "jump; start the motion from 0.",
+    )
+
+
+def coarse_samples(motion: "Motion") -> tuple[str, ...]:
+    """Warning if a motion vibrates with few samples per cycle, which straight lines distort."""
+    frequency, rate = motion.highest_frequency, motion.sample_rate
+    if frequency is None or rate is None or rate >= SAMPLED * frequency:
+        return ()
+    if motion.swing < FAINT * motion.peak:
+        return ()
+    return (
+        f"Warning: the motion has {rate / frequency:.2g} samples per cycle of {frequency:.3g} Hz, "
+        f"joined by straight lines; take {SAMPLED:g} or more.",
     )
 
 
@@ -69,11 +97,11 @@ def quasistatic(scene: "Scene", time: Array, depth: Array) -> tuple[str, ...]:
             f"speed / wave speed = {1e-3 * speed:.3g} / {1e-3 * wave:.3g} m/s = "
             f"{speed / wave:.2g} > {FAST:g}"
         )
-    thick = frequency * scene.finger.pulp
-    if thick > QUICK * wave:
+    thick, stiffer = frequency * scene.finger.pulp, wave_speed(scene.finger, frequency)
+    if thick > QUICK * stiffer:
         exceeded.append(
             f"frequency x thickness / wave speed = {frequency:g} Hz x {scene.finger.pulp:.3g} mm / "
-            f"{1e-3 * wave:.3g} m/s = {thick / wave:.2g} > {QUICK:g}"
+            f"{1e-3 * stiffer:.3g} m/s = {thick / stiffer:.2g} > {QUICK:g}"
         )
     if not exceeded:
         return ()

@@ -61,6 +61,8 @@ TEXTS = {
     "approach": "Speed in mm/s, or rate in N/s, of the press before the slide",
     "motion.x": "Places in mm along x",
     "motion.y": "Places in mm along y",
+    "motion.angle": "Angles in degrees of a smooth plate that turns, as of indenter.angle",
+    "motion.tilt": "Tilts in degrees of a smooth plate that turns, as of indenter.tilt",
     "motion.start": "First frequency in Hz",
     "motion.stop": "Last frequency in Hz",
     "held": "Rest in s at the preload before the sine, in which units adapt",

@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fefinger.scene.indenter import Inclined
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
@@ -98,6 +99,18 @@ class Motion(ABC):
         """Store fields while a frozen motion is made."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
+
+    @property
+    def rocks(self) -> bool:
+        """Whether a plate turns on its path."""
+        return False
+
+    def inclines(self, t: ArrayLike, plate: Inclined) -> Array:
+        """Return the slopes (..., 2) of a plate that turns, over the plane across its travel.
+
+        It moves along the normal of `plate`, and is level where it has the angles of that.
+        """
+        return np.zeros((*np.shape(t), 2))
 
     def heading(self, t: ArrayLike) -> Array:
         """Return the direction (..., 2) in which a plate slides, shorter where it is not at speed.
@@ -192,6 +205,16 @@ class Motion(ABC):
         value = self.trajectory.value(t)
         # No prescribed force is below 0 N, but a ramp back to 0 may round to one.
         return np.maximum(value, 0.0) if self.control == "force" else value
+
+    def vibration(self, t: ArrayLike) -> Array:
+        """Return the part of the value that vibrates about its slow course, at the times `t` in s.
+
+        In mm or N; 0 in a motion without a vibration.
+        """
+        wave, at = self.trajectory.wave, np.asarray(t, float)
+        if wave is None:
+            return np.zeros_like(at)
+        return wave.value(np.clip(at, 0.0, self.trajectory.duration))
 
     def rate(self, t: ArrayLike) -> Array:
         """Return the speed in mm/s or the rate in N/s at the times `t` in s."""

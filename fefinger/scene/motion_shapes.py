@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fefinger.scene.motion import LIMITS, Motion
 from fefinger.scene.trajectory import Sweep, Trajectory, Wave
@@ -31,7 +32,10 @@ UNEVEN = 1e-3
 LEFT_OUT = 1e-2
 """Share of the power of the speed beyond the highest frequency of samples."""
 
-WAVE_OPTIONS = ("amplitude", "preload", "settle")
+WAVE_NEEDS = ("amplitude", "preload")
+"""Fields that a WAV file needs: its full scale, and what it vibrates about."""
+
+WAVE_OPTIONS = (*WAVE_NEEDS, "settle")
 """Options of a motion from a WAV file; the last has a default."""
 
 SETTLE = 0.2
@@ -260,14 +264,27 @@ class SampledMotion(Motion):
     @property
     def swing(self) -> float:
         """Largest distance of the samples from their mean over two cycles."""
+        vibrating = self._vibrating
+        return self.peak if vibrating is None else float(np.abs(vibrating).max())
+
+    def vibration(self, t: ArrayLike) -> Array:
+        """Return the distance of the samples from their mean over two cycles, at times `t` in s."""
+        vibrating = self._vibrating
+        if vibrating is None:
+            return super().vibration(t)
+        return np.asarray(np.interp(np.asarray(t, float), self.time, vibrating))
+
+    @cached_property
+    def _vibrating(self) -> Array | None:
+        """Distance of the samples from their mean over two cycles; None of uneven samples."""
         highest, rate = self.highest_frequency, self.sample_rate
         if highest is None or rate is None:
-            return self.peak
+            return None
         values = np.array(getattr(self, self.control))
         count = min(len(values), 2 * int(rate / highest) + 1)
         padded = np.pad(values, (count // 2, count - 1 - count // 2), mode="edge")
         mean = np.convolve(padded, np.full(count, 1 / count), mode="valid")
-        return float(np.abs(values - mean).max())
+        return np.asarray(values - mean)
 
     @property
     def steady_level(self) -> float:
@@ -327,9 +344,9 @@ class SampledMotion(Motion):
         """Read a motion from a CSV file, or from a WAV file with the `options` of `from_wav`."""
         if Path(file).suffix.lower() == ".wav":
             reject_unknown("motion", options, WAVE_OPTIONS)
-            for name in WAVE_OPTIONS[:2]:
+            for name in WAVE_NEEDS:
                 if name not in options:
-                    msg = f"motion.{name}: missing; a WAV file needs amplitude and preload"
+                    msg = f"motion.{name}: missing; a WAV file needs {' and '.join(WAVE_NEEDS)}"
                     raise InputError(msg)
             return cls.from_wav(file, **options)
         reject_unknown("motion", options, ("corner",))

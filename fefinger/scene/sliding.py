@@ -4,7 +4,7 @@ A shape is abstract, as in `motion_shapes.py`; `motions.py` has the final classe
 lie in the plane across the travel: x distal, y radial, those of a plate before its `roll`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -12,11 +12,17 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fefinger.geometry.profiles import frame
+from fefinger.scene.indenter import ANGLES, TILTS, Inclined, Plate, direction
 from fefinger.scene.motion_shapes import RampMotion, SampledMotion, rest_limit
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, numbers
-from fefinger.support.csv_columns import read_columns
+from fefinger.support.checks import InputError, number, numbers
+from fefinger.support.csv_columns import read_columns, read_table
+
+
+TURNS = {"angle": ANGLES, "tilt": TILTS}
+"""Angles of a plate that a path may have, with their ranges in degrees."""
 
 
 class SlideMotion(RampMotion):
@@ -117,26 +123,37 @@ class SlideMotion(RampMotion):
 
 @dataclass(frozen=True)
 class SampledPathMotion(SampledMotion):
-    """Times in s from 0 on, columns x and y in mm, and one named as `control`; lines between."""
+    """Times in s from 0 on, columns x and y in mm, and one named as `control`; lines between.
+
+    `angle` and `tilt` in degrees, where given, are those of a plate that turns about the point of
+    first touch, which travels along the normal of the angles of the indenter.
+    """
 
     slides = True
 
     x: tuple[float, ...]
     y: tuple[float, ...]
+    angle: tuple[float, ...] | None = field(default=None, kw_only=True)
+    tilt: tuple[float, ...] | None = field(default=None, kw_only=True)
 
     @cached_property
     def paths(self) -> tuple[Trajectory, ...]:
-        """Those of x and of y."""
-        x, y = (
-            Trajectory.through(self.time, each, corner=self.corner, stop=False)
-            for each in (self.x, self.y)
-        )
-        return x, y
+        """Those of x and of y, and of the angles that are given."""
+        return (self._through(self.x), self._through(self.y), *self._turns.values())
+
+    @cached_property
+    def _turns(self) -> dict[str, Trajectory]:
+        """Trajectories in degrees of the angles that are given."""
+        given = {"angle": self.angle, "tilt": self.tilt}
+        return {name: self._through(each) for name, each in given.items() if each is not None}
+
+    def _through(self, values: tuple[float, ...]) -> Trajectory:
+        return Trajectory.through(self.time, values, corner=self.corner, stop=False)
 
     @cached_property
     def trajectory(self) -> Trajectory:
         """The lines of depth or force; InputError for times or values that are none of a motion."""
-        for name in ("x", "y"):
+        for name in self._columns:
             count = len(getattr(self, name))
             if count != len(self.time):
                 msg = (
@@ -146,31 +163,70 @@ class SampledPathMotion(SampledMotion):
                 raise InputError(msg)
         values = getattr(self, self.control)
         self._check_samples(self.control, values)
-        return Trajectory.through(self.time, values, corner=self.corner, stop=False)
+        return self._through(values)
+
+    @property
+    def _columns(self) -> tuple[str, ...]:
+        """Names of the columns beside time, and depth or force."""
+        return ("x", "y", *(name for name in TURNS if getattr(self, name) is not None))
 
     def _check_fields(self) -> dict[str, Any]:
         super()._check_fields()
-        for name in ("x", "y"):
-            self._set(**{name: numbers(f"motion.{name}", getattr(self, name), unit="mm")})
+        for name in self._columns:
+            unit = "degrees" if name in TURNS else "mm"
+            values = numbers(f"motion.{name}", getattr(self, name), unit=unit)
+            if name in TURNS:
+                for value in values:
+                    low, high = TURNS[name]
+                    number(f"motion.{name}", value, at_least=low, at_most=high, unit=unit)
+            self._set(**{name: values})
         return {}
+
+    @property
+    def rocks(self) -> bool:
+        """Whether the plate has angles of its path."""
+        return bool(self._turns)
+
+    def inclines(self, t: ArrayLike, plate: Inclined) -> Array:
+        """Return the slopes (..., 2) of the plate at the times `t` in s over that across `plate`.
+
+        A plane with the normal n rises by -(n . a) / (n . travel) along a vector a across it; the
+        slope of its distance from the skin is the opposite.
+        """
+        times = np.asarray(t, dtype=np.float64)
+        still = {"angle": plate.angle, "tilt": plate.tilt}
+        angle, tilt = (
+            self._turns[name].value(times) if name in self._turns else np.full(times.shape, value)
+            for name, value in still.items()
+        )
+        plates = zip(angle.ravel().tolist(), tilt.ravel().tolist(), strict=True)
+        normals = np.array([direction(Plate(*each)) for each in plates])
+        local = normals @ frame(direction(plate)).T
+        return (local[:, :2] / local[:, 2:]).reshape(*times.shape, 2)
 
     def shift(self, t: ArrayLike) -> Array:
         """Return the place (..., 2) mm of the object at the times `t` in s."""
-        return np.stack([each.value(t) for each in self.paths], axis=-1)
+        return np.stack([each.value(t) for each in self.paths[:2]], axis=-1)
 
     def velocity(self, t: ArrayLike) -> Array:
         """Return the velocity (..., 2) mm/s of the object at the times `t` in s."""
-        return np.stack([each.rate(t) for each in self.paths], axis=-1)
+        return np.stack([each.rate(t) for each in self.paths[:2]], axis=-1)
 
     @property
     def mirrored(self) -> bool:
         """Whether the object stays in the medial plane."""
-        return not any(self.y)
+        return not any(self.y) and not any(self.tilt or ())
 
     @classmethod
     def from_csv(cls, file: str | Path, *, corner: float = 0.0) -> Self:
-        """Read the columns time (s), x, y (mm) and depth (mm) or force (N)."""
-        names = ("time", "x", "y", cls.control)
+        """Read the columns time (s), x, y (mm) and depth (mm) or force (N).
+
+        They may be followed by angle, tilt or both (degrees).
+        """
+        wanted = ("time", "x", "y", cls.control)
+        header = [cell.lower() for cell in read_table("motion.file", Path(file)).header]
+        turns = [name for name in TURNS if any(cell.startswith(name) for cell in header)]
+        names = (*wanted, *turns)
         columns = read_columns("motion.file", Path(file), names)
         given: dict[str, Any] = dict(zip(names, columns, strict=True)) | {"corner": corner}
         return cls(**given)

@@ -150,12 +150,12 @@ def receptive_field(
             "larger spacing or a smaller reach"
         )
         raise InputError(msg)
-    asked = _with_units(builtin.given(scene), choices("kinds", kinds, TYPES), branched, seed)
+    prepared = _with_units(builtin.given(scene), choices("kinds", kinds, TYPES), branched, seed)
     lines = spacing * np.arange(-count, count + 1)
     places = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
-    aside = _moved(asked, ASIDE)
+    aside = _moved(prepared, ASIDE)
     plan = choose(aside, mechanics or cheapest(aside, len(places)))
-    press = partial(_pressed, asked, plan)
+    press = partial(_pressed, prepared, plan)
     response, _ = press(np.zeros(2))
     impulses, on, left_out = [], np.ones(len(places), bool), []
     for i, place in enumerate(places):
@@ -170,15 +170,15 @@ def receptive_field(
     assert sites is not None
     organs = {
         kind: sites.points[[each == kind for each in sites.types]][:, :2]
-        for kind in asked.ask.spikes
+        for kind in prepared.ask.spikes
     }
     return ReceptiveField(
-        asked.ask.spikes,
+        prepared.ask.spikes,
         places[on],
         np.array(impulses, np.int64),
         spacing,
         organs,
-        asked.name,
+        prepared.name,
         plan.mechanics,
         tuple(left_out),
     )

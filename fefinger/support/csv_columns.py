@@ -14,7 +14,10 @@ from fefinger.support.checks import InputError
 from fefinger.support.outputs import unreadable
 
 
-UNITS = {"time": "s", "depth": "mm", "force": "N", "x": "mm", "y": "mm", "height": "mm"}
+UNITS = {"time": "s", "depth": "mm", "force": "N", "x": "mm", "y": "mm", "height": "mm"} | {
+    "angle": "degrees",
+    "tilt": "degrees",
+}
 
 SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
 """Separators other than commas that a file may have by mistake, with their names."""

@@ -17,7 +17,7 @@ def read_wave(name: str, file: Path) -> tuple[int, Array]:
     Raises
     ------
     InputError
-        No WAV file, or one without samples; `name` is the field that names it.
+        No WAV file, or one that is silent; `name` is the field that names it.
     """
     from scipy.io import wavfile
 
@@ -41,5 +41,8 @@ def read_wave(name: str, file: Path) -> tuple[int, Array]:
         wave = first.astype(np.float64) / -float(np.iinfo(first.dtype).min)
     if not (np.isfinite(wave).all() and np.abs(wave).max() <= 1.0):
         message = f"{name}: expected samples from -1 to 1, received others in {str(file)!r}"
+        raise InputError(message)
+    if not wave.any():
+        message = f"{name}: expected a WAV file with sound, received {str(file)!r}, which is silent"
         raise InputError(message)
     return int(rate), wave

@@ -82,7 +82,7 @@ def scan_lines(result: ResultRecord) -> Any:
     assert trains is not None
     kinds = of_each(trains.types)
     with style():
-        drawn = figure(WIDE, 0.6 + 1.6 * len(kinds))
+        drawn = figure(WIDE, 0.6 + 1.8 * len(kinds))
         axes = drawn.subplots(len(kinds), 1, sharex=True, squeeze=False)[:, 0]
         for axis, (kind, which) in zip(axes, kinds.items(), strict=True):
             for line, units in lines(result, which).items():
@@ -91,7 +91,9 @@ def scan_lines(result: ResultRecord) -> Any:
             edges, rate = rates(result, which)
             axis.stairs(rate, edges, color=COLORS.get(kind, INK), lw=1.8, label="all")
             axis.set_ylabel(f"{kind}\nrate / Hz")
-            axis.legend(ncols=LINES + 1, fontsize=7, loc="upper right")
+            # Above the axes: rates reach the top of them all along the path.
+            place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "borderaxespad": 0.0}
+            axis.legend(ncols=LINES + 1, fontsize=7, **place)
         axes[-1].set_xlabel("place along the path on the object / mm")
         return drawn
 

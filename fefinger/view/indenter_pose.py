@@ -89,7 +89,12 @@ def pose(result: ResultRecord, depth: float, time: float | None = None) -> Pose:
         return first._replace(profile=Plane()) if first.profile.level else first
     shift = result.lateral.shift
     moved = np.array([np.interp(time, result.time, shift[:, k]) for k in (0, 1)])
-    return first._replace(origin=first.origin + moved @ frame(first.axis)[:2])
+    across, motion = frame(first.axis)[:2], result.scene.motion
+    here, plate = first._replace(origin=first.origin + moved @ across), result.scene.indenter.flat
+    if plate is None or not motion.rocks:
+        return here
+    normal = first.axis + motion.inclines(time, plate) @ across
+    return here._replace(axis=normal / np.linalg.norm(normal))
 
 
 def _first(result: ResultRecord, depth: float) -> Pose:

@@ -28,7 +28,7 @@ def shares(radius, deepest):
 
 
 def read(a2):
-    """Return what the array feels (64,) of Hertz's pressure of 1 N on a circle of area pi a2."""
+    """Return the readings (64,) under Hertz's pressure of 1 N on a circle of area pi a2."""
     peak = 1.5e3 / (np.pi * a2)
     r = np.hypot(*ArraySensor().positions.T)
     return blurred(lambda s: peak * np.sqrt(np.maximum(1 - s**2 / a2, 0)), np.sqrt(a2), r)

@@ -94,7 +94,7 @@ def test_anything_beyond_force_is_beyond_it(what):
     asked = scene(ask=replace(FORCE_ONLY, **{what: True}))
     (refusal,) = lumped.refuse(Situation.of(asked))
     assert refusal.about == "ability"
-    assert refusal.reason == f"ask.{what}: asked, but it gives force and depth alone"
+    assert refusal.reason == f"ask.{what}: requested, but it gives only force and depth"
     assert ff.explain(asked).mechanics == "pressed"
 
 
@@ -106,7 +106,7 @@ def test_spikes_are_beyond_it():
 OTHER = "finger: of other size or tissue than those whose law was identified; that of Table 2.1, "
 
 DOUBTS = [
-    ({"indenter": ff.Sphere(radius=1.5)}, "indenter = sphere: it was measured with a flat plate"),
+    ({"indenter": ff.Sphere(radius=0.8)}, "indenter = sphere: it was measured with a flat plate"),
     ({"indenter": ff.Flat(angle=30, tilt=40)}, "indenter.angle, tilt = 30, 40 degrees: it was"),
     ({"finger": ff.Finger(14, 10, pad_radius=13, tissue="maeno1998")}, f"{OTHER}means, is taken"),
     (

@@ -7,7 +7,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from fefinger.validation.waves.preload import Preloaded, modulus
+from fefinger.validation.waves.preload import Preloaded
 
 import fefinger as ff
 from fefinger.mechanics import condensed, modal, pressed
@@ -15,6 +15,7 @@ from fefinger.mechanics.evidence import vibration
 from fefinger.mechanics.press.modal_steps import RINGING, modal_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import builtin
+from fefinger.scene.inertia import coarse_samples
 from fefinger.support.checks import InputError
 
 
@@ -248,6 +249,9 @@ def test_samples_too_coarse_for_their_band_are_doubted() -> None:
     coarse = scene(ff.Sampled(tuple(time.tolist()), tuple(depth.tolist())))
     reasons = [refusal.reason for refusal in modal.refuse(Situation.of(coarse))]
     assert any("sample the motion more finely" in reason for reason in reasons)
+    (warning,) = coarse_samples(coarse.motion)
+    assert "5.3 samples per cycle of 188 Hz" in warning
+    assert coarse_samples(ff.Sampled(tuple(time.tolist()), tuple(np.full(400, 0.5)))) == ()
 
 
 def test_steps_are_short_while_the_finger_moves_and_rings_and_long_in_a_rest() -> None:
@@ -296,6 +300,11 @@ def test_a_wave_file_is_a_vibration_about_a_preload(tmp_path: Path) -> None:
     (tmp_path / "no.wav").write_bytes(b"hello")
     with pytest.raises(InputError, match="expected a WAV file"):
         ff.Sampled.from_file(tmp_path / "no.wav", amplitude=0.1, preload=1.0)
+    with pytest.raises(InputError, match=r"motion\.amplitude: missing"):
+        ff.Sampled.from_file(tmp_path / "hum.wav", preload=1.0)
+    (tmp_path / "silent.wav").write_bytes(head + bytes(len(data)))
+    with pytest.raises(InputError, match="which is silent"):
+        ff.Sampled.from_file(tmp_path / "silent.wav", amplitude=0.1, preload=1.0)
 
 
 @pytest.mark.parametrize(
@@ -330,7 +339,6 @@ def test_stiffening_tissue_vibrates_as_solid_linearized_about_its_preload() -> N
     prepared = Preloaded.of(finger, 1.0)
     frequency = np.array([100.0])
     share = vibration.geometric_share(1.0 / finger.thickness)
-    factor = prepared.factor * (1 + share * (1 - 1 / abs(modulus(finger, frequency)[0])))
     exact = prepared.exact(finger, frequency)
-    assert prepared.linear(finger, frequency, factor) == pytest.approx(exact, rel=0.1)
+    assert prepared.linear(finger, frequency, share) == pytest.approx(exact, rel=0.05)
     assert sum(prepared.statics) == pytest.approx(prepared.secant(1e-3), rel=1e-4)

@@ -318,3 +318,17 @@ def test_a_vibration_is_whole_cycles_about_a_preload_that_was_held():
     assert motion.value([start - 1, start, start + quarter]) == pytest.approx([0.5, 0.5, 0.6])
     assert Vibration(0.5, amplitude=0.1, frequency=0.2).duration == pytest.approx(120 + 5, abs=0.1)
     assert RampHold(60, 1.5, hold=0.1).recorded_from == 0
+
+
+def test_the_vibration_of_a_motion_is_what_swings_about_its_slow_course() -> None:
+    shaped = RampSinusoid(20, 1.0, amplitude=0.05, frequency=100, cycles=10, settle=0.2)
+    time = np.linspace(0, shaped.duration, 2001)
+    slow = shaped.value(time) - shaped.vibration(time)
+    assert slow[time > 0.1] == pytest.approx(1.0, abs=1e-9)
+    assert np.abs(shaped.vibration(time)).max() == pytest.approx(0.05, rel=1e-2)
+    assert not RampHold(20, 1.0, hold=1).vibration(time).any()
+    samples = np.arange(4000) / 4000
+    depth = 1.0 + 0.05 * np.sin(2 * np.pi * 100 * samples)
+    sampled = Sampled(tuple(samples.tolist()), tuple(depth.tolist()))
+    middle = samples[400:-400]
+    assert sampled.vibration(middle) == pytest.approx(depth[400:-400] - 1.0, abs=5e-3)

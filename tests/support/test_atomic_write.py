@@ -104,7 +104,7 @@ def test_a_table_of_a_fit_without_room_takes_its_record_along(monkeypatch, press
 
 @pytest.fixture(scope="module")
 def study():
-    """Return what answers two scenes by a force law."""
+    """Return a function that answers two scenes by a force law."""
     lean = {"ask.spikes": [], "ask.pressure": False, "ask.strain": False, "motion.hold": 0.05}
     grid = {"motion.depth": (0.2, 0.4)}
     return lambda **more: ff.study(

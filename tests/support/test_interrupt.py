@@ -173,7 +173,7 @@ PATIENCE = 60.0
 
 
 def soon(what):
-    """Return what a function gives once it no longer raises an OSError."""
+    """Call a function until it raises no OSError, and return its value."""
     end = time.monotonic() + PATIENCE
     while True:
         try:

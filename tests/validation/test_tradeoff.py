@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from fefinger.validation.evidence import press_mesh
 from fefinger.validation.tradeoff import errors as tradeoff_errors
 from fefinger.validation.tradeoff import held_out
 from fefinger.validation.tradeoff import motion as tradeoff_motion
@@ -16,6 +17,8 @@ from fefinger.validation.tradeoff.study import front
 from scipy.spatial import Delaunay
 
 from fefinger.mechanics import hertz
+from fefinger.mechanics.evidence import reports
+from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.results.records import Pad
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -80,6 +83,57 @@ def test_two_meshes_give_the_limit_of_errors_of_second_order():
     meshes = [pressed(1 + 40 * n ** (-2 / 3)) for n in cells]
     best = tradeoff_errors.limit(*meshes, cells[1] / cells[0])
     np.testing.assert_allclose(best.force, pressed().force, rtol=1e-12)
+
+
+def test_of_area_and_strain_the_error_is_the_largest_at_the_depths_about() -> None:
+    bump = pressed().area.copy()
+    bump[3] *= 1.5  # at 0.4 mm
+    found = press_mesh.apart(replace(pressed(), area=bump), pressed())
+    near = np.abs(np.log(pressed().depth / 0.4)) <= np.log(press_mesh.ABOUT) + 1e-9
+    np.testing.assert_allclose(found["area"], np.where(near, 0.5, 0.0), atol=1e-12)
+    assert found["force"].max() == found["strain"].max() == 0.0
+
+
+def test_before_there_is_contact_an_error_is_all_of_it() -> None:
+    late = replace(pressed(), force=np.where(pressed().depth < 0.25, 0.0, pressed().force))
+    found = press_mesh.apart(pressed(), late)["force"]
+    np.testing.assert_array_equal(found[:2], 1.0)
+
+
+@pytest.mark.parametrize("truth", [1.0, 0.4])
+def test_what_is_left_on_a_mesh_is_recovered_from_errors_of_second_order(truth) -> None:
+    facets = {mesh: reports.FACETS[mesh] for mesh in ("coarse", "standard", "fine")}
+    meshes = {mesh: truth * (1 + 0.1 * h**2) for mesh, h in facets.items()}
+    for coarser, finer in (("coarse", "standard"), ("standard", "fine")):
+        left = tradeoff_errors.left_on(coarser, finer)
+        assert left * (meshes[coarser] - meshes[finer]) == pytest.approx(meshes[finer] - truth)
+    assert press_mesh.FINE == pytest.approx((meshes["fine"] - truth) / (meshes["standard"] - truth))
+
+
+@pytest.mark.parametrize(("changed", "held"), [(0.001, False), (0.2, True)])
+def test_a_mesh_errs_by_no_less_than_a_third_mesh_changes_it(changed, held) -> None:
+    measurement = press_mesh.MEASUREMENTS["maeno1998/bar"]
+    presses = {"coarse": pressed(1.1), "standard": pressed()}
+    fine = {"part": [0.0, 1.0]} | {what: [changed, changed] for what in STATED}
+    row = press_mesh.judge(measurement, presses, {}, fine)
+    by_order = 0.1 * tradeoff_errors.left_on("coarse", "standard")
+    known = changed if held else by_order
+    np.testing.assert_allclose(row["errors"]["solid standard"]["force"], known, rtol=1e-3)
+    np.testing.assert_allclose(row["errors"]["solid coarse"]["force"], 0.1 + known, rtol=1e-3)
+    np.testing.assert_allclose(row["errors"]["solid standard"]["area"], changed, rtol=1e-3)
+    np.testing.assert_allclose(row["depth_mm"], pressed().depth, rtol=1e-3)
+
+
+def test_what_the_third_mesh_changes_is_given_over_the_depth_over_the_thickness() -> None:
+    found = press_mesh.third([pressed(1.1), pressed()], 10.0)
+    np.testing.assert_allclose(found["part"], pressed().depth / 10.0, rtol=1e-3)
+    np.testing.assert_allclose(found["force"], 0.1, rtol=1e-3)
+
+
+def test_every_object_has_a_third_mesh_of_its_own_or_of_one_like_it() -> None:
+    objects = set(press_mesh.OBJECTS) - set(press_mesh.ALIKE)
+    assert set(press_mesh.ALIKE.values()) <= objects
+    assert set(press_mesh.ALIKE) <= set(press_mesh.OBJECTS)
 
 
 def test_what_is_identified_is_what_was_put_in():

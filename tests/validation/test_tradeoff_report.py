@@ -48,7 +48,7 @@ def on(indenter, depth, resolution="standard"):
 
 
 def stated_of(label, scene, quantity="force"):
-    """Return what is stated of a candidate, given by its label in the report."""
+    """Return the stated error of a candidate, given by its label in the report."""
     return stated(Candidate.of(label), Situation.of(scene), quantity)
 
 

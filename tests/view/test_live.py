@@ -18,6 +18,7 @@ from fefinger.view.live_window import Window, watch
 
 
 FINGER = Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
+SCRIPT = shows.SCRIPT
 SHORT = ((0.0, 0.0, 25.0), (0.06, 0.6, 25.0), (0.12, 0.6, 20.0))
 
 
@@ -102,3 +103,14 @@ def test_what_cannot_be_shown_gets_a_sentence(
         monkeypatch.delenv(display, raising=False)
     with pytest.raises(InputError, match=r"[Rr]ecord with -o FILE\.gif"):
         watch(FINGER)
+
+
+@pytest.mark.parametrize("subject", ["a.h.", "d.p.", "d.s.", "p.w."])
+def test_the_script_stays_within_the_contact_of_every_subject(
+    monkeypatch: pytest.MonkeyPatch, subject: str
+) -> None:
+    monkeypatch.setattr(shows, "SCRIPT", SCRIPT)
+    monkeypatch.setattr(shows, "DT", 0.01)
+    frames = list(Show(Finger.subject(subject, resolution="coarse")).frames())
+    assert frames[-1].steps == 361
+    assert max(frame.depth for frame in frames) == pytest.approx(1.0)

@@ -25,7 +25,7 @@ def shifted(half: Fields) -> Fields:
 
 
 def volume(points: Array, triangles: Integers) -> float:
-    """Return what closed outward surfaces enclose, by the divergence theorem."""
+    """Volume inside closed outward surfaces, by the divergence theorem."""
     a, b, c = points[triangles].transpose(1, 0, 2)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 

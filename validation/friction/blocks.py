@@ -29,11 +29,11 @@ RELAXING = Prony((0.4, 0.35, 0.25), (20.0, 1.5))
 class Plate:
     """A plane over the vertex, as a `Travel`."""
 
-    def gap(self, shift: Array) -> tuple[Array, Flags]:
+    def gap(self, shift: Array, incline: Array | None) -> tuple[Array, Flags]:
         """Return the weighted gap (1,) at any place, and no rim."""
         return np.zeros(1), np.zeros(1, dtype=bool)
 
-    def push(self, shift: Array, pressure: Array) -> Array:
+    def push(self, shift: Array, pressure: Array, incline: Array | None) -> Array:
         """Return no force (2,): nothing is inclined."""
         return np.zeros(2)
 

@@ -85,7 +85,7 @@ class Comparison:
 
 
 def against_recorded(kind: str) -> Comparison:
-    """Return how the rates of a type compare, the recorded ones read between their spacings."""
+    """Compare the rates of a type with recorded ones, interpolated over spacing."""
     places, rates = recorded()[kind]
     known, found = np.interp(SPACINGS, places, rates), computed()[kind]
     both = np.corrcoef(known, found)[0, 1] if np.ptp(found) > 0 else 0.0

@@ -34,7 +34,7 @@ def respond(indenter: Indenter, motion: Motion, finger: Finger = FINGER) -> Resp
 
 
 def lateral(response: Response) -> Lateral:
-    """Return what a response has of path and friction."""
+    """Path, lateral force and friction of a response."""
     assert response.lateral is not None
     return response.lateral
 

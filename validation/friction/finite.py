@@ -59,7 +59,7 @@ def onset_ratio() -> float:
 
 
 def reaction_error() -> float:
-    """Return what the bone bears less P (axis + mu s), over P, after a deep slide."""
+    """Force on the bone less P (axis + mu s), over P, after a deep slide."""
     press = Press.of(
         scene(DEEP, MU), finite_strain.FINITE_STRAIN, Stages(None), mechanics="solid", notes=()
     )

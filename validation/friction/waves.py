@@ -39,12 +39,12 @@ class Wave:
         """Area in mm² of a node, of a strip 1 mm wide."""
         return LENGTH / NODES
 
-    def gap(self, shift: Array) -> tuple[Array, Flags]:
+    def gap(self, shift: Array, incline: Array | None) -> tuple[Array, Flags]:
         """Return the weighted gaps (n,) at a place (2,) mm, and no rim."""
         heights = HEIGHT * (1 - np.cos(self.number * (self.places - shift[0])))
         return self.share * heights, np.zeros(NODES, dtype=bool)
 
-    def push(self, shift: Array, pressure: Array) -> Array:
+    def push(self, shift: Array, pressure: Array, incline: Array | None) -> Array:
         """Return the force (2,) mN of pressures on the inclined heights."""
         slope = HEIGHT * self.number * np.sin(self.number * (self.places - shift[0]))
         return np.array([self.share * float(pressure @ slope), 0.0])

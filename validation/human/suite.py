@@ -131,7 +131,7 @@ def of_profile(force: str, key: str) -> float:
 
 
 def asymmetry(force: str) -> Noted:
-    """Return how much further contact goes to the proximal side than to the distal one."""
+    """Return the proximal reach of the contact over its distal reach."""
     row = read(REPORT)["held"][force]
     text = f"{row['proximal_mm']:g} mm proximal, {row['distal_mm']:g} mm distal of first touch"
     return Noted(row["proximal_mm"] / row["distal_mm"], text)

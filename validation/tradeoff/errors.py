@@ -11,6 +11,7 @@ from fefinger.validation.evidence.linear import ORDER
 from fefinger.validation.tradeoff import runs, scenes
 from fefinger.validation.tradeoff.runs import DEPTHS, Run
 
+from fefinger.mechanics.evidence.reports import FACETS
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.results.pressure import peaks
 from fefinger.results.records import Response
@@ -139,6 +140,14 @@ def converged(name: str, mechanics: str = "solid") -> Converged:
 def left(sizes: list[float]) -> float:
     """Return the error of a mesh over what it changes of another, given the unknowns of both."""
     return 1 / ((sizes[1] / sizes[0]) ** (ORDER / 3) - 1)
+
+
+def left_on(coarser: str, finer: str) -> float:
+    """Return the error of a mesh over what it changes of a coarser one, by the facets of the pad.
+
+    Meshes are graded: facets shrink faster than the unknowns grow, and contact is on the facets.
+    """
+    return 1 / ((FACETS[coarser] / FACETS[finer]) ** ORDER - 1)
 
 
 def mesh_errors(pressed: Press | None, limit_: Converged) -> dict[str, Array]:

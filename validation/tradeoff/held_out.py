@@ -1,7 +1,7 @@
 """Scenes that the rules were not derived from: what the planner picks, and what would have done.
 
 Every candidate answers every scene. The truth is `solid`, run through the scene on the coarse and
-the standard mesh: its force is extrapolated, with errors of order 2 in the size of the cells; of
+the standard mesh: its force is extrapolated, with errors of order 2 in the facets of the pad; of
 all else the standard mesh is taken, and what is left of its error is added to that of a candidate.
 Run as `python -m fefinger.validation.tradeoff.held_out reports`; some forty minutes on one core.
 Scenes that are in the report already are not run again, but judged again; so are the scenes of
@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff import scenes
-from fefinger.validation.tradeoff.errors import left
-from fefinger.validation.tradeoff.runs import empty_cache
+from fefinger.validation.tradeoff.errors import left_on
+from fefinger.validation.tradeoff.runs import only_meshes
 
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence.tradeoff import STATED
@@ -74,7 +74,7 @@ class Answer(NamedTuple):
 
 
 def answers(scene: Scene) -> dict[str, Answer]:
-    """Return what every candidate answers that is able to."""
+    """Answers of all candidates that are able to answer."""
     found = {}
     for label in CANDIDATES:
         candidate = Candidate.of(label)
@@ -85,7 +85,7 @@ def answers(scene: Scene) -> dict[str, Answer]:
         able = own if candidate.mechanics != "lumped" else asked
         if any(each.about == "ability" for each in mechanics.refuse(Situation.of(able))):
             continue
-        with suppress(InputError, ConvergenceError), empty_cache():
+        with suppress(InputError, ConvergenceError), only_meshes():
             started = time.process_time()
             response = mechanics.respond(able)
             found[label] = Answer(response, time.process_time() - started)
@@ -101,7 +101,7 @@ def actual(found: Mapping[str, Response]) -> dict[str, dict[str, float]]:
     if not {"solid coarse", "solid standard"} <= found.keys():
         return {}
     rough, fine = found["solid coarse"], found["solid standard"]
-    size = left([rough.numbers["unknowns"], fine.numbers["unknowns"]])
+    size = left_on("coarse", "standard")
     quantities = {name: _through_time(fine, name) for name in STATED}
     coarse = {name: _through_time(rough, name) for name in STATED}
     force = quantities["force"] + size * (quantities["force"] - coarse["force"])
@@ -149,7 +149,7 @@ def judge(
     """
     taken = taken or {}
     rows: dict[str, dict[str, Any]] = {}
-    with empty_cache():
+    with only_meshes():
         ladder = rungs(scene)
     for rung in ladder:
         name = rung.candidate.label
@@ -245,7 +245,7 @@ def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
 
 
 def _timed(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
-    """Return how expected and taken times compare, where candidates were timed."""
+    """Return the share of cheap choices, and expected over taken times, where they were timed."""
     ratios = [each["taken_ratio"] for each in judged.values() if each.get("taken_ratio")]
     if not ratios:
         return {}
@@ -359,7 +359,8 @@ def developed(report: Mapping[str, Any]) -> dict[str, Any]:
 
 def _put(path: Path, report: dict[str, Any]) -> None:
     with moved(path) as new:
-        new.write_text(json.dumps(finite(report)) + "\n", encoding="utf-8")
+        text = json.dumps(finite(report), separators=(",", ":"))
+        new.write_text(text + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

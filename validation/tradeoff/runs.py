@@ -5,20 +5,19 @@ campaign that was stopped goes on where it was.
 """
 
 import hashlib
-import os
 import resource
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from fefinger.validation.empty_cache import empty_cache
 from fefinger.validation.tradeoff import scenes
 from numpy.typing import NDArray
 
@@ -159,27 +158,15 @@ def _at_first(run: Run) -> Iterator[None]:
     if MECHANICS[run.mechanics].meshed:
         with suppress(InputError):  # the run itself says so
             load_or_build(finger, half=True, touch=None if run.mechanics == "condensed" else touch)
-    with empty_cache():
+    with only_meshes():
         yield
 
 
-@contextmanager
-def empty_cache() -> Iterator[None]:
+def only_meshes() -> AbstractContextManager[Path]:
     """Let the cache have meshes and the speed of the machine alone."""
-    (cache.root() / "meshes").mkdir(parents=True, exist_ok=True)
-    with TemporaryDirectory() as folder:
-        alone = Path(folder) / "fefinger"
-        alone.mkdir()
-        for each in (cache.root() / "meshes", machine.kept_path()):
-            (alone / each.name).symlink_to(each)
-        before = os.environ.get("XDG_CACHE_HOME")
-        os.environ["XDG_CACHE_HOME"] = folder
-        try:
-            yield
-        finally:
-            os.environ.pop("XDG_CACHE_HOME")
-            if before is not None:
-                os.environ["XDG_CACHE_HOME"] = before
+    meshes = cache.root() / "meshes"
+    meshes.mkdir(parents=True, exist_ok=True)
+    return empty_cache(meshes, machine.kept_path())
 
 
 def _arrays(response: Response, pressed: bool) -> dict[str, Any]:

@@ -45,32 +45,6 @@ BASE = {
 }
 """Presses that the planner's rules are derived from."""
 
-GRATING = Grating(5.0, 2.4, 0.6)
-
-DEVELOPMENT: dict[str, tuple[Finger, Indenter, float]] = {
-    name: (finger, indenter, part * finger.thickness)
-    for name, finger, indenter, part in (
-        ("published, plate", Finger.subject("a.h.", tissue=library.PUBLISHED), Flat(20), 0.15),
-        ("published, ball", Finger.subject("a.h.", tissue=library.PUBLISHED), Sphere(7), 0.18),
-        ("published, d.s.", Finger.subject("d.s.", tissue=library.PUBLISHED), Flat(30), 0.17),
-        ("published, bar", Finger.subject("a.h.", tissue=library.PUBLISHED), Bar(2.6, 1.2), 0.1),
-        ("published, steep", Finger.subject("a.h.", tissue=library.PUBLISHED), Flat(52), 0.14),
-        ("plate", Finger.subject("a.h."), Flat(22), 0.18),
-        ("d.s., steep", Finger.subject("d.s."), Flat(37), 0.16),
-        ("p.w., ball", Finger.subject("p.w."), Sphere(6), 0.16),
-        ("another finger", Finger(15.0, 12.0), Flat(30), 0.15),
-        ("small ball", Finger.subject("a.h."), Sphere(3), 0.12),
-        ("grating", Finger.subject("a.h."), Grating(5.0, 2.4, 0.6, angle=20.0), 0.13),
-        ("bar", Finger.subject("d.p."), Bar(3.0, 1.5), 0.1),
-        ("cylinder", Finger.subject("a.h."), Cylinder(6.0, roll=90.0), 0.14),
-        ("published, grating", Finger.subject("a.h.", tissue=library.PUBLISHED), GRATING, 0.12),
-    )
-}
-"""Fingers, objects and largest depths in mm of the scenes of development.
-
-They were held out first; the present rules were chosen when their answers were known.
-"""
-
 MOTIONS: dict[str, tuple[str, Motion]] = {
     "flat-0 fast": ("flat-0", RampHold(60, 0.8, hold=1.0)),
     "flat-30 fast, deep": ("flat-30", RampHold(60, 1.5, hold=1.0)),
@@ -82,9 +56,10 @@ MOTIONS: dict[str, tuple[str, Motion]] = {
 }
 """Base scenes: which press each is of, and its motion. The sinusoid unloads to first touch."""
 
-N_DEVELOPMENT, DEVELOPMENT_SEED = 32, 30
+N_DEVELOPMENT, DEVELOPMENT_SEED = 21, 31
+"""Scenes that were held out until the present rules were chosen."""
 
-N_HELD_OUT, SEED = 21, 31
+N_HELD_OUT, SEED = 23, 32
 
 OBJECTS = (
     *("plate", "ball", "plate", "bar", "plate", "ball", "plate", "grating"),
@@ -131,25 +106,16 @@ def base(name: str, resolution: str = "standard") -> Scene:
 
 
 def development() -> dict[str, Scene]:
-    """Return the scenes of development: depth, speed, motion, tolerance and quantities by chance.
-
-    Depths are 15 to 95 % of that of DEVELOPMENT, speeds 1 to 100 mm/s.
-    """
-    rng = np.random.default_rng(DEVELOPMENT_SEED)
-    names, scenes = list(DEVELOPMENT), {}
-    for number in range(N_DEVELOPMENT):
-        name = names[number % len(names)]
-        finger, indenter, deepest = DEVELOPMENT[name]
-        key = f"{number:02d} {name}"
-        scenes[key] = _drawn(rng, f"development {number:02d}, {name}", finger, indenter, deepest)
-    return scenes
+    """Return the scenes of development, drawn as the held-out ones."""
+    return held_out(N_DEVELOPMENT, DEVELOPMENT_SEED)
 
 
 def held_out(count: int = N_HELD_OUT, seed: int = SEED) -> dict[str, Scene]:
-    """Return the held-out scenes: finger and object by chance too, within what was measured.
+    """Return the held-out scenes: finger, object, depth, speed, motion and tolerance by chance.
 
-    Every other finger has published tissue; the others are those that were calibrated, or of any
-    size with the tissue of the means.
+    All are within what was measured: depths are 15 to 95 % of DEEPEST, speeds 1 to 100 mm/s. Every
+    other finger has published tissue; the others are those that were calibrated, or of any size
+    with the tissue of the means.
     """
     rng = np.random.default_rng(seed)
     scenes = {}

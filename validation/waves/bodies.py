@@ -7,7 +7,7 @@ import numpy as np
 from fefinger.validation.problems.grids import box, octant, quarter
 from scipy import optimize, sparse, special
 
-from fefinger.fem.contact.oscillators import Oscillators, complex_modulus
+from fefinger.fem.contact.oscillators import complex_modulus
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.mass import mass
 from fefinger.fem.elements.spaces import Space, trace
@@ -236,8 +236,3 @@ def half_space_exact(frequency: float) -> complex:
     # Beyond, the kernel is static, (1 - nu) / x, and j1² is 1 / (pi x) on the mean.
     tail = (1 - PULP.poisson) / (2 * np.pi * DISC * edges[-1] ** 2)
     return complex(2 / shear * (total + tail))
-
-
-def oscillator(frequency: float = 100.0) -> Oscillators:
-    """One mode, by its relaxed frequency in Hz."""
-    return Oscillators.of(np.array([(2 * np.pi * frequency) ** 2]), WEIGHTS, RATES)

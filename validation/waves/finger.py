@@ -5,21 +5,23 @@ from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected, Noted
-from fefinger.validation.waves import loops, preload
+from fefinger.validation.waves import lateral, loops, preload
 from scipy import sparse
 
 from fefinger.fem.contact.closed_contact import ClosedContact
 from fefinger.fem.elements.mass import mass
 from fefinger.fem.modes import modes_of
+from fefinger.mechanics import modal, pressed, solid
 from fefinger.mechanics.evidence import vibration
 from fefinger.mechanics.press.mode_store import PER_CUBIC_METER, finger_modes
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.realtime.modal import Modal
 from fefinger.mechanics.situation import Situation
 from fefinger.results.harmonic import Complex, Harmonic
+from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat, Sphere
-from fefinger.scene.motions import FrequencySweep
+from fefinger.scene.motions import FrequencySweep, RampSinusoid
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 
@@ -29,6 +31,9 @@ VISCOUS = "maeno1998_viscous"
 MANY = 900  # modes of the reference
 HELD_OUT_PART = 0.08
 """Preload over the thickness at which the stated errors of stiffening tissue are tried."""
+
+SLOW = 20.0
+"""Hz at which inertia changes nothing."""
 
 BAND = np.linspace(50.0, 450.0, 17)
 """Hz in which stated errors are compared."""
@@ -113,13 +118,9 @@ def preload_error(kind: str) -> Noted:
     pressed = prepared.press.finger
     other = pressed if kind == "published" else preload.viscous(pressed)
     frequency = np.array([60.0, 120.0, 200.0])
-    share = vibration.geometric_share(HELD_OUT_PART)
-    factors = prepared.factor * (1 + share * (1 - 1 / np.abs(preload.modulus(other, frequency))))
-    answers = [
-        prepared.linear(other, frequency[k : k + 1], factor)[0] for k, factor in enumerate(factors)
-    ]
+    answer = prepared.linear(other, frequency, vibration.geometric_share(HELD_OUT_PART))
     still = np.abs(prepared.still(other, frequency))
-    errors = np.abs(np.array(answers) - prepared.exact(other, frequency)) / still
+    errors = np.abs(answer - prepared.exact(other, frequency)) / still
     stated = np.array([_stated(other, prepared.depth, each) for each in frequency])
     text = ", ".join(
         f"{100 * error:.2g} % of {100 * limit:.2g} % at {each:g} Hz"
@@ -128,10 +129,30 @@ def preload_error(kind: str) -> Noted:
     return Noted(float((errors / stated).max()), text)
 
 
+def through_time() -> Noted:
+    """Return the error of a slow vibration through time, peak to peak, over what is stated."""
+    held_out = Finger.subject("d.s.", resolution="coarse")
+    depth = HELD_OUT_PART * held_out.thickness
+    motion = RampSinusoid(20.0, depth, amplitude=0.02, frequency=SLOW, cycles=3, settle=1.0)
+    ask = Ask(pressure=False, strain=False, fields=False)
+    scene = Scene(finger=held_out, motion=motion, ask=ask)
+    swings = []
+    for mechanics in (solid, modal, pressed):
+        answer = mechanics.respond(scene)
+        last = answer.time > motion.duration - 1 / SLOW
+        swings.append(float(np.ptp(answer.force[last])))
+    stated = vibration.vibration_error(Situation.of(scene))
+    with_share, without = (swing / swings[0] - 1 for swing in swings[1:])
+    text = (
+        f"{100 * with_share:.2g} % of {100 * stated:.2g} %; `pressed` alone {100 * without:.2g} %"
+    )
+    return Noted(abs(with_share) / stated, text)
+
+
 def _stated(finger: Finger, depth: float, frequency: float) -> float:
     """Return the stated error of the harmonic answer at a frequency about a depth."""
     motion = FrequencySweep(depth, amplitude=0.01, start=0.5 * frequency, stop=frequency)
-    return vibration.vibration_error(Situation.of(Scene(finger=finger, motion=motion)), "harmonic")
+    return vibration.vibration_error(Situation.of(Scene(finger=finger, motion=motion)))
 
 
 @cache
@@ -148,27 +169,19 @@ def answer(tissue: str, force: float) -> Harmonic:
 
 
 def modes_below(frequency: float) -> float:
-    """Return how many modes the whole free finger has below a frequency in Hz, relaxed."""
+    """Count the modes of the whole free finger below a frequency in Hz, relaxed."""
     whole = loops.finger(MESH)
     return float(np.sum(finger_modes(whole, operator(whole, half=False)).frequencies < frequency))
 
 
-def lowest_mode() -> float:
-    """Return the lowest frequency in Hz of half the free finger, relaxed."""
-    return float(finger(loops.TISSUE).frequencies[0])
-
-
-def stiffness_at(tissue: str, force: float, frequency: float) -> float:
-    """Return the real dynamic stiffness in N/mm at a preload in N and a frequency in Hz."""
+def slope(tissue: str, force: float) -> Noted:
+    """Return the slope in dB per decade of the impedance along the normal from 30 to 200 Hz."""
     found = answer(tissue, force)
-    return float(np.interp(frequency, found.frequency, found.stiffness.real))
-
-
-def damping_at(tissue: str, force: float, frequency: float) -> float:
-    """Return the loss over the angular frequency in N s/m."""
-    found = answer(tissue, force)
-    loss = found.stiffness.imag / (2 * np.pi * found.frequency)
-    return float(1e3 * np.interp(frequency, found.frequency, loss))
+    chosen = (found.frequency >= 30) & (found.frequency <= 200)
+    decibel = 20 * np.log10(np.abs(found.impedance[chosen]))
+    fall = float(np.polyfit(np.log10(found.frequency[chosen]), decibel, 1)[0])
+    at = {f: np.interp(f, found.frequency, np.abs(found.impedance)) for f in (30.0, 100.0, 200.0)}
+    return Noted(fall, ", ".join(f"{value:.3g} N s/m at {f:g} Hz" for f, value in at.items()))
 
 
 def impedance_phase(tissue: str, force: float, frequency: float) -> float:
@@ -212,17 +225,58 @@ def speed_noted(tissue: str) -> Noted:
 def phase_rise(tissue: str) -> Noted:
     """Return by how many degrees the phase of the impedance rises from 30 to 200 Hz at 0.5 N."""
     at = {f: impedance_phase(tissue, 0.5, f) for f in (10.0, 30.0, 100.0, 200.0, 300.0)}
-    text = ", ".join(f"{phase:.0f} degrees at {f:g} Hz" for f, phase in at.items())
-    return Noted(at[200.0] - at[30.0], text)
+    still = massless_phase(tissue, np.array(list(at)))
+    each = zip(at.items(), still, strict=True)
+    text = ", ".join(f"{f:g} Hz: {phase:.0f} ({other:.0f})" for (f, phase), other in each)
+    return Noted(at[200.0] - at[30.0], f"phase in degrees (without mass): {text}")
 
 
-LATERAL = "the published one is of lateral motion, and its digits are quoted from memory"
+def massless_phase(tissue: str, frequency: Array) -> Array:
+    """Return the phase (n_f,) in degrees of the impedance of a finger without mass."""
+    made = finger(tissue).finger
+    return np.degrees(np.angle(preload.modulus(made, frequency))) - 90.0
+
+
+def massless_rise(tissue: str) -> float:
+    """Return by how many degrees that phase rises from 30 to 200 Hz."""
+    return float(np.diff(massless_phase(tissue, np.array([30.0, 200.0])))[0])
+
 
 SPEED = (
     "a pad of 5 mm over bone carries no wave below some 300 Hz (wave speed over four thicknesses): "
     "beyond the contact the skin moves in phase and dies out within mm, so that the phase speed is "
     "that of no wave; shear waves in this tissue run at 6 m/s in the pulp and 10 m/s in the skin"
 )
+
+
+def _along_the_skin() -> Iterator[Case]:
+    """Yield the impedance at 200 Hz of a finger that sticks to a plate, by magnitude and phase."""
+    for force in (0.2, 0.5, 1.0):
+        yield Case(
+            f"impedance along the skin at 200 Hz over the published one, preload {force:g} N, "
+            f"{VISCOUS}",
+            partial(lateral.magnitude, VISCOUS, force),
+            Expected.between(*lateral.RANGE, "1"),
+            WIERTLEWSKI,
+            reason="the range of the people at 0.5 N over the fit",
+        )
+        yield Case(
+            f"phase of the impedance along the skin at 200 Hz less the published one, preload "
+            f"{force:g} N, {VISCOUS}",
+            partial(lateral.phase, VISCOUS, force),
+            Expected(0.0, 15.0, "degrees"),
+            WIERTLEWSKI,
+            reason="110 to 230 mg turn it by 5 degrees, people by 2, slow relaxation by 8",
+        )
+    yield Case(
+        f"phase of the impedance along the skin at 200 Hz less the published one, preload 0.5 N, "
+        f"{loops.TISSUE}",
+        partial(lateral.phase, loops.TISSUE, 0.5),
+        Expected(-56.0, 3.0, "degrees"),
+        WIERTLEWSKI,
+        wanted=0.0,
+        shortfall="published relaxation ends at 36 Hz: at 200 Hz nothing is lost",
+    )
 
 
 def verdicts() -> Iterator[Case]:
@@ -233,33 +287,28 @@ def verdicts() -> Iterator[Case]:
         Expected(7.0, 0.0, "1"),
         "Serhat and Kuchenbecker (2021), Appl. Sci. 11:5709: seven, finite elements",
     )
-    for force, found in ((0.2, 1.27), (0.5, 1.85), (1.0, 2.50)):
-        yield Case(
-            f"stiffness at 20 Hz, preload {force:g} N, maeno1998",
-            partial(stiffness_at, loops.TISSUE, force, 20.0),
-            Expected(found, 0.03 * found, "N/mm"),
-            WIERTLEWSKI,
-            wanted=1.0,
-            shortfall=f"published moduli are taken as relaxed ones; {LATERAL}",
-        )
-    for tissue, found, why in (
-        (loops.TISSUE, 0.2, "its relaxation ends at 36 Hz: nothing is lost at 200 Hz"),
-        (
-            VISCOUS,
-            2.78,
-            "its branch has the published ratio of loss to stiffness, and this finger "
-            "has 2.7 times the published stiffness",
-        ),
+    yield from _along_the_skin()
+    for tissue, found, shortfall in (
+        (loops.TISSUE, -19.0, ""),
+        (VISCOUS, -12.0, "the branch was identified along the skin, where the stiffness rises"),
     ):
         yield Case(
-            f"loss over angular frequency at 200 Hz, preload 0.5 N, {tissue}",
-            partial(damping_at, tissue, 0.5, 200.0),
-            Expected(found, 0.05 * found, "N s/m"),
-            WIERTLEWSKI,
-            wanted=1.0,
-            shortfall=f"{why}; {LATERAL}",
+            f"slope of the impedance along the normal from 30 to 200 Hz, preload 1 N, {tissue}",
+            partial(slope, tissue, 1.0),
+            Expected(found, 2.0, "dB/decade"),
+            "the source thesis, section 2.3: Thompson et al., 16 subjects, 0.5 to 5.6 N (Fig. 2-7)",
+            wanted=-20.0 if shortfall else None,
+            shortfall=shortfall,
         )
     source = "the source thesis, section 2.3: measured phases rise above 30 Hz (its Fig. 2-9)"
+    yield Case(
+        f"rise of the phase of the impedance from 30 to 200 Hz without mass, {loops.TISSUE}",
+        partial(massless_rise, loops.TISSUE),
+        Expected(-12.0, 0.6, "degrees"),
+        source,
+        wanted=5.0,
+        shortfall="the model of the source: the discrepancy between its Figs 2-8 and 2-9",
+    )
     yield Case(
         f"rise of the phase of the impedance from 30 to 200 Hz, {loops.TISSUE}",
         partial(phase_rise, loops.TISSUE),
@@ -267,7 +316,7 @@ def verdicts() -> Iterator[Case]:
         source,
         wanted=5.0,
         shortfall=(
-            "inertia alone does not explain it: the phase falls as in the model without mass (-12 "
+            "inertia alone does not explain it: the phase falls as in the model without mass (-14 "
             "degrees) up to 200 Hz, and rises beyond, where the finger resonates"
         ),
     )
@@ -278,7 +327,7 @@ def verdicts() -> Iterator[Case]:
         source,
         reason="that it rises; how far was not read",
     )
-    for tissue, found in ((loops.TISSUE, 30.1), (VISCOUS, 18.7)):
+    for tissue, found in ((loops.TISSUE, 30.1), (VISCOUS, 20.9)):
         yield Case(
             f"phase speed along the pad at 300 Hz, {tissue}",
             partial(speed_noted, tissue),
@@ -289,5 +338,8 @@ def verdicts() -> Iterator[Case]:
         )
 
 
-WIERTLEWSKI = "Wiertlewski and Hayward (2012), quoted from memory: about 1 N/mm and 1 N s/m"
+WIERTLEWSKI = (
+    "Wiertlewski and Hayward (2012): 1.48 P^0.35 N/mm, 1.78 P^0.35 N s/m, 110 to 230 mg at P in N; "
+    "seven people"
+)
 MANFREDI = "Manfredi et al. (2012): plateau of some 7 m/s"

@@ -29,6 +29,7 @@ from fefinger.mechanics.press.harmonic import Vibrating, about
 from fefinger.mechanics.press.modal_press import operator_of
 from fefinger.mechanics.press.modal_response import stiffening
 from fefinger.mechanics.press.mode_store import PER_CUBIC_METER, finger_modes
+from fefinger.mechanics.press.preload_relaxation import about_preload
 from fefinger.mechanics.press.problem import Press
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -181,13 +182,16 @@ class Preloaded:
         """Static stiffness over that of the linear finger."""
         return stiffening(self._linear, self.table, self.depth)
 
-    def linear(self, finger: Finger, frequency: Array, factor: float) -> Complex:
-        """Dynamic stiffness (n_f,) in N/mm of the linear finger with `factor` times the moduli."""
+    def linear(self, finger: Finger, frequency: Array, share: float) -> Complex:
+        """Dynamic stiffness (n_f,) in N/mm of the linear finger that `modal` takes.
+
+        share: stiffness of the material over the whole one, less 1.
+        """
         press = self._linear
-        solid = operator_of(press)
+        solid, finger = operator_of(press), about_preload(finger, share)
         parts = (finger, solid, finger_modes(finger, solid), press.obstacle)
         return about(
-            lambda reach: Vibrating.of(*parts, reach, None, factor),
+            lambda reach: Vibrating.of(*parts, reach, None, self.factor),
             *(self.depth, frequency),
             depth=self.depth,
         ).stiffness

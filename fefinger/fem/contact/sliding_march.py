@@ -20,8 +20,11 @@ def slide(
     prescribed: Prescribed,
     shift: Array,
     progress: Callable[[float], None] = lambda fraction: None,
+    inclines: Array | None = None,
 ) -> History:
     """Compute the contact history without friction; `shift` (n_t, 2) mm, the rest as for `march`.
+
+    inclines (n_t, 2): slopes of a plate that turns.
 
     Raises
     ------
@@ -41,11 +44,12 @@ def slide(
     slopes = np.empty((len(time), 2))
     for k, target in enumerate(prescribed.value):
         dt = float(time[k] - time[k - 1]) if k else 0.0
-        m.gap[:], rim = travel.gap(shift[k])
+        incline = None if inclines is None else inclines[k]
+        m.gap[:], rim = travel.gap(shift[k], incline)
         step_compiled.check(step_compiled.step(s, m, dt, float(target), by_force, 1.0))
         check_ahead(rim, s.x, shift[k], time[k])
         depth[k], pressure[k], elastic[k] = m.depth[0], s.x, m.elastic
-        slopes[k] = travel.push(shift[k], s.x)
+        slopes[k] = travel.push(shift[k], s.x, incline)
         progress((k + 1) / len(time))
     count = int(s.counts[contact.SOLVED])
     return History(depth, pressure, elastic, count, Sliding(shift, slopes))
@@ -60,10 +64,11 @@ def slide_with_friction(
     prescribed: Prescribed,
     shift: Array,
     progress: Callable[[float], None] = lambda fraction: None,
+    inclines: Array | None = None,
 ) -> History:
     """Compute the contact history with a flexibility (3n, 3n) and Coulomb's friction.
 
-    mu: static and kinetic coefficient.
+    mu: static and kinetic coefficient; inclines (n_t, 2): slopes of a plate that turns.
 
     Raises
     ------
@@ -85,7 +90,8 @@ def slide_with_friction(
     for k, target in enumerate(prescribed.value):
         dt = float(time[k] - time[k - 1]) if k else 0.0
         moved = shift[k] - shift[k - 1] if k else np.zeros(2)
-        grip.gap[:], rim = travel.gap(shift[k])
+        incline = None if inclines is None else inclines[k]
+        grip.gap[:], rim = travel.gap(shift[k], incline)
         bounds[k] = s.mu
         outcome = friction_step.step(
             s, m, grip, dt, float(moved[0]), float(moved[1]), float(target), by_force
@@ -93,7 +99,8 @@ def slide_with_friction(
         friction_step.check(outcome, mu[0], f"at {time[k]:.4g} s")
         check_ahead(rim, s.x[:n], shift[k], time[k])
         depth[k], x[k], elastic[k], lost[k] = m.depth[0], s.x, m.elastic, grip.lost[0]
-        slopes[k], slip[k] = travel.push(shift[k], s.x[:n]), grip.slip.reshape(2, n) / projected
+        slopes[k] = travel.push(shift[k], s.x[:n], incline)
+        slip[k] = grip.slip.reshape(2, n) / projected
         worst = max(worst, float(s.residual[0]))
         progress((k + 1) / count)
     pressure, traction = np.ascontiguousarray(x[:, :n]), x[:, n:].reshape(count, 2, n)

@@ -51,11 +51,44 @@ class Swept:
         return np.zeros(points.shape[:-1], dtype=bool)
 
 
-def envelope(obstacle: Obstacle, path: Array) -> Rigid:
+@dataclass(frozen=True)
+class Rocked:
+    """All that a plate passes over which turns on its way; a body with an `axis` and a `gap`.
+
+    shifts (k, 2) mm and inclines (k, 2): its places and slopes across its axis.
+    """
+
+    obstacle: Obstacle
+    shifts: Array
+    inclines: Array
+
+    @property
+    def axis(self) -> Array:
+        """Unit direction of travel (3,), into the body."""
+        return self.obstacle.axis
+
+    def gap(self, points: Array) -> tuple[Array, Array]:
+        """Return the least distance along the axis (...,) mm of any place, and the axis."""
+        local = (points - self.obstacle.origin) @ frame(self.axis).T
+        nearest = np.full(points.shape[:-1], np.inf)
+        for shift, incline in zip(self.shifts, self.inclines, strict=True):
+            rise = (local[..., :2] - shift) @ incline
+            nearest = np.minimum(nearest, local[..., 2] + rise)
+        return nearest, np.broadcast_to(self.axis, points.shape)
+
+    def beyond(self, points: Array) -> Flags:
+        """Return False: a plate does not end."""
+        return np.zeros(points.shape[:-1], dtype=bool)
+
+
+def envelope(obstacle: Obstacle, path: Array, inclines: Array | None = None) -> Rigid:
     """Return the union of an obstacle along a path (n, 2) mm, by which candidates are chosen.
 
-    That of a plate with a level texture is its plane.
+    That of a plate with a level texture is its plane, unless it turns to `inclines` (n, 2).
     """
+    if inclines is not None:
+        every: Array = np.unique(np.hstack([path, inclines]).round(2), axis=0)
+        return Rocked(obstacle, every[:, :2], every[:, 2:])
     if obstacle.profile.level:
         return Obstacle(obstacle.axis, obstacle.origin, Plane())
     length = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
@@ -90,13 +123,20 @@ class Heights:
         """Return where the points lie on the obstacle (n, 2) mm, moved by (2,) mm."""
         return np.asarray((self.across[chosen] - shift) @ self.turn.T)
 
-    def distance(self, shift: Array) -> Array:
-        """Return the distance along the axis (n,) mm; infinite where the obstacle is not ahead."""
+    def distance(self, shift: Array, incline: Array | None = None) -> Array:
+        """Return the distance along the axis (n,) mm; infinite where the obstacle is not ahead.
+
+        That of a plate with the slopes `incline` (2,) about its moved origin is exact.
+        """
         profile = self.obstacle.profile
+        if incline is not None:
+            return np.asarray(self.along + (self.across - shift) @ incline)
         return self.along if profile.plane else self.along + profile.rise(self.places(shift))
 
-    def distances(self, shifts: Array) -> Array:
+    def distances(self, shifts: Array, inclines: Array | None = None) -> Array:
         """Return the distance (n_t, n) mm along the axis at shifts (n_t, 2) mm, FAR for none."""
+        if inclines is not None:
+            return np.array([self.distance(*each) for each in zip(shifts, inclines, strict=True)])
         if self.obstacle.profile.plane:
             return np.broadcast_to(self.along, (len(shifts), len(self.along)))
         every = np.array([self.distance(shift) for shift in shifts])
@@ -138,13 +178,13 @@ class Travel:
         vertices = Heights.over(obstacle, space.points[on.vertices])
         return cls(Heights.over(obstacle, places), weights, vertices)
 
-    def gap(self, shift: Array) -> tuple[Array, Flags]:
+    def gap(self, shift: Array, incline: Array | None = None) -> tuple[Array, Flags]:
         """Return the weighted gaps (n,) mm³ at a place (2,) mm, and the rim (n,) of the obstacle.
 
         Where it is not ahead of all that the hat of a vertex covers, that stays out of contact; the
         vertices beside those are the rim, and those at which its shape has ended.
         """
-        distance, profile = self.over.distance(shift), self.over.obstacle.profile
+        distance, profile = self.over.distance(shift, incline), self.over.obstacle.profile
         ahead, ended = np.isfinite(distance), profile.beyond(self.vertices.places(shift))
         if ahead.all():
             return self.weights @ distance, ended
@@ -162,11 +202,13 @@ class Travel:
     def _shares(self) -> sparse.csr_matrix:
         return self.weights.T.tocsr()
 
-    def push(self, shift: Array, pressure: Array) -> Array:
+    def push(self, shift: Array, pressure: Array, incline: Array | None = None) -> Array:
         """Return the force (2,) mN of pressures (n,) kPa on inclined heights, across the axis.
 
         It is the work of the pressure in a displacement of the obstacle, whose heights then move.
         """
+        if incline is not None:
+            return np.asarray(float(self._areas @ pressure) * incline)
         if self.over.obstacle.profile.plane:
             return np.zeros(2)
         loads = self._shares @ pressure

@@ -1,1 +1,8 @@
-"""Finite strain: hyperelastic laws, kernels, equilibrium and the path of the load."""
+"""Finite strain: hyperelastic laws, elements, equilibrium in contact, and its path through time.
+
+laws.py, stress_kernels.py       the laws, and their stress and moduli at a point
+continuum.py, element_kernels.py    the body: residual and tangent of its elements
+tangent.py, newton.py            the factored tangent, and equilibrium in contact by it
+anderson.py                      acceleration of that iteration
+load_path.py                     all load steps, with the relaxing stress; `state.py`: one of them
+"""

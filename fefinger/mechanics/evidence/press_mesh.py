@@ -94,11 +94,13 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
         margins.append(_margin(_between(candidate, quantity, where[0]), depth))
     if local and _object_of(parts[0][0]) not in same(case.indenter):
         margins.append(_margin(_other_edges(candidate, quantity, case.indenter.kind), depth))
-    if not _measured_finger(candidate, case, parts):
-        margins.append(_margin(_other_fingers(candidate, quantity), depth))
-    if _carried(candidate, case):
-        margins.append(max(1 - error, 0.0) * carrying.error(case, quantity))
-    margin = math.hypot(*margins)  # of causes that do not know of each other
+    if not _measured_finger(case, parts):
+        margins.append(_margin(_other_fingers(_elsewhere(candidate, case), quantity), depth))
+    carried = carrying.error(case, quantity) if _carried(candidate, case) else 0.0
+    if case.measured_tissue:  # neither is the larger by far
+        margin = math.hypot(*margins) + math.hypot(error, carried) - error
+    else:
+        margin = math.hypot(*margins, max(1 - error, 0.0) * carried)
     pressed = " and ".join(press.press for press, _ in parts)
     source = f"reports/{PRESS_MESH}, {pressed}: {percent(error)}"
     if margin:
@@ -125,27 +127,31 @@ def stiffening(finger: Finger) -> bool:
     )
 
 
-def _measured_finger(
-    candidate: Candidate, case: Situation, presses: list[tuple[Measured, float]]
-) -> bool:
-    """Return whether all presses are of the finger of the scene.
-
-    Small strain on published tissue has no other finger in the report.
-    """
+def _measured_finger(case: Situation, presses: list[tuple[Measured, float]]) -> bool:
+    """Return whether all presses are of the finger of the scene."""
     if case.measured_tissue:
-        return case.finger.subject_name == MAIN or not MECHANICS[candidate.mechanics].finite
+        return case.finger.subject_name == MAIN
     own = reached_depth.calibrated(case.finger) and case.finger.subject_name
     return all(press.press.partition("/")[0] == own for press, _ in presses)
 
 
+def _elsewhere(candidate: Candidate, case: Situation) -> Candidate:
+    """Return the candidate whose errors on other fingers tell the margin of one.
+
+    On published tissue small strain was compared on one finger: there it is that of its mesh.
+    """
+    if case.measured_tissue and candidate.resolution is not None:
+        return Candidate("solid", candidate.resolution)
+    return candidate
+
+
 def _carried(candidate: Candidate, case: Situation) -> bool:
-    """Return whether an error is of small strain on tissue that stiffens, and of a motion.
+    """Return whether an error is of small strain, and of a motion.
 
     Not that of a law of the force, whose relaxation is compared with measured presses.
     """
-    if candidate == LAW or MECHANICS[candidate.mechanics].finite:
-        return False
-    return not case.measured_tissue and case.motion.control == "depth"
+    small = candidate != LAW and not MECHANICS[candidate.mechanics].finite
+    return small and case.motion.control == "depth"
 
 
 def _presses(
@@ -194,8 +200,13 @@ def _deep_enough(parts: list[tuple[Measured, float]]) -> bool:
 
 
 def _reached(press: Measured, case: Situation) -> float:
-    """Return the depth of a scene over the thickness, by the force of a press."""
-    force = table().presses(PRESS_MESH, "force", Candidate("solid"))[press.press]
+    """Return the depth of a scene over the thickness, by the force of presses of its tissue."""
+    if case.among_neighbors is not None:
+        return case.among_neighbors
+    forces = table().presses(PRESS_MESH, "force", Candidate("solid"))
+    force = forces[press.press]
+    if case.measured_tissue:
+        force = forces.get(f"{library.PUBLISHED}/{_object_of(press)}", force)
     return case.depth_over_thickness(force)
 
 
@@ -214,7 +225,7 @@ def _about(press: Measured, part: float) -> float:
 
 
 def _through(case: Situation, press: Measured, part: float, error: float, quantity: str) -> float:
-    """Return the error through a motion of small strain on tissue that stiffens.
+    """Return the error through a motion of small strain.
 
     What of the force is wrong grows faster with the depth than the force, and relaxation weighs
     the latest growth most: both are carried by the hereditary integral, as the force is. Highest

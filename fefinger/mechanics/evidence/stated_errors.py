@@ -142,9 +142,6 @@ def _of_mesh(candidate: Candidate, case: Situation, quantity: str) -> Known | No
     """
     if quantity == "force" or candidate.resolution is None:
         return None
-    if case.motion.control == "force" and case.neighbors:  # those presses bear another force
-        deepest = max(map(case.deepest, case.neighbors)) * case.finger.thickness
-        case = replace(case, motion=Ramp(60.0, deepest, corner=0.0))
     return press_mesh.error(Candidate("solid", candidate.resolution), case, quantity)
 
 

@@ -265,10 +265,15 @@ def _carrying(name: str) -> Iterator[Measured]:
     for scene, row in read(name)["rules"].items():
         if "refused" in row:
             continue
-        errors = row["peak"] | {"force on retreat": row["retreat"].get("force", 0.0)}
-        errors |= {"force": row["loading"].get("force", 0.0)}
+        errors = dict(row["peak"])
+        if "force" in row["loading"]:  # else the force is prescribed
+            errors["force"] = row["loading"]["force"]
+        if "force" in row["retreat"]:
+            errors["force on retreat"] = row["retreat"]["force"]
+        conditions = {"part": row["part"]}
         for quantity, error in errors.items():
-            yield _entry(name, candidate, f"error of {quantity}", scene, error)
+            what = f"error of {quantity}"
+            yield _entry(name, candidate, what, scene, error, None, conditions)
     for mesh, row in read(name)["costs"].items():
         yield from _costs(name, Candidate("pressed", mesh), row)
 

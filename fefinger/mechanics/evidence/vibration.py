@@ -25,7 +25,7 @@ from fefinger.mechanics.refusals import Doubt
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
-from fefinger.scene.inertia import wave_speed
+from fefinger.scene.inertia import SAMPLED, modulus, wave_speed
 from fefinger.support.arrays import Array
 from fefinger.support.text import percent
 
@@ -37,9 +37,6 @@ STEPS = 0.003
 
 FINE = 2.5
 """Cost on the fine mesh over that on the standard one, as their unknowns; not measured."""
-
-SAMPLED = 10.0
-"""Samples per cycle below which straight lines between them change the force by more than 2 %."""
 
 BEYOND = 0.7
 """Frequency over that of the last mode beyond which the answer through time is not trusted."""
@@ -53,6 +50,9 @@ SHARE = 5.0
 DAMPED = 0.8
 """Share of the loss factor of the viscous relaxation at a frequency from which a finger damps as it
 does."""
+
+NEGLIGIBLE = 0.02
+"""Change by inertia that is not worth a sentence."""
 
 EXTRAPOLATED = 1 / 3
 """Error of the standard mesh over its difference from the coarse one, of order 2; four times as
@@ -78,16 +78,29 @@ def statics_error(case: Situation) -> tuple[float, str]:
     )
 
 
+def left_out(case: Situation) -> tuple[float, str]:
+    """Return the error of leaving inertia out over the peak of the force, and its source.
+
+    None below NEGLIGIBLE.
+    """
+    error, reason = statics_error(case)
+    vibrates = case.motion.highest_frequency is not None
+    over_peak = error * (_share(case) if vibrates else 1.0)
+    if error < NEGLIGIBLE:
+        return 0.0, ""
+    what = "the oscillation of the force" if vibrates else "the force"
+    return over_peak, (
+        f"; reports/{REPORT}: inertia, left out, changes {what} by up to {percent(error)}: {reason}"
+    )
+
+
 def modal_error(case: Situation) -> float:
     """Return the error of the force by modes, mesh and steps, over its peak."""
     return STEPS + _share(case) * vibration_error(case)
 
 
-def vibration_error(case: Situation, answer: str = "time") -> float:
-    """Return the error of the oscillation of the force, over that without inertia.
-
-    answer: "time", or "harmonic" for that about a preload.
-    """
+def vibration_error(case: Situation) -> float:
+    """Return the error of the oscillation of the force, over that without inertia."""
     frequency = case.motion.highest_frequency
     if frequency is None:
         return 0.0
@@ -98,7 +111,7 @@ def vibration_error(case: Situation, answer: str = "time") -> float:
         MESH_OF_INERTIA[case.mesh] if stiff else case.mesh
     ]
     meshes = EXTRAPOLATED * mesh * float(np.interp(reduced, *_envelope("mesh_of_inertia", kind)))
-    strain = float(np.interp(reduced, *_of_preload(kind, answer))) if stiff else 0.0
+    strain = float(np.interp(reduced, *_of_preload(kind))) if stiff else 0.0
     return float(np.sqrt(modes**2 + meshes**2 + strain**2))
 
 
@@ -106,7 +119,7 @@ def geometric_share(part: float) -> float:
     """Material over whole stiffness of a finger pressed by a part of its thickness, less 1.
 
     The mean of the measured fingers: the stress of the preload lowers the stiffness and, other than
-    that of the material, does not grow with the frequency.
+    the material, does not relax.
     """
     return float(np.interp(part, *_by_part("share", np.mean, 0.0)))
 
@@ -121,11 +134,16 @@ def sentence(case: Situation) -> str:
         f"force is {percent(vibration_error(case))} off at {frequency:g} Hz"
     )
     if _damping(case, frequency) == "published" and _reduced(case, frequency) > RESONANT:
-        text += (
-            ", where resonances of this tissue hardly damp; a set that damps them, of low "
-            "confidence, is finger.tissue = '..._viscous'"
-        )
+        text += f", where resonances of this tissue hardly damp{_damped_set(case.finger)}"
     return text
+
+
+def _damped_set(finger: Finger) -> str:
+    """Name the set of a finger's tissue that damps vibrations, where there is one."""
+    name = f"{finger.tissue}{library.VISCOUS}"
+    if name not in library.TISSUE_SETS:
+        return ""
+    return f"; a set that damps them, of low confidence, is finger.tissue = {name!r}"
 
 
 def notes(case: Situation) -> tuple[str, ...]:
@@ -133,11 +151,10 @@ def notes(case: Situation) -> tuple[str, ...]:
     frequency = case.motion.highest_frequency
     if frequency is None:
         return ()
-    text = f"The oscillation of the force is within {percent(vibration_error(case))} of its own"
-    if case.motion.frequencies is not None:
-        harmonic = percent(vibration_error(case, "harmonic"))
-        text += f", the harmonic answer within {harmonic},"
-    return (f"{text} up to {frequency:g} Hz (reports/{REPORT}).",)
+    return (
+        f"The oscillation of the force is within {percent(vibration_error(case))} of its own up to "
+        f"{frequency:g} Hz (reports/{REPORT}).",
+    )
 
 
 def doubts(case: Situation) -> list[Doubt]:
@@ -156,7 +173,8 @@ def doubts(case: Situation) -> list[Doubt]:
     if reduced > measured * (1 + 1e-9):
         reason = (
             f"frequency x thickness / wave speed = {reduced:.2g} > {measured:g}: no finger was "
-            f"measured beyond; stay below {frequency * measured / reduced:.2g} Hz"
+            f"measured beyond; stay below {_rounded(frequency * measured / reduced)} Hz"
+            f"{_damped_set(case.finger)}"
         )
         return [Doubt("motion.frequency", reason)]
     if _ratio(case, frequency) <= BEYOND:
@@ -164,10 +182,16 @@ def doubts(case: Situation) -> list[Doubt]:
     highest = frequency * BEYOND / _ratio(case, frequency)
     reason = (
         f"frequency / frequency of the last mode = {_ratio(case, frequency):.2g} > {BEYOND:g}: "
-        f"the modes that are computed reach some {highest:.2g} Hz; stay below, or take stiffer "
-        "tissue"
+        f"the modes that are computed reach some {_rounded(highest)} Hz; stay below, or take "
+        f"stiffer tissue{_damped_set(case.finger)}"
     )
     return [Doubt("motion.frequency", reason)]
+
+
+def _rounded(value: float) -> str:
+    """Return two digits of a frequency, rounded down."""
+    step = 10.0 ** (np.floor(np.log10(value)) - 1)
+    return f"{np.floor(value / step) * step:.12g}"
 
 
 def seconds(case: Situation) -> float:
@@ -206,14 +230,6 @@ def _speed(case: Situation) -> float:
     return float(np.abs(case.motion.rate(case.meshes[0].times)).max())
 
 
-def _modulus(finger: Finger, frequency: float) -> complex:
-    """Complex modulus at a frequency in Hz over that of relaxed tissue."""
-    omega = 2j * np.pi * frequency
-    rates = np.array(finger.prony.v)
-    weights = np.array(finger.prony.weights[1:]) / finger.prony.weights[0]
-    return complex(1.0 + (weights * omega / (omega + rates)).sum())
-
-
 def _damping(case: Situation, frequency: float) -> str:
     """Return the measured relaxation that damps at most as much: "published" or "viscous"."""
     if not frequency:
@@ -221,7 +237,7 @@ def _damping(case: Situation, frequency: float) -> str:
     viscous = Finger.subject("a.h.", tissue=f"{library.PUBLISHED}{library.VISCOUS}")
     losses = [
         each.imag / each.real
-        for each in (_modulus(finger, frequency) for finger in (case.finger, viscous))
+        for each in (modulus(finger, frequency) for finger in (case.finger, viscous))
     ]
     return "viscous" if losses[0] >= DAMPED * losses[1] else "published"
 
@@ -232,8 +248,7 @@ def _faster(case: Situation, frequency: float) -> float:
     if stiffens(case.finger) and case.motion.control == "depth":
         part = min(case.motion.steady_level, case.peak) / case.finger.thickness
         factor = max(1.0, float(np.interp(part, *_by_part("factor", np.min, 1.0))))
-    speed = wave_speed(case.finger)
-    return float(speed * np.sqrt(factor * abs(_modulus(case.finger, frequency))))
+    return float(wave_speed(case.finger, frequency) * np.sqrt(factor))
 
 
 def _reduced(case: Situation, frequency: float) -> float:
@@ -265,10 +280,12 @@ def _by_part(name: str, of: Callable[[Array], float], at_rest: float) -> tuple[A
 
 
 @cache
-def _of_preload(kind: str, answer: str) -> tuple[Array, Array]:
+def _of_preload(kind: str) -> tuple[Array, Array]:
     """Largest measured errors of stiffening tissue over the reduced frequency."""
     rows = [row[kind] for row in read(REPORT)["preload"] if kind in row]
-    return _rising([pair for row in rows for pair in zip(row["reduced"], row[answer], strict=True)])
+    return _rising(
+        [pair for row in rows for pair in zip(row["reduced"], row["error"], strict=True)]
+    )
 
 
 @cache

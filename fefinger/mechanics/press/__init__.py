@@ -5,7 +5,7 @@ small_strain.py                  contact of `linear` and `condensed` through tim
 finite_strain.py                 contact of `solid` through load steps
 elastic_press.py, carried.py     an elastic press at finite strain, and `pressed` along a motion
 modal_press.py, harmonic.py      contact with inertia of `modal`, in time and by frequency
-sliding.py                       contact under a path or with friction
+sliding.py, dragged.py           contact under a path or with friction, at small and finite strain
 reference.py, finite_reference.py    the small press that converts strain to displacement
 response.py, modal_response.py   the Response, from the solved contact (`history.py`)
 

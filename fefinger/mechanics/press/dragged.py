@@ -14,10 +14,7 @@ from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press.history import FiniteStrainHistory
 from fefinger.mechanics.press.pad import on_seen
 from fefinger.mechanics.press.problem import Press
-from fefinger.mechanics.refusals import Doubt
 from fefinger.results.records import Lateral
-from fefinger.scene.indenter import Indenter
-from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
@@ -34,24 +31,6 @@ GROSS = (
     "sliding."
 )
 """Note on every answer with friction."""
-
-
-def unable(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
-    """List what finite strain leaves out of a scene that slides or grips."""
-    doubts = []
-    if motion.slides and indenter.flat is None:
-        reason = (
-            f"motion.kind = {motion.kind!r}, indenter.kind = {indenter.kind!r}: a smooth plate "
-            "alone slides at finite strain"
-        )
-        doubts.append(Doubt("motion.kind", reason))
-    if indenter.friction > 0 and not motion.straight:
-        reason = (
-            f"indenter.friction = {indenter.friction:g} > 0, motion.kind = {motion.kind!r}: its "
-            "friction is that of a plate that slides along a line; stick is left out"
-        )
-        doubts.append(Doubt("indenter.friction", reason))
-    return tuple(doubts)
 
 
 def drag(press: Press, time: float) -> Array:

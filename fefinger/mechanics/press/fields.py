@@ -10,7 +10,7 @@ from fefinger.geometry.locate import locate
 from fefinger.mechanics.press.history import FiniteStrainHistory, SmallStrainHistory, frames_of
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Fields
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Integers
 
 
 NEAREST = 24  # cells that a point is looked for in
@@ -20,16 +20,27 @@ VOIGT_ROWS, VOIGT_COLUMNS = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
 
 def small_strain_fields(press: Press, history: SmallStrainHistory) -> Fields:
     """Solve for the whole body at some of the times."""
-    contact, on_pad, original = history.contact, history.reduced.patch, press.body.original
+    contact, on_pad = history.contact, history.reduced.patch
     force = contact.pressure @ on_pad.projected
     frames = frames_of(contact.depth, int(np.argmax(force)))
     loads = on_pad.loads @ contact.elastic[frames].T
     unknowns = press.method.unknowns(press.body, np.asarray(loads))
+    return fields_of(press, frames, unknowns, on_pad.vertices, contact.pressure[frames])
+
+
+def fields_of(
+    press: Press, frames: Integers, unknowns: Array, pad: Integers, pressure: Array
+) -> Fields:
+    """Fields at the times numbered `frames` (n,), from the unknowns (n_unknowns, n) of the body.
+
+    pressure (n, n_pad) kPa at its vertices `pad` (n_pad,).
+    """
+    original = press.body.original
     fields = no_fields(press, press.time[frames])
     fields.displacement[:, original] = unknowns[: 3 * len(original)].T.reshape(len(frames), -1, 3)
     at_vertices = strain_at_vertices(press.body.space) @ unknowns
     fields.strain[:, original] = at_vertices.T.reshape(len(frames), -1, 6)
-    fields.pressure[:, original[on_pad.vertices]] = contact.pressure[frames]
+    fields.pressure[:, original[pad]] = pressure
     return fields
 
 

@@ -11,10 +11,9 @@ from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Operator, displaced
 from fefinger.fem.contact.modal_march import Grid, ModalContact, march_modes
 from fefinger.fem.contact.viscoelastic import History, Prescribed
-from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
-from fefinger.mechanics.press.fields import no_fields
+from fefinger.mechanics.press.fields import fields_of
 from fefinger.mechanics.press.history import SmallStrainHistory, frames_of
 from fefinger.mechanics.press.modal_body import (
     ModalBody,
@@ -134,15 +133,10 @@ def displacements(press: Press, history: ModalHistory, frames: Integers, scale: 
 
 def modal_fields(press: Press, history: ModalHistory) -> Fields:
     """Fields on the mesh at some of the times."""
-    contact, on_pad, original = history.contact, history.body.static.patch, press.body.original
+    contact, on_pad = history.contact, history.body.static.patch
     frames = frames_of(contact.depth, int(np.argmax(contact.pressure @ on_pad.projected)))
     unknowns = displacements(press, history, frames, 1.0)
-    fields = no_fields(press, press.time[frames])
-    fields.displacement[:, original] = unknowns[: 3 * len(original)].T.reshape(len(frames), -1, 3)
-    at_vertices = strain_at_vertices(press.body.space) @ unknowns
-    fields.strain[:, original] = at_vertices.T.reshape(len(frames), -1, 6)
-    fields.pressure[:, original[on_pad.vertices]] = contact.pressure[frames]
-    return fields
+    return fields_of(press, frames, unknowns, on_pad.vertices, contact.pressure[frames])
 
 
 def at_stored(press: Press, grid: Grid) -> Press:

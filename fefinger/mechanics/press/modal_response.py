@@ -2,11 +2,10 @@
 
 Tissue that stiffens with strain is taken as linear about the depth at which the motion vibrates:
 its moduli are multiplied such that the static stiffness there is that of the tabulated press of
-finite strain (`carried`), and by a few percent more, as the stress of the preload lowers the static
-stiffness but does not grow with the frequency as that of the material does. What inertia changes in
-that linear finger, the difference of its answers with and without, is added to the quasi-static
-answer at finite strain. It is a part of the answer, and is computed on the next coarser mesh, whose
-modes take a fifth of the time.
+finite strain (`carried`), and it relaxes as motions about that preload do (`preload_relaxation`).
+What inertia changes in that linear finger, the difference of its answers with and without, is added
+to the quasi-static answer at finite strain. It is a part of the answer, and is computed on the next
+coarser mesh, whose modes take a fifth of the time.
 """
 
 from collections.abc import Callable
@@ -17,7 +16,7 @@ import numpy as np
 from fefinger.fem.body import Reduced
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.modal_march import Grid
-from fefinger.fem.contact.oscillators import Oscillators, complex_modulus
+from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.step_compiled import march
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
@@ -41,6 +40,7 @@ from fefinger.mechanics.press.modal_press import (
 from fefinger.mechanics.press.modal_steps import modal_grid
 from fefinger.mechanics.press.mode_cache import MESH_OF_INERTIA
 from fefinger.mechanics.press.notes import stiffens
+from fefinger.mechanics.press.preload_relaxation import PreloadRelaxation, about_preload
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
@@ -50,6 +50,7 @@ from fefinger.results.records import Fields, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.progress import Progress, Stages
+from fefinger.support.text import percent
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
@@ -74,8 +75,8 @@ def respond(
 ) -> Response:
     """Answer the scene with inertia.
 
-    geometric_share: material over whole stiffness, less 1, of tissue that stiffens, by the depth
-    over the thickness.
+    geometric_share: stiffness of the material over the whole one, less 1, of tissue that stiffens,
+    by the depth over the thickness.
 
     Raises
     ------
@@ -117,20 +118,22 @@ def _corrected(
     with stages.stage("motion"):
         shares = table.along(slow.time)
     answer = carried_response(table, shares, stages)
-    swinging = replace(scene.finger, resolution=MESH_OF_INERTIA[scene.finger.mesh])
+    depth = working_depth(scene, table)
+    share = geometric_share(depth / scene.finger.thickness)
+    swinging = about_preload(scene.finger, share)
+    swinging = replace(swinging, resolution=MESH_OF_INERTIA[scene.finger.mesh])
     press = Press.of(
         *(replace(scene, finger=swinging), operator.METHOD, stages),
         mechanics=mechanics,
         notes=notes,
     )
     press = replace(press, sites=answer.sites, foreseen=float(answer.depth.max()))
-    depth = working_depth(scene, table)
-    material = 1.0 + geometric_share(depth / scene.finger.thickness) * (1.0 - 1.0 / _sudden(scene))
-    factor = stiffening(press, table, depth) * material
+    factor = stiffening(press, table, depth)
     history = solve_modal(press, grid, stages, factor)
     press = at_stored(press, grid)
     still = _still(press, factor, stages)
-    answer = _added(answer, press, history, still, grid, factor, depth)
+    relaxation = PreloadRelaxation(table, share, depth, tangent(table, depth))
+    answer = _added(answer, press, history, still, grid, factor, depth, relaxation)
     answer = _swept(answer, scene, press, history, factor, stages, depth)
     if answer.harmonic is None:
         return answer
@@ -186,15 +189,6 @@ def _loses(found: Harmonic, scene: Scene) -> tuple[str, ...]:
     )
 
 
-def _sudden(scene: Scene) -> float:
-    """Modulus over that of relaxed tissue at the highest frequency, or in a sudden strain."""
-    prony, frequency = scene.finger.prony, scene.motion.highest_frequency
-    weights = np.array(prony.weights[1:]) / prony.weights[0]
-    if frequency is None:
-        return float(1.0 + weights.sum())
-    return float(np.abs(complex_modulus(weights, np.array(prony.v), np.array([frequency]))[0]))
-
-
 def working_depth(scene: Scene, table: CarriedPress) -> float:
     """Depth in mm about which a motion vibrates, or else its largest; relaxed, under a force."""
     level = float(scene.motion.steady_level)
@@ -205,11 +199,6 @@ def working_depth(scene: Scene, table: CarriedPress) -> float:
 
 def stiffening(press: Press, table: CarriedPress, depth: float) -> float:
     """Ratio of the static stiffness at a depth in mm to that of the small-strain finger."""
-    nodes, force = table.table.nodes, table.force
-    step = 0.05 * depth
-    ends = np.interp([depth - step, depth + step], nodes, force)
-    reach = min(depth + step, nodes[-1])
-    finite = (ends[1] - ends[0]) / (reach - depth + step)
     body = press.body
     on_pad = patch(body.space, body.pad, body.normals, press.obstacle, problem.REACH * depth)
     reduced = press.method.reduce(body, on_pad, probe_of(replace(press, sites=None)))
@@ -219,7 +208,17 @@ def stiffening(press: Press, table: CarriedPress, depth: float) -> float:
     projected = on_pad.projected[active]
     block = reduced.flexibility[np.ix_(active, active)]
     linear = press.sides * NEWTON_PER_MILLINEWTON * projected @ np.linalg.solve(block, projected)
-    return float(finite / linear)
+    return float(tangent(table, depth) / linear)
+
+
+def tangent(table: CarriedPress, depth: float) -> float:
+    """Return the static stiffness in N/mm at a depth in mm, by splines as of displacements."""
+    from scipy.interpolate import CubicSpline
+
+    press = table.table
+    root = np.sqrt(depth)
+    slope = CubicSpline(np.sqrt(press.depth), press.force)(root, 1)
+    return float(slope / (2 * root))
 
 
 def _still(press: Press, factor: float, stages: Stages) -> SmallStrainHistory:
@@ -245,17 +244,21 @@ def _added(
     grid: Grid,
     factor: float,
     depth: float,
+    relaxation: PreloadRelaxation,
 ) -> Response:
-    """Add what inertia changes in the linear finger to the answer at finite strain."""
+    """Add what inertia and the preload change to the answer at finite strain."""
     unit = press.sides * NEWTON_PER_MILLINEWTON
     moving = unit * history.contact.pressure @ history.body.static.patch.projected
     resting = unit * still.contact.pressure @ still.reduced.patch.projected
-    by_force = press.motion.control == "force"
-    force = answer.force if by_force else answer.force + moving - resting
+    by_force, about = press.motion.control == "force", (press.motion, press.time)
+    force, more = answer.force, np.zeros_like(answer.force)
+    if by_force:
+        more = history.contact.depth - still.contact.depth + relaxation.depth(*about)
+    else:
+        force = force + moving - resting + relaxation.force(*about)
     pulls = force < 0
     force = np.maximum(force, 0.0)
     share = np.divide(force, answer.force, out=np.zeros_like(force), where=answer.force > 0)
-    more = history.contact.depth - still.contact.depth if by_force else np.zeros_like(force)
     strain = answer.strain
     if strain is not None and press.sites is not None:
         complete = history.body.complete
@@ -267,9 +270,10 @@ def _added(
     notes = (
         *answer.notes,
         f"Tissue stiffens with strain: inertia is that of a linear finger with {factor:.3g} times "
-        f"the moduli, of the material stiffness at {depth:.3g} mm, on the {press.finger.mesh} "
-        "mesh; its change of force, strain and displacement is added to the answer of `pressed`, "
-        "and pressures are scaled to the force.",
+        f"the moduli, of the stiffness at {depth:.3g} mm, on the {press.finger.mesh} mesh; its "
+        "change of force, strain and displacement is added to the answer of `pressed`, and "
+        "pressures are scaled to the force. The stress of the preload does not relax in the "
+        f"vibration: {percent(relaxation.share)} more of the stiffness does than without it.",
     )
     if pulls.any():
         notes = (*notes, f"The contact would pull at {int(pulls.sum())} times: there it is open.")
@@ -353,9 +357,9 @@ def _lossless(oscillators: Oscillators) -> tuple[str, ...]:
         return ()
     return (
         f"The fastest relaxation of this tissue lies at {fastest:.3g} Hz: above it hardly anything "
-        "is lost, where fingertips are reported to lose most, and resonances are too sharp. No "
-        "number for that was found that could be trusted; the sets of finger.tissue that end in "
-        "'_viscous' have a faster branch, of low confidence.",
+        "is lost, where fingertips lose most, and resonances are too sharp. The sets of "
+        "finger.tissue that end in '_viscous' have a faster branch, of low confidence: it was "
+        "identified from vibrations along the skin (Wiertlewski and Hayward 2012).",
     )
 
 

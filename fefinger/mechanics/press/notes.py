@@ -1,5 +1,7 @@
 """Notes that several mechanics leave with their answers."""
 
+import numpy as np
+
 from fefinger.mechanics.refusals import Doubt
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
@@ -11,6 +13,14 @@ from fefinger.theory.relaxation import Prony
 
 ROUNDED = 5e-4
 """Distance of a sum of weights from 1 that four digits of each explain."""
+
+
+TURNS_READ = 201
+"""Times at which the turn of a plate is read, beside the corners of its path."""
+
+ROCKS = 10.0
+"""Degrees by which a plate may turn from its travel, a convention: its pressure then has 0.18 of
+itself across the travel, which moves the tissue no more than friction of that coefficient."""
 
 
 def normalized(prony: Prony) -> tuple[str, ...]:
@@ -96,6 +106,51 @@ def rough(indenter: Indenter) -> tuple[Doubt, ...]:
         return ()
     reason = f"indenter.friction = {indenter.friction:g} > 0: its contact is frictionless"
     return (Doubt("indenter.friction", reason),)
+
+
+def out_of_plane(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
+    """List what finite strain leaves out of a scene that slides or grips."""
+    doubts = [*rocking(motion)]
+    if motion.slides and indenter.flat is None:
+        reason = (
+            f"motion.kind = {motion.kind!r}, indenter.kind = {indenter.kind!r}: a smooth plate "
+            "alone slides at finite strain"
+        )
+        doubts.append(Doubt("motion.kind", reason))
+    if indenter.friction > 0 and not motion.straight:
+        reason = (
+            f"indenter.friction = {indenter.friction:g} > 0, motion.kind = {motion.kind!r}: its "
+            "friction is that of a plate that slides along a line; stick is left out"
+        )
+        doubts.append(Doubt("indenter.friction", reason))
+    return tuple(doubts)
+
+
+def rocking(motion: Motion) -> tuple[Doubt, ...]:
+    """Return the turns of a plate, if a path has any."""
+    if not motion.rocks:
+        return ()
+    reason = f"motion.kind = {motion.kind!r}: its plate does not turn, as by motion.angle or tilt"
+    return (Doubt("motion.angle", reason),)
+
+
+def rocked(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
+    """Return why a plate that turns is beyond what small strain makes of it."""
+    if not motion.rocks:
+        return ()
+    if indenter.flat is None:
+        reason = f"indenter.kind = {indenter.kind!r}: a smooth plate alone turns along a path"
+        return (Doubt("motion.angle", reason),)
+    times = np.linspace(0.0, motion.duration, TURNS_READ)
+    slopes = motion.inclines(np.union1d(times, motion.breaks), indenter.flat)
+    turn = float(np.degrees(np.arctan(np.linalg.norm(slopes, axis=1).max())))
+    if turn <= ROCKS:
+        return ()
+    reason = (
+        f"motion.angle, motion.tilt: turn of the plate from its travel = {turn:.3g} degrees > "
+        f"{ROCKS:g}: pressure acts along the travel; start from an angle in the middle"
+    )
+    return (Doubt("motion.angle", reason),)
 
 
 def hard(finger: Finger) -> tuple[str, ...]:

@@ -81,7 +81,8 @@ class Press:
     time (n_t,) s of the answer; sites: the end organs whose strain is wanted, if any; reference:
     the press that scales that strain, where spikes are wanted; pressure, fields: whether they are
     wanted; notes: the simplifications that a reader of the answer has to know; friction: Coulomb's
-    coefficient, and kinetic that of what slips; foreseen: a first guess in mm of the largest depth
+    coefficient, and kinetic that of what slips; inclines (n_t, 2): slopes of a plate that turns,
+    if it does; foreseen: a first guess in mm of the largest depth
     under force control, where there is one.
     """
 
@@ -101,6 +102,7 @@ class Press:
     notes: tuple[str, ...]
     friction: float = 0.0
     kinetic: float = 0.0
+    inclines: Array | None = None
     foreseen: float | None = None
 
     @classmethod
@@ -137,6 +139,8 @@ class Press:
         if ask.strain or ask.spikes:
             skin = partial(skin_of, body)
             sites = end_organ_sites(ask, finger.pulp, obstacle.origin, obstacle.axis, skin)
+        time = time_grid(motion, fast="FAII" in ask.spikes, refine=refine)
+        plate = scene.indenter.flat if motion.rocks else None
         return cls(
             mechanics=mechanics,
             method=method,
@@ -146,7 +150,7 @@ class Press:
             obstacle=obstacle,
             standard=scene.indenter == STANDARD and not motion.slides,
             motion=motion,
-            time=time_grid(motion, fast="FAII" in ask.spikes, refine=refine),
+            time=time,
             sites=sites,
             reference=reference_plate(finger, body, ask) if ask.spikes else None,
             pressure=ask.pressure,
@@ -159,6 +163,7 @@ class Press:
             ),
             friction=scene.indenter.friction,
             kinetic=scene.indenter.kinetic,
+            inclines=None if plate is None else motion.inclines(time, plate),
         )
 
     @property

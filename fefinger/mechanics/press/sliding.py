@@ -32,6 +32,11 @@ SLIDING = (
 )
 """Note on every answer with a path or friction."""
 
+ROCKING = (
+    "Turning: the plate turns about the point of first touch; its distances are exact, and what "
+    "its pressure pulls across the travel does not move the tissue."
+)
+
 COULOMB = "Friction: Coulomb's law at every vertex of the skin, in the plane of the plate."
 
 WEAKER = (
@@ -47,12 +52,14 @@ def candidates(
     deepest: float,
     rings: int,
     within: Flags | None = None,
+    inclines: Array | None = None,
 ) -> Patch:
     """Return the patch of a path (n, 2) mm and a depth: unit loads along the axis of the obstacle.
 
-    Between sparse dots at first touch the plane of their crests is within the finger already.
+    inclines (n, 2): slopes of a plate that turns. Between sparse dots at first touch the plane of
+    their crests is within the finger already.
     """
-    under = envelope(obstacle, path)
+    under = envelope(obstacle, path, inclines)
     inside = max(0.0, -float(under.gap(body.space.points[np.unique(body.pad)])[0].min()))
     reach = problem.REACH * (deepest + inside) - inside
     return patch(body.space, body.pad, body.normals, under, reach, rings, within)
@@ -120,14 +127,24 @@ def solved(
             prescribed,
             shift,
             report,
+            press.inclines,
         )
-    return slide(reduced.flexibility, travel, on.projected, relaxation, prescribed, shift, report)
+    return slide(
+        reduced.flexibility,
+        travel,
+        on.projected,
+        relaxation,
+        prescribed,
+        shift,
+        report,
+        press.inclines,
+    )
 
 
 def distances(press: Press, on: Patch) -> Array:
     """Compute the distances (n_t, n_near) mm of the neighborhood of a patch from the indenter."""
     near = Heights.over(press.obstacle, press.body.space.points[on.neighborhood.vertices])
-    return near.distances(press.motion.shift(press.time))
+    return near.distances(press.motion.shift(press.time), press.inclines)
 
 
 def lateral(press: Press, history: SmallStrainHistory, pad: Pad, column: Integers) -> Lateral:
@@ -183,10 +200,11 @@ def notes(press: Press, history: SmallStrainHistory) -> tuple[str, ...]:
     """Return the notes on a press with a path or with friction, and its outcome in words."""
     if not press.slides:
         return ()
+    rocking = () if press.inclines is None else (ROCKING,)
     if not press.friction:
-        return (SLIDING,)
+        return (SLIDING, *rocking)
     weaker = (WEAKER,) if press.kinetic < press.friction else ()
-    return (SLIDING, COULOMB, *weaker, outcome(press, history))
+    return (SLIDING, *rocking, COULOMB, *weaker, outcome(press, history))
 
 
 def outcome(press: Press, history: SmallStrainHistory) -> str:

@@ -142,9 +142,9 @@ def _candidates(press: Press, reach: float, rings: int) -> Patch:
     body, obstacle = press.body, press.obstacle
     if not press.slides:
         return patch(body.space, body.pad, body.normals, obstacle, reach, rings)
-    return sliding.candidates(
-        body, obstacle, press.motion.shift(press.time), reach / problem.REACH, rings
-    )
+    path = press.motion.shift(press.time)
+    deepest = reach / problem.REACH
+    return sliding.candidates(body, obstacle, path, deepest, rings, inclines=press.inclines)
 
 
 def _quasistatic(

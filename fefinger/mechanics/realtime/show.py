@@ -26,13 +26,16 @@ SCRIPT = (  # s, mm beyond first touch, degrees
     (0.0, 0.0, 25.0),
     (0.1, 1.0, 25.0),
     (0.6, 1.0, 25.0),
-    (1.2, 1.0, 12.0),
+    (1.2, 1.0, 15.0),
     (2.2, 1.0, 38.0),
     (2.8, 0.8, 25.0),
     (3.2, 0.8, 25.0),
     (3.3, -0.2, 25.0),
     (3.6, -0.2, 25.0),
 )
+
+DEEPEST = 1.15
+"""Depth in mm for which contact is prepared: beyond that of the script, as coarse facets need."""
 
 
 PLACES = 16  # of the pad, with one unit of each type below
@@ -66,7 +69,7 @@ class Show:
         self.section = np.flatnonzero(solid.space.points[:, 1] == 0)
         self.organs = end_organs(solid)
         angles = [angle for _, _, angle in SCRIPT]
-        self.rolling = Rolling(finger, angles=angles, deepest=1.1, sites=self.organs)
+        self.rolling = Rolling(finger, angles=angles, deepest=DEEPEST, sites=self.organs)
         self.drawn = self.rolling.strains(solid.space.points[self.section])
         self.units: Afferents | RecordedAfferents = afferents(finger, solid, self.organs)
 

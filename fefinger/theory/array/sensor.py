@@ -187,33 +187,6 @@ def isobar(points: ArrayLike, triangles: ArrayLike, pressure: ArrayLike, level: 
     return np.stack(ends, axis=1)
 
 
-def radial_profile(
-    positions: ArrayLike, pressure: ArrayLike, edges: ArrayLike, *, center: ArrayLike = (0.0, 0.0)
-) -> tuple[Array, Array]:
-    """Mean distances and mean pressures (k,) in the bins between `edges` (k + 1,) mm.
-
-    The distance from the center is negative on the side of smaller x (proximal), which separates
-    the two halves as in Figure 3-4. Empty bins are nan.
-    """
-    offset = np.asarray(positions, float) - np.asarray(center, float)
-    distance = np.hypot(*offset.T) * np.where(offset[:, 0] < 0, -1.0, 1.0)
-    edges = elastic.numbers("radial_profile", "edges", edges)
-    if edges.ndim != 1 or len(edges) < 2 or (np.diff(edges) <= 0).any():
-        msg = f"radial_profile: expected edges (k + 1,) that increase, received {edges}"
-        raise ValueError(msg)
-    elastic.numbers("radial_profile", "pressures", pressure)
-    place = np.searchsorted(edges, distance, side="right") - 1
-    inside = (place >= 0) & (place < len(edges) - 1)
-
-    def total(values: Array | None) -> Array:
-        chosen = None if values is None else values[inside]
-        return np.bincount(place[inside], chosen, minlength=len(edges) - 1).astype(float)
-
-    count = total(None)
-    count[count == 0] = np.nan
-    return total(distance) / count, total(np.asarray(pressure, float)) / count
-
-
 def blurred(
     pressure: Callable[[Array], Array], reach: float, r: ArrayLike, sigma: float = 0.96
 ) -> Array:
@@ -236,60 +209,6 @@ def blurred(
     # ive is I0 without its growth exp(r s / sigma²), which is in `apart`: no overflow.
     kernel = s / sigma**2 * apart * ive(0, r[..., None] * s / sigma**2)
     return np.asarray(kernel @ (weights * pressure(s)))
-
-
-@dataclass(frozen=True)
-class Sharpened:
-    """A deconvolved pressure: points (n, 2) mm, areas (n,) mm², pressure (n,) kPa.
-
-    `residual` kPa is the root mean square of the unexplained part of the readings.
-    """
-
-    points: Array
-    areas: Array
-    pressure: Array
-    residual: float
-
-
-def sharpen(sensor: ArraySensor, pressure: ArrayLike, *, finer: int = 2) -> Sharpened:
-    """Deconvolve one frame (n,): the smoothest pressure that explains it up to the noise.
-
-    Tikhonov regularization by the discrepancy principle: the smallest roughness for which the
-    readings are reproduced within the standard deviation of the noise. `finer` points per pitch.
-
-    Raises
-    ------
-    ValueError
-        A sensor without noise, or another number of readings.
-    """
-    pressure = elastic.numbers("sharpen", "pressures", pressure)
-    if sensor.noise <= 0 or pressure.shape != (sensor.elements**2,):
-        msg = f"pressure: expected {sensor.elements**2} readings and noise above 0 kPa"
-        raise ValueError(msg)
-    dense = ArraySensor(sensor.elements * finer, sensor.pitch / finer, sensor.sigma)
-    points = dense.positions
-    areas = np.full(len(points), dense.pitch**2)
-    weights, rough = sensor.weights(points, areas), _roughness(dense.elements)
-
-    def solve(smoothing: float) -> tuple[Array, float]:
-        fitted = np.linalg.solve(weights.T @ weights + smoothing * rough, weights.T @ pressure)
-        misfit = weights @ fitted - pressure
-        return np.asarray(fitted, np.float64), float(np.sqrt(np.mean(misfit**2)))
-
-    # Bisection of the decimal logarithm of the smoothing, which raises the misfit.
-    low, high = -10.0, 6.0
-    for _ in range(40):
-        middle = (low + high) / 2
-        low, high = (middle, high) if solve(10**middle)[1] < sensor.noise else (low, middle)
-    sharpened, residual = solve(10 ** ((low + high) / 2))
-    return Sharpened(points, areas, sharpened, residual)
-
-
-def _roughness(side: int) -> Array:
-    """Matrix of the sum of squared differences to the neighbors and, at the rim, to zero."""
-    step = np.diff(np.eye(side), axis=0, prepend=0.0, append=0.0)
-    line = step.T @ step
-    return np.kron(line, np.eye(side)) + np.kron(np.eye(side), line)
 
 
 def two_pole(time: ArrayLike, signal: ArrayLike, corner: float = 1000.0) -> Array:

@@ -18,7 +18,7 @@ def drawn(count: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def fitted(offset: np.ndarray, pressed: np.ndarray, gap: np.ndarray) -> tuple[float, float, bool]:
-    """Return what `fit_rims` makes of one vertex."""
+    """Apply `fit_rims` to one vertex."""
     found, known = np.empty((1, 1, 2)), np.empty((1, 1), dtype=bool)
     near = np.arange(len(gap))[None]
     fit_rims(near, offset[None], pressed, gap[None], found, known)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.interpolate import RegularGridInterpolator
 from scipy.signal import butter, lfilter
 
 from fefinger.scene import library
@@ -11,8 +10,6 @@ from fefinger.theory.array.sensor import (
     blurred,
     centroid,
     isobar,
-    radial_profile,
-    sharpen,
     two_pole,
 )
 from fefinger.theory.array.sensor_fit import BlurredCap, fit_ball, fit_fingerpad
@@ -162,35 +159,6 @@ def test_isobars_of_a_cone_are_circles_and_close():
     assert isobar(fine.positions, fine.triangles, heights, 99.0).shape == (0, 2, 2)
 
 
-def test_profiles_keep_the_proximal_half_apart():
-    heights = np.where(SENSOR.positions[:, 0] < 0, 2.0, 1.0) * DISTANCE
-    distance, mean = radial_profile(SENSOR.positions, heights, np.arange(-10, 11, 2.0))
-    seen = np.isfinite(mean)
-    assert mean[seen] == pytest.approx(np.where(distance < 0, -2.0, 1.0)[seen] * distance[seen])
-    assert seen.sum() == 10
-    _, empty = radial_profile(SENSOR.positions, heights, [20.0, 21.0])
-    assert np.isnan(empty).all()
-
-
-def test_sharpening_takes_out_the_tails_as_far_as_the_noise_allows():
-    points, areas, r = grid(0.25)
-    clean = SENSOR.weights(points, areas) @ BALL.pressure(r)
-    noisy = clean + np.random.default_rng(4).normal(0, 0.5, 64)
-    sharpened = sharpen(SENSOR, noisy)
-    assert sharpened.residual == pytest.approx(0.5, rel=1e-3)
-    truth = BALL.pressure(np.hypot(*sharpened.points.T))
-    line = np.unique(SENSOR.positions)
-    table = RegularGridInterpolator((line, line), noisy.reshape(8, 8), bounds_error=False)
-    within = np.abs(sharpened.points).max(axis=1) < 7
-    as_read = table(sharpened.points[within][:, ::-1])
-    error = np.sqrt(np.mean((sharpened.pressure[within] - truth[within]) ** 2))
-    assert error < 0.75 * np.sqrt(np.mean((as_read - truth[within]) ** 2))
-    quiet = sharpen(ArraySensor(noise=0.05), clean)
-    better = np.sqrt(np.mean((quiet.pressure[within] - truth[within]) ** 2))
-    assert better < error
-    assert sharpened.pressure @ sharpened.areas == pytest.approx(BALL.force, rel=0.02)
-
-
 # Fits by the procedure of the thesis
 
 
@@ -273,7 +241,6 @@ BAD = [
     (lambda: SENSOR.weights([0.0, 0.0], [1.0]), "areas"),
     (lambda: SENSOR.read([0, 1e-3], [[0, 0]], [1.0], np.zeros((2, 1))), "at least one frame"),
     (lambda: SENSOR.read([0, 0], [[0, 0]], [1.0], np.zeros((2, 1))), "2 rising times"),
-    (lambda: sharpen(ArraySensor(noise=0.0), np.zeros(64)), "noise above 0"),
     (lambda: fit_ball(np.ones((2, 3)), np.ones((2, 4)), np.ones(4)), "shape of the pressure"),
 ]
 

@@ -1,0 +1,75 @@
+"""Relaxation of small motions about a preload.
+
+The stiffness k of a pressed finger is that of its material and a smaller, negative one of the
+stress at rest, -s k. The first relaxes with G, the second does not: a small motion x has the force
+k ((1 + s) G * x - s x), G being 1 at long times. So it relaxes as a finger whose decaying weights
+are 1 + s times as large. A carried press relaxes as a whole, with the force G * k x. The difference
+is added here; and that of the stiffness, since the force of a carried press between its depths is
+that of pressures without overshoot, whose slope is off by some percent.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fefinger.mechanics.press.carried import CarriedPress
+from fefinger.scene.finger import Finger
+from fefinger.scene.motion import Motion
+from fefinger.support.arrays import Array
+from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
+
+
+BESIDE = 0.02
+"""Distance from the preload, over it, between which the slope of the carried press is taken."""
+
+
+def about_preload(finger: Finger, share: float) -> Finger:
+    """Return a finger that relaxes as small motions about its preload.
+
+    share: s, the stiffness of the material over the whole one, less 1.
+    """
+    whole, *decaying = finger.prony.weights
+    weights = np.array([whole, *((1.0 + share) * weight for weight in decaying)])
+    prony = Prony(tuple((weights / weights.sum()).tolist()), finger.prony.v)
+    return replace(finger, prony=prony)
+
+
+@dataclass(frozen=True)
+class PreloadRelaxation:
+    """What the relaxation about a preload changes of a carried press along a vibration.
+
+    table: the press; share: s; preload mm; stiffness N/mm of the relaxed finger there.
+    """
+
+    table: CarriedPress
+    share: float
+    preload: float
+    stiffness: float
+
+    def force(self, motion: Motion, time: Array) -> Array:
+        """Change (n_t,) of the force in N at prescribed depth, at times (n_t,) in s."""
+        depth, vibration = motion.value(time), motion.vibration(time)
+        elastic = self.table.elastic
+        at, slow = (np.interp(x, elastic.nodes, elastic.force) for x in (depth, depth - vibration))
+        swing, prony = np.asarray(at - slow), self.table.press.finger.prony
+        relaxing = hereditary_integral(prony, time, swing) / prony.long_time
+        whole = self.stiffness / self._carried
+        material = (1.0 + self.share) * relaxing - self.share * swing
+        return np.asarray(whole * material - relaxing)
+
+    def depth(self, motion: Motion, time: Array) -> Array:
+        """Change (n_t,) of the depth in mm at prescribed force, at times (n_t,) in s."""
+        finger, swing = self.table.press.finger, motion.vibration(time)
+        moved, carried = (
+            each.long_time * creep_integral(each, time, swing)
+            for each in (about_preload(finger, self.share).prony, finger.prony)
+        )
+        return np.asarray(moved / self.stiffness - carried / self._carried)
+
+    @property
+    def _carried(self) -> float:
+        """Stiffness in N/mm of the carried press at the preload."""
+        elastic = self.table.elastic
+        low, high = (1 - BESIDE) * self.preload, (1 + BESIDE) * self.preload
+        high = min(high, float(elastic.nodes[-1]))
+        return (elastic.at(high) - elastic.at(low)) / (high - low)

@@ -1,0 +1,91 @@
+"""Relaxation about a preload: the material relaxes, the stress at rest does not."""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.fem.contact.oscillators import complex_modulus
+from fefinger.mechanics.press.carried import CarriedPress
+from fefinger.mechanics.press.preload_relaxation import PreloadRelaxation, about_preload
+from fefinger.theory.contact.one_spring import ElasticForce, carry
+
+
+STIFFNESS, SHARE, FREQUENCY = 2.0, 0.15, 20.0
+
+FINGER = ff.Finger.subject("a.h.", tissue="maeno1998")
+
+
+@dataclass(frozen=True)
+class Linear:
+    """A finger of constant stiffness, in place of a tabulated press."""
+
+    elastic: ElasticForce
+    press: Any
+
+
+def relaxation() -> PreloadRelaxation:
+    depth = np.linspace(0.0, 3.0, 4)
+    table = Linear(ElasticForce(depth, STIFFNESS * depth), SimpleNamespace(finger=FINGER))
+    return PreloadRelaxation(cast(CarriedPress, table), SHARE, 1.0, STIFFNESS)
+
+
+def amplitude(time: np.ndarray, values: np.ndarray) -> complex:
+    """Complex amplitude against a sine over the last ten cycles, beside a straight line."""
+    last = time >= time[-1] - 10 / FREQUENCY
+    angle = 2 * np.pi * FREQUENCY * time[last]
+    basis = np.column_stack([np.sin(angle), np.cos(angle), np.ones_like(angle), time[last]])
+    found = np.linalg.lstsq(basis, values[last], rcond=None)[0]
+    return complex(found[0], found[1])
+
+
+def modulus() -> complex:
+    weights = FINGER.prony.weights
+    decaying = np.array(weights[1:]) / weights[0]
+    return complex(complex_modulus(decaying, np.array(FINGER.prony.v), np.array([FREQUENCY]))[0])
+
+
+def test_a_vibration_has_the_stiffness_of_a_material_that_relaxes_and_a_stress_that_does_not() -> (
+    None
+):
+    about, small = relaxation(), 0.01
+    motion = ff.RampSinusoid(20, 1.0, amplitude=small, frequency=FREQUENCY, cycles=60, settle=1.0)
+    time = np.linspace(0, motion.duration, 40001)
+    carried = carry(about.table.elastic, FINGER.prony, time, motion.value(time), "depth").force
+    ratio = amplitude(time, carried + about.force(motion, time)) / amplitude(
+        time, motion.vibration(time)
+    )
+    exact = STIFFNESS * ((1 + SHARE) * modulus() - SHARE)
+    assert ratio == pytest.approx(exact, rel=1e-3)
+
+
+def test_by_force_the_depth_is_that_of_the_inverse() -> None:
+    about, small = relaxation(), 0.02
+    motion = ff.ForceRampSinusoid(
+        20, 1.0, amplitude=small, frequency=FREQUENCY, cycles=60, settle=1.0
+    )
+    time = np.linspace(0, motion.duration, 40001)
+    carried = carry(about.table.elastic, FINGER.prony, time, motion.value(time), "force").depth
+    ratio = amplitude(time, carried + about.depth(motion, time)) / amplitude(
+        time, motion.vibration(time)
+    )
+    exact = 1 / (STIFFNESS * ((1 + SHARE) * modulus() - SHARE))
+    assert ratio == pytest.approx(exact, rel=1e-3)
+
+
+@pytest.mark.parametrize("motion", [ff.RampHold(20, 1.0, hold=1), ff.Trapezoid(20, 1.0, hold=0)])
+def test_a_motion_that_does_not_vibrate_is_left_as_it_is(
+    motion: ff.RampHold | ff.Trapezoid,
+) -> None:
+    time = np.linspace(0, motion.duration, 101)
+    assert not relaxation().force(motion, time).any()
+
+
+def test_the_long_time_modulus_stays() -> None:
+    before, after = FINGER.prony, about_preload(FINGER, SHARE).prony
+    ratios = np.array(after.weights) / after.long_time * before.long_time / before.weights
+    assert ratios == pytest.approx([1.0, *[1 + SHARE] * len(before.v)])
+    assert after.v == before.v
