@@ -250,7 +250,7 @@ TEXTS = (
     "Trust of recorded: timing and entrainment of FAI and FAII from 20 to 600 Hz, bursts at onset "
     "and release, SAI by curvature, force and distance, edges, and holds of blunt objects. With "
     "care: absolute rates of SAI in a hold of an object of 1 mm and less, which are some three "
-    "times those of the models of TouchSim. Not: the jitter of impulses, which is set by hand.",
+    "to five times those of the models of TouchSim. Not: the jitter of impulses, set by hand.",
     "Spheres are held with a force, and the strain under a force depends on the modulus: on "
     "maeno1998, three times as stiff at small forces as the four measured fingers, SAI units came "
     "out four times as sensitive as those of the models behind the bands of pins. On the tissue "
@@ -263,9 +263,13 @@ TEXTS = (
     "one: 1.5 and 6 % RMS about the best rising function. The mean strain over a disc of 0.5, 1 or "
     "1.5 mm around an end organ: 14, 16 and 19 % RMS, 38, 58 and 52 Hz under that pin, a trough of "
     "0.43, 0.57 and 0.82. Linear tissue a fifth as stiff: strains above 1 under spheres.",
-    "FAI fire in a retreat of 20 mm/s, and not in one of 5 mm/s: with more weight of a retreat "
-    "(0.35) they fire twice per cycle of a vibration where recorded ones fire once (R² 0.85). FAII "
-    "become nearly silent in vibrations far beyond those recorded (0.3 mm at 600 Hz).",
+    "Here end organs are 0.45 mm deep, where fit, bar and pin agree best; its edges and that pin "
+    "helped to choose among these depths. FAI and FAII weigh a retreat by at least 0.4 and 0.5 of "
+    "an advance, so that they fire at slow releases too. It weighs the saturated current: "
+    "strong vibrations keep FAII firing (600 Hz, 0.5 mm). Noise fades with the current of the "
+    "generator: FA are silent in slow presses, however long. Of the current of SAI a quarter "
+    "remains after minutes: in shallow holds they then fall silent, as under the resting probe of "
+    "the vibrations.",
     "All experiments are pressed through the mechanics of the package on one macaque fingertip "
     "(10 mm wide, 8 mm thick, effective radius 10 mm, an estimate): the pin by condensed at small "
     "strain, spheres by pressed on a coarse mesh (strain within 4 % of the standard one), and the "

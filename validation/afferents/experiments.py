@@ -2,8 +2,9 @@
 
 Every experiment is pressed through the mechanics of the package. A macaque fingertip stands for all
 of them: 10 mm wide, 8 mm thick, with an effective pad radius of 10 mm: an estimate from the look of
-published fingertips (confidence low). End organs of SAI are 0.5 mm deep, at the base of an
-epidermis of 0.3 to 0.5 mm (confidence low), those of the other types as in people.
+published fingertips (confidence low). End organs of SAI are 0.45 mm deep, at the base of an
+epidermis of 0.3 to 0.5 mm (confidence low; of 0.4, 0.45, 0.5 and 0.6 mm, those where the fit, the
+edges of a bar and the holds of a wide pin agree), those of FAI 0.5 mm, the others as in people.
 
 Under a given depth strain hardly depends on the modulus, and probes are pressed into the tissue of
 maeno1998 at small strain. Under a given force it does: spheres are held on tissue that stiffens as
@@ -42,7 +43,10 @@ SOFT = Finger(
 EDGE = 4.5
 """mm across the finger from the middle of the pad, as far as it has end organs."""
 
-DEPTHS = {kind: receptor.depth for kind, receptor in receptors().items()} | {"SAI": 0.5, "FAI": 0.5}
+DEPTHS = {kind: receptor.depth for kind, receptor in receptors().items()} | {
+    "SAI": 0.45,
+    "FAI": 0.5,
+}
 """Depths in mm of the end organs."""
 
 PROBE = Pin(1.0)
