@@ -11,6 +11,7 @@ import numpy as np
 from fefinger.validation.case import Case, Expected, Noted
 from fefinger.validation.human import drawings
 from fefinger.validation.human.misses import MISSES, REASONS
+from fefinger.validation.human.preload import skin_speeds
 from fefinger.validation.human.presses import DEFAULT, PROFILES, REPORT, SUBJECTS, finger, ramp
 
 from fefinger.mechanics.evidence.table import read
@@ -110,12 +111,26 @@ def ratio(name: str, key: str, low: float, high: float) -> Noted:
     return Noted(float(small / large), f"{small:.3g} over {large:.3g}")
 
 
+RAYLEIGH = 0.9553
+"""Speed of Rayleigh waves over that of shear waves, incompressible."""
+
+PRELOADS = (0.5, 1.0)
+"""Relaxed forces in N under which waves in the skin are compared."""
+
+
+def preloaded_speed(name: str, force: float) -> Noted:
+    """Return the speed in m/s of surface waves in skin under a force in N, instantaneous moduli."""
+    loaded, rest = skin_speeds(name, force)
+    text = f"{loaded / rest:.3g} times that at rest"
+    return Noted(RAYLEIGH * loaded, text)
+
+
 def wave_speed(name: str, layer: str, *, instantaneous: bool) -> float:
     """Return the speed in m/s of Rayleigh waves in the bulk of a layer, incompressible."""
     tissue = finger(name) if name != library.PUBLISHED else _published()
     modulus = getattr(tissue, layer).modulus
     shear = modulus / 3 / (tissue.prony.long_time if instantaneous else 1.0)
-    return float(0.9553 * np.sqrt(shear / DENSITY) / 1e3)
+    return float(RAYLEIGH * np.sqrt(shear / DENSITY) / 1e3)
 
 
 def _published() -> Finger:
@@ -145,6 +160,8 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield from _relaxation(subject)
     yield from _pulp()
     yield from _waves()
+    if not quick:
+        yield from _preloaded()
     yield from _pressures()
 
 
@@ -198,6 +215,17 @@ def _waves() -> Iterator[Case]:
                     Expected(7.0, 1.4, "m/s"),
                     MANFREDI,
                 )
+
+
+def _preloaded() -> Iterator[Case]:
+    for name in (DEFAULT, "means"):
+        for force in PRELOADS:
+            yield _case(
+                f"surface wave speed in skin under {force:g} N, instantaneous, {name}",
+                partial(preloaded_speed, name, force),
+                Expected(7.0, 1.4, "m/s"),
+                MANFREDI,
+            )
 
 
 def _pressures() -> Iterator[Case]:
