@@ -159,7 +159,7 @@ def test_the_command_prints_and_writes(tmp_path, solved, capsys):
 REFUSED = {
     "nothing": ([], "expected DATA.csv or --subject"),
     "no size": (["none.csv"], "--width: expected the size of the finger"),
-    "no file": (["none.csv", "--width", "14", "--thickness", "10"], "cannot read it"),
+    "no file": (["none.csv", "--width", "14", "--thickness", "10"], "a path that does not exist"),
     "nobody": (["--subject", "x.y."], "finger.subject"),
     "two": (["none.csv", "--subject", "a.h.", "--subject", "d.s."], "expected one with DATA.csv"),
     "mechanics": (["--subject", "a.h.", "--mechanics", "hertz"], "mechanics: expected one of"),
@@ -169,7 +169,7 @@ REFUSED = {
     ),
     "no one resolution": (["--subject", "a.h.", "--resolution", "auto"], "received 'auto'"),
     "check": (["--subject", "a.h.", "--check", "x.csv"], "check: expected the record of a user"),
-    "frames": (["--subject", "a.h.", "--frames", "x.csv"], "cannot read it"),
+    "frames": (["--subject", "a.h.", "--frames", "x.csv"], "a path that does not exist"),
     "unmeasured": (["--subject", "f.c."], "width"),
 }
 

@@ -178,7 +178,7 @@ def test_a_file_that_is_no_record_is_refused_on_the_command_line(capsys, tmp_pat
 
 def test_a_file_that_is_not_there_is_refused(capsys, tmp_path):
     assert main(["fit", str(tmp_path / "none.csv")]) == 2
-    assert "expected a CSV file of text, cannot read it" in capsys.readouterr().err
+    assert "expected a CSV file, received a path that does not exist" in capsys.readouterr().err
 
 
 def test_a_fit_that_does_not_converge_says_so(file, monkeypatch):
