@@ -29,14 +29,17 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     from fefinger.scene.inertia import coarse_samples, jump
 
     loaded = builtin.load(scene, builtin.settings(changes))
-    warnings = (*jump(loaded.motion), *coarse_samples(loaded.motion))
-    for sentence in (*origin_notes(loaded.finger), *warnings):
-        click.echo(sentence, err=True)
-    chosen = plan.explain(loaded)
-    if not MECHANICS[chosen.mechanics].inertia:
-        for sentence in _too_fast(loaded):
+    notes = [*origin_notes(loaded.finger), *jump(loaded.motion), *coarse_samples(loaded.motion)]
+    try:
+        chosen = plan.explain(loaded)
+        console.print_answer(
+            console.plan_record(chosen), console.plan_summary(chosen), as_json=as_json
+        )
+        if not MECHANICS[chosen.mechanics].inertia:
+            notes += _too_fast(loaded)
+    finally:  # a refusal has its notes before it
+        for sentence in notes:
             click.echo(sentence, err=True)
-    console.print_answer(console.plan_record(chosen), console.plan_summary(chosen), as_json=as_json)
 
 
 def _too_fast(scene: "Scene") -> tuple[str, ...]:
