@@ -143,14 +143,10 @@ class Equilibrium:
             elif count - best_at > stuck or self.factors > most:
                 break
             # One iteration brings the contact of the new step; a tangent before it ages sooner.
-            worn = count == 1 and self._excess > RENEWAL
-            if (
-                worn
-                or count % PATIENCE == PATIENCE - 1
-                or (
-                    count - renewed >= SOON
-                    and self._folds_too_stiff(iterate.gap.fold_stiffness, target)
-                )
+            worn = (count == 1 and self._excess > RENEWAL) or count % PATIENCE == PATIENCE - 1
+            if worn or (
+                count - renewed >= SOON
+                and self._folds_too_stiff(iterate.gap.fold_stiffness, target)
             ):
                 self._renew(iterate, target, whole=whole)
                 mixing, renewed = Anderson(MEMORY), count
