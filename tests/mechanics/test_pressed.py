@@ -13,12 +13,22 @@ from fefinger.mechanics.press.elastic_press import depths
 from fefinger.mechanics.press.elastic_table import STEP, ElasticPress, Modes
 from fefinger.mechanics.realtime.pressed import Pressed
 from fefinger.mechanics.situation import Situation
+from fefinger.mesh.store import load_or_build
+from fefinger.mesh.symmetric import whole
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import Flat, Sphere
-from fefinger.scene.motions import ForceRampHold, Ramp, RampHold, RampSinusoid, Sampled, Trapezoid
+from fefinger.scene.motions import (
+    ForceRampHold,
+    Ramp,
+    RampHold,
+    RampSinusoid,
+    Sampled,
+    Slide,
+    Trapezoid,
+)
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard
 from fefinger.support.arrays import Array
@@ -268,6 +278,18 @@ def test_shipped_presses_are_found_and_are_of_the_candidates_of_today(
     response = pressed.respond(replace(asked, indenter=indenter))
     assert response.force.max() > 0
     assert not (tmp_path / "fefinger" / "elastic").exists(), "nothing was solved anew"
+
+
+def test_a_whole_finger_takes_no_press_of_its_half(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Both are of one mesh file, but a table holds the displacements of one of them."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    half = load_or_build(FINGER, half=True)
+    assert elastic_store.at_hand(FINGER, Flat(30), half) is not None
+    assert elastic_store.at_hand(FINGER, Flat(30), whole(half)) is None
+    aside = Slide(20, 0.5, distance=1, direction=90)
+    assert elastic_store.deepest_at_hand(FINGER, Flat(30), aside) == (0.0, 0.0)
 
 
 def _table() -> ElasticPress:

@@ -174,8 +174,7 @@ def load_or_solve(
     table = stored()
     if table is not None:
         return table
-    mesh = press.mesh.source_sha256 or press.mesh.fingerprint
-    place = elastic_store.cached_path(elastic_store.key(press.finger, indenter, mesh))
+    place = elastic_store.cached_path(elastic_store.key_on(press.finger, indenter, press.mesh))
     with cache.alone(place):
         table = stored()  # another process may have solved it meanwhile
         if table is None:

@@ -47,8 +47,11 @@ ROUNDED = ("pressure", "gap")
 """Arrays that are stored in double and in single precision."""
 
 
-def key(finger: Finger, indenter: Indenter, mesh_sha256: str) -> str:
-    """Hash of all that decides an elastic press but for its depth."""
+def key(finger: Finger, indenter: Indenter, mesh_sha256: str, *, half: bool = True) -> str:
+    """Hash of all that decides an elastic press but for its depth.
+
+    A whole finger, mirrored from the mesh of its half, has presses of its own.
+    """
     layers = (finger.skin, finger.subcutaneous)
     edged = indenter.sharp or indenter.plate is not None
     parts = [
@@ -58,7 +61,14 @@ def key(finger: Finger, indenter: Indenter, mesh_sha256: str) -> str:
         [[layer.poisson, layer.law, layer.exponent, layer.share] for layer in layers],
         [repr(part) for part in (finger.bone, finger.nail, finger.cut, indenter)],
     ]
+    if not half:
+        parts.append("whole")
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
+
+def key_on(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> str:
+    """Key of an elastic press on a mesh."""
+    return key(finger, indenter, mesh.source_sha256 or mesh.fingerprint, half=mesh.half)
 
 
 def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple[float, float]:
@@ -71,7 +81,8 @@ def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple
     if source is None:
         return 0.0, 0.0
     deepest = [(0.0, 0.0)]
-    for path in _paths(key(finger, indenter, source)):
+    half = indenter.mirrored and motion.mirrored
+    for path in _paths(key(finger, indenter, source, half=half)):
         with suppress(*DAMAGED):
             ends = _read(path, ("depth", "force", "modulus"))
             scale = finger.skin.modulus / float(ends["modulus"])
@@ -82,7 +93,7 @@ def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple
 def at_hand(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> "ElasticPress | None":
     """Read the deepest press that is shipped or cached; None where none is, or all are damaged."""
     found = []
-    for path in _paths(key(finger, indenter, mesh.source_sha256 or mesh.fingerprint)):
+    for path in _paths(key_on(finger, indenter, mesh)):
         with suppress(*DAMAGED):
             found.append(read(path).of_modulus(finger.skin.modulus))
     return max(found, key=lambda press: press.deepest, default=None)
