@@ -125,7 +125,7 @@ def default(name, key, required):
 
 
 def value(key):
-    """Return what values a key takes, in words."""
+    """Describe the values that a key takes."""
     if "enum" in key:
         return ", ".join(f'`"{word}"`' for word in key["enum"])
     if "anyOf" in key:

@@ -148,7 +148,7 @@ class _Inertia:
 
 
 def _inertia(case: Situation) -> _Inertia:
-    """Return what leaving inertia out costs."""
+    """Return the error of leaving inertia out, and its reason."""
     return _Inertia(case, *vibration.left_out(case), *vibration.statics_error(case))
 
 

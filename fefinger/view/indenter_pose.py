@@ -110,9 +110,9 @@ class Texture:
     shift: Callable[[float], Array]
 
     def rise(self, time: float, points: Array) -> Array:
-        """Return how far (n,) mm points of the drawn surface move along the travel.
+        """Return the displacements (n,) mm along the travel that carry the drawn surface.
 
-        To the surface at a time in s, as far as it goes there.
+        They carry its points (n, 3) to the surface at a time in s; 0 where that has no height.
         """
         local = (points - self.first.origin) @ self.first.frame.T
         turn = self.first.frame[:2] @ frame(self.first.axis)[:2].T

@@ -1,6 +1,7 @@
 """The command line: what it prints and its exit statuses; what it refuses has its own file."""
 
 import importlib
+import io
 import json
 import os
 import subprocess
@@ -151,6 +152,17 @@ def test_explain_warns_of_a_motion_that_is_too_fast_as_its_answer_will(changes, 
     options = [part for change in changes for part in ("--set", change)]
     assert main(["explain", "flat-press", *options]) == 0
     assert ("Warning: not quasi-static" in capsys.readouterr().err) is warned
+
+
+def test_explain_begins_with_the_choice_and_ends_with_its_notes(monkeypatch):
+    terminal = io.StringIO()
+    monkeypatch.setattr(sys, "stdout", terminal)
+    monkeypatch.setattr(sys, "stderr", terminal)
+    tissue = "--set", "finger.tissue=calibrated_means"
+    assert main(["explain", "flat-press", *tissue]) == 0
+    first, *_, last = terminal.getvalue().strip().splitlines()
+    assert first.startswith("pressed on the standard mesh")
+    assert last.startswith("The tissue was fitted")
 
 
 def test_explain_writes_null_for_the_cost_of_what_cannot_be_done(capsys, monkeypatch):

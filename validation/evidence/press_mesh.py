@@ -300,7 +300,7 @@ def _short(values: Any) -> list[float]:
 
 
 def thirds() -> dict[str, Any]:
-    """Return what the fine mesh changes under every object but those of ALIKE.
+    """Return the changes by the fine mesh under every object but those of ALIKE.
 
     The fine mesh of the calibrated finger is drawn anew. As a morph of the published one its bone
     is 0.03 mm nearer to the pad, which changes the force by 0.5 % at small strain and by 3 % at

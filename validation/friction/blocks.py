@@ -48,7 +48,7 @@ def dragged(prony: Prony, passes: int) -> tuple[Array, Array, History]:
     history = slide_with_friction(
         np.diag([AREA**2 / 100.0, AREA**2 / STIFFNESS, AREA**2 / STIFFNESS]),
         (STATIC, KINETIC),
-        Plate(),  # type: ignore[arg-type]
+        Plate(),  # type: ignore[arg-type]  # no Travel: it has the two methods that are called
         np.array([AREA]),
         Relaxation(np.array(prony.weights), np.array(prony.v), 3),
         Prescribed("force", time, np.full(len(time), FORCE)),

@@ -61,9 +61,9 @@ def onset_ratio() -> float:
 
 @cache
 def balance() -> tuple[float, float]:
-    """Return what is missing of P (axis + mu s), over P, in the contact and on the bone.
+    """Return the deviations from P (axis + mu s), over P, in the contact and on the bone.
 
-    After a deep slide.
+    They are those after a deep slide.
     """
     press = Press.of(
         scene(DEEP, MU), finite_strain.FINITE_STRAIN, Stages(None), mechanics="solid", notes=()
