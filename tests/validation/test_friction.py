@@ -17,7 +17,7 @@ SLOW = ("block", "rates", "scanned dots", "against linear")
 
 
 def _quick() -> list:
-    every = suite.cases(quick=True)
+    every = (*suite.sphere("squares", 16, quick=True), *suite.cases(quick=True))
     return [case for case in every if not any(word in case.name for word in SLOW)]
 
 
