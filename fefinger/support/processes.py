@@ -19,12 +19,16 @@ from queue import SimpleQueue
 from typing import Any, TypeVar
 
 from fefinger.support import interrupt
+from fefinger.support.checks import InputError
 
 
 Item = TypeVar("Item")
 Value = TypeVar("Value")
 
 SERVE = "from fefinger.support.processes import serve; serve()"
+
+THREADS = "NUMBA_NUM_THREADS"
+"""Variable of the environment that limits the threads of a process, as it does those of numba."""
 
 GRACE = 2.0
 """Seconds that a child process has to end its own children and to remove its temporary files."""
@@ -86,10 +90,13 @@ class Died(Exception):
 
 
 class Worker:
-    """A child process that evaluates function calls, restarted after it has died."""
+    """A child process that evaluates function calls, restarted after it has died.
 
-    def __init__(self) -> None:
-        self._opened = ExitStack()
+    It has `threads` threads.
+    """
+
+    def __init__(self, threads: int = 1) -> None:
+        self._opened, self._threads = ExitStack(), threads
         self._process = self._started()
 
     def call(self, function: Callable[[Item], Value], item: Item) -> Value:
@@ -123,7 +130,7 @@ class Worker:
                 command("-c", SERVE),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
-                env=environment() | {"OPENBLAS_NUM_THREADS": "1"},
+                env=environment() | {"OPENBLAS_NUM_THREADS": "1", THREADS: str(self._threads)},
                 start_new_session=True,
             )
         )
@@ -165,7 +172,7 @@ def each(
     The value is a Died where the process ended; any other exception of the function ends all
     processes and is raised here.
     """
-    team = [Worker() for _ in range(min(workers, len(items)))]
+    team = [Worker(max(cores() // workers, 1)) for _ in range(min(workers, len(items)))]
     free: SimpleQueue[Worker] = SimpleQueue()
     for worker in team:
         free.put(worker)
@@ -193,3 +200,20 @@ def each(
 def cores() -> int:
     """Count the processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def threads() -> int:
+    """Count the threads that computations of this process may use: its cores, or fewer by THREADS.
+
+    Raises
+    ------
+    InputError
+        If THREADS is no positive number.
+    """
+    limit = os.environ.get(THREADS, "")
+    if not limit:
+        return cores()
+    if not limit.isdecimal() or not int(limit):
+        msg = f"{THREADS}: expected a number of threads of at least 1, received {limit!r}"
+        raise InputError(msg)
+    return min(cores(), int(limit))
