@@ -264,7 +264,7 @@ class ContactSurface:
     def columns(self) -> tuple[Indices, Indices, Indices]:
         """Places of loads: starts and rows of a CSC matrix (n_unknowns, n), and slots in its data.
 
-        slots (n_tri, 3, 6, 3): of the hats, nodes and directions of a facet, -1 without a candidate.
+        slots (n_tri, 3, 6, 3): of a facet's hats, nodes and directions, -1 without a candidate.
         """
         owner = self.on.owner[:, :, None, None]
         keys = owner * self.n_unknowns + self.rows[:, None]
