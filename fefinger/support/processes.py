@@ -104,14 +104,25 @@ class Worker:
 
         Raises what the function raises, and Died where the process ends meanwhile.
         """
+        self.start(function, item)
+        value: Value = self.wait()
+        return value
+
+    def start(self, function: Callable[[Any], Any], item: Any) -> None:
+        """Start the evaluation of `function(item)`, whose value is taken by `wait`."""
         if self._process.poll() is not None:
             self._process = self._started()
-        requests, replies = self._process.stdin, self._process.stdout
+        requests = self._process.stdin
         assert requests is not None
-        assert replies is not None
-        with suppress(OSError, EOFError, pickle.UnpicklingError):
+        with suppress(OSError):  # it has ended, as `wait` will say
             pickle.dump((function, item), requests)
             requests.flush()
+
+    def wait(self) -> Any:
+        """Return the value of what was started, or raise as `call`."""
+        replies = self._process.stdout
+        assert replies is not None
+        with suppress(OSError, EOFError, pickle.UnpicklingError):
             done, value = pickle.load(replies)
             if done:
                 return value
@@ -162,6 +173,20 @@ def serve() -> None:
             with suppress(BrokenPipeError):  # the parent is gone
                 out.write(reply)
                 out.flush()
+
+
+@contextmanager
+def beside(function: Callable[[Item], Value], item: Item) -> Iterator[Callable[[], Value]]:
+    """Evaluate `function(item)` in a process beside this one; yield a function that waits for it.
+
+    It returns or raises as `Worker.call`. The process ends with the block.
+    """
+    worker = Worker()
+    try:
+        worker.start(function, item)
+        yield worker.wait
+    finally:
+        worker.end()
 
 
 def each(

@@ -121,7 +121,9 @@ class DeformedGap:
         block = np.broadcast_to(sums[..., None] * drag, slots.shape)
         owned = slots >= 0
         size = len(self.loads.data)
-        return self.loads + self._columns(np.bincount(slots[owned], block[owned], size))
+        return self.loads + self._columns(
+            np.bincount(slots[owned], block[owned], size).astype(np.float64)
+        )
 
     @cached_property
     def fold_stiffness(self) -> Array:
