@@ -5,14 +5,18 @@ skin. This module adds the published anatomy, and lets the units of a family fir
 `recorded` in `neural/recorded_simulation.py`, those of `thesis` in `neural/units.py`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fefinger.fem.linalg.threads import one_thread
 from fefinger.scene.innervation import innervation
 from fefinger.scene.population import Grid, Layout
+from fefinger.support import processes
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, number
 
@@ -31,6 +35,9 @@ RECORDED = (
     "input in mm is the displacement of a pin 1 mm wide that strains an end organ as much."
 )
 """Note on every result with units of the family `recorded`."""
+
+SLOW = 8.0
+"""Expected seconds of an answer that is worth a process of its own for the check."""
 
 
 def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any) -> "SpikeTrains":
@@ -106,22 +113,45 @@ def _thesis(
     return simulate_units(time, x_in, generator=ask.generator, rule=rule, **options)
 
 
-def with_mesh_check(spikes: "SpikeTrains", mechanics: "Mechanics", scene: "Scene") -> "SpikeTrains":
-    """Add notes on whether the spike counts are the same on the next coarser mesh.
+@contextmanager
+def mesh_check(
+    mechanics: "Mechanics", scene: "Scene", seconds: float
+) -> "Iterator[Callable[[SpikeTrains], SpikeTrains]]":
+    """Yield a function that adds notes on whether spike counts are the same on the coarser mesh.
 
-    There are none where the mechanics has no mesh, or no coarser one is at hand.
+    There are none where the mechanics has no mesh, or no coarser one is at hand. An answer that is
+    expected to take SLOW `seconds` is checked meanwhile, by a process on another core.
     """
-    finger = mechanics.coarser(scene)
+    finger = mechanics.coarser(scene) if scene.ask.spikes else None
     if finger is None:
-        return spikes
+        yield lambda spikes: spikes
+        return
     lean = replace(scene, finger=finger, ask=replace(scene.ask, fields=False, pressure=False))
-    mesh = f"the mesh is {finger.mesh}"
+    case = mechanics.name, lean
+    if seconds >= SLOW and processes.threads() > 1:
+        with processes.beside(_spikes, case) as coarser:
+            yield partial(_with_mesh_check, coarser, f"the mesh is {finger.mesh}")
+    else:
+        yield partial(_with_mesh_check, lambda: _spikes(case), f"the mesh is {finger.mesh}")
+
+
+def _with_mesh_check(
+    coarser: "Callable[[], SpikeTrains]", mesh: str, spikes: "SpikeTrains"
+) -> "SpikeTrains":
     try:
-        coarse = fire(lean.ask, mechanics.respond(lean), since=scene.motion.recorded_from)
-        notes = _count_changes(spikes, coarse, mesh)
+        notes = _count_changes(spikes, coarser(), mesh)
     except Exception as error:  # Whatever it is, the answer itself is finished.
         notes = (f"Spike counts could not be checked when {mesh}: {error}",)
     return replace(spikes, notes=spikes.notes + notes)
+
+
+@one_thread  # of BLAS, as in a process beside another
+def _spikes(case: "tuple[str, Scene]") -> "SpikeTrains":
+    """Spikes of a scene, by the mechanics of a name."""
+    from fefinger.mechanics import get
+
+    name, scene = case
+    return fire(scene.ask, get(name).respond(scene), since=scene.motion.recorded_from)
 
 
 def delays(types: Sequence[str], distance: float) -> Array:

@@ -49,7 +49,7 @@ def run(
         An iteration that failed; `Stopped` holds the Result up to there.
     """
     # Imported here, so that `import fefinger` and its command line stay quick.
-    from fefinger.afferents import fire, with_mesh_check
+    from fefinger.afferents import fire, mesh_check
     from fefinger.mechanics import get
     from fefinger.plan import choose, settled
     from fefinger.result import Result
@@ -60,14 +60,15 @@ def run(
     scene = builtin.given(scene)
     plan = choose(scene, mechanics)
     chosen, planned, stages = get(plan.mechanics), settled(scene, plan), Stages(progress)
-    try:
-        response = chosen.respond(planned, progress)
-    except Stopped as stop:  # without spikes: their trains need the whole motion
-        raise Stopped(str(stop), Result.of(scene, plan, stop.reached)) from stop
-    with stages.stage("neural"):
-        since = scene.motion.recorded_from
-        spikes = fire(scene.ask, response, since=since) if scene.ask.spikes else None
-    if spikes is not None:
-        with stages.stage("mesh check"):
-            spikes = with_mesh_check(spikes, chosen, planned)
+    with mesh_check(chosen, planned, plan.chosen.seconds) as checked:
+        try:
+            response = chosen.respond(planned, progress)
+        except Stopped as stop:  # without spikes: their trains need the whole motion
+            raise Stopped(str(stop), Result.of(scene, plan, stop.reached)) from stop
+        with stages.stage("neural"):
+            since = scene.motion.recorded_from
+            spikes = fire(scene.ask, response, since=since) if scene.ask.spikes else None
+        if spikes is not None:
+            with stages.stage("mesh check"):
+                spikes = checked(spikes)
     return Result.of(scene, plan, response, spikes, stages.seconds)

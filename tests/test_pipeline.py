@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import fefinger as ff
+from fefinger import afferents
 from fefinger.mechanics import hertz
+from fefinger.support import processes
 from fefinger.support.checks import ConvergenceError, Stopped
 
 
@@ -43,6 +45,31 @@ def test_an_answer_outlives_a_mesh_check_that_fails(monkeypatch, failure):
     assert found.spikes is not None
     said = f"Spike counts could not be checked when the mesh is coarse: {failure}"
     assert said in found.notes
+
+
+@pytest.mark.parametrize(
+    ("child", "expected"),
+    [
+        (processes.SERVE, "All spike counts are the same when the mesh is coarse."),
+        ("raise SystemExit(3)", "Spike counts could not be checked when the mesh is coarse: the "),
+    ],
+    ids=["answers", "dies"],
+)
+def test_a_slow_answer_is_checked_by_a_process_beside_it(monkeypatch, child, expected):
+    coarser = replace(SCENE.finger, resolution="coarse")
+    answer = hertz.respond
+
+    def respond(scene, progress=None):
+        assert scene.finger.resolution != "coarse"  # not in this process
+        return answer(scene, progress)
+
+    monkeypatch.setattr(hertz, "coarser", lambda _: coarser)
+    monkeypatch.setattr(hertz, "respond", respond)
+    monkeypatch.setattr(afferents, "SLOW", 0.0)
+    monkeypatch.setattr(processes, "threads", lambda: 2)
+    monkeypatch.setattr(processes, "SERVE", child)
+    notes = ff.run(SCENE, mechanics="hertz").notes
+    assert any(note.startswith(expected) for note in notes)
 
 
 def test_units_of_a_grid_are_checked_by_place_where_the_other_skin_has_fewer(monkeypatch):

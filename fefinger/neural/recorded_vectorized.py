@@ -28,7 +28,7 @@ from fefinger.neural.recorded_compiled import (
     normal,
 )
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.processes import cores
+from fefinger.support.processes import threads
 
 
 LANES = 16
@@ -280,7 +280,7 @@ def fire(
     ]
     if len(blocks) == 1:
         return part(blocks[0]), current
-    with ThreadPoolExecutor(min(cores(), len(blocks))) as pool:
+    with ThreadPoolExecutor(min(threads(), len(blocks))) as pool:
         parts = list(pool.map(part, blocks))
     times: list[Array] = [np.empty(0)] * len(steps)
     for block, trains in zip(blocks, parts, strict=True):

@@ -19,12 +19,16 @@ from queue import SimpleQueue
 from typing import Any, TypeVar
 
 from fefinger.support import interrupt
+from fefinger.support.checks import InputError
 
 
 Item = TypeVar("Item")
 Value = TypeVar("Value")
 
 SERVE = "from fefinger.support.processes import serve; serve()"
+
+THREADS = "NUMBA_NUM_THREADS"
+"""Variable of the environment that limits the threads of a process, as it does those of numba."""
 
 GRACE = 2.0
 """Seconds that a child process has to end its own children and to remove its temporary files."""
@@ -86,10 +90,13 @@ class Died(Exception):
 
 
 class Worker:
-    """A child process that evaluates function calls, restarted after it has died."""
+    """A child process that evaluates function calls, restarted after it has died.
 
-    def __init__(self) -> None:
-        self._opened = ExitStack()
+    It has `threads` threads.
+    """
+
+    def __init__(self, threads: int = 1) -> None:
+        self._opened, self._threads = ExitStack(), threads
         self._process = self._started()
 
     def call(self, function: Callable[[Item], Value], item: Item) -> Value:
@@ -97,14 +104,25 @@ class Worker:
 
         Raises what the function raises, and Died where the process ends meanwhile.
         """
+        self.start(function, item)
+        value: Value = self.wait()
+        return value
+
+    def start(self, function: Callable[[Any], Any], item: Any) -> None:
+        """Start the evaluation of `function(item)`, whose value is taken by `wait`."""
         if self._process.poll() is not None:
             self._process = self._started()
-        requests, replies = self._process.stdin, self._process.stdout
+        requests = self._process.stdin
         assert requests is not None
-        assert replies is not None
-        with suppress(OSError, EOFError, pickle.UnpicklingError):
+        with suppress(OSError):  # it has ended, as `wait` will say
             pickle.dump((function, item), requests)
             requests.flush()
+
+    def wait(self) -> Any:
+        """Return the value of what was started, or raise as `call`."""
+        replies = self._process.stdout
+        assert replies is not None
+        with suppress(OSError, EOFError, pickle.UnpicklingError):
             done, value = pickle.load(replies)
             if done:
                 return value
@@ -123,7 +141,7 @@ class Worker:
                 command("-c", SERVE),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
-                env=environment() | {"OPENBLAS_NUM_THREADS": "1"},
+                env=environment() | {"OPENBLAS_NUM_THREADS": "1", THREADS: str(self._threads)},
                 start_new_session=True,
             )
         )
@@ -157,6 +175,20 @@ def serve() -> None:
                 out.flush()
 
 
+@contextmanager
+def beside(function: Callable[[Item], Value], item: Item) -> Iterator[Callable[[], Value]]:
+    """Evaluate `function(item)` in a process beside this one; yield a function that waits for it.
+
+    It returns or raises as `Worker.call`. The process ends with the block.
+    """
+    worker = Worker()
+    try:
+        worker.start(function, item)
+        yield worker.wait
+    finally:
+        worker.end()
+
+
 def each(
     function: Callable[[Item], Value], items: Sequence[Item], workers: int
 ) -> Iterator[tuple[int, Value | Died]]:
@@ -165,7 +197,7 @@ def each(
     The value is a Died where the process ended; any other exception of the function ends all
     processes and is raised here.
     """
-    team = [Worker() for _ in range(min(workers, len(items)))]
+    team = [Worker(max(cores() // workers, 1)) for _ in range(min(workers, len(items)))]
     free: SimpleQueue[Worker] = SimpleQueue()
     for worker in team:
         free.put(worker)
@@ -193,3 +225,20 @@ def each(
 def cores() -> int:
     """Count the processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def threads() -> int:
+    """Count the threads that computations of this process may use: its cores, or fewer by THREADS.
+
+    Raises
+    ------
+    InputError
+        If THREADS is no positive number.
+    """
+    limit = os.environ.get(THREADS, "")
+    if not limit:
+        return cores()
+    if not limit.isdecimal() or not int(limit):
+        msg = f"{THREADS}: expected a number of threads of at least 1, received {limit!r}"
+        raise InputError(msg)
+    return min(cores(), int(limit))

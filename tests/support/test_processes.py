@@ -8,6 +8,7 @@ import process_calls
 import pytest
 
 from fefinger.support import processes
+from fefinger.support.checks import InputError
 
 
 def test_every_item_has_its_value_whichever_process_it_came_from():
@@ -36,6 +37,40 @@ def test_an_exception_is_raised_here_and_ends_the_processes():
 def test_nothing_to_do_starts_nothing(monkeypatch):
     monkeypatch.delattr(processes, "Worker")
     assert list(processes.each(process_calls.square, [], 2)) == []
+
+
+def test_a_call_beside_this_process_has_its_value_or_its_error():
+    with processes.beside(process_calls.square, 3.0) as value:
+        assert value() == 9.0
+    with (
+        processes.beside(process_calls.fail, 3.0) as value,
+        pytest.raises(ValueError, match=r"number 3"),
+    ):
+        value()
+    with processes.beside(process_calls.end_for_odd, 1) as value, pytest.raises(processes.Died):
+        value()
+
+
+def test_a_process_beside_ends_with_the_block(monkeypatch):
+    started = []
+
+    class Kept(processes.Worker):
+        def _started(self):
+            started.append(super()._started())
+            return started[-1]
+
+    monkeypatch.setattr(processes, "Worker", Kept)
+    with processes.beside(process_calls.print_and_sleep, 600.0):
+        assert started[0].poll() is None
+    assert len(started) == 1
+    assert started[0].poll() is not None
+
+
+@pytest.mark.parametrize("limit", ["0", "-1", "two", "1.5"])
+def test_a_limit_of_threads_that_is_no_number_is_named(monkeypatch, limit):
+    monkeypatch.setenv(processes.THREADS, limit)
+    with pytest.raises(InputError, match="NUMBA_NUM_THREADS: expected a number of threads"):
+        processes.threads()
 
 
 def test_prints_do_not_mix_with_the_answers(capfd):

@@ -28,14 +28,18 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
+from fefinger.fem.contact import gap_kernels
 from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import RINGS, Candidates, Neighborhood, candidates, neighborhood
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.state import State
 from fefinger.support.arrays import Array, Flags, Integers
 
+
+Indices = NDArray[np.int32]
 
 # Tuned: with b = 2 or c = 0.5 pads of stiffening tissue still fold; larger values need more
 # iterations.
@@ -82,16 +86,23 @@ class DeformedGap:
         They are the derivatives of the gaps per deformed area, w / t, times m: a uniform gap does
         not change where the pad spreads.
         """
-        on = self.contact.on
-        sloped = self._slope * self.spread
-        closing = np.einsum("tq,kq,tqc->tkqc", sloped, on.part.quadratic, self.gradient)
-        closing += self.spreading * self._bent[:, None, :, None]
-        block = np.einsum("tjq,tkqc->tkcj", self.contact.hats, closing)
-        mean = (self.weighted / (self.steepness * self.contact.projected))[on.owner]
-        spread = np.einsum("tjq,tq,tkqc->tkcj", self.contact.hats, self._slope, self.spreading)
-        block -= mean[:, None, None, :] * spread
-        block /= self.steepness[on.owner][:, None, None, :]
-        return self._columns(block)
+        _, rows, slots = self.contact.columns
+        data = np.zeros(len(rows))
+        gap_kernels.add_loads(
+            self.contact.hats,
+            self.contact.on.part.quadratic,
+            self.gradient,
+            self._slope,
+            self._bent,
+            self.spread,
+            self.spreading,
+            self.weighted / (self.steepness * self.contact.projected),
+            self.steepness,
+            self.contact.on.owner,
+            slots,
+            data,
+        )
+        return self._columns(data)
 
     def pulled(self, drag: Array) -> sparse.csc_matrix:
         """Return the loads (n_unknowns, n) mm² of unit pressures with friction on a plate.
@@ -104,10 +115,15 @@ class DeformedGap:
         if not drag.any():
             return self.loads
         on, part = self.contact.on, self.contact.on.part
-        block = np.einsum("tjq,tq,kq->tkj", self._hats, self._slope, part.quadratic)
-        block /= self.steepness[on.owner][:, None, :]
-        block = block[:, :, None, :] * drag[:, None]
-        return self.loads + self._columns(block)
+        sums = np.einsum("tjq,tq,kq->tjk", self._hats, self._slope, part.quadratic)
+        sums /= self.steepness[on.owner][:, :, None]
+        slots = self.contact.columns[2]
+        block = np.broadcast_to(sums[..., None] * drag, slots.shape)
+        owned = slots >= 0
+        size = len(self.loads.data)
+        return self.loads + self._columns(
+            np.bincount(slots[owned], block[owned], size).astype(np.float64)
+        )
 
     @cached_property
     def fold_stiffness(self) -> Array:
@@ -188,15 +204,11 @@ class DeformedGap:
         owner = self.contact.on.owner
         return np.einsum("tjq,tj->tq", hats, np.where(owner >= 0, factor[owner], 0.0))
 
-    def _columns(self, block: Array) -> sparse.csc_matrix:
-        """Matrix (n_unknowns, n) of the blocks (n_tri, 6, 3, 3) of nodes, directions and hats."""
-        owner, rows = self.contact.on.owner, self.contact.rows
-        rows = np.broadcast_to(rows[:, :, :, None], block.shape).ravel()
-        columns = np.broadcast_to(owner[:, None, None, :], block.shape).ravel()
-        owned = columns >= 0
-        entries = (block.ravel()[owned], (rows[owned], columns[owned]))
+    def _columns(self, data: Array) -> sparse.csc_matrix:
+        """Matrix (n_unknowns, n) of entries at the places of `ContactSurface.columns`."""
+        starts, rows, _ = self.contact.columns
         shape = (self.contact.n_unknowns, len(self.contact))
-        return sparse.coo_matrix(entries, shape=shape).tocsc()
+        return sparse.csc_matrix((data, rows, starts), shape=shape)
 
     def _assembled(self, block: Array) -> sparse.csr_matrix:
         """Matrix (n_unknowns, n_unknowns) of the blocks (n_tri, 18, 18) of the facets."""
@@ -250,9 +262,24 @@ class ContactSurface:
         """Unknowns (n_tri, 6, 3) of the facets."""
         return np.asarray(3 * self.on.part.nodes[:, :, None] + np.arange(3))
 
+    @cached_property
+    def columns(self) -> tuple[Indices, Indices, Indices]:
+        """Places of loads: starts and rows of a CSC matrix (n_unknowns, n), and slots in its data.
+
+        slots (n_tri, 3, 6, 3): of a facet's hats, nodes and directions, -1 without a candidate.
+        """
+        owner = self.on.owner[:, :, None, None]
+        keys = owner * self.n_unknowns + self.rows[:, None]
+        owned = np.broadcast_to(owner >= 0, keys.shape)
+        places, inverse = np.unique(keys[owned], return_inverse=True)
+        slots = np.full(keys.shape, -1, dtype=np.int32)
+        slots[owned] = inverse
+        starts = np.searchsorted(places, self.n_unknowns * np.arange(len(self) + 1))
+        return starts.astype(np.int32), (places % self.n_unknowns).astype(np.int32), slots
+
     def at(self, state: State) -> DeformedGap:
         """Evaluate the gaps and loads of the pad in a state."""
-        distance, gradient, _ = self.obstacle.implicit(self.deformed(state.values), state.depth)
+        distance, gradient = self.obstacle.implicit(self.deformed(state.values), state.depth)
         distance = np.where(np.isfinite(distance), distance, FAR)
         return DeformedGap(self, state.pressure, distance, gradient, *self._spread(state.values))
 
@@ -264,18 +291,11 @@ class ContactSurface:
     def _spread(self, values: Array) -> tuple[Array, Array]:
         """Deformed over undeformed area J (n_tri, n_q), its derivative (n_tri, 6, n_q, 3) 1/mm."""
         part = self.on.part
-        if not self.spreads:
-            count, points = part.weights.shape
-            return np.ones((count, points)), np.zeros((count, 6, points, 3))
-        moved = np.einsum("akq,tkc->tqac", part.slopes, values[self.rows])
-        first, second = np.moveaxis(part.sides[:, None] + moved, 2, 0)
-        normal = np.cross(first, second)
-        at_rest = np.linalg.norm(np.cross(part.sides[:, 0], part.sides[:, 1]), axis=1)
-        length = np.linalg.norm(normal, axis=2)
-        unit = normal / np.maximum(length, np.finfo(float).tiny)[..., None]
-        across = np.stack([np.cross(second, unit), np.cross(unit, first)])
-        spreading = np.einsum("akq,atqc->tkqc", part.slopes, across)
-        return length / at_rest[:, None], spreading / at_rest[:, None, None, None]
+        count, points = part.weights.shape
+        spread, spreading = np.ones((count, points)), np.zeros((count, 6, points, 3))
+        if self.spreads:
+            gap_kernels.fill_spread(values, self.rows, part.sides, part.slopes, spread, spreading)
+        return spread, spreading
 
     def clearance(self, values: Array, depth: float) -> tuple[Array, Array]:
         """Compute normal gaps (n_near,) mm and displacements (n_near, 3) mm of the neighborhood.
@@ -283,7 +303,7 @@ class ContactSurface:
         The gap is FAR where the obstacle is not ahead.
         """
         moved = values[3 * self.neighborhood.vertices[:, None] + np.arange(3)]
-        distance, gradient, _ = self.obstacle.implicit(self.at_rest + moved, depth)
+        distance, gradient = self.obstacle.implicit(self.at_rest + moved, depth)
         gap = distance / np.linalg.norm(gradient, axis=1)
         return np.where(np.isfinite(gap), gap, FAR), moved
 

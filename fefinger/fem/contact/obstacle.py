@@ -61,24 +61,21 @@ class Obstacle:
 
         The distance is infinite where the obstacle is not ahead of the point.
         """
-        distance, gradient, _ = self.implicit(points)
+        distance, gradient = self.implicit(points)
         return distance, gradient / np.linalg.norm(gradient, axis=-1, keepdims=True)
 
     def beyond(self, points: Array) -> Flags:
         """Return whether the shape that is meant has ended at points (..., 3)."""
         return self.profile.beyond(((points - self.origin) @ self.frame.T)[..., :2])
 
-    def implicit(self, points: Array, depth: float = 0.0) -> tuple[Array, Array, Array]:
-        """Return g = (x - origin) . axis + h - depth and its derivatives at points x (..., 3).
+    def implicit(self, points: Array, depth: float = 0.0) -> tuple[Array, Array]:
+        """Return g = (x - origin) . axis + h - depth and its gradient at points x (..., 3).
 
         g (...,) mm is positive where the point is free and negative where it is inside the
         obstacle; its gradient (..., 3), of which the part along the axis is 1, points out of the
-        obstacle; its hessian (..., 3, 3) is in 1/mm. Where the obstacle is not ahead, g is
-        infinite, the gradient is the axis and the hessian zero.
+        obstacle. Where the obstacle is not ahead, g is infinite and the gradient is the axis.
         """
         frame = self.frame
         local = (points - self.origin) @ frame.T
-        h, slope, curvature = self.profile.height(local[..., :2])
-        gradient = self.axis + slope @ frame[:2]
-        hessian = frame[:2].T @ curvature @ frame[:2]
-        return local[..., 2] + h - depth, gradient, hessian
+        h, slope, _ = self.profile.height(local[..., :2])
+        return local[..., 2] + h - depth, self.axis + slope @ frame[:2]

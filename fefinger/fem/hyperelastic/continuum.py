@@ -6,6 +6,8 @@ The unknowns are those of `spaces.Space`: displacements, then hydrostatic pressu
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +18,16 @@ from fefinger.fem.elements import assembly
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic import element_kernels
 from fefinger.fem.hyperelastic.laws import Law
+from fefinger.fem.linalg.threads import together
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
 
 INCOMPRESSIBLE = 9.0
 """Bulk over shear modulus: that of a Poisson's ratio of 0.446."""
+
+PARTS = 4
+"""Parts of the cells that threads take, the same ones whatever their number."""
 
 ElementData = tuple[Array, Integers, Array, Array, Array, Array, Array]
 
@@ -69,28 +75,34 @@ class Continuum:
         """Whether every tissue has a bulk modulus above INCOMPRESSIBLE times its shear modulus."""
         return bool((self.laws[:, 0] * self.laws[:, 1] * INCOMPRESSIBLE < 1).all())
 
-    def _element_data(self, values: Array) -> ElementData:
-        """First arguments of every compiled loop."""
+    @cached_property
+    def _parts(self) -> list[slice]:
+        """Cells of the parts of a loop over all of them."""
+        ends = np.linspace(0, len(self.weights), PARTS + 1).astype(int)
+        return [slice(*each) for each in pairwise(ends.tolist())]
+
+    def _element_data(self, values: Array, cells: slice) -> ElementData:
+        """First arguments of every compiled loop, for some cells."""
         return (
             values,
-            self.space.unknowns,
-            self.jacobians,
-            self.weights,
+            self.space.unknowns[cells],
+            self.jacobians[cells],
+            self.weights[cells],
             self.reference,
             self.shapes,
-            self.laws,
+            self.laws[cells],
         )
 
     def residual(self, values: Array, history: HistoryStress) -> tuple[Array, float]:
         """Return the derivative (n_unknowns,) of the potential, and the smallest J."""
-        out = np.zeros(self.space.n_unknowns)
-        least = element_kernels.residual(
-            *self._element_data(values),
-            history.gains,
-            history.past,
-            out,
-        )
-        return out, float(least)
+
+        def part(cells: slice) -> tuple[Array, float]:
+            out, gains, past = np.zeros_like(values), history.gains[cells], history.past[cells]
+            data = self._element_data(values, cells)
+            return out, float(element_kernels.residual(*data, gains, past, out))
+
+        outs, least = zip(*together(part, self._parts), strict=True)
+        return np.sum(outs, axis=0), min(least)
 
     def tangent(
         self, values: Array, history: HistoryStress, *, whole: bool = True
@@ -102,7 +114,7 @@ class Continuum:
         """
         data = np.zeros_like(self.pattern.data)
         element_kernels.tangent(
-            *self._element_data(values),
+            *self._element_data(values, slice(None)),
             history.gains,
             history.past,
             self.slots,
@@ -117,11 +129,12 @@ class Continuum:
         """Return the isochoric and volumetric elastic stress (n_cells, n_q, 6) in kPa."""
         isochoric = np.empty((*self.weights.shape, 6))
         volumetric = np.empty_like(isochoric)
-        element_kernels.stress(
-            *self._element_data(values),
-            isochoric,
-            volumetric,
-        )
+
+        def part(cells: slice) -> None:
+            data = self._element_data(values, cells)
+            element_kernels.stress(*data, isochoric[cells], volumetric[cells])
+
+        together(part, self._parts)
         return isochoric, volumetric
 
 

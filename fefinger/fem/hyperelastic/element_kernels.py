@@ -68,7 +68,7 @@ def _mean(shapes: Array, pressures: Array) -> float:
     )
 
 
-@njit(cache=True, fastmath=FAST)
+@njit(cache=True, nogil=True, fastmath=FAST)
 def stress(
     values: Array,
     unknowns: Integers,
@@ -94,7 +94,7 @@ def stress(
     return least
 
 
-@njit(cache=True, fastmath=FAST)
+@njit(cache=True, nogil=True, fastmath=FAST)
 def residual(
     values: Array,
     unknowns: Integers,

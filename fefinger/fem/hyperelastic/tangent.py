@@ -46,6 +46,7 @@ class FactoredTangent:
 
     def _take(self, loads: sparse.csc_matrix, pulled: sparse.csc_matrix) -> None:
         self.loads, self.pulled = loads, pulled
+        self._surface = np.unique(loads.indices)
         self.column_of = np.full(loads.shape[1], -1, dtype=np.int64)
         self.columns = np.empty((0, loads.shape[0]), dtype=np.float32)
         self.flexibility = np.empty((0, 0))
@@ -99,7 +100,8 @@ class FactoredTangent:
             added = self.solve(self.pulled[:, new].toarray()).T.astype(np.float32)
             self.columns = np.concatenate([self.columns, added])
             order = np.argsort(self.column_of)[-len(self.columns) :]
-            self.flexibility = self.loads[:, order].T @ self.columns.T
+            surface = self._surface  # all else is not loaded
+            self.flexibility = self.loads[surface][:, order].T @ self.columns[:, surface].T
         where = self.column_of[near]
         flexibility = self.flexibility[np.ix_(where, where)].astype(np.float64)
         symmetric = not self.drag.any()

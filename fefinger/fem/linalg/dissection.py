@@ -8,6 +8,7 @@ has 28 % fewer entries and takes half the operations.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -19,6 +20,8 @@ from fefinger.support.arrays import Array, Flags, Integers
 UNEVEN = 0.2  # allowed deviation of a cut from half the cells; 0.15 and 0.25: 10 % more operations
 LEAF = 48  # cells in the smallest part: smaller parts cost more in Python than they save
 FREE = np.int32(2**30)  # capacity of what no cut may pass
+
+BRANCHES = 4  # subtrees that are eliminated independently, however many threads there are
 
 NOTHING: Integers = np.empty(0, dtype=np.int64)
 
@@ -49,7 +52,31 @@ class Dissection:
     @property
     def entries(self) -> int:
         """Number of entries of a factor."""
-        return sum((f.stop - f.start) * (f.stop - f.start + len(f.rest)) for f in self.fronts)
+        return sum(map(_entries, self.fronts))
+
+    @cached_property
+    def branches(self) -> tuple[Integers, ...]:
+        """Numbers of the fronts of BRANCHES disjoint subtrees, or so; at last, of those above them.
+
+        A subtree depends on no other; the largest one, by entries, is divided first. One that is
+        not divided is alone, with none above it.
+        """
+        firsts, sizes = np.arange(len(self.fronts)), list(map(_entries, self.fronts))
+        for number, front in enumerate(self.fronts):
+            firsts[number] = min((firsts[part] for part in front.parts), default=number)
+            sizes[number] += sum(sizes[part] for part in front.parts)
+        roots, above = [len(self.fronts) - 1], []
+        while len(roots) < BRANCHES and self.fronts[roots[0]].parts:
+            above.append(roots.pop(0))
+            roots = sorted([*roots, *self.fronts[above[-1]].parts], key=lambda x: -sizes[x])
+        subtrees = (np.arange(firsts[root], root + 1) for root in roots)
+        return *subtrees, *([np.sort(above)] if above else [])
+
+
+def _entries(front: Front) -> int:
+    """Entries of the columns of a front."""
+    pivots = front.stop - front.start
+    return pivots * (pivots + len(front.rest))
 
 
 def dissect(

@@ -82,13 +82,23 @@ class Assembly:
     """Fronts of a matrix, filled one after the other.
 
     updates: Schur complements (m, m) of eliminated fronts, by number, until they are added to the
-    front that has them as a part; their lower triangles count.
+    front that has them as a part; their lower triangles count. Several assemblies may share them.
     """
 
-    def __init__(self, arranged: sparse.csr_matrix, fronts: Sequence[Front]) -> None:
-        self.updates: dict[int, Floats] = {}
+    def __init__(
+        self,
+        arranged: sparse.csr_matrix,
+        fronts: Sequence[Front],
+        updates: dict[int, Floats] | None = None,
+    ) -> None:
+        self.updates: dict[int, Floats] = {} if updates is None else updates
         self._arranged, self._fronts = arranged, fronts
         self._place = np.full(arranged.shape[0], -1, dtype=np.int64)
+
+    @property
+    def dtype(self) -> "np.dtype[np.floating]":
+        """Precision of the entries."""
+        return self._arranged.dtype
 
     def front(self, index: int) -> tuple[Floats, Floats]:
         """Return the pivots' columns (n + m, n) and the lower triangle of the rest (m, m)."""
@@ -143,7 +153,7 @@ def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Factor:
     return Factor(order, tuple(done))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _add_lower(
     columns: Floats, rest: Floats, update: Floats, where: Integers, n_pivots: int
 ) -> None:

@@ -5,9 +5,10 @@ with row exchanges, and F^-1 and R F^-1 (R the rows below) are stored instead of
 enough for the consistent tangent of a body under pressure, which no order of the unknowns makes
 quasi-definite. Single precision suffices, because the caller refines by true residuals; double
 precision is for matrices on which it fails.
+
+The branches of the dissection are factored and solved in all threads, then the fronts above them.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +16,9 @@ from numba import njit
 from scipy import sparse
 from scipy.linalg.lapack import get_lapack_funcs
 
-from fefinger.fem.linalg.dissection import Dissection, Front
+from fefinger.fem.linalg.dissection import Dissection
 from fefinger.fem.linalg.multifrontal import SINGULAR, Assembly, Floats
+from fefinger.fem.linalg.threads import together
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
@@ -25,41 +27,73 @@ Precision = type[np.float32] | type[np.float64]
 
 LARGE = "solve: expected numbers within the range of {} precision, received larger ones"
 
-STRIP = 512  # columns of a symmetric product that are formed at once
+STRIP = 512  # rows or columns of a product that are formed at once
 
 
 @dataclass(frozen=True)
-class ApproximateFactor:
-    """Approximate factor: F^-1 and R F^-1 of all fronts.
+class Branch:
+    """Eliminated fronts of a branch of the dissection: F^-1 and R F^-1 of each.
 
-    order (n,) of elimination; table (n_fronts, 3): start, stop and number of rest; rest: all of
-    these; values: F^-1 and R F^-1, front by front and row by row; negative: how many eigenvalues
-    of the matrix are, by Sylvester's law of inertia.
+    unknowns (n_own + n_border,): those eliminated here, in this order, and those of the fronts
+    above that they act on; own: n_own. table (n_fronts, 3): start, stop and number of rest; rest:
+    all of these, as places among `unknowns`; values: F^-1 and R F^-1, front by front and row by
+    row; negative: how many eigenvalues of the fronts are.
     """
 
-    order: Integers
+    unknowns: Integers
+    own: int
     table: Integers
     rest: Integers
     values: Floats
     negative: int
 
+    def forward(self, work: Floats) -> Floats:
+        """Eliminate: own unknowns (n_own, ...), then what is added to the border."""
+        part = work[self.unknowns]
+        part[self.own :] = 0.0
+        _forward(self.table, self.rest, self.values, part)
+        return part
+
+    def backward(self, work: Floats) -> None:
+        """Substitute the border's solution, in place."""
+        part = work[self.unknowns]
+        _backward(self.table, self.rest, self.values, part)
+        work[self.unknowns[: self.own]] = part[: self.own]
+
+
+@dataclass(frozen=True)
+class ApproximateFactor:
+    """Approximate factor: branches that depend on no other, and the fronts above them at last."""
+
+    branches: tuple[Branch, ...]
+
     @property
     def entries(self) -> int:
         """Number of entries stored."""
-        return len(self.values)
+        return sum(len(branch.values) for branch in self.branches)
+
+    @property
+    def negative(self) -> int:
+        """Number of negative eigenvalues of the matrix, by Sylvester's law of inertia."""
+        return sum(branch.negative for branch in self.branches)
 
     @property
     def double(self) -> bool:
         """Whether it is in double precision."""
-        return bool(self.values.dtype == np.float64)
+        return bool(self.branches[0].values.dtype == np.float64)
 
     def solve(self, right: Array) -> Array:
         """Return the solution (n,) or (n, k) for right hand sides of the same shape."""
-        work = right[self.order].astype(self.values.dtype)
-        _solve(self.table, self.rest, self.values, work)
-        answer = np.empty(right.shape)
-        answer[self.order] = work
-        return answer
+        work = right.astype(self.branches[0].values.dtype)
+        *branches, above = self.branches
+        parts = together(lambda branch: branch.forward(work), branches)
+        for branch, part in zip(branches, parts, strict=True):
+            work[branch.unknowns[: branch.own]] = part[: branch.own]
+            work[branch.unknowns[branch.own :]] += part[branch.own :]
+        work[above.unknowns] = above.forward(work)
+        above.backward(work)
+        together(lambda branch: branch.backward(work), branches)
+        return work.astype(np.float64)
 
 
 def factor(
@@ -80,40 +114,62 @@ def factor(
         arranged.data = arranged.data.astype(precision)
     if not np.isfinite(arranged.data).all():
         raise InputError(LARGE.format("single" if precision is np.float32 else "double"))
-    table, values, places = _empty(dissection.fronts, precision)
-    negative = 0
-    assembly = Assembly(arranged, dissection.fronts)
-    for index, (inverse, below) in enumerate(places):
-        columns, rest = assembly.front(index)
-        n = columns.shape[1]
-        inverse[:], below_zero = _inverse(columns[:n])
-        negative += below_zero
-        np.matmul(columns[n:], inverse, out=below)
-        for first in range(0, len(rest), STRIP):
-            strip = slice(first, first + STRIP)
-            rest[first:, strip] -= below[first:] @ columns[n:][strip].T
-        assembly.updates[index] = rest
-    rests = np.concatenate([front.rest for front in dissection.fronts])
-    return ApproximateFactor(order, table, rests, values, negative)
+    updates: dict[int, Floats] = {}
+    *branches, above = dissection.branches
+
+    def eliminated(numbers: Integers) -> Branch:
+        return _eliminated(numbers, dissection, Assembly(arranged, dissection.fronts, updates))
+
+    return ApproximateFactor((*together(eliminated, branches), eliminated(above)))
 
 
-def _empty(
-    fronts: Sequence[Front], precision: Precision
-) -> tuple[Integers, Floats, list[tuple[Floats, Floats]]]:
-    """Allocate the table and values of a factor, with views of the values of each front."""
-    table = np.array([(f.start, f.stop, len(f.rest)) for f in fronts])
-    counts = table[:, 1] - table[:, 0]
-    starts = np.concatenate([[0], np.cumsum(counts * (counts + table[:, 2]))])
-    values = np.empty(starts[-1], dtype=precision)
-    places = []
-    for n, m, start, stop in zip(counts, table[:, 2], starts[:-1], starts[1:], strict=True):
-        block = values[start:stop].reshape(n + m, n)
-        places.append((block[:n], block[n:]))
-    return table, values, places
+def _eliminated(numbers: Integers, dissection: Dissection, assembly: Assembly) -> Branch:
+    """Eliminate the fronts of a branch."""
+    fronts = [dissection.fronts[number] for number in numbers]
+    pivots = np.concatenate([np.arange(front.start, front.stop) for front in fronts])
+    members = np.concatenate([pivots, fronts[-1].rest])
+    counts = np.array([(front.stop - front.start, len(front.rest)) for front in fronts])
+    starts = np.searchsorted(pivots, [front.start for front in fronts])
+    values = np.empty((counts[:, 0] * counts.sum(axis=1)).sum(), dtype=assembly.dtype)
+    negative = place = 0
+    for number, (n, m) in zip(numbers.tolist(), counts.tolist(), strict=True):
+        block = values[place : place + n * (n + m)].reshape(n + m, n)
+        columns, rest = assembly.front(number)
+        negative += _inverse(columns[:n], block[:n])
+        assembly.updates[number] = _schur(columns[n:], block, rest)
+        place += block.size
+    return Branch(
+        unknowns=dissection.order[members],
+        own=len(pivots),
+        table=np.column_stack([starts, starts + counts[:, 0], counts[:, 1]]),
+        rest=np.searchsorted(members, np.concatenate([front.rest for front in fronts])),
+        values=values,
+        negative=negative,
+    )
 
 
-def _inverse(block: Floats) -> tuple[Floats, int]:
-    """Invert a symmetric matrix (n, n); also count its negative eigenvalues.
+def _schur(rows: Floats, block: Floats, rest: Floats) -> Floats:
+    """Fill R F^-1 below F^-1 in `block`; return the Schur complement, whose lower triangle counts.
+
+    Strips of it are formed in all threads.
+    """
+    inverse, below = np.vsplit(block, [block.shape[1]])
+
+    def fill(first: int) -> None:
+        np.matmul(rows[first : first + STRIP], inverse, out=below[first : first + STRIP])
+
+    def subtract(first: int) -> None:
+        strip = slice(first, first + STRIP)
+        rest[first:, strip] -= below[first:] @ rows[strip].T
+
+    strips = range(0, len(rest), STRIP)
+    together(fill, strips)
+    together(subtract, strips)
+    return rest
+
+
+def _inverse(block: Floats, out: Floats) -> int:
+    """Fill `out` with the inverse of a symmetric matrix (n, n); count its negative eigenvalues.
 
     Its lower triangle is read.
 
@@ -123,15 +179,26 @@ def _inverse(block: Floats) -> tuple[Floats, int]:
         If it is singular.
     """
     if not len(block):
-        return block, 0
+        return 0
     sytrf, sytrf_lwork, sytri = get_lapack_funcs(("sytrf", "sytrf_lwork", "sytri"), (block,))
     # Without a workspace of the optimal size, LAPACK uses its unblocked, slow algorithm.
     size = int(sytrf_lwork(len(block), lower=1)[0])
     factored, exchanges, singular = sytrf(block, lower=1, lwork=size)
     inverse, _ = sytri(factored, exchanges, lower=1)
-    if singular or not np.isfinite(inverse).all():
+    if singular or not _mirrored(inverse, out):
         raise InputError(SINGULAR)
-    return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T), _negative(factored, exchanges)
+    return _negative(factored, exchanges)
+
+
+@njit(cache=True, nogil=True)
+def _mirrored(lower: Floats, out: Floats) -> bool:
+    """Fill a symmetric matrix from its lower triangle; return whether it is finite."""
+    finite = True
+    for j in range(len(lower)):
+        for i in range(j, len(lower)):
+            out[i, j] = out[j, i] = lower[i, j]
+            finite &= np.isfinite(lower[i, j])
+    return finite
 
 
 def _negative(factored: Floats, exchanges: Integers) -> int:
@@ -143,9 +210,9 @@ def _negative(factored: Floats, exchanges: Integers) -> int:
     return int((np.diagonal(factored)[alone] < 0).sum()) + int((~alone).sum()) // 2
 
 
-@njit(cache=True)
-def _solve(table: Integers, rest: Integers, values: Floats, work: Floats) -> None:
-    """Solve in place for right hand sides (n,) or (n, k) in the order of elimination."""
+@njit(cache=True, nogil=True)
+def _forward(table: Integers, rest: Integers, values: Floats, work: Floats) -> None:
+    """Forward substitution in place, for (n,) or (n, k) in the order of elimination."""
     place = first = 0
     for f in range(len(table)):
         start, stop, m = table[f]
@@ -155,6 +222,12 @@ def _solve(table: Integers, rest: Integers, values: Floats, work: Floats) -> Non
         for i in range(m):
             work[rest[first + i]] -= part[i]
         place, first = place + n * (n + m), first + m
+
+
+@njit(cache=True, nogil=True)
+def _backward(table: Integers, rest: Integers, values: Floats, work: Floats) -> None:
+    """Backward substitution in place, for (n,) or (n, k) in the order of elimination."""
+    place, first = len(values), len(rest)
     for f in range(len(table) - 1, -1, -1):
         start, stop, m = table[f]
         n = stop - start

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, number
-from fefinger.support.processes import cores
+from fefinger.support.processes import threads
 
 
 LARGEST_STEP = 5e-5
@@ -107,7 +107,7 @@ def in_blocks(
     firsts = range(0, units, width)
     if len(firsts) == 1:
         return block(0)
-    with ThreadPoolExecutor(min(cores(), len(firsts))) as pool:
+    with ThreadPoolExecutor(min(threads(), len(firsts))) as pool:
         runs = list(pool.map(block, firsts))
     back = np.argsort(order)
     times = [each for part in runs for each in part[0]]

@@ -38,7 +38,7 @@ def deepest(subject: str, mesh: str) -> tuple[ContactSurface, Array, Array, Flag
     table, body = elastic_store.read(path), press.body
     contact = contact_surface(body.space, body.pad, body.normals, press.obstacle, table.reach)
     values = table.unknowns(table.modes.amplitudes[len(table.depth) - 1], body.space.n_unknowns)
-    distance, _, _ = press.obstacle.implicit(contact.deformed(values), table.deepest)
+    distance, _ = press.obstacle.implicit(contact.deformed(values), table.deepest)
     pressure, owner = table.pressure[-1], contact.on.owner
     closed = ((owner >= 0) & (pressure[owner] > 0)).all(axis=1)
     return contact, distance, pressure, closed

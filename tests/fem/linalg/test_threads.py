@@ -1,0 +1,113 @@
+"""Work in threads: every part once, in order; results that do not depend on their number."""
+
+import threading
+
+import numpy as np
+import pytest
+from fefinger.validation.problems.grids import box
+
+from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.hyperelastic.continuum import continuum
+from fefinger.fem.hyperelastic.laws import neo_hookean
+from fefinger.fem.linalg import multifrontal_single, threads
+from fefinger.fem.linalg import system as solve
+from fefinger.support import processes
+
+
+@pytest.fixture(params=[1, 2, 5])
+def count(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> int:
+    """Set a number of threads, whatever cores there are."""
+    monkeypatch.setattr(threads, "threads", lambda: request.param)
+    monkeypatch.setattr(threads, "_pool", lambda: pool)
+    pool = threads.ThreadPoolExecutor(4)
+    yield request.param
+    pool.shutdown()
+
+
+def test_the_values_are_those_of_the_parts_in_order(count: int) -> None:
+    assert threads.together(lambda part: part**2, range(17)) == [part**2 for part in range(17)]
+    assert threads.together(lambda part: part, []) == []
+
+
+def test_parts_may_have_parts_of_their_own(count: int) -> None:
+    def inner(part: int) -> list[int]:
+        return threads.together(lambda other: part * other, range(4))
+
+    expected = [[part * other for other in range(4)] for part in range(6)]
+    assert threads.together(inner, range(6)) == expected
+
+
+def test_another_thread_takes_parts_while_this_one_works() -> None:
+    """Each of two parts waits for the other to begin."""
+    barrier = threading.Barrier(2)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(threads, "threads", lambda: 2)
+        threads.together(lambda _: barrier.wait(timeout=20), range(2))
+
+
+def test_a_failure_is_raised_and_ends_the_work(count: int) -> None:
+    def fail(part: int) -> int:
+        message = "a defect"
+        raise IndexError(message)
+
+    with pytest.raises(IndexError, match="a defect"):
+        threads.together(fail, range(4))
+    assert threads.together(abs, [-1, -2]) == [1, 2]
+
+
+@pytest.fixture
+def body() -> solve.System:
+    space = box(*3 * (np.linspace(0, 1, 6),))
+    held = np.flatnonzero(np.repeat(space.node_points[:, 2] == 0, 3))
+    return solve.prepare(space, stiffness(space, {1: Elastic(5.0, 0.4999)}), held)
+
+
+def test_factor_and_solution_are_the_same_to_the_last_bit(
+    count: int, body: solve.System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(multifrontal_single, "STRIP", 64)  # several in a front of this body
+    right = np.random.default_rng(0).normal(size=(len(body.free), 3))
+    found = solve.approximate_factor(body.matrix, body)
+    monkeypatch.setattr(threads, "threads", lambda: 1)
+    alone = solve.approximate_factor(body.matrix, body)
+    for branch, other in zip(found.branches, alone.branches, strict=True):
+        assert np.array_equal(branch.values, other.values)
+    assert found.negative == alone.negative
+    expected = alone.solve(right)
+    monkeypatch.setattr(threads, "threads", lambda: count)
+    assert np.array_equal(found.solve(right), expected)
+    assert np.array_equal(found.solve(right[:, 0]), alone.solve(right[:, 0]))
+
+
+def test_branches_are_disjoint_subtrees_and_the_fronts_above_them(body: solve.System) -> None:
+    fronts = body.dissection.fronts
+    *branches, above = body.dissection.branches
+    numbers = np.concatenate([*branches, above])
+    assert np.array_equal(np.sort(numbers), np.arange(len(fronts)))
+    assert len(branches) >= 4
+    for branch in branches:
+        inside = {part for number in branch for part in fronts[number].parts}
+        assert inside == set(branch[:-1].tolist())
+
+
+def test_internal_forces_are_the_same_to_the_last_bit(
+    count: int, body: solve.System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cells = continuum(body.space, {1: neo_hookean(Elastic(5.0, 0.4999))})
+    values = 0.002 * np.random.default_rng(1).normal(size=body.space.n_unknowns)
+    found, least = cells.residual(values, cells.at_rest)
+    stresses = cells.stress(values)
+    monkeypatch.setattr(threads, "threads", lambda: 1)
+    alone, same = cells.residual(values, cells.at_rest)
+    assert np.array_equal(found, alone)
+    assert least == same > 0
+    assert np.array_equal(stresses, cells.stress(values))
+
+
+@pytest.mark.parametrize(("limit", "expected"), [("", 3), ("1", 1), ("2", 2), ("8", 3)])
+def test_threads_are_the_cores_or_fewer(
+    limit: str, expected: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(processes, "cores", lambda: 3)
+    monkeypatch.setenv(processes.THREADS, limit)
+    assert processes.threads() == expected
