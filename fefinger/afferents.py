@@ -139,8 +139,7 @@ def _strain_at_sites(ask: "Ask", response: "Response") -> "tuple[Array, Sites, R
         msg = f"{field}: {response.mechanics!r} gives no strain under the skin to make spikes from"
         raise InputError(msg)
     if ask.population is not None and sites.unit is None:
-        msg = f"{field}: {response.mechanics!r} has no end organs of a population"
-        raise InputError(msg)
+        raise InputError(f"{field}: {response.mechanics!r} has no end organs of a population")
     return strain, sites, reference
 
 

@@ -207,11 +207,10 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
     willing = [rung for rung in rungs if _willing(rung)]
     if willing:
         return min(willing, key=lambda rung: rung.seconds)
-    msg = (
+    raise InputError(
         f"ask: no mechanics can answer this scene within the limits. {_relaxing(rungs)}"
         f"{_unchecked(case)}{vibration.advice(case)}{_by_name(rungs)}\n\n{written(rungs)}"
     )
-    raise InputError(msg)
 
 
 def _by_name(rungs: tuple[Rung, ...]) -> str:
@@ -285,8 +284,7 @@ def _named(rungs: tuple[Rung, ...], mechanics: str) -> Rung:
     unable = [refusal for refusal in candidates[0].refusals if refusal.about == "ability"]
     if unable:
         reasons = "\n".join(f"  {mechanics}: ability: {refusal.reason}" for refusal in unable)
-        msg = f"mechanics: {mechanics!r} cannot answer this scene\n{reasons}"
-        raise InputError(msg)
+        raise InputError(f"mechanics: {mechanics!r} cannot answer this scene\n{reasons}")
     willing = [rung for rung in candidates if not rung.refusals]
     if willing:
         return min(willing, key=lambda rung: rung.seconds)

@@ -115,12 +115,11 @@ def calibrate(
     work = Work(replace(start, resolution=resolution), progress)
     wanted = _target(work, source)
     if check is not None and isinstance(wanted, Bulk):
-        msg = (
+        raise InputError(
             "check: expected the record of a user (DATA.csv) to fit, whose touch the prediction "
             f"needs, received the subject {wanted.name!r}; subjects are checked on sinusoids "
             "automatically"
         )
-        raise InputError(msg)
     measured = None if frames is None else targets.frames(frames)
     predicted = None if check is None else targets.unloading(check)
     fit = {"condensed": condensed, "solid": solid}[mechanics]

@@ -90,8 +90,7 @@ class Calibration:
         """Return the parameter called `name`; KeyError lists the names that exist."""
         named = {each.name: each for each in self.parameters}
         if name not in named:
-            msg = f"{name!r}: expected one of the parameters {', '.join(named)}"
-            raise KeyError(msg)
+            raise KeyError(f"{name!r}: expected one of the parameters {', '.join(named)}")
         return named[name]
 
     @property

@@ -68,12 +68,11 @@ def stack(finger: Finger) -> Stack:
     thick, bone = float(skin.thickness or 0.0), BONE * finger.thickness
     below = bone - thick
     if below < THINNEST * bone:
-        msg = (
+        raise InputError(
             f"finger.skin.thickness: expected at most {(1 - THINNEST) * bone:.4g} mm, which leaves "
             f"{THINNEST:g} of the {bone:.4g} mm above the bone to the tissue below, received "
             f"{thick:g} mm; take a thinner skin or a thicker finger"
         )
-        raise InputError(msg)
     return Stack(
         (Layer(thick, skin.modulus, skin.poisson), Layer(below, rest.modulus, rest.poisson))
     )
@@ -102,8 +101,7 @@ def contact(scene: Scene) -> "Layered":
             return Layered.to_depth(stack(scene.finger), radius, peak)
         return Layered.to_force(stack(scene.finger), radius, peak / NEWTON_PER_MILLINEWTON)
     except ValueError as error:
-        msg = f"motion: {error}; press less"
-        raise InputError(msg) from error
+        raise InputError(f"motion: {error}; press less") from error
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:

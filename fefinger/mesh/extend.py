@@ -52,8 +52,7 @@ def extended(mesh: FingerMesh) -> FingerMesh:
     The new vertices follow those of the mesh. Raises InputError for a whole finger.
     """
     if not mesh.half:
-        message = f"mesh: expected a half finger, received the whole finger {mesh.name!r}"
-        raise InputError(message)
+        raise InputError(f"mesh: expected a half finger, received the whole finger {mesh.name!r}")
     section = np.concatenate([mesh.facets["cut"], mesh.facets["bone-cut"]])
     # The sections rise: diagonals from upper to lower vertices are the shorter ones.
     ring = np.unique(section)

@@ -83,11 +83,10 @@ def read(path: str | Path) -> FingerMesh:
     sidecar = _sidecar(sidecar_path(path))
     sha256 = _hash(path)
     if sha256 != sidecar["sha256"]:
-        message = (
+        raise InputError(
             f"mesh: expected {path} to have the hash {sidecar['sha256'][:12]}... of its sidecar, "
             f"received {sha256[:12]}...; one of the two was changed, build the mesh again"
         )
-        raise InputError(message)
     content = meshio.read(path, file_format="vtu")
     return _mesh(content, sidecar)
 
@@ -102,14 +101,12 @@ def _sidecar(path: Path) -> dict[str, Any]:
     try:
         sidecar = json.loads(path.read_text(encoding="utf-8"))
     except ValueError as error:
-        message = f"mesh: expected JSON in {path}, received {error}"
-        raise InputError(message) from error
+        raise InputError(f"mesh: expected JSON in {path}, received {error}") from error
     layout = sidecar.get("layout") if isinstance(sidecar, dict) else None
     if layout != LAYOUT:
-        message = (
+        raise InputError(
             f"mesh: expected layout {LAYOUT} in {path}, received {layout!r}; build the mesh again"
         )
-        raise InputError(message)
     missing = [name for name in NEEDED if name not in sidecar]
     if missing:
         message = f"mesh: expected {missing[0]!r} in {path}, received none; build the mesh again"
@@ -146,8 +143,7 @@ def _checked(path: str | Path) -> Path:
     """Check that a path ends in .vtu."""
     path = Path(path)
     if path.suffix != ".vtu":
-        message = f"mesh: expected a file name that ends in .vtu, received {path.name!r}"
-        raise InputError(message)
+        raise InputError(f"mesh: expected a file name that ends in .vtu, received {path.name!r}")
     return path
 
 

@@ -105,11 +105,10 @@ class Indenter(ABC):
 
     def moved(self, place: tuple[float, float]) -> Self:
         """Return the object at another place (x, y) in mm; InputError for one without a place."""
-        msg = (
+        raise InputError(
             f"indenter.kind: expected an object with a place, such as a pin or a sphere, received "
             f"{self.kind!r}"
         )
-        raise InputError(msg)
 
     @property
     def turn(self) -> float:

@@ -320,11 +320,10 @@ def _tissue_file(name: str) -> TissueSet:
         relaxation = {"prony": None if prony is None else Prony(**prony)}
         return TissueSet(**({"source": name, "confidence": "low"} | table | layers | relaxation))
     except (KeyError, TypeError, ValueError) as error:
-        msg = (
+        raise InputError(
             f"finger.tissue: expected [skin] and [subcutaneous] with modulus, poisson, ... and, "
             f"if needed, pad_radius and prony in {name!r}, received {error}"
-        )
-        raise InputError(msg) from None
+        ) from None
 
 
 def _stretched_together(*layers: Tissue) -> Tissue:

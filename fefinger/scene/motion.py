@@ -235,6 +235,5 @@ def merged(spans: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], .
 def _whole(cycles: float) -> int:
     """Return a number of cycles as an int, or raise InputError if it is not a whole one."""
     if cycles != int(cycles):
-        msg = f"motion.cycles: expected a whole number of cycles, received {cycles:g}"
-        raise InputError(msg)
+        raise InputError(f"motion.cycles: expected a whole number of cycles, received {cycles:g}")
     return int(cycles)

@@ -156,11 +156,10 @@ class SampledPathMotion(SampledMotion):
         for name in self._columns:
             count = len(getattr(self, name))
             if count != len(self.time):
-                msg = (
+                raise InputError(
                     f"motion.{name}: expected as many values as times, received {count} values and "
                     f"{len(self.time)} times"
                 )
-                raise InputError(msg)
         values = getattr(self, self.control)
         self._check_samples(self.control, values)
         return self._through(values)

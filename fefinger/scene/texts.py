@@ -75,11 +75,10 @@ class Text(Raised):
     def _set_text(self) -> None:
         self._set("start", unit="mm")
         if not isinstance(self.text, str) or not self.text.strip() or len(self.text) > LARGEST_TEXT:
-            msg = (
+            raise InputError(
                 f"indenter.text: expected 1 to {LARGEST_TEXT} characters that are not all blank, "
                 f"received {self.text!r}"
             )
-            raise InputError(msg)
 
 
 @final

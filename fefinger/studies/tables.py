@@ -46,11 +46,10 @@ def check(path: str | PathLike[str], option: str) -> None:
         msg = f"{option}: expected a file that can be written, received {what}: {str(path)!r}"
         raise InputError(msg)
     if path.suffix.lower() == ".parquet" and find_spec("pyarrow") is None:
-        msg = (
+        raise InputError(
             f"{option}: expected pyarrow to be installed for a Parquet file, found none; run `pip "
             "install 'fefinger[parquet]'`, or name a file that ends in .csv or .nc"
         )
-        raise InputError(msg)
 
 
 def write(study: "StudyRows", path: str | PathLike[str], option: str = "table") -> str:

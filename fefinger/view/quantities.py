@@ -128,12 +128,11 @@ def measure(result: ResultRecord) -> str:
 def fields_of(result: ResultRecord) -> Fields:
     """Return the fields of a result; InputError with what to do where there are none."""
     if result.fields is None:
-        message = (
+        raise InputError(
             f"fields: expected a result with fields on the mesh, received one of "
             f"{result.plan.mechanics!r} without; run the scene again with `--set ask.fields=true` "
             "and a mechanics that has a mesh (condensed, linear, solid)"
         )
-        raise InputError(message)
     return result.fields
 
 
@@ -213,8 +212,7 @@ def limits(text: str) -> tuple[float, float]:
     except ValueError:
         colon = ""
     if not colon:
-        message = f"--limits: expected LOW:HIGH, such as 0:30, received {text!r}"
-        raise InputError(message)
+        raise InputError(f"--limits: expected LOW:HIGH, such as 0:30, received {text!r}")
     number("--limits LOW", pair[0])
     number("--limits HIGH", pair[1], above=pair[0])
     return pair

@@ -144,11 +144,10 @@ def _first_touch(scene: Scene) -> Touch:
     """Return the first touch, or raise InputError for a place that is not on the pad."""
     first = touch(scene.finger, scene.indenter)
     if first is None:
-        msg = (
+        raise InputError(
             f"indenter.at: expected a place on the pad, a sphere of {scene.finger.pad_radius:g} mm "
             f"under the 30 degree plate, received {scene.indenter.place}"
         )
-        raise InputError(msg)
     return first
 
 
@@ -156,12 +155,11 @@ def _check_width(contact: ElasticContact, deepest: float, radius: float) -> None
     """Raise InputError for a contact that is wider than its relative radius in mm."""
     widest = float(contact.radius(np.array([deepest]))[0])
     if widest > radius * (1 + 1e-9):
-        msg = (
+        raise InputError(
             f"motion: expected a contact narrower than its relative radius of {radius:.4g} mm, "
             f"received one of {widest:.4g} mm at a depth of {deepest:.4g} mm; press less, or take "
             "a larger indenter"
         )
-        raise InputError(msg)
 
 
 def _march(motion: Motion, time: Array, prony: Prony, contact: ElasticContact) -> "ContactHistory":

@@ -132,12 +132,11 @@ def table_of(press: Press, indenter: Indenter, stages: Stages) -> ElasticPress:
     table = elastic_press.load_or_solve(press, indenter, 0.0, stages, force=motion.peak)
     if table.force[-1] >= motion.peak:  # relaxed tissue bears the least
         return table
-    message = (
+    raise InputError(
         f"motion.force: expected one that the relaxed finger bears at {FARTHEST:g} of its "
         f"thickness of {press.finger.thickness:g} mm or before, received {motion.peak:g} N, where "
         f"it bears {table.force[-1]:.3g} N; press less"
     )
-    raise InputError(message)
 
 
 def respond(

@@ -111,8 +111,7 @@ def contact_of(body: ModalBody, longest: float) -> ModalContact:
 def operator_of(press: Press) -> Operator:
     """Return the operator that a press is solved with."""
     if not isinstance(press.body, Operator):
-        message = f"press: expected an Operator, received {type(press.body).__name__}"
-        raise TypeError(message)
+        raise TypeError(f"press: expected an Operator, received {type(press.body).__name__}")
     return press.body
 
 

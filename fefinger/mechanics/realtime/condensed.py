@@ -214,11 +214,10 @@ class Condensed:
         if value > 0.0:
             return value
         if self._memory.elastic.any():
-            message = (
+            raise InputError(
                 f"stiffening: expected t above 0 as long as the tissue remembers a contact, "
                 f"received {value:g} at a depth of {depth:g} mm; reset, or stay in contact"
             )
-            raise InputError(message)
         return 1.0
 
     def _read(self) -> Step:
@@ -306,11 +305,10 @@ def _reduced_to_candidates(
         if not (pressure[on_pad.border & ~on_pad.obstacle_border] > 0).any():
             break
     if reduced is None:
-        message = (
+        raise InputError(
             "deepest: expected a depth at which the indenter stays over the palmar part of the "
             f"pad, received {deepest:g} mm; give a smaller one"
         )
-        raise InputError(message)
     return reduced
 
 

@@ -206,8 +206,7 @@ class Modal:
         """
         last = len(self.modes.squares) - 1
         if which not in range(last + 1):
-            message = f"mode: expected a number from 0 to {last}, received {which!r}"
-            raise InputError(message)
+            raise InputError(f"mode: expected a number from 0 to {last}, received {which!r}")
         frames = int(number("frames", frames, at_least=1))
         solid, mesh = self._still.solid, load_or_build(self.finger, half=self._still.solid.half)
         moved = np.zeros(solid.space.n_unknowns)
@@ -248,11 +247,10 @@ class Modal:
 
     def _check_step(self, dt: float) -> None:
         if not 0 < dt <= self._contact.longest:
-            message = (
+            raise InputError(
                 f"dt: expected a step above 0 and of at most {self.dt:g} s, for which the finger "
                 f"was made, received {dt!r}; make it with a longer `dt`, or call `rest`"
             )
-            raise InputError(message)
 
     def _advance(self, dt: float, target: float, *, by_force: bool) -> Step:
         outcome = self._contact.step(dt, target, by_force=by_force)

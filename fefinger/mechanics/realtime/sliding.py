@@ -162,11 +162,10 @@ class Sliding:
             if not (pressure[on.border] > 0).any():
                 break
         if reduced is None:
-            message = (
+            raise InputError(
                 "deepest: expected a depth at which the indenter stays over the palmar part of the "
                 f"pad, received {self.deepest:g} mm; give a smaller one"
             )
-            raise InputError(message)
         return reduced
 
     def afferents(self, **options: Any) -> Afferents | RecordedAfferents:
@@ -221,8 +220,7 @@ class Sliding:
     ) -> SlidingStep:
         place = np.array(shift, dtype=float)
         if not (place.shape == (2,) and np.isfinite(place).all()):
-            message = f"shift: expected two finite numbers in mm, received {shift!r}"
-            raise InputError(message)
+            raise InputError(f"shift: expected two finite numbers in mm, received {shift!r}")
         if not 0.0 <= dt < math.inf:
             number("dt", dt, at_least=0, unit="s")
         gap, rim = self._travel.gap(place)

@@ -67,11 +67,10 @@ class ElasticForce:
             raise ValueError(msg)
         rises = force.shape == nodes.shape and force[0] == 0 and force[-1] > 0
         if not (rises and (np.diff(force[self.first :]) > 0).all()):
-            msg = (
+            raise ValueError(
                 f"force: expected {len(nodes)} forces that are 0 at first and then rise, received "
                 f"{force!r}"
             )
-            raise ValueError(msg)
 
     @property
     def first(self) -> int:
@@ -135,8 +134,7 @@ class Spring:
         """
         deepest = float(self.elastic.nodes[-1])
         if depth > deepest * (1 + SAME):
-            msg = f"depth: expected at most {deepest:g} mm, received {depth:g} mm"
-            raise ValueError(msg)
+            raise ValueError(f"depth: expected at most {deepest:g} mm, received {depth:g} mm")
         step = self._past(dt)
         self._finish(depth, max(min(depth, deepest), self._free(*step[:2])), *step)
 
