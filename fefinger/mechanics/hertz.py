@@ -86,11 +86,11 @@ class HalfSpace:
         """Return the force (n,) in mN."""
         return self._slope * depth**1.5
 
-    def depth(self, force: float) -> float:
+    def depth(self, force: float) -> Array:
         """Return the depth in mm under a force in mN."""
-        return float((force / self._slope) ** (2 / 3))
+        return np.asarray((force / self._slope) ** (2 / 3))
 
-    def radius(self, depth: Array) -> Array:
+    def contact_radius(self, depth: Array) -> Array:
         """Return the contact radius (n,) in mm."""
         return np.sqrt(self.relative_radius * depth)
 
@@ -101,15 +101,15 @@ class HalfSpace:
         return self.force(depth)[:, None] * (1 - outside)
 
     def strain(self, depth: Array, r: Array, z: Array) -> Array:
-        """Return e_r, e_t, e_z, e_rz (n, m, 4) of Huber's field at r, z (m,) mm, z > 0."""
+        """Return e_r, e_t, e_z, e_rz (n, 4, m) of Huber's field at r, z (m,) mm, z > 0."""
         from fefinger.theory.contact.hertz import Hertz
 
-        strain = np.zeros((len(depth), len(r), 4))
+        strain = np.zeros((len(depth), 4, len(r)))
         for row, reached in zip(strain, depth, strict=True):
             # Deeper nodes belong to creep beyond the time that the force was held.
             if 0 < reached <= self.relative_radius:
                 field = Hertz(self.relative_radius, float(reached), self.modulus, self.poisson)
-                row[:] = field.strain(r, z).T
+                row[:] = field.strain(r, z)
         return strain
 
 
@@ -232,12 +232,12 @@ def deepest(case: Situation) -> float:
     """Return the largest depth in mm, of a motion under force control once tissue has relaxed."""
     if case.motion.control == "depth":
         return case.peak
-    return half_space(case.finger, case.indenter).depth(case.peak / NEWTON_PER_MILLINEWTON)
+    return float(half_space(case.finger, case.indenter).depth(case.peak / NEWTON_PER_MILLINEWTON))
 
 
 def widest(case: Situation) -> float:
     """Return the largest contact radius in mm."""
-    return float(half_space(case.finger, case.indenter).radius(np.array(deepest(case))))
+    return float(half_space(case.finger, case.indenter).contact_radius(np.array(deepest(case))))
 
 
 def _thinness(case: Situation) -> float:

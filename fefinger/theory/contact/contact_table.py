@@ -90,7 +90,7 @@ class Table:
         outside = legendre.legval(y, inner[:, :, None], tensor=False)
         return np.asarray(self.force(depth)[:, None] * (1 - outside / inner.sum(axis=0)[:, None]))
 
-    def strain(self, depth: ArrayLike, r: ArrayLike, *, z: ArrayLike) -> Array:
+    def strain(self, depth: ArrayLike, r: ArrayLike, z: ArrayLike) -> Array:
         """Return the elastic strain (n_d, 4, n_p) below the contacts at `depth` (n_d,) mm.
 
         r (n_p,), z (n_p,) in mm; components r, theta, z and rz (tensor). ValueError for

@@ -35,14 +35,6 @@ SAME = 1e-9
 """Relative difference of depths that counts as none."""
 
 
-def depth_nodes(deepest: float, count: int = NODES) -> Array:
-    """Depths (count + 1,) from 0 to `deepest` mm, of equal steps of their root."""
-    if not (0 < deepest < np.inf and count >= 1):
-        msg = f"nodes: expected a depth above 0 mm and 1 or more, received {deepest!r}, {count!r}"
-        raise ValueError(msg)
-    return np.asarray(deepest * np.linspace(0.0, 1.0, count + 1) ** 2)
-
-
 @dataclass(frozen=True)
 class ElasticForce:
     """Force of an elastic press, linear between nodes.
