@@ -185,7 +185,7 @@ class Fields:
     pressure: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Response:
     """Response of a mechanics to a scene; quantities that the scene does not request are None.
 
@@ -206,14 +206,14 @@ class Response:
     time: Array
     depth: Array
     force: Array
-    contact_area: Array | None
-    centroid: Array | None
-    pad: Pad | None
-    pressure: Array | None
-    sites: Sites | None
-    strain: Array | None
-    reference: "Reference | None"
-    fields: Fields | None
+    contact_area: Array | None = None
+    centroid: Array | None = None
+    pad: Pad | None = None
+    pressure: Array | None = None
+    sites: Sites | None = None
+    strain: Array | None = None
+    reference: "Reference | None" = None
+    fields: Fields | None = None
     status: str
     seconds: dict[str, float]
     notes: tuple[str, ...]

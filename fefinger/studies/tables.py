@@ -94,7 +94,10 @@ def dataset(study: "StudyRows") -> "xr.Dataset":
 
     keys = [*study.over, "at"]
     rows = [row for row in study.rows if row["at"]]
-    axes = {name: _axis(study.rows if name != "at" else rows, name) for name in keys}
+    axes = {
+        name: list(dict.fromkeys(row[name] for row in (study.rows if name != "at" else rows)))
+        for name in keys
+    }
     every = pd.MultiIndex.from_product(axes.values())
     table = study.table()
     done = table[table["at"] != ""]
@@ -111,11 +114,6 @@ def dataset(study: "StudyRows") -> "xr.Dataset":
         arrays[READINGS] = ([*keys, "element"], readings, about)
     coordinates = {name: (name, values, _about(name)) for name, values in axes.items()}
     return xr.Dataset(arrays, coordinates, table.attrs)
-
-
-def _axis(rows: Any, name: str) -> list[Any]:
-    """Return the values of a column in their order, each once."""
-    return list(dict.fromkeys(row[name] for row in rows))
 
 
 def _plain(column: "pd.Series") -> Any:

@@ -132,7 +132,6 @@ def respond(
         sites=sites,
         strain=strain,
         reference=reference,
-        fields=None,
         status=f"Solved: the elastic contact at {radii} contact radii, {steps} time steps.",
         seconds=stages.seconds,
         notes=notes,

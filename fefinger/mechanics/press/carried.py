@@ -7,7 +7,6 @@ import numpy as np
 
 from fefinger.fem.body import solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
-from fefinger.fem.elements.probe import gradient_at_vertices
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.geometry import mirror
@@ -15,7 +14,7 @@ from fefinger.mechanics.press import dragged, elastic_press
 from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.elastic_press import FARTHEST
 from fefinger.mechanics.press.elastic_table import ElasticPress
-from fefinger.mechanics.press.fields import VOIGT_COLUMNS, VOIGT_ROWS, no_fields
+from fefinger.mechanics.press.fields import finite_strain_fields
 from fefinger.mechanics.press.finite_reference import reference_strain
 from fefinger.mechanics.press.hard_parts import with_nail
 from fefinger.mechanics.press.history import frames_of
@@ -231,13 +230,7 @@ def _fields(carried: CarriedPress, shares: Carried) -> Fields:
     """Fields on the mesh at some of the times."""
     press = carried.press
     frames = frames_of(shares.depth, int(np.argmax(shares.force)))
-    original, gradients = press.body.original, gradient_at_vertices(press.body.space)
-    fields = no_fields(press, press.time[frames])
-    pressed = original[carried.contact.on.vertices]
+    states = carried.displacement(shares.strain[frames])
     pressure = carried.pressures(shares)[frames]
-    for frame, values in enumerate(carried.displacement(shares.strain[frames])):
-        fields.displacement[frame, original] = values[: 3 * len(original)].reshape(-1, 3)
-        logs = logarithmic((gradients @ values).reshape(-1, 3, 3))
-        fields.strain[frame, original] = logs[:, VOIGT_ROWS, VOIGT_COLUMNS]
-        fields.pressure[frame, pressed] = pressure[frame]
-    return fields
+    vertices = carried.contact.on.vertices
+    return finite_strain_fields(press, press.time[frames], states, vertices, pressure)

@@ -20,7 +20,6 @@ from fefinger.fem.hyperelastic.load_path import (
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
-from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import dragged, elastic_store, limits, placement, problem
 from fefinger.mechanics.press.constitutive import laws, relaxations
@@ -262,9 +261,7 @@ def _on_candidates(
 ) -> FiniteStrainHistory:
     """Solve the steps on some candidates, as far as the contact stays off their rim."""
     body, steps = press.body, course.steps
-    where = press.sites.points if press.sites else np.empty((0, 3))
-    where = mirror.to_half(where) if body.half else where
-    probe = recovered_gradient_at(body.space, where, body.planes)
+    probe = recovered_gradient_at(body.space, press.site_points, body.planes)
     equilibrium = Equilibrium(elements, contact, press.system, PRESS_EQUILIBRIUM)
     recorder = _Recorder(body, contact, probe, course)
     halt, ended = "", False

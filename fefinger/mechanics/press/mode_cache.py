@@ -2,14 +2,13 @@
 
 import hashlib
 import json
-import os
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fefinger.mechanics.press.operator_cache import identity, parities
+from fefinger.mechanics.press import operator_cache
 from fefinger.scene.finger import Finger
 from fefinger.support import cache
-from fefinger.support.checks import InputError
 
 
 FORMAT = 3
@@ -26,13 +25,8 @@ MESH_OF_INERTIA = {"coarse": "coarse", "standard": "coarse", "fine": "standard"}
 
 def at_hand(finger: Finger, *, half: bool, continued: bool = False) -> bool:
     """Return whether the modes of a finger are in the cache and need not be computed."""
-    if not os.path.isdir(cache.root() / "modes"):  # then not even the name of the mesh is needed
-        return False
-    try:
-        keys = [identity(finger, odd=odd, continued=continued) for odd in parities(half=half)]
-    except InputError:  # no mesh can be made for a finger of this size
-        return False
-    return all(each is not None and os.path.isdir(folder(finger, each)) for each in keys)
+    place = partial(folder, finger)
+    return operator_cache.at_hand(finger, half=half, continued=continued, place=place)
 
 
 def identity_of(finger: Finger, operator: dict[str, Any]) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import numpy as np
 from fefinger.fem.body import Body, Reduced, Solid
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.linalg.system import System
+from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import placement
 from fefinger.mechanics.press.continuation import FORCE_DEPTH, continued
@@ -19,7 +20,6 @@ from fefinger.mechanics.press.sites import central_sites, end_organ_sites
 from fefinger.mechanics.press.skin import meshed
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mesh.store import load_or_build
-from fefinger.neural.populations import Surface
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -137,7 +137,7 @@ class Press:
         check_depth(motion, mesh, obstacle)
         sites = None
         if ask.strain or ask.spikes:
-            skin = partial(skin_of, body)
+            skin = partial(meshed, body.space.points, body.pad, body.normals, half=body.half)
             sites = end_organ_sites(ask, finger.pulp, obstacle.origin, obstacle.axis, skin)
         time = time_grid(motion, fast="FAII" in ask.spikes, refine=refine)
         plate = scene.indenter.flat if motion.rocks else None
@@ -165,6 +165,12 @@ class Press:
             kinetic=scene.indenter.kinetic,
             inclines=None if plate is None else motion.inclines(time, plate),
         )
+
+    @property
+    def site_points(self) -> Array:
+        """Places (n, 3) mm in the meshed part at which the sites are read; none without sites."""
+        points = self.sites.points if self.sites else np.empty((0, 3))
+        return mirror.to_half(points) if self.body.half else points
 
     @property
     def slides(self) -> bool:
@@ -222,8 +228,3 @@ def reference_plate(finger: Finger, body: Solid, ask: Ask) -> ReferencePlate:
     obstacle = placement.obstacle(STANDARD, body)
     sites = central_sites(ask, finger.pulp, obstacle.origin, obstacle.axis)
     return ReferencePlate(obstacle, sites)
-
-
-def skin_of(body: Solid) -> Surface:
-    """Return the skin of the pad that a population lies under."""
-    return meshed(body.space.points, body.pad, body.normals, half=body.half)

@@ -14,7 +14,7 @@ from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_f
 from fefinger.mechanics.press.history import TANGENT_SOLVER, FiniteStrainHistory, SmallStrainHistory
 from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
 from fefinger.mechanics.press.problem import Press
-from fefinger.results.records import Pad, Response
+from fefinger.results.records import Fields, Pad, Response
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.progress import Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
@@ -77,7 +77,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
 def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: Stages) -> Response:
     """Return the answer that a press solved at finite strain gives, at all times up to its end."""
     with stages.stage("fields"):
-        fields = finite_strain_fields(press, history) if press.fields else None
+        fields = _kept_fields(press, history) if press.fields else None
     with stages.stage("pressure"):
         steps, seen, half = history.steps, history.contact.neighborhood, press.body.half
         pressure, force = _between_steps(press, history)
@@ -181,6 +181,14 @@ def _finite_strain(press: Press, history: FiniteStrainHistory) -> Array | None:
         return None
     strain = history.steps.smooth(history.strain)
     return mirror.from_half(strain, press.sites.points) if press.body.half else strain
+
+
+def _kept_fields(press: Press, history: FiniteStrainHistory) -> Fields:
+    """Return the fields at the load steps whose state was kept."""
+    kept = np.array(sorted(history.frames))
+    states = (history.frames[number] for number in kept)
+    vertices, pressure = history.contact.on.vertices, history.pressure[kept]
+    return finite_strain_fields(press, history.steps.times[kept], states, vertices, pressure)
 
 
 def _between_steps(press: Press, history: FiniteStrainHistory) -> tuple[Array, Array]:

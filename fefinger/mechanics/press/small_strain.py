@@ -12,7 +12,6 @@ from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.step_compiled import march
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.recovery import recovered_strain_at
-from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement, problem, sliding
 from fefinger.mechanics.press.constitutive import tissues
@@ -109,8 +108,7 @@ def touched(
     """
     advance = advance or _quasistatic
     body, motion = press.body, press.motion
-    where = press.sites.points if press.sites else np.empty((0, 3))
-    where = mirror.to_half(where) if body.half else where
+    where = press.site_points
     probe = recovered_strain_at(body.space, where, body.planes)
     value = press.load_unit * motion.value(press.time)
     prescribed = Prescribed(motion.control, press.time, value)

@@ -16,11 +16,11 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from fefinger.fem.body import Reduced, Solid
-from fefinger.fem.condensation import Operator, OutsideError, faces_down
+from fefinger.fem.condensation import OutsideError, faces_down
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.obstacle import Obstacle, Rigid
-from fefinger.fem.contact.patch import patch
+from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
@@ -42,7 +42,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.progress import Stages
 from fefinger.support.tolerances import COMPLEMENTARITY
@@ -102,7 +102,14 @@ class Condensed:
             sites = central_sites(Ask(), finger.pulp, origin, touch.axis)
         self.sites = sites
         where = mirror.to_half(self.sites.points) if half else self.sites.points
-        reduced = _reduced_to_candidates(finger, solid, touch, self.deepest, where)
+        probe, surface = partial(recovered_strain_at, solid.space, where, solid.planes), solid.space
+        reach, within = problem.REACH * self.deepest, faces_down(solid)
+        reduced = reduced_to_candidates(
+            self.deepest,
+            lambda rings: patch(surface, solid.pad, solid.normals, touch, reach, rings, within),
+            lambda on_pad: operator.reduced(finger, solid, on_pad, where, probe),
+            lambda on_pad: on_pad.border & ~on_pad.obstacle_border,
+        )
         self.solid, self.patch, self.flexibility = solid, reduced.patch, reduced.flexibility
         self.touch, self.reduced = touch, reduced
         self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
@@ -221,15 +228,7 @@ class Condensed:
         return 1.0
 
     def _read(self) -> Step:
-        now, summary = self.now, self.output.summary
-        now.depth = float(self._memory.depth[0])
-        now.force = summary[step_compiled.FORCE] * self._sides * NEWTON_PER_MILLINEWTON
-        now.contact_area, now.x, now.y = (
-            summary[step_compiled.AREA],
-            summary[step_compiled.X],
-            summary[step_compiled.Y],
-        )
-        return now
+        return read_summary(self.now, self._memory, self.output, self._sides)
 
     def run(self, motion: Motion, *, fast: bool = False) -> Response:
         """Return the Response to a whole motion from rest; `fast` limits the step to 0.2 ms.
@@ -280,29 +279,32 @@ class Condensed:
         return History(depth, pressure, elastic, int(self._state.counts[lcp_compiled.SOLVED]))
 
 
-def _reduced_to_candidates(
-    finger: Finger, solid: Operator, touch: Rigid, deepest: float, where: Array
+def reduced_to_candidates(
+    deepest: float,
+    candidates: Callable[[int], Patch],
+    reduce: Callable[[Patch], Reduced],
+    rim: Callable[[Patch], Flags],
 ) -> Reduced:
-    """Return the finger reduced to the candidates of a press of `deepest` mm.
+    """Return a finger reduced to the candidates of a press of `deepest` mm.
 
-    Beside an edge the gap grows within a facet to any reach: there, one ring more each time, but
-    none beyond the palmar part: a step whose contact gets there is refused.
+    candidates: those with a number of additional rings: beside an edge the gap grows within a facet
+    to any reach, and there is one ring more each time, but none beyond the palmar part: a step
+    whose contact gets there is refused. reduce: the finger on candidates, whose first unit loads
+    are the pressures on them. rim (n,): where contact asks for one more ring.
     """
-    probe, reduced = partial(recovered_strain_at, solid.space, where, solid.planes), None
-    within = faces_down(solid)
+    reduced = None
     for rings in range(problem.ATTEMPTS):
-        reach = problem.REACH * deepest
-        on_pad = patch(solid.space, solid.pad, solid.normals, touch, reach, rings, within)
-        if len(on_pad.vertices) == 0:
+        on_pad = candidates(rings)
+        count = len(on_pad.vertices)
+        if count == 0:
             raise InputError(limits.NOTHING_UNDER)
         try:
-            reduced = operator.reduced(finger, solid, on_pad, where, probe)
+            reduced = reduce(on_pad)
         except OutsideError:
             break
-        pressure = Complementarity(reduced.flexibility).solve(
-            on_pad.gap - deepest * on_pad.projected
-        )
-        if not (pressure[on_pad.border & ~on_pad.obstacle_border] > 0).any():
+        solver = Complementarity(reduced.flexibility[:count, :count])
+        pressure = solver.solve(on_pad.gap - deepest * on_pad.projected)
+        if not (pressure[rim(on_pad)] > 0).any():
             break
     if reduced is None:
         raise InputError(
@@ -310,6 +312,15 @@ def _reduced_to_candidates(
             f"pad, received {deepest:g} mm; give a smaller one"
         )
     return reduced
+
+
+def read_summary(
+    now: Step, pad: step_compiled.PadState, output: step_compiled.Output, sides: float
+) -> Step:
+    """Set depth, force, area and center of pressure of a step, of a finger of so many `sides`."""
+    force, now.contact_area, now.x, now.y = output.summary.tolist()
+    now.depth, now.force = float(pad.depth[0]), force * sides * NEWTON_PER_MILLINEWTON
+    return now
 
 
 def afferents(

@@ -27,7 +27,7 @@ from fefinger.mechanics.press.harmonic import Vibrating
 from fefinger.mechanics.press.modal_body import body_of_modes
 from fefinger.mechanics.press.modal_steps import RESOLVED
 from fefinger.mechanics.press.mode_store import finger_modes
-from fefinger.mechanics.realtime.condensed import Condensed, unfolded
+from fefinger.mechanics.realtime.condensed import Condensed, read_summary, unfolded
 from fefinger.mechanics.realtime.step import Step
 from fefinger.mesh.store import load_or_build
 from fefinger.neural.recorded_streaming import RecordedAfferents
@@ -260,12 +260,7 @@ class Modal:
         return self._read()
 
     def _read(self) -> Step:
-        contact, output, now = self._contact, self._output, self.now
+        contact, output = self._contact, self._output
         step_compiled.read(contact.lcp, contact.pad, output, 1.0)
         add_strain(output, self._rows, contact.modes.amplitude.astype(self._rows.dtype))
-        now.depth = float(contact.pad.depth[0])
-        summary = output.summary
-        now.force = summary[step_compiled.FORCE] * self._sides * NEWTON_PER_MILLINEWTON
-        now.contact_area = summary[step_compiled.AREA]
-        now.x, now.y = summary[step_compiled.X], summary[step_compiled.Y]
-        return now
+        return read_summary(self.now, contact.pad, output, self._sides)
