@@ -1,4 +1,4 @@
-"""Hertz contact of a relaxing half-space, as an answer to a scene: milliseconds.
+"""Hertz contact of a viscoelastic half-space: a scene in milliseconds.
 
 `theory/contact/hertz.py` is the formula, `validation/fem/hertz.py` the proof of the elements.
 `theory/contact/ting.py` makes it right on unloading, loss of contact and touching again.
@@ -135,12 +135,12 @@ def half_space(finger: Finger, indenter: Indenter) -> HalfSpace:
 
 
 def elliptic(indenter: Indenter) -> bool:
-    """Return whether the object has two radii of its own, so that its contact is an ellipse."""
+    """Return whether the object has two different radii, so that its contact is an ellipse."""
     return indenter.hertzian is not None and indenter.flat is indenter.ball_radius is None
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return why it should not answer."""
+    """Return the reasons against Hertz contact for a scene."""
     unable = lacking(case)
     if case.indenter.hertzian is None:
         return refusals(name, "ability", unable)
@@ -174,7 +174,7 @@ def cost(case: Situation) -> float:
 
 
 def once(case: Situation) -> float:
-    """Return 0: nothing is built once and kept."""
+    """Return 0: nothing is built and cached."""
     return 0.0
 
 
@@ -201,7 +201,7 @@ def coarser(scene: Scene) -> None:
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
-    """Answer the scene with the fields of Hertz and Huber.
+    """Solve the scene with the fields of Hertz and Huber.
 
     Raises
     ------
@@ -268,7 +268,7 @@ def _doubts_of_size(case: Situation) -> list[Doubt]:
 
 
 def doubts_of_place(case: Situation) -> list[Doubt]:
-    """Return why one radius in the middle of the pad does not hold where the pad is touched."""
+    """Return the reasons why one pad radius is not valid where the pad is touched."""
     doubts = []
     if case.finger.surface is not None:
         radius = f"{case.finger.pad_radius:g} mm"

@@ -103,7 +103,7 @@ def contact(scene: Scene) -> "Table":
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return why it should not answer: what it has no place for, and what was not measured."""
+    """Return the reasons against it: what it cannot represent, and ranges not measured."""
     unable = hertz.lacking(case)
     try:
         bone = stack(case.finger).thickness
@@ -124,7 +124,7 @@ def cost(case: Situation) -> float:
 
 
 def once(case: Situation) -> float:
-    """Return 0: nothing is built once and kept."""
+    """Return 0: nothing is built and cached."""
     return 0.0
 
 
@@ -141,7 +141,7 @@ def coarser(scene: Scene) -> None:
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
-    """Answer the scene with the exact contact of the stack and the field below it.
+    """Solve the scene with the exact contact of the stack and the field below it.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     from fefinger.theory.contact.contact_table import tabulate_to
 
     body = contact(scene)
-    # The plate is asked for one depth, at the end of its table, where few contacts are exact.
+    # The plate is needed at one depth, at the end of its table, where few contacts are exact.
     plate = tabulate_to(
         stack(scene.finger), scene.finger.pad_radius, depth=REFERENCE_DEPTH, levels=PLATE_LEVELS
     )
@@ -191,7 +191,7 @@ def _doubts(case: Situation) -> list[Doubt]:
 
 
 def _doubts_of_tissue(finger: Finger) -> list[Doubt]:
-    """Return in what the tissues differ from the measured ones; their common modulus cancels."""
+    """Return how the tissues differ from the measured ones; their common modulus cancels."""
     doubts, measured = [], reports.layered_tissue()
     contrast = finger.skin.modulus / finger.subcutaneous.modulus
     known = measured["skin_over_subcutaneous"]

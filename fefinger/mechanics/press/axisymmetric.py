@@ -1,4 +1,4 @@
-"""From an axisymmetric elastic contact and a scene to a response, through `theory/contact/ting.py`.
+"""Response to a scene from an axisymmetric elastic contact, by `theory/contact/ting.py`.
 
 The finger is a body with one G whose pad is a sphere; its contact grows in circles.
 """
@@ -89,12 +89,9 @@ def respond(
     notes: tuple[str, ...],
     numbers: dict[str, float],
 ) -> Response:
-    """Answer the scene with the elastic `contact`; `plate` is that of the same finger and a plate.
+    """Solve the scene with the elastic `contact`; `plate`: contact of the finger with a plate.
 
-    Raises
-    ------
-    InputError
-        If the indenter is placed beyond the pad.
+    InputError if the indenter is placed beyond the pad.
     """
     stages, finger, motion = Stages(progress), scene.finger, scene.motion
     first = _first_touch(scene)
@@ -218,7 +215,7 @@ def turned(components: Array, frames: Array) -> Array:
 
 
 def _reference(ask: Ask, pulp: float, plate: ElasticContact) -> "Reference":
-    """Press the standard plate a little on the relaxed finger."""
+    """Return the strain of the relaxed finger under the standard plate, at a small depth."""
     from fefinger.neural.reference import Reference
 
     standard = Touch(np.zeros(3), direction(STANDARD))

@@ -1,4 +1,4 @@
-"""Carries a tabulated elastic press along a motion, and reads the Response of a scene from it."""
+"""Convolution of a tabulated elastic press with the relaxation along a motion: the Response."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -37,12 +37,12 @@ METHOD: SolutionMethod = replace(
     WHOLE_MESH,
     body=lambda finger, mesh, solver, report: solid(with_nail(finger, mesh), tissues(finger)),
 )
-"""How `pressed` sees a finger: the solid alone, which is only factored to solve a new press."""
+"""Method of `pressed`: the solid alone, which is factored only to solve a new press."""
 
 
 @dataclass(frozen=True)
 class CarriedPress:
-    """An elastic press on the body of a Press, with what is read from it.
+    """A tabulated elastic press on the body of a Press, with the elastic quantities over depth.
 
     contact: the candidates that its pressures belong to.
     """
@@ -81,7 +81,7 @@ class CarriedPress:
         return carry(self.elastic, self.press.finger.prony, time, value, motion.control)
 
     def pressures(self, shares: Carried) -> Array:
-        """Pressure (n_t, n_candidates) kPa: none pulls, and they bear the force."""
+        """Pressure (n_t, n_candidates) kPa: cut off at 0 and scaled to the force."""
         pushing = np.maximum(shares.stress @ self.pressure, 0.0)
         unit = self.press.sides * NEWTON_PER_MILLINEWTON
         borne = unit * pushing @ self.contact.projected
@@ -118,12 +118,7 @@ class CarriedPress:
 def table_of(press: Press, indenter: Indenter, stages: Stages) -> ElasticPress:
     """Read or solve the elastic press that a motion needs: to its depth, or to its force.
 
-    Raises
-    ------
-    InputError
-        If contact leaves what the indenter or the pad offers, or the force is too large.
-    ConvergenceError
-        If an equilibrium is not reached.
+    Errors as `elastic_press.load_or_solve`, and InputError for a force that is too large.
     """
     motion = press.motion
     if motion.control == "depth":
@@ -141,14 +136,9 @@ def table_of(press: Press, indenter: Indenter, stages: Stages) -> ElasticPress:
 def respond(
     scene: Scene, progress: Progress | None = None, *, mechanics: str, notes: tuple[str, ...]
 ) -> Response:
-    """Answer the scene from an elastic press that is at hand, or solved now and kept.
+    """Solve the scene from an elastic press that is cached, or solved now and cached.
 
-    Raises
-    ------
-    InputError
-        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
-    ConvergenceError
-        If an equilibrium of the elastic press is not reached.
+    Errors as `mechanics.pressed.respond`.
     """
     stages = Stages(progress)
     press = Press.of(scene, METHOD, stages, mechanics=mechanics, notes=notes)
@@ -159,7 +149,7 @@ def respond(
 
 
 def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> Response:
-    """Return the answer that a press carried along its motion gives."""
+    """Return the Response of a press carried along its motion."""
     press = carried.press
     table, half = carried.table, press.body.half
     with stages.stage("fields"):
@@ -218,7 +208,7 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
 
 
 def _gaps(carried: CarriedPress, shares: Carried) -> Array:
-    """Gaps (n_t, n_seen) mm: those at rest, less the travel, plus what the skin has yielded."""
+    """Gaps (n_t, n_seen) mm: those at rest, less the travel, plus the displacement of the skin."""
     table = carried.table
     yielded = table.gap + table.depth[:, None] - table.gap[0]
     return np.asarray(

@@ -1,4 +1,4 @@
-"""The fields on the mesh at some of the times of a press."""
+"""Fields on the mesh at some of the times of a press."""
 
 from collections.abc import Iterable
 
@@ -64,7 +64,7 @@ def finite_strain_fields(
 
 
 def no_fields(press: Press, times: Array) -> Fields:
-    """Fields that are zero, as they stay where the mesh is rigid."""
+    """Zero fields on the whole mesh; they stay zero in its rigid parts."""
     mesh, shape = press.mesh, (len(times), len(press.mesh.points))
     return Fields(
         mesh.points,

@@ -229,10 +229,7 @@ def about(
 
     make: prepares a finger for preloads up to a depth in mm; deepest: that of the first attempt.
 
-    Raises
-    ------
-    InputError
-        As `Vibrating.harmonic`.
+    Errors as `Vibrating.harmonic`.
     """
     for _ in range(problem.ATTEMPTS - 1):
         with suppress(RimError):

@@ -22,7 +22,7 @@ from fefinger.mechanics.press.modal_body import (
 from fefinger.mechanics.press.modal_steps import RESOLVED
 from fefinger.mechanics.press.mode_store import FingerModes, finger_modes
 from fefinger.mechanics.press.problem import Press
-from fefinger.mechanics.press.small_strain import touched
+from fefinger.mechanics.press.small_strain import solve_contact
 from fefinger.results.records import Fields
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.progress import Stages
@@ -55,10 +55,7 @@ def solve_modal(press: Press, grid: Grid, stages: Stages, stiffening: float = 1.
 
     `stiffening` multiplies the moduli of the finger.
 
-    Raises
-    ------
-    InputError, ConvergenceError
-        As `small_strain.solve`, and if the modes do not converge.
+    Errors as `small_strain.respond`, and ConvergenceError if the modes do not converge.
     """
     solid = operator_of(press)
     with stages.stage("modes") as report:
@@ -75,7 +72,7 @@ def solve_modal(press: Press, grid: Grid, stages: Stages, stiffening: float = 1.
         on_grid = Prescribed(press.motion.control, grid.time, value)
         return march_modes(ModalContact(*own, grid.longest), grid, on_grid, report)
 
-    _, contact = touched(press, stages, advance)
+    _, contact = solve_contact(press, stages, advance)
     return ModalHistory(modes, made[0], contact)
 
 

@@ -1,4 +1,4 @@
-"""Where the user's cache keeps the modes of fingers: under the hash of what decides them."""
+"""Paths of the modes of fingers in the user's cache, by a hash of all inputs."""
 
 import hashlib
 import json
@@ -15,8 +15,8 @@ FORMAT = 3
 """Raised when the mass matrix, the solver or the files change, so that modes are computed again."""
 
 COUNT = 130
-"""Modes that are computed and kept of each parity: those of half a finger of 34 kPa below some
-1000 Hz, with relaxed tissue."""
+"""Number of modes of each parity that are computed and cached: those of half a finger of 34 kPa,
+with relaxed tissue, below some 1000 Hz."""
 
 
 MESH_OF_INERTIA = {"coarse": "coarse", "standard": "coarse", "fine": "standard"}
@@ -30,12 +30,12 @@ def at_hand(finger: Finger, *, half: bool, continued: bool = False) -> bool:
 
 
 def identity_of(finger: Finger, operator: dict[str, Any]) -> dict[str, Any]:
-    """Return all that decides the modes of one parity, given that of its operator."""
+    """Return the inputs of the modes of one parity, from those of its operator."""
     ratio = finger.subcutaneous.density / finger.skin.density
     return operator | {"modes": COUNT, "modes_format": FORMAT, "density_ratio": ratio}
 
 
 def folder(finger: Finger, operator: dict[str, Any]) -> Path:
-    """Return where the cache keeps the modes of one parity."""
+    """Return the path of the modes of one parity in the cache."""
     key = json.dumps(identity_of(finger, operator), sort_keys=True)
     return cache.root() / "modes" / hashlib.sha256(key.encode()).hexdigest()[:16]

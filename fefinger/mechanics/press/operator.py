@@ -1,4 +1,4 @@
-"""The operator of a finger, from the files of the cache or built and put there."""
+"""Condensed operator of a finger: read from the cache, or built and cached."""
 
 import hashlib
 import json
@@ -45,7 +45,7 @@ def operator(
     continued: bool = False,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> Operator:
-    """Return the operator of a finger, or of half of it, from the cache or built and put there.
+    """Return the operator of a finger, or of half of it; it is built and cached if needed.
 
     `continued`: of the finger that is longer behind its proximal cut.
 
@@ -202,4 +202,4 @@ METHOD = SolutionMethod(
     reduction.displaced,
     lambda indenter: None,
 )
-"""How `condensed` solves: on one mesh for all indenters, that of the 30 degree plate."""
+"""Method of `condensed`: one mesh for all indenters, that of the 30 degree plate."""

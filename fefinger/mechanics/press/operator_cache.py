@@ -25,10 +25,10 @@ FORMAT = 1
 def identity(
     finger: Finger, *, odd: bool, mesh: "FingerMesh | None" = None, continued: bool = False
 ) -> dict[str, Any] | None:
-    """Return all that decides an operator; None where the mesh is in no file.
+    """Return the inputs of an operator as plain values; None where the mesh has no file.
 
-    `mesh` is the one that it is built on; without it, the one that is at hand now, `continued`
-    behind its proximal cut or not.
+    `mesh` is the one that it is built on; by default the shipped or cached one, `continued` behind
+    its proximal cut or not.
     """
     from fefinger.mesh.store import sha256
 
@@ -53,7 +53,7 @@ def parities(*, half: bool) -> tuple[bool, ...]:
 
 
 def folder(identity: dict[str, Any]) -> Path:
-    """Return where the cache keeps an operator."""
+    """Return the path of an operator in the cache."""
     key = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
     return cache.root() / "operators" / key[:16]
 
@@ -65,7 +65,7 @@ def at_hand(
     continued: bool = False,
     place: Callable[[dict[str, Any]], Path] = folder,
 ) -> bool:
-    """Return whether the cache has the operators of a finger, or what else has a `place` there."""
+    """Return whether the operators of a finger, or their modes by `place`, are cached."""
     if not os.path.isdir(place({}).parent):  # then not even the name of the mesh is needed
         return False
     try:

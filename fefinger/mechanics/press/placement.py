@@ -1,4 +1,4 @@
-"""Where the indenter touches the finger."""
+"""Placement of the indenter at first touch, and checks of the contact against the pad's border."""
 
 from dataclasses import replace
 
@@ -60,9 +60,9 @@ def _touching(placed: Obstacle, body: Solid, field: str) -> Obstacle:
 
 
 def _foremost(body: Solid, axis: Array) -> Array:
-    """Return where (3,) a plate moving along `axis` meets the smooth pad first.
+    """Return the first touch (3,) of the smooth pad with a plate that moves along `axis`.
 
-    Of its vertices the first is up to 1.4 mm beside it, where the pad is flat.
+    The foremost vertex is up to 1.4 mm away from it, where the pad is flat.
     """
     point = foremost(body.space.points, body.normals, body.pad, axis)
     return point * (1.0, 0.0, 1.0) if body.half else point

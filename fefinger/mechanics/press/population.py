@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 
 def place(ask: "Ask", skin: "Surface", axis: ArrayLike) -> "Population":
-    """Return the units that a scene asks for, under a skin.
+    """Return the requested units of a scene, placed under a skin.
 
     axis (3,): the inward normal at the first touch, which is the origin. InputError for places
-    beside the skin, and as `neural.populations`.
+    off the skin, and as `neural.populations`.
     """
     from fefinger.neural.populations import populate
 
@@ -84,7 +84,7 @@ def _each(types: Sequence[str], points: Array) -> tuple[str, ...]:
 
 
 def sites(population: "Population") -> "Sites":
-    """Return the sites of all end organs: what a mechanics gives the strain at."""
+    """Return the sites of all end organs, at which a mechanics computes the strain."""
     from fefinger.results.records import Sites
 
     return Sites(

@@ -1,4 +1,4 @@
-"""A press as a finite-element solver sees it, and how it is made from a scene."""
+"""Press: all inputs of a finite-element contact problem, made from a scene."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -73,7 +73,7 @@ class ReferencePlate:
 
 @dataclass(frozen=True)
 class Press:
-    """A press as a finite-element solver sees it; a solver sees nothing else of a scene.
+    """Inputs of a finite-element contact problem; a solver uses nothing else of a scene.
 
     mechanics: the name that the answer carries; method: how the body was built and is solved;
     mesh: of all regions; body: the soft tissue that is solved; finger: its sizes and tissues;
@@ -82,8 +82,7 @@ class Press:
     the press that scales that strain, where spikes are wanted; pressure, fields: whether they are
     wanted; notes: the simplifications that a reader of the answer has to know; friction: Coulomb's
     coefficient, and kinetic that of what slips; inclines (n_t, 2): slopes of a plate that turns,
-    if it does; foreseen: a first guess in mm of the largest depth
-    under force control, where there is one.
+    if it does; foreseen: a first guess in mm of the largest depth under force control, if any.
     """
 
     mechanics: str
@@ -116,7 +115,7 @@ class Press:
         notes: tuple[str, ...],
         refine: int = 1,
     ) -> Self:
-        """Mesh the finger of a scene, build its body and place on it what the scene names.
+        """Mesh the finger of a scene, build its body, and place indenter and end organs on it.
 
         `refine` divides every time step.
 
@@ -174,7 +173,7 @@ class Press:
 
     @property
     def slides(self) -> bool:
-        """Whether the indenter moves sideways, or friction resists that the skin does."""
+        """Whether the indenter moves sideways, or there is friction."""
         return self.motion.slides or self.friction > 0
 
     @property
@@ -194,12 +193,12 @@ class Press:
 
     @property
     def sides(self) -> int:
-        """How many times the meshed part makes the whole finger."""
+        """Number of copies of the meshed part in the whole finger: 2 for a half model."""
         return 2 if self.body.half else 1
 
     @property
     def load_unit(self) -> float:
-        """A unit of the motion, mm or N, as the solvers count: in mm, or mN on the meshed part."""
+        """Factor from the unit of the motion, mm or N, to mm or mN on the meshed part."""
         by_depth = self.motion.control == "depth"
         return 1.0 if by_depth else 1 / NEWTON_PER_MILLINEWTON / self.sides
 

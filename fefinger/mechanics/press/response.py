@@ -21,7 +21,7 @@ from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 def small_strain_response(press: Press, history: SmallStrainHistory, stages: Stages) -> Response:
-    """Return the answer that a press solved at small strain gives."""
+    """Return the Response of a press solved at small strain."""
     with stages.stage("fields"):
         fields = small_strain_fields(press, history) if press.fields else None
     with stages.stage("pressure"):
@@ -43,7 +43,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
             moment = whole_moment(contact.pressure @ on_pad.moment, half)
         force = press.sides * contact.pressure @ on_pad.projected * NEWTON_PER_MILLINEWTON
         strain = _small_strain(press, history)
-        beside = sliding.lateral(press, history, pad, column) if press.slides else None
+        lateral = sliding.lateral(press, history, pad, column) if press.slides else None
     penetration = deepest_penetration(gap)
     return Response(
         mechanics=press.mechanics,
@@ -70,12 +70,12 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         sources=origins(press.mesh, press.body, stages),
         gap=gap if press.pressure else None,
         moment=moment,
-        lateral=beside,
+        lateral=lateral,
     )
 
 
 def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: Stages) -> Response:
-    """Return the answer that a press solved at finite strain gives, at all times up to its end."""
+    """Return the Response of a press solved at finite strain, at all times up to its end."""
     with stages.stage("fields"):
         fields = _kept_fields(press, history) if press.fields else None
     with stages.stage("pressure"):
@@ -94,7 +94,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         depth = steps.bounded(history.depth) if by_force else steps.path
         strain = _finite_strain(press, history)
         slid = press.slides
-        beside = dragged.lateral(press, history, borne, force, column) if slid else None
+        lateral = dragged.lateral(press, history, borne, force, column) if slid else None
         notes = dragged.notes(press, history, borne)
     penetration = deepest_penetration(history.gap)
     return Response(
@@ -125,7 +125,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         sources=origins(press.mesh, press.body, stages) | {"solver": TANGENT_SOLVER},
         gap=gap,
         moment=moment,
-        lateral=beside,
+        lateral=lateral,
     )
 
 
@@ -159,7 +159,7 @@ def deepest_penetration(gap: Array) -> float:
 
 
 def exactness(penetration: float) -> str:
-    """Return in what sense the complementarity of a contact is exact, for its status."""
+    """Describe for the status of a contact how exact its complementarity is."""
     return (
         "exact complementarity of pressures and weighted gaps; "
         f"vertices lie up to {penetration:.2g} mm inside the indenter"

@@ -1,4 +1,4 @@
-"""Places of the end organs, also of those of the reference press.
+"""Positions of the end organs, and of those of the reference press.
 
 Shared by all mechanics; needs no mesh. Their strain is read by `fem/elements/recovery.py`.
 """

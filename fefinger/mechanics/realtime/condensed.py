@@ -4,8 +4,8 @@
     step = finger.step(depth=0.3, dt=1e-3)
     step.force, step.strain
 
-It is `mechanics/condensed` without a scene: the operator of the finger is built once and kept, an
-indenter is placed in about a second, and then no array is made from one step to the next.
+It is `mechanics/condensed` without a scene: the operator of the finger is built once and cached, an
+indenter is placed in about a second, and no memory is allocated from one step to the next.
 """
 
 import math
@@ -56,7 +56,8 @@ class Condensed:
     Parameters
     ----------
     finger, indenter
-        As in a scene; or an obstacle with an `axis` and a `gap(points)`, as `fem.obstacle.Rigid`.
+        As in a scene; or an obstacle with an `axis` and a `gap(points)`, as
+        `fem.contact.obstacle.Rigid`.
     deepest
         Depth in mm that the pad has to answer; the candidate vertices follow from it.
     sites
@@ -128,7 +129,7 @@ class Condensed:
 
     @property
     def counts(self) -> Integers:
-        """How much work it was (5,): see `fem.active.K` and the names beside it."""
+        """Counts (5,) of the work of the solver, by the indices of `fem.contact.lcp_compiled`."""
         return self._state.counts
 
     @property
@@ -174,7 +175,7 @@ class Condensed:
         return self._advance(dt, depth, False)
 
     def step_contact(self, depth: float, dt: float) -> Step:
-        """Move as `step` does, and leave the strain as it was: contact and force alone.
+        """Move as `step` does, but compute contact and force alone; the strain is not updated.
 
         Raises
         ------
@@ -214,7 +215,7 @@ class Condensed:
         return self._read()
 
     def _stiffness(self, depth: float) -> float:
-        """Return t at a depth; where it is not above 0 the pad must never have been touched."""
+        """Return t at a depth; it may be 0 or less only while the pad has no stress history."""
         if self._stiffening is None:
             return 1.0
         value = float(self._stiffening(depth))

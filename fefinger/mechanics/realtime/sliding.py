@@ -1,4 +1,4 @@
-"""A finger over which an object slides in a loop of one's own, with or without friction.
+"""A finger under a sliding object, stepped in real time, with or without friction.
 
     finger = ff.Sliding(ff.Finger.subject("a.h.", tissue="maeno1998"), ff.Dots(3.0, friction=0.3))
     step = finger.step(depth=0.5, shift=(-1.2, 0.0), dt=1e-3)
@@ -45,12 +45,12 @@ LEFT = (
 )
 
 AROUND = 8
-"""Places on a circle of the radius `reach` that stand for all that an object may take."""
+"""Number of places on the circle of radius `reach` at which candidates are sought."""
 
 
 @dataclass(slots=True)
 class SlidingStep(Step):
-    """Result of a step of `Sliding`: a `Step`, and what it has across the object's normal.
+    """Result of a step of `Sliding`: a `Step` with the quantities along the object's plane.
 
     shift (2,) mm of the object, lateral (2,) N the force on the finger, both distal and radial;
     torque N mm on the finger about the normal through the center of pressure, and stick mm² the
@@ -175,7 +175,7 @@ class Sliding:
         self._read()
 
     def step(self, depth: float, shift: tuple[float, float], dt: float) -> SlidingStep:
-        """Move the object to `depth` mm and (x, y) mm in `dt` s; return what the finger answers.
+        """Move the object to `depth` mm and (x, y) mm in `dt` s; return force, pressure and strain.
 
         The depth counts from first touch at the first place. A step that is refused leaves the
         finger as it was.
