@@ -208,7 +208,7 @@ def _row(work: Work, radius: float, exponents: tuple[float, ...]) -> Family:
 
 
 def _named(source: str | Path) -> str:
-    """Check that a source names a subject, whose size the finger then has."""
+    """Return the subject that a source names; InputError for a record without a finger."""
     names = list(library.pawluk_bulk())
     if isinstance(source, str) and source in names:
         return source

@@ -42,7 +42,7 @@ def rise(slope: float, behind: Array | float) -> Array:
 
 
 def palmar_slope(normal: Array) -> float:
-    """Return by how much a palm with an outward normal (3,) rises in the proximal direction."""
+    """Return the slope in the proximal direction of a palm with an outward normal (3,)."""
     return float(normal[0] / normal[2])
 
 

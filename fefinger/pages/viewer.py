@@ -1,4 +1,4 @@
-"""Results as one self-contained page to turn and play in any browser: `write(results, path)`.
+"""Results as one interactive, self-contained page for any browser: `write(results, path)`.
 
 Needs no renderer here and no network there: a browser draws it with WebGL. Every field is in it.
 """
@@ -37,7 +37,7 @@ RATED = Span(0.0, 1.0, quantities.RATES, "neither")
 
 @dataclass
 class Blob:
-    """Arrays one after the other, and where each of them is."""
+    """Buffer of concatenated arrays, with the position of each."""
 
     parts: list[bytes] = field(default_factory=list)
     size: int = 0
@@ -163,7 +163,7 @@ def _at(every: Sequence[surfaces.Piece], nodal: Array) -> Array:
 
 
 def _same(every: Sequence[surfaces.Piece]) -> Integers:
-    """Return, per vertex, the first one at the same place of an outer surface, for its normal."""
+    """Return, per vertex, the first vertex at the same place of an outer surface (one normal)."""
     keys = [
         np.column_stack(
             [piece.edges, np.round(1e6 * piece.weight), np.full(len(piece.weight), kind)]

@@ -285,7 +285,7 @@ class SampledMotion(Motion):
 
     @property
     def steady_level(self) -> float:
-        """The median of the samples where they are above 0: a preload, not the way to it."""
+        """Median of the samples above 0, the preload."""
         values = np.array(getattr(self, self.control))
         return float(np.median(values[values > 0]))
 

@@ -166,7 +166,7 @@ class SampledPathMotion(SampledMotion):
 
     @property
     def _columns(self) -> tuple[str, ...]:
-        """Names of the columns beside time, and depth or force."""
+        """Names of the columns besides time and depth or force."""
         return ("x", "y", *(name for name in TURNS if getattr(self, name) is not None))
 
     def _check_fields(self) -> dict[str, Any]:

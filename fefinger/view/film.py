@@ -16,7 +16,7 @@ Picture = NDArray[np.uint8]
 
 
 def check(path: str | PathLike[str], option: str) -> None:
-    """Raise InputError if no film can be written to `path`, which the user gave as `option`."""
+    """Raise InputError of `option` if no film can be written to `path`."""
     suffix = Path(path).suffix.lower()
     if suffix not in (".gif", ".mp4"):
         raise InputError(

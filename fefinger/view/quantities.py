@@ -53,7 +53,7 @@ OTHERWISE = {
     "u": ("displacement",),
     "p": ("pressure",),
 }
-"""Fields that others call so."""
+"""Synonyms of fields, for suggestions."""
 EVEN, DIVERGING, SKIN_DEEP, RATES = "viridis", "coolwarm", "OrRd", "plasma"
 """Color maps: fields from 0, with both signs, the pressure on the skin, spike rates."""
 STEPS = (1.0, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2, 3.6, 4.0, 4.8, 5.6, 6.4, 7.2, 8.0, 10.0)
@@ -92,7 +92,7 @@ class Span(NamedTuple):
 
 
 def named(name: str, field: str) -> str:
-    """Return the field; InputError with the nearest ones if it is unknown. `name`: who gave it."""
+    """Return the field; InputError of `name`, with the nearest fields, if it is unknown."""
     if field in FIELDS:
         return field
     candidates = OTHERWISE.get(str(field).strip().lower().replace("_", " "))
