@@ -118,8 +118,7 @@ __all__ = sorted(_HOME)
 def __getattr__(name: str) -> Any:
     """Import a public name at its first use."""
     if name not in _HOME:
-        msg = f"module 'fefinger' has no attribute {name!r}"
-        raise AttributeError(msg)
+        raise AttributeError(f"module 'fefinger' has no attribute {name!r}")
     return getattr(importlib.import_module(f"fefinger.{_HOME[name]}"), name)
 
 

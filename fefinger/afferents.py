@@ -1,4 +1,4 @@
-"""From the strain at the end organs to spikes, and whether their counts depend on the mesh.
+"""Spikes from the strain at the end organs, and a check of their counts on a coarser mesh.
 
 `scene/population.py` describes a population, `mechanics/press/population.py` places it under the
 skin. This module adds the published anatomy, and lets the units of a family fire: those of
@@ -169,8 +169,7 @@ def _strain_at_sites(ask: "Ask", response: "Response") -> "tuple[Array, Sites, R
         msg = f"{field}: {response.mechanics!r} gives no strain under the skin to make spikes from"
         raise InputError(msg)
     if ask.population is not None and sites.unit is None:
-        msg = f"{field}: {response.mechanics!r} has no end organs of a population"
-        raise InputError(msg)
+        raise InputError(f"{field}: {response.mechanics!r} has no end organs of a population")
     return strain, sites, reference
 
 
@@ -211,10 +210,10 @@ def _population(
 def _grid_names(
     layout: Layout, kinds: Sequence[str], types: tuple[str, ...], numbers: Integers
 ) -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
-    """Names of the units of a grid, and a note on places beside the skin; None: default names.
+    """Names of the units of a grid, and a note on places off the skin; None: default names.
 
     The units of a grid are named after the places of the whole grid, so that a name is the same
-    unit on every mesh, whichever places lie beside its skin.
+    unit on every mesh, whichever places lie off its skin.
     """
     if not isinstance(layout, Grid):
         return None, ()

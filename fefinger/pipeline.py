@@ -1,4 +1,4 @@
-"""The way of a scene: plan, mechanics, spikes, result.
+"""From a scene to its result: plan, mechanics, spikes.
 
 plan.choose           which mechanics answers, and on which mesh
 mesh/store.py         the mesh: shipped, cached, or made by `mesh/build.py`
@@ -8,9 +8,10 @@ mechanics/            `respond` of the chosen one: force, pressure, strain. cond
 fem/                  the contact, solved in `fem/contact/step_compiled.py` at small strain and in
                       `fem/hyperelastic/newton.py` at finite strain; the strain at the end organs,
                       read from the displacements in `fem/elements/recovery.py`
-afferents.fire        the spikes of that strain: `neural/recorded_simulation.py` or, of the family
-                      `thesis`, `neural/units.py` with the membranes of `neural/membranes/`
-result.Result         what is saved, shown and reported (`pages/report.py`)
+afferents.fire        the spikes of that strain: `neural/recorded_compiled.py`, which
+                      `neural/recorded_simulation.py` calls, or, of the family `thesis`,
+                      `neural/membranes/`, which `neural/units.py` calls
+result.Result         `save`, `load` and `show`; its page is written by `pages/report.py`
 """
 
 from typing import TYPE_CHECKING
@@ -30,7 +31,7 @@ def run(
     mechanics: str | None = None,
     progress: "Progress | None" = None,
 ) -> "Result":
-    """Answer a scene.
+    """Solve a scene: choose the mechanics, compute its response and the spikes.
 
     Parameters
     ----------

@@ -24,13 +24,13 @@ from fefinger.support.text import beyond, duration, percent
 
 
 ERROR, SECONDS = "ask.rel_error", "ask.seconds"
-"""Fields of what an answer may err and take."""
+"""Fields of the scene that limit the error and the time of an answer."""
 
 MODAL = "modal"
 """The mechanics with inertia."""
 
 USELESS = 1.0
-"""Error that nobody is advised to allow."""
+"""Relative error from which on a larger `ask.rel_error` is not suggested."""
 
 LEFT_OUT = (
     "They are of solving: saving with a report takes some 3 to 10 s more, and compiling, once "
@@ -95,7 +95,7 @@ def rungs(scene: Scene) -> tuple[Rung, ...]:
 
 
 def settled(scene: Scene, plan: Plan) -> Scene:
-    """Return the scene with what the plan has chosen written into it, for the mechanics."""
+    """Return the scene with the mesh resolution that the plan has chosen."""
     resolution = plan.settings.resolution if plan.settings else None
     if resolution is None:
         return scene
@@ -103,7 +103,7 @@ def settled(scene: Scene, plan: Plan) -> Scene:
 
 
 def _ladder(case: Situation, *, every: bool, named: str | None) -> tuple[Rung, ...]:
-    """Ask the mechanics in turn, on every mesh that the scene leaves open."""
+    """Rate the mechanics in turn, on every mesh that the scene leaves open."""
     considered: list[Rung] = []
     inertia = _inertia(case)
     for name in ladder.names():
@@ -118,7 +118,7 @@ def _ladder(case: Situation, *, every: bool, named: str | None) -> tuple[Rung, .
 
 @dataclass(frozen=True)
 class _Inertia:
-    """What all mechanics but `modal` leave out: its error over the peak of the force, and why.
+    """Error of neglecting inertia, over the peak of the force, in all mechanics but `modal`.
 
     vibration, and reason: the error of the oscillation or of the ramp itself.
     """
@@ -131,7 +131,7 @@ class _Inertia:
 
     @cached_property
     def avoidable(self) -> bool:
-        """Whether `modal` is able; else a motion that is too fast is answered with a warning."""
+        """Whether `modal` can solve the scene; else a motion that is too fast gets a warning."""
         if MODAL not in ladder.names():
             return False
         refusals = ladder.get(MODAL).refuse(self.case.meshes[0])
@@ -157,7 +157,7 @@ def _willing(rung: Rung) -> bool:
 
 
 def _rungs(name: str, case: Situation, inertia: _Inertia) -> Iterator[Rung]:
-    """Give the rungs of one mechanics, one for each mesh; one alone where it is not able."""
+    """Yield the rungs of one mechanics, one per mesh; a single one where it is not able."""
     meshed = MECHANICS[name].meshed
     for each in case.meshes if meshed else (case,):
         refusals = ladder.get(name).refuse(each)
@@ -207,11 +207,10 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
     willing = [rung for rung in rungs if _willing(rung)]
     if willing:
         return min(willing, key=lambda rung: rung.seconds)
-    msg = (
+    raise InputError(
         f"ask: no mechanics can answer this scene within the limits. {_relaxing(rungs)}"
         f"{_unchecked(case)}{vibration.advice(case)}{_by_name(rungs)}\n\n{written(rungs)}"
     )
-    raise InputError(msg)
 
 
 def _by_name(rungs: tuple[Rung, ...]) -> str:
@@ -285,8 +284,7 @@ def _named(rungs: tuple[Rung, ...], mechanics: str) -> Rung:
     unable = [refusal for refusal in candidates[0].refusals if refusal.about == "ability"]
     if unable:
         reasons = "\n".join(f"  {mechanics}: ability: {refusal.reason}" for refusal in unable)
-        msg = f"mechanics: {mechanics!r} cannot answer this scene\n{reasons}"
-        raise InputError(msg)
+        raise InputError(f"mechanics: {mechanics!r} cannot answer this scene\n{reasons}")
     willing = [rung for rung in candidates if not rung.refusals]
     if willing:
         return min(willing, key=lambda rung: rung.seconds)
@@ -334,7 +332,7 @@ def _computed(settings: Settings) -> str:
 
 
 def _expectation(case: Situation, rung: Rung) -> str:
-    """Return error and time in words, and what of the time only the first answer takes."""
+    """Describe the expected error and time, and the one-time part of it."""
     error = (
         f"expected error {percent(rung.error)}" if math.isfinite(rung.error) else "error unknown"
     )

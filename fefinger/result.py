@@ -1,4 +1,4 @@
-"""The answer to a scene as users hold it: `save` writes a folder that other programs read.
+"""Result of a scene: `save` writes a folder of files that other programs read, `load` reads it.
 
     result.nc      everything: labeled arrays with units, the scene (TOML), the plan (JSON)
     result.vtkhdf  the fields on the mesh as a VTK time series, for ParaView and PyVista
@@ -37,7 +37,7 @@ NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "report.html")
 
 
 class Result(ResultRecord):
-    """The answer to a scene: the mechanics' response, the spikes, and how it was reached."""
+    """Result of a scene: response of the mechanics, spikes, plan and provenance."""
 
     @classmethod
     def of(
@@ -48,11 +48,11 @@ class Result(ResultRecord):
         spikes: "SpikeTrains | None" = None,
         seconds: Mapping[str, float] | None = None,
     ) -> Self:
-        """Put a result together from what the stages of a run have returned.
+        """Assemble the result from the outputs of the stages of a run.
 
-        `seconds` are those of the stages after the mechanics. Notes are added on what of the finger
-        is of another one, and on motions that are too fast for statics. Strain that was computed
-        for the spikes alone is left out.
+        `seconds` are those of the stages after the mechanics. Notes are added on parts of the
+        finger that belong to another one, and on motions that are too fast for statics. Strain that
+        was computed for the spikes alone is left out.
         """
         notes = origin_notes(scene.finger) + jump(scene.motion) + coarse_samples(scene.motion)
         if not response.inertia:

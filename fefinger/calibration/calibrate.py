@@ -115,12 +115,11 @@ def calibrate(
     work = Work(replace(start, resolution=resolution), progress)
     wanted = _target(work, source)
     if check is not None and isinstance(wanted, Bulk):
-        msg = (
+        raise InputError(
             "check: expected the record of a user (DATA.csv) to fit, whose touch the prediction "
             f"needs, received the subject {wanted.name!r}; subjects are checked on sinusoids "
             "automatically"
         )
-        raise InputError(msg)
     measured = None if frames is None else targets.frames(frames)
     predicted = None if check is None else targets.unloading(check)
     fit = {"condensed": condensed, "solid": solid}[mechanics]
@@ -209,7 +208,7 @@ def _row(work: Work, radius: float, exponents: tuple[float, ...]) -> Family:
 
 
 def _named(source: str | Path) -> str:
-    """Check that a source names a subject, whose size the finger then has."""
+    """Return the subject that a source names; InputError for a record without a finger."""
     names = list(library.pawluk_bulk())
     if isinstance(source, str) and source in names:
         return source

@@ -235,8 +235,7 @@ def family(shapes: Sequence[float], radius: float, press: Callable[[float], Pres
         If the shapes do not increase.
     """
     if not len(shapes) or (np.diff(shapes) <= 0).any():
-        msg = f"family.shapes: expected numbers that rise, received {list(shapes)}"
-        raise InputError(msg)
+        raise InputError(f"family.shapes: expected numbers that rise, received {list(shapes)}")
     curves = [curve(press(shape)) for shape in shapes]
     return Family(
         tuple(shapes),

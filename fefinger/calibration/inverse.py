@@ -137,11 +137,10 @@ def _best(
         if result.success and (best is None or result.cost < best.cost):
             best = result
     if best is None:
-        message = (
+        raise ConvergenceError(
             f"calibration: expected the fit to converge within {EVALUATIONS} evaluations, it did "
             f"not from any of {len(firsts)} starts; check the record, or give a closer start"
         )
-        raise ConvergenceError(message)
     return best.x, count
 
 

@@ -46,11 +46,10 @@ def jobs(
         return (Job(data, options | {"finger": finger_of(subjects[0], **size)}),)
     missing = [name for name in ("width", "thickness") if name not in size]
     if missing:
-        msg = (
+        raise InputError(
             f"--{missing[0]}: expected the size of the finger in {data} in mm, received none; give "
             "--width and --thickness, or --subject"
         )
-        raise InputError(msg)
     return (Job(data, options | {"finger": Finger(**({"tissue": PRIOR} | size))}),)
 
 
@@ -64,8 +63,7 @@ def run(todo: Sequence[Job], workers: int = 1, report: Progress | None = None) -
     calibrations: dict[int, Calibration] = {}
     for number, each in processes.each(_one, todo, workers):
         if isinstance(each, processes.Died):
-            msg = f"{todo[number].source}: {each}"
-            raise ConvergenceError(msg)
+            raise ConvergenceError(f"{todo[number].source}: {each}")
         calibrations[number] = each
         if report is not None:
             report("subjects", len(calibrations) / len(todo))

@@ -72,11 +72,9 @@ def fit(file: str | Path, *, terms: int = identify.TERMS) -> Fit:
             way(time, position, force, terms=terms) for way in (identify.thesis, identify.joint)
         ]
     except ValueError as error:
-        msg = f"{file}: {error}"
-        raise InputError(msg) from None
+        raise InputError(f"{file}: {error}") from None
     except RuntimeError as error:
-        msg = f"{file}: {error}"
-        raise ConvergenceError(msg) from None
+        raise ConvergenceError(f"{file}: {error}") from None
     return Fit(time, position, force, *fits)
 
 
@@ -89,8 +87,7 @@ def read(
     """
     time, position, force = columns(file, UNITS).T
     if len(time) < fewest:
-        msg = f"{file}: expected at least {fewest} rows of {of}, received {len(time)}"
-        raise InputError(msg)
+        raise InputError(f"{file}: expected at least {fewest} rows of {of}, received {len(time)}")
     for name, values in zip(UNITS, (time, position, force), strict=True):
         _check_unit(str(file), name, values)
     _check_signs(str(file), position, force)
@@ -118,11 +115,10 @@ def _column(table: CsvTable, name: str, unit: str) -> int:
     matches = [i for i, cell in enumerate(head) if re.match(rf"{name}(?!\d)", cell.lower())]
     if len(matches) != 1:
         which = "none" if not matches else f"{len(matches)}: {', '.join(head[i] for i in matches)}"
-        msg = (
+        raise InputError(
             f"{file}: expected one column {name!r} ({unit}) in the first line, received {which} in "
             f"{','.join(head)!r}"
         )
-        raise InputError(msg)
     stated = head[matches[0]][len(name) :].strip(" _-()[]/,")
     if stated and stated.lower() != unit.lower():
         msg = f"{file}: column {head[matches[0]]!r}: expected {name} in {unit}; convert it"
@@ -135,11 +131,10 @@ def _check_times(table: CsvTable, time: Array) -> None:
     if wrong.size:
         i = int(wrong[0]) + 1
         what = "a repeated time" if time[i] == time[i - 1] else "an earlier time"
-        msg = (
+        raise InputError(
             f"{table.source}: line {table.rows[i][0]}: expected a time above {time[i - 1]:g} s, "
             f"received {what}, {time[i]:g}; sort the rows and keep one of each time"
         )
-        raise InputError(msg)
 
 
 def _check_unit(file: str, name: str, values: Array) -> None:
@@ -151,11 +146,10 @@ def _check_unit(file: str, name: str, values: Array) -> None:
         msg = f"{file}: {name}: expected numbers that change, received {values[0]:g} in every row"
         raise InputError(msg)
     likely = next(unit for unit, least, most in others if least <= size <= most)
-    msg = (
+    raise InputError(
         f"{file}: {name}: expected {UNITS[name]}, with a {what} of {low:g} to {high:g}, received "
         f"{size:.3g}, as if it were in {likely}; convert the column"
     )
-    raise InputError(msg)
 
 
 def _check_signs(file: str, position: Array, force: Array) -> None:
@@ -164,11 +158,10 @@ def _check_signs(file: str, position: Array, force: Array) -> None:
         raise InputError(msg)
     highest = int(force.argmax())
     if position[highest] < np.median(position[: highest + 1]):
-        msg = (
+        raise InputError(
             f"{file}: position: expected values that grow into the finger, received values that "
             "fall while the force rises; change their sign"
         )
-        raise InputError(msg)
 
 
 def record(fit: Fit) -> dict[str, Any]:

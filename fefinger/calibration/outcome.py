@@ -141,13 +141,12 @@ def refuse_gross(done: Calibration) -> None:
     error = done.residuals.get("mse", 0.0)
     if error > GROSS:
         rest = "".join(f"; {each}" for each in done.unidentified)
-        msg = (
+        raise ConvergenceError(
             f"{done.target}: expected a fit with an error of at most {100 * GROSS:g} % of the "
             f"record's variance, received {100 * error:.3g} %; press less deep than "
             f"{done.deepest:.2g} mm, where its presses end, and check the size of the finger and "
             f"the units{rest}"
         )
-        raise ConvergenceError(msg)
 
 
 def errors(measured: Array, model: Array) -> dict[str, float]:

@@ -110,11 +110,10 @@ def thesis_fit(frames: Frames) -> PadFit:
     try:
         fit = fit_fingerpad(frames.depth, frames.pressure, frames.distance)
     except ValueError as error:
-        msg = (
+        raise ConvergenceError(
             f"frames: expected the fit of Eq. 3.17 to converge, it did not ({error}); check that "
             "their position is in mm from touch"
-        )
-        raise ConvergenceError(msg) from None
+        ) from None
     values = fit.parameters
     return PadFit(values["radius"], values["m"], values["c0_b"], fit.error)
 
@@ -135,11 +134,10 @@ def radius_for(
     x, y = np.log(radii), np.log(fitted)
     slope, start = np.polyfit(x, y, 1)
     if not slope > 0:
-        msg = (
+        raise InputError(
             f"pad_radius: expected the fitted R to grow with it, received {np.round(fitted, 2)} mm "
             f"at {np.round(radii, 2)} mm; the frames do not determine the shape of this pad"
         )
-        raise InputError(msg)
     radius = float(np.clip(np.exp((np.log(wanted) - start) / slope), *RADII))
     return radius, float(slope)
 

@@ -90,8 +90,7 @@ class Calibration:
         """Return the parameter called `name`; KeyError lists the names that exist."""
         named = {each.name: each for each in self.parameters}
         if name not in named:
-            msg = f"{name!r}: expected one of the parameters {', '.join(named)}"
-            raise KeyError(msg)
+            raise KeyError(f"{name!r}: expected one of the parameters {', '.join(named)}")
         return named[name]
 
     @property
@@ -189,20 +188,14 @@ def parameters_of(solution: Solution) -> tuple[Parameter, ...]:
         for each in solution.unknowns
         if not each.name.endswith("/c0")
     ]
-    weights, deviations = weights_of(solution)
+    weights, jacobian = _weights(solution)
+    deviations = np.sqrt(np.diag(jacobian @ solution.covariance @ jacobian.T))
     source = "the weights sum to 1; priors of their ratios from Table 3.1 of Pawluk (1997)"
     out += [
         Parameter(f"c{i}", c, sd, "1", None, source, (0.0, 1.0), "fitted")
-        for i, (c, sd) in enumerate(zip(weights, deviations, strict=True))
+        for i, (c, sd) in enumerate(zip(weights.tolist(), deviations.tolist(), strict=True))
     ]
     return tuple(out)
-
-
-def weights_of(solution: Solution) -> tuple[list[float], list[float]]:
-    """Return c0, c1, ... and their standard deviations, from the ratios to c0."""
-    weights, jacobian = _weights(solution)
-    deviations = np.sqrt(np.diag(jacobian @ solution.covariance @ jacobian.T))
-    return weights.tolist(), deviations.tolist()
 
 
 def correlations_of(solution: Solution) -> tuple[tuple[float, ...], ...]:

@@ -158,11 +158,10 @@ def _solved(scene: Scene, mechanics: str, spare: float) -> Press:
     steps = _steps(scene, response, mechanics)
     force = response.force[steps]
     if len(force) < 8 or not (np.diff(force) > 0).all():
-        message = (
+        raise ConvergenceError(
             f"press: expected a force that rises over at least 8 steps, received {len(force)} "
             f"steps on the finger of {scene.finger.thickness:g} mm{f' ({halt})' if halt else ''}"
         )
-        raise ConvergenceError(message)
     assert response.contact_area is not None
     return Press(
         response.depth[steps],

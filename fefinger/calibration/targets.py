@@ -210,15 +210,13 @@ def made(name: str, time: Array, position: Array, force: Array, mesh: str) -> Re
         parts = split(time, position, force)
         lumped = joint(time, position, force)
     except ValueError as error:
-        msg = f"{name}: {error}"
-        raise InputError(msg) from None
+        raise InputError(f"{name}: {error}") from None
     except RuntimeError:
-        msg = (
+        raise InputError(
             f"{name}: expected a force that rises on the ramp and falls in the hold, received one "
             "for which the fit of the lumped law of the thesis does not converge; check that this "
             f"is a finger, and that its hold of {parts.hold_seconds:.3g} s is long enough to relax"
-        )
-        raise InputError(msg) from None
+        ) from None
     _check_finger(name, parts, lumped)
     t, x, f, _ = averages(parts)
     sd = deviation_of(parts, lumped.spring, lumped.prony)
@@ -229,12 +227,11 @@ def check_depth(wanted: Record, finger: Finger) -> None:
     """Raise InputError for a record that is deeper than the soft tissue of the finger."""
     deep = float(wanted.position.max()) - wanted.lumped.spring.x0
     if deep >= finger.pulp:
-        msg = (
+        raise InputError(
             f"{wanted.name}: position: expected a press of less than {finger.pulp:.3g} mm, the "
             f"tissue under the pad (half of the thickness, {finger.thickness:g} mm), received one "
             f"that goes {deep:.3g} mm beyond touch; check the size of the finger and the unit"
         )
-        raise InputError(msg)
 
 
 def unloading(file: str | Path) -> tuple[Array, Array, Array]:
@@ -250,11 +247,10 @@ def unloading(file: str | Path) -> tuple[Array, Array, Array]:
     way = float(position[top] - position[0])
     back = float(position[top] - position[top:].min())
     if back < RETURN * way:
-        msg = (
+        raise InputError(
             f"{file}: expected a record with unloading, such as a sinusoid or a retraction, as "
             f"loading was fitted, received one that returns {back:.3g} of {way:.3g} mm"
         )
-        raise InputError(msg)
     return time, position, force
 
 
@@ -317,18 +313,16 @@ def _check_finger(name: str, parts: RampHold, lumped: Identification) -> None:
         float(hold[-len(hold) // 5 :].mean()),
     )
     if late > (1 - LIVELY) * early:
-        msg = (
+        raise InputError(
             f"{name}: expected a force that falls in the hold, because a finger relaxes, received "
             f"{early:.4g} N at its start and {late:.4g} N at its end; check that this is a finger "
             "and that the force is the right column"
         )
-        raise InputError(msg)
     half = float(lumped.spring.stiffness(0.5 * parts.force.max()))
     low, high = STIFFNESS
     if not low <= half <= high:
-        msg = (
+        raise InputError(
             f"{name}: expected a stiffness of {low:g} to {high:g} N/mm at half of the largest "
             f"force, received {half:.3g} N/mm, which no fingertip has; check what was pressed, and "
             "the units"
         )
-        raise InputError(msg)

@@ -131,13 +131,6 @@ def _details(
     return [*rows, *(("note", note) for note in result.notes), *(("file", file) for file in files)]
 
 
-def plan_record(plan: "Plan") -> dict[str, Any]:
-    """JSON record of `fefinger explain`."""
-    from dataclasses import asdict
-
-    return asdict(plan)
-
-
 def plan_summary(plan: "Plan") -> str:
     """Format a plan: the choice in one line, its reason and trust, the ladder, the machine."""
     from fefinger.results.plan_text import choice_line, ladder

@@ -22,6 +22,8 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
 
     Prints the expected error and time of every mechanics and mesh, and why the others are refused.
     """
+    from dataclasses import asdict
+
     from fefinger import plan
     from fefinger.results.candidate import MECHANICS
     from fefinger.scene import builtin
@@ -32,9 +34,7 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     notes = [*origin_notes(loaded.finger), *jump(loaded.motion), *coarse_samples(loaded.motion)]
     try:
         chosen = plan.explain(loaded)
-        console.print_answer(
-            console.plan_record(chosen), console.plan_summary(chosen), as_json=as_json
-        )
+        console.print_answer(asdict(chosen), console.plan_summary(chosen), as_json=as_json)
         if not MECHANICS[chosen.mechanics].inertia:
             notes += _too_fast(loaded)
     finally:  # a refusal has its notes before it

@@ -123,20 +123,18 @@ def _check(mesh: FingerMesh, tissues: Mapping[int, Elastic]) -> None:
     for label in tissues:
         if not (mesh.region == label).any():
             present = ", ".join(map(str, np.unique(mesh.region)))
-            message = (
+            raise InputError(
                 f"mesh {mesh.name}: expected cells of region {label}, received only regions "
                 f"{present}; mesh the finger again"
             )
-            raise InputError(message)
     corners = mesh.points[mesh.cells]
     size = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2).max(axis=1)
     bad = np.flatnonzero(~(volumes(mesh.points, mesh.cells) > FLAT * size**3))
     if len(bad):
-        message = (
+        raise InputError(
             f"mesh {mesh.name}: expected cells of positive volume, received {len(bad)} inverted or "
             f"flat ones, the first of them number {bad[0]}; mesh the finger again"
         )
-        raise InputError(message)
 
 
 def reduce(

@@ -153,8 +153,7 @@ def mirrored(whole: Space, half: Space, *, odd: bool) -> sparse.csr_matrix:
     """Matrix from a displacement of `half` to the even or odd displacement of `whole`."""
     distance, twin = cKDTree(half.node_points).query(mirror.to_half(whole.node_points))
     if distance.max() > SAME * np.ptp(half.node_points):
-        message = "mesh: expected a finger that is symmetric about y = 0, received another"
-        raise InputError(message)
+        raise InputError("mesh: expected a finger that is symmetric about y = 0, received another")
     signs = np.ones((whole.n_nodes, 3))
     beyond = whole.node_points[:, 1] < 0
     signs[beyond] = -mirror.SIGNS if odd else mirror.SIGNS
@@ -240,9 +239,8 @@ def _on_pad(operator: Operator, part: Part, loads: sparse.csc_matrix) -> sparse.
     """Work-equivalent loads (n_pad, k) of the half for `loads` (n_unknowns, k) of the body."""
     loaded = np.unique(loads.tocoo().row // 3)
     if not np.isin(loaded, palmar(operator)).all():
-        message = (
+        raise OutsideError(
             "indenter: expected contact on the palmar part of the pad, received candidates beyond "
             "the side of the finger; press less, or use the mechanics 'linear'"
         )
-        raise OutsideError(message)
     return (part.unfold.T @ loads).tocsr()[part.compliance.pad].tocsc()

@@ -147,11 +147,10 @@ def lowest(
             if worst <= TOLERANCE or used == size:
                 return Modes(1.0 / inverse, known @ vectors, worst)
         if full:
-            message = (
+            raise ConvergenceError(
                 f"modes: expected {count} with residuals of at most {TOLERANCE:g}, reached "
                 f"{worst:.1e} in a basis of {used} vectors; ask for fewer modes"
             )
-            raise ConvergenceError(message)
         basis[:, used : used + block] = following
         used += block
 

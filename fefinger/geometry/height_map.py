@@ -32,30 +32,26 @@ def height_map(file: Path, pitch: float) -> tuple[Array, Array, Array]:
         mesh = trimesh.load_mesh(file)
         corners = np.asarray(mesh.vertices, dtype=np.float64)[mesh.faces]
     except Exception as error:  # the readers raise whatever they meet
-        message = f"indenter.file: cannot read the surface {str(file)!r}: {error}"
-        raise InputError(message) from None
+        raise InputError(f"indenter.file: cannot read the surface {str(file)!r}: {error}") from None
     if len(corners) == 0:
-        message = f"indenter.file: expected triangles in {str(file)!r}, received none"
-        raise InputError(message)
+        raise InputError(f"indenter.file: expected triangles in {str(file)!r}, received none")
     low, high = corners[..., :2].min(axis=(0, 1)), corners[..., :2].max(axis=(0, 1))
     counts = np.floor((high - low) / pitch * (1 + MARGIN)).astype(int) + 1
     if counts.prod() > MOST:
-        message = (
+        raise InputError(
             f"indenter.pitch: expected at most {MOST:.0e} samples of {str(file)!r}, received "
             f"{counts[0]} x {counts[1]}; take a larger one"
         )
-        raise InputError(message)
     x, y = (low[k] + pitch * np.arange(counts[k]) for k in (0, 1))
     heights = np.full(counts, -np.inf)
     for triangle in corners:
         _raise(heights, x, y, triangle, pitch)
     if not np.isfinite(heights).all():
         share = float(np.isinf(heights).mean())
-        message = (
+        raise InputError(
             f"indenter.file: expected a surface in {str(file)!r} that covers its box as seen along "
             f"z, received one that leaves {100 * share:.2g} % of it open"
         )
-        raise InputError(message)
     return x, y, heights
 
 

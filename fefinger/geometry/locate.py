@@ -1,4 +1,4 @@
-"""Where points lie among triangles of a plane or tetrahedra: the simplex and its weights."""
+"""Point location among triangles of a plane or tetrahedra: the simplex and its weights."""
 
 from collections.abc import Iterator
 

@@ -12,13 +12,13 @@ from fefinger.support.arrays import Array, Integers
 
 
 SIGNS = np.array([1.0, -1.0, 1.0])
-"""What the components of a vector are multiplied by."""
+"""Factors of a reflection on the components of a vector."""
 
 TENSOR_SIGNS = np.outer(SIGNS, SIGNS)
-"""What the components (3, 3) of a tensor are multiplied by."""
+"""Factors of a reflection on the components (3, 3) of a tensor."""
 
 SIX_SIGNS = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
-"""What the components xx, yy, zz, xy, yz, xz of a symmetric tensor are multiplied by."""
+"""Factors of a reflection on the components xx, yy, zz, xy, yz, xz of a symmetric tensor."""
 
 ROUNDING = 1e-9
 """Distance from the plane, over the largest coordinate, that is rounding."""
@@ -30,7 +30,7 @@ def image(vectors: Array) -> Array:
 
 
 def to_half(points: Array) -> Array:
-    """Return where points (n, 3) of a whole body are in its half: at y >= 0.
+    """Map points (n, 3) of a whole body into its half y >= 0.
 
     Those within rounding of the plane are put on it.
     """
@@ -49,7 +49,7 @@ def from_half(tensors: Array, points: Array) -> Array:
 
 @dataclass(frozen=True)
 class Halves:
-    """How the points of a half body are numbered in the whole one: themselves, then their images.
+    """Numbering of the points of a whole body: those of its half, then their mirror images.
 
     aside (m,): the points off the plane; twin (n,): the number of the image of each of n points,
     which is that of the point itself on the plane.
@@ -68,7 +68,7 @@ class Halves:
 
     @property
     def origin(self) -> Integers:
-        """Which point of the half every point of the whole is, or is the image of."""
+        """Index in the half of every point of the whole, or of the point that it mirrors."""
         return np.concatenate([np.arange(len(self.twin)), self.aside])
 
     def values(self, values: Array, axis: int = 0) -> Array:

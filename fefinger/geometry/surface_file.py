@@ -82,11 +82,10 @@ def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
     crossing = crossings(mesh)
     if crossing is not None:
         x, y, z = crossing
-        message = (
+        raise InputError(
             f"{name} crosses itself near ({x:.3g}, {y:.3g}, {z:.3g}){_unit(mesh)}; expected a "
             "simple closed surface: remesh it or remove the overlap in the program that made it"
         )
-        raise InputError(message)
     size = _check_size(mesh.extents, name)
     tip = mesh.vertices[:, 0] > mesh.bounds[1, 0] - LENGTH
     width, thickness = (float(np.ptp(mesh.vertices[tip, k])) for k in (1, 2))
@@ -111,17 +110,14 @@ def _loaded(file: Path, field: str) -> Any:
             mesh = trimesh.load_mesh(file)
         count = len(mesh.faces)
     except Exception as error:
-        message = (
+        raise InputError(
             f"{field}: expected a triangle surface (STL, OBJ, PLY or VTK), received "
             f"{str(file)!r}, which cannot be read as one; export it again"
-        )
-        raise InputError(message) from error
+        ) from error
     if count == 0:
-        message = f"{field}: expected a surface, {file.name} has no triangles"
-        raise InputError(message)
+        raise InputError(f"{field}: expected a surface, {file.name} has no triangles")
     if not np.isfinite(mesh.vertices).all():
-        message = f"{field}: expected finite coordinates, {file.name} has some that are not"
-        raise InputError(message)
+        raise InputError(f"{field}: expected finite coordinates, {file.name} has some that are not")
     return mesh
 
 
@@ -148,25 +144,22 @@ def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
         dropped = faces - len(mesh.faces)
         notes.append(f"{dropped} flat or double triangles of {file.name} were dropped.")
     if len(mesh.faces) == 0:
-        message = f"{field}: expected a surface, {file.name} has only flat triangles"
-        raise InputError(message)
+        raise InputError(f"{field}: expected a surface, {file.name} has only flat triangles")
     parts = mesh.body_count
     if parts > 1:
-        message = (
+        raise InputError(
             f"{field}: expected one connected surface, {file.name} has {parts} separate ones; keep "
             "only the skin"
         )
-        raise InputError(message)
     for loop in _holes(mesh, file, field):
         notes.append(_filled(mesh, loop))
     if _face_outward(mesh):
         notes.append(f"Triangles of {file.name} that faced inward were turned outward.")
     if not mesh.is_watertight or mesh.volume <= 0:
-        message = (
+        raise InputError(
             f"{field}: expected a closed surface, {file.name} has edges that do not join two "
             "triangles; close it in the program that made it"
         )
-        raise InputError(message)
     return mesh, tuple(notes)
 
 
@@ -251,11 +244,10 @@ def _check_size(extents: Array, name: str) -> str:
         return size
     fits = [unit for unit, scale in UNITS.items() if WIDTHS[0] <= smaller * scale <= WIDTHS[1]]
     guess = f"; it seems to be in {fits[0]}: scale it by {UNITS[fits[0]]:g}" if fits else ""
-    message = (
+    raise InputError(
         f"{name} has a box of {size}; expected a fingertip in mm, {WIDTHS[0]:g} to "
         f"{WIDTHS[1]:g} mm wide{guess}"
     )
-    raise InputError(message)
 
 
 def _check_frame(mesh: Any, width: float, thickness: float, name: str) -> None:

@@ -22,22 +22,22 @@ from fefinger.support.progress import Progress
 LADDER = tuple(MECHANICS)
 
 QUICKEST = 0.1
-"""Seconds on the machine of the reports that no answer with a mesh is faster than."""
+"""Least time in s of a mechanics with a mesh, on the machine of the reports."""
 
 
 class Mechanics(Protocol):
-    """What every mechanics offers."""
+    """Interface of a contact model."""
 
     name: str
 
     def refuse(self, case: Situation) -> tuple[Refusal, ...]:
-        """Return why it should not answer; empty if it can."""
+        """Return the reasons against this model for a scene; empty if it can answer."""
 
     def cost(self, case: Situation) -> float:
         """Return the expected wall time in s."""
 
     def once(self, case: Situation) -> float:
-        """Return the part of that time, in s, that builds what is kept for the next run."""
+        """Return the one-time part of it, in s: what is built and cached for the next run."""
 
     def error(self, case: Situation, quantity: str = "force") -> tuple[float, str]:
         """Return the expected relative error of a quantity, and the report that measured it.
@@ -46,10 +46,10 @@ class Mechanics(Protocol):
         """
 
     def coarser(self, scene: Scene) -> Finger | None:
-        """Return the finger on a coarser mesh, to see what depends on it; None if there is none."""
+        """Return the finger on the next coarser mesh, for a convergence check; None without one."""
 
     def respond(self, scene: Scene, progress: Progress | None = None) -> Response:
-        """Answer the scene."""
+        """Solve the scene."""
 
 
 def names() -> tuple[str, ...]:

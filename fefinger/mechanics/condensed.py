@@ -1,8 +1,8 @@
-"""The answer of `linear`, from a finger that was reduced once to its pad and its end organs.
+"""Small-strain finite elements, condensed once per finger to its pad and its end organs.
 
-The operator (`fem/condensation.py`) is built once per finger and kept; contact then runs in
-compiled steps (`fem/contact/step_compiled.py`). Same contact, same relaxation: on the same mesh it
-differs from `linear` by rounding. One operator serves every indenter, so its mesh is that of the 30
+The operator (`fem/condensation.py`) is built once per finger and cached; contact then runs in
+compiled steps (`fem/contact/step_compiled.py`). On the same mesh the answer is that of `linear` up
+to rounding. One operator serves every indenter, so its mesh is that of the 30
 degree plate, where the mesh of `linear` follows the touch.
 """
 
@@ -39,7 +39,7 @@ BEYOND = (
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return why it should not answer, as `linear`; and it has one bone and one solver."""
+    """Return the reasons against it: those of `linear`, an elastic bone, another solver."""
     unable = [*yielding(case.finger)]
     if case.ask.solver not in (None, SOLVER):
         reason = f"ask.solver = {case.ask.solver!r}: its operator is made by {SOLVER!r}"
@@ -54,7 +54,7 @@ def cost(case: Situation) -> float:
 
 
 def once(case: Situation) -> float:
-    """Return the time in s of building mesh and operator, which are kept; 0 where at hand."""
+    """Return the time in s to build mesh and operator, which are cached; 0 if they already are."""
     return reports.condensed_once(case)
 
 
@@ -68,20 +68,20 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
 
 
 def coarser(scene: Scene) -> Finger | None:
-    """Return the finger on the next coarser mesh, if that is at hand."""
+    """Return the finger on the next coarser mesh, if that is shipped or cached."""
     return linear.coarser(scene, follow=False)
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
-    """Answer the scene with the operator of its finger, which is built if it is not at hand.
+    """Solve the scene with the operator of its finger, which is built if it is not cached.
 
-    Where the indenter comes near the pad beyond its palmar part, which the operator does not keep,
-    the whole mesh is solved: the same answer, at the cost of `linear`.
+    Where the indenter comes near the pad beyond its palmar part, for which the operator is not
+    defined, the whole mesh is solved: the same answer, at the cost of `linear`.
 
     Raises
     ------
     InputError
-        As `linear`; and if the kept operator does not fit the finger.
+        As `linear`; and if the cached operator does not fit the finger.
     ConvergenceError
         If a contact solution is not reached.
     """

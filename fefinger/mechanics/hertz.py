@@ -1,4 +1,4 @@
-"""Hertz contact of a relaxing half-space, as an answer to a scene: milliseconds.
+"""Hertz contact of a viscoelastic half-space: a scene in milliseconds.
 
 `theory/contact/hertz.py` is the formula, `validation/fem/hertz.py` the proof of the elements.
 `theory/contact/ting.py` makes it right on unloading, loss of contact and touching again.
@@ -86,11 +86,11 @@ class HalfSpace:
         """Return the force (n,) in mN."""
         return self._slope * depth**1.5
 
-    def depth(self, force: float) -> float:
+    def depth(self, force: float) -> Array:
         """Return the depth in mm under a force in mN."""
-        return float((force / self._slope) ** (2 / 3))
+        return np.asarray((force / self._slope) ** (2 / 3))
 
-    def radius(self, depth: Array) -> Array:
+    def contact_radius(self, depth: Array) -> Array:
         """Return the contact radius (n,) in mm."""
         return np.sqrt(self.relative_radius * depth)
 
@@ -101,15 +101,15 @@ class HalfSpace:
         return self.force(depth)[:, None] * (1 - outside)
 
     def strain(self, depth: Array, r: Array, z: Array) -> Array:
-        """Return e_r, e_t, e_z, e_rz (n, m, 4) of Huber's field at r, z (m,) mm, z > 0."""
+        """Return e_r, e_t, e_z, e_rz (n, 4, m) of Huber's field at r, z (m,) mm, z > 0."""
         from fefinger.theory.contact.hertz import Hertz
 
-        strain = np.zeros((len(depth), len(r), 4))
+        strain = np.zeros((len(depth), 4, len(r)))
         for row, reached in zip(strain, depth, strict=True):
             # Deeper nodes belong to creep beyond the time that the force was held.
             if 0 < reached <= self.relative_radius:
                 field = Hertz(self.relative_radius, float(reached), self.modulus, self.poisson)
-                row[:] = field.strain(r, z).T
+                row[:] = field.strain(r, z)
         return strain
 
 
@@ -135,12 +135,12 @@ def half_space(finger: Finger, indenter: Indenter) -> HalfSpace:
 
 
 def elliptic(indenter: Indenter) -> bool:
-    """Return whether the object has two radii of its own, so that its contact is an ellipse."""
+    """Return whether the object has two different radii, so that its contact is an ellipse."""
     return indenter.hertzian is not None and indenter.flat is indenter.ball_radius is None
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return why it should not answer."""
+    """Return the reasons against Hertz contact for a scene."""
     unable = lacking(case)
     if case.indenter.hertzian is None:
         return refusals(name, "ability", unable)
@@ -174,7 +174,7 @@ def cost(case: Situation) -> float:
 
 
 def once(case: Situation) -> float:
-    """Return 0: nothing is built once and kept."""
+    """Return 0: nothing is built and cached."""
     return 0.0
 
 
@@ -201,7 +201,7 @@ def coarser(scene: Scene) -> None:
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
-    """Answer the scene with the fields of Hertz and Huber.
+    """Solve the scene with the fields of Hertz and Huber.
 
     Raises
     ------
@@ -232,12 +232,12 @@ def deepest(case: Situation) -> float:
     """Return the largest depth in mm, of a motion under force control once tissue has relaxed."""
     if case.motion.control == "depth":
         return case.peak
-    return half_space(case.finger, case.indenter).depth(case.peak / NEWTON_PER_MILLINEWTON)
+    return float(half_space(case.finger, case.indenter).depth(case.peak / NEWTON_PER_MILLINEWTON))
 
 
 def widest(case: Situation) -> float:
     """Return the largest contact radius in mm."""
-    return float(half_space(case.finger, case.indenter).radius(np.array(deepest(case))))
+    return float(half_space(case.finger, case.indenter).contact_radius(np.array(deepest(case))))
 
 
 def _thinness(case: Situation) -> float:
@@ -268,7 +268,7 @@ def _doubts_of_size(case: Situation) -> list[Doubt]:
 
 
 def doubts_of_place(case: Situation) -> list[Doubt]:
-    """Return why one radius in the middle of the pad does not hold where the pad is touched."""
+    """Return the reasons why one pad radius is not valid where the pad is touched."""
     doubts = []
     if case.finger.surface is not None:
         radius = f"{case.finger.pad_radius:g} mm"

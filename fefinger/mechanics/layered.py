@@ -8,8 +8,6 @@ first press of a stack takes a quarter of a second, another one some 30 ms
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import reports
 from fefinger.mechanics.evidence.press_mesh import UNKNOWN
@@ -30,7 +28,7 @@ from fefinger.theory.contact.stack import Layer, Stack
 
 
 if TYPE_CHECKING:
-    from fefinger.mechanics.press.layered_contact import Layered
+    from fefinger.theory.contact.contact_table import Table
 
 
 name = "layered"
@@ -68,12 +66,11 @@ def stack(finger: Finger) -> Stack:
     thick, bone = float(skin.thickness or 0.0), BONE * finger.thickness
     below = bone - thick
     if below < THINNEST * bone:
-        msg = (
+        raise InputError(
             f"finger.skin.thickness: expected at most {(1 - THINNEST) * bone:.4g} mm, which leaves "
             f"{THINNEST:g} of the {bone:.4g} mm above the bone to the tissue below, received "
             f"{thick:g} mm; take a thinner skin or a thicker finger"
         )
-        raise InputError(msg)
     return Stack(
         (Layer(thick, skin.modulus, skin.poisson), Layer(below, rest.modulus, rest.poisson))
     )
@@ -85,7 +82,7 @@ def skin_share(finger: Finger) -> float:
     return layers.layers[0].thickness / layers.thickness
 
 
-def contact(scene: Scene) -> "Layered":
+def contact(scene: Scene) -> "Table":
     """Return the elastic contacts of the relaxed finger that the motion passes through.
 
     Raises
@@ -93,21 +90,20 @@ def contact(scene: Scene) -> "Layered":
     InputError
         If the contact becomes wider than its relative radius.
     """
-    from fefinger.mechanics.press.layered_contact import Layered
+    from fefinger.theory.contact.contact_table import tabulate_to
 
     radius = hertz.half_space(scene.finger, scene.indenter).relative_radius
     peak = scene.motion.peak
     try:
         if scene.motion.control == "depth":
-            return Layered.to_depth(stack(scene.finger), radius, peak)
-        return Layered.to_force(stack(scene.finger), radius, peak / NEWTON_PER_MILLINEWTON)
+            return tabulate_to(stack(scene.finger), radius, depth=peak)
+        return tabulate_to(stack(scene.finger), radius, force=peak / NEWTON_PER_MILLINEWTON)
     except ValueError as error:
-        msg = f"motion: {error}; press less"
-        raise InputError(msg) from error
+        raise InputError(f"motion: {error}; press less") from error
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return why it should not answer: what it has no place for, and what was not measured."""
+    """Return the reasons against it: what it cannot represent, and ranges not measured."""
     unable = hertz.lacking(case)
     try:
         bone = stack(case.finger).thickness
@@ -128,7 +124,7 @@ def cost(case: Situation) -> float:
 
 
 def once(case: Situation) -> float:
-    """Return 0: nothing is built once and kept."""
+    """Return 0: nothing is built and cached."""
     return 0.0
 
 
@@ -145,30 +141,30 @@ def coarser(scene: Scene) -> None:
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
-    """Answer the scene with the exact contact of the stack and the field below it.
+    """Solve the scene with the exact contact of the stack and the field below it.
 
     Raises
     ------
     InputError
         If the indenter is placed beyond the pad, or the contact becomes wider than its radius.
     """
-    from fefinger.mechanics.press.layered_contact import Layered
+    from fefinger.theory.contact.contact_table import tabulate_to
 
     body = contact(scene)
-    # The plate is asked for one depth, at the end of its table, where few contacts are exact.
-    plate = Layered.to_depth(
-        stack(scene.finger), scene.finger.pad_radius, REFERENCE_DEPTH, levels=PLATE_LEVELS
+    # The plate is needed at one depth, at the end of its table, where few contacts are exact.
+    plate = tabulate_to(
+        stack(scene.finger), scene.finger.pad_radius, depth=REFERENCE_DEPTH, levels=PLATE_LEVELS
     )
     notes = (*NOTES, *normalized(scene.finger.prony))
     if hertz.elliptic(scene.indenter):
         notes = (*notes, hertz.ELLIPTIC)
     peak = scene.motion.peak
     if scene.motion.control == "force":
-        peak = body.depth(peak / NEWTON_PER_MILLINEWTON)
-    widest = float(body.radius(np.array(peak)))
+        peak = float(body.depth(peak / NEWTON_PER_MILLINEWTON))
+    widest = float(body.contact_radius(peak))
     numbers = {
-        "relative_radius_mm": body.table.radius,
-        "contact_radius_over_thickness": widest / body.table.stack.thickness,
+        "relative_radius_mm": body.radius,
+        "contact_radius_over_thickness": widest / body.stack.thickness,
     }
     return axisymmetric.respond(
         scene, body, plate, progress, mechanics=name, notes=notes, numbers=numbers
@@ -195,7 +191,7 @@ def _doubts(case: Situation) -> list[Doubt]:
 
 
 def _doubts_of_tissue(finger: Finger) -> list[Doubt]:
-    """Return in what the tissues differ from the measured ones; their common modulus cancels."""
+    """Return how the tissues differ from the measured ones; their common modulus cancels."""
     doubts, measured = [], reports.layered_tissue()
     contrast = finger.skin.modulus / finger.subcutaneous.modulus
     known = measured["skin_over_subcutaneous"]

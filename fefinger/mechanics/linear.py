@@ -53,7 +53,7 @@ LAW = "neo-hookean"
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return why it should not answer: it can do every scene, less well at large strain."""
+    """Return the reasons against it: it can solve every scene, less accurately at large strain."""
     turns = rocked(case.motion, case.indenter)
     unable = (*apart(case.finger), *turns, *case.too_long, *unmeshable(case))
     if unable:
@@ -94,10 +94,10 @@ def unlawful(finger: Finger) -> list[Doubt]:
 
 
 def unmeshable(case: Situation) -> tuple[Doubt, ...]:
-    """Return why there is no mesh of the scene's finger, if so."""
+    """Return the reason why the finger of a scene cannot be meshed, if there is one."""
     from fefinger.mesh.store import fault
 
-    # That place is rounded: whether it is on the pad is asked of the one that the scene has.
+    # `case.touch` is rounded: the place of the scene itself has to be on the pad.
     at = case.indenter.place if isinstance(case.touch, tuple) else None
     reason = fault(case.finger, case.touch, at)
     return (Doubt("finger" if at is None else "", reason),) if reason else ()
@@ -122,7 +122,7 @@ def unmeasured(finger: Finger) -> list[Doubt]:
 
 
 def too_small(case: Situation) -> tuple[Doubt, ...]:
-    """Return why a contact is too small for the mesh, by the width that Hertz gives it."""
+    """Return the doubt that the contact (its Hertz radius) is too small for the mesh."""
     if case.indenter.hertzian is None:
         return ()
     facet = reports.FACETS[case.mesh]
@@ -137,7 +137,7 @@ def too_small(case: Situation) -> tuple[Doubt, ...]:
 
 
 def too_soft(finger: Finger) -> list[Doubt]:
-    """Return the hard parts that are so soft that their relaxation, wrong here, matters."""
+    """Return the hard parts soft enough for their relaxation, which is wrong here, to matter."""
     doubts = []
     for part, least in HARD.items():
         material, field = getattr(finger, part), f"finger.{part}.modulus"
@@ -157,7 +157,7 @@ def cost(case: Situation) -> float:
 
 
 def once(case: Situation) -> float:
-    """Return the time in s of building the mesh, which is kept; 0 where it is at hand."""
+    """Return the time in s to build the mesh, which is cached; 0 if it already is."""
     return reports.mesh_seconds(case)
 
 
@@ -171,7 +171,7 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
 
 
 def coarser(scene: Scene, *, follow: bool = True) -> Finger | None:
-    """Return the finger on the next coarser mesh, if that is at hand.
+    """Return the finger on the next coarser mesh, if that is shipped or cached.
 
     `follow`: that is the mesh that follows the touch.
     """
@@ -188,7 +188,7 @@ def coarser(scene: Scene, *, follow: bool = True) -> Finger | None:
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
-    """Answer the scene with finite elements.
+    """Solve the scene with finite elements.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The lumped finger of Pawluk (1997), chapter 2, for a Scene: force and depth, and no mesh.
+"""Lumped model of Pawluk (1997), chapter 2: force and depth alone.
 
 The formula is in `theory/lumped/spring.py`, its proof in the tests of it; whose b and m are taken,
 in `evidence/lumped_law.py`.
@@ -58,7 +58,7 @@ PRINTED = (
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return why it should not answer: it gives force alone, as measured under a plate."""
+    """Return the reasons against it: it gives force alone, as measured under a plate."""
     unable = [*_beyond(case.ask), *sideways(case.motion, case.indenter)]
     unable += [*yielding(case.finger), *apart(case.finger)]
     unable += [Doubt("motion", each) for each in too_long(case.motion, fast=False, most=MOST)]
@@ -76,7 +76,7 @@ def cost(case: Situation) -> float:
 
 
 def once(case: Situation) -> float:
-    """Return 0: nothing is built once and kept."""
+    """Return 0: nothing is built and cached."""
     return 0.0
 
 
@@ -88,8 +88,8 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     found = law(case)
     if quantity != "force" or math.isnan(found.error):
         return float("nan"), "not known: no press like it was measured"
-    said = f"{found.evidence}; {SINUSOIDS}" if found.printed else found.evidence
-    return found.error + NUMERICAL, said
+    source = f"{found.evidence}; {SINUSOIDS}" if found.printed else found.evidence
+    return found.error + NUMERICAL, source
 
 
 def coarser(scene: Scene) -> None:
@@ -98,7 +98,7 @@ def coarser(scene: Scene) -> None:
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
-    """Answer the scene with Eq. 2.3, or under force control with its inverse."""
+    """Solve the scene with Eq. 2.3, or under force control with its inverse."""
     stages = Stages(progress)
     with stages.stage("lumped"):
         identified, motion = law(Situation.of(scene)), scene.motion
@@ -116,14 +116,6 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         time=time,
         depth=depth,
         force=force,
-        contact_area=None,
-        centroid=None,
-        pad=None,
-        pressure=None,
-        sites=None,
-        strain=None,
-        reference=None,
-        fields=None,
         status=f"Eq. 2.3, exact for straight lines between {len(time)} times.",
         seconds=stages.seconds,
         notes=(*NOTES, *(PRINTED if identified.printed else ()), f"b and m: {identified.source}."),
@@ -142,7 +134,7 @@ def _beyond(ask: Ask) -> list[Doubt]:
 
 
 def _doubts(case: Situation) -> list[Doubt]:
-    """Return in which way the scene differs from what was measured, with the numbers."""
+    """Return how the scene differs from the measured conditions, with the numbers."""
     flat, found = case.indenter.flat, law(case)
     doubts = [Doubt("finger", found.doubt)] if found.doubt else []
     if not math.isnan(found.error):
@@ -160,7 +152,7 @@ def _doubts(case: Situation) -> list[Doubt]:
 
 
 def _too_hard(case: Situation, found: Law) -> list[Doubt]:
-    """Return whether the force goes beyond what was measured; under depth control, once relaxed."""
+    """Return the doubt that the (relaxed) force exceeds the largest measured one."""
     peak, where = case.peak, "force"
     if case.motion.control == "depth":
         where = f"relaxed force at {peak:.3g} mm"

@@ -36,7 +36,7 @@ NOTES = (
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return why it should not answer: tissues that relax apart, or what `solid` refuses."""
+    """Return the reasons against it: different relaxations, and those of `solid`."""
     unable = [*apart(case.finger), *yielding(case.finger), *rough(case.indenter)]
     if case.ask.solver is not None:
         reason = f"ask.solver = {case.ask.solver!r}: it solves with the factors of 'solid'"
@@ -47,12 +47,12 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 
 def cost(case: Situation) -> float:
-    """Return the expected wall time in s, less where the press is at hand."""
+    """Return the expected wall time in s, less where the press is shipped or cached."""
     return carrying.seconds(case)
 
 
 def once(case: Situation) -> float:
-    """Return the time in s of building mesh and press, which are kept; 0 where at hand."""
+    """Return the time in s to build mesh and press, which are cached; 0 if they already are."""
     return carrying.once(case)
 
 
@@ -65,12 +65,12 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
 
 
 def coarser(scene: Scene) -> Finger | None:
-    """Return the finger on the next coarser mesh, if that is at hand."""
+    """Return the finger on the next coarser mesh, if that is shipped or cached."""
     return linear.coarser(scene)
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
-    """Answer the scene from the elastic press of its finger, which is solved if not at hand.
+    """Solve the scene from the elastic press of its finger, which is solved if not cached.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Reasons against an answer, each with the field of the scene that it is about."""
+"""Reasons against a mechanics, each with the field of the scene that it is about."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -7,7 +7,7 @@ from fefinger.results.records import Refusal
 
 
 class Doubt(NamedTuple):
-    """A reason against an answer, and the field or part of the scene to change, "" for none."""
+    """A reason against a mechanics, and the field or part of the scene to change, "" for none."""
 
     field: str
     reason: str

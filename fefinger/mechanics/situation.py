@@ -1,4 +1,4 @@
-"""What the rules of refusal, error and cost need to know of a scene, each computed once."""
+"""A scene with the derived quantities of the rules of refusal, error and cost, cached."""
 
 import sys
 from dataclasses import dataclass, replace
@@ -38,7 +38,7 @@ class Situation:
         return cls(scene.finger, scene.indenter, scene.motion, scene.ask)
 
     def on(self, resolution: str) -> "Situation":
-        """Return the situation on the mesh of a resolution, the same one each time."""
+        """Return the situation on the mesh of a resolution; the same object at every call."""
         if resolution == self.finger.resolution:
             return self
         if resolution not in self._on:
@@ -76,7 +76,7 @@ class Situation:
 
     @cached_property
     def touch(self) -> float | tuple[float, float] | None:
-        """Where a mesh that follows the touch is fine, as in `mesh.recipe`."""
+        """Center of the fine part of the mesh, as `touch` of `mesh.recipe.Recipe`."""
         return refinement_location(self.indenter)
 
     @cached_property
@@ -91,32 +91,32 @@ class Situation:
 
     @cached_property
     def times(self) -> Array:
-        """Times (n_t,) s of the answer, however many: what is too long a mechanics refuses."""
+        """Times (n_t,) s of the answer, without the limit on their number (`too_long`)."""
         return time_grid(self.motion, fast=self.fast, most=sys.maxsize)
 
     @cached_property
     def changes(self) -> int:
-        """At how many times contact is another than just before."""
+        """Number of time steps in which the contact changes."""
         return moving(self.motion, self.times)
 
     @cached_property
     def too_long(self) -> tuple[Doubt, ...]:
-        """Why the steps of the motion do not fit into memory, if so."""
+        """Doubts that the time steps of the motion exceed memory; empty if they fit."""
         return tuple(Doubt("motion", each) for each in too_long(self.motion, fast=self.fast))
 
     @cached_property
     def place(self) -> Place | None:
-        """Where the object lies among those of the measured presses; None beyond them."""
+        """Position of the object among the reference presses; None outside of their range."""
         return tradeoff.place_of(self.indenter)
 
     @cached_property
     def measured_tissue(self) -> bool:
-        """Whether the tissues are, up to one modulus, those of the measured presses."""
+        """Whether the tissues are those of the reference presses, up to a common modulus."""
         return tradeoff.measured_tissue(self.finger)
 
     @cached_property
     def neighbors(self) -> dict[str, float]:
-        """The measured presses next to the scene, with their weights; none where no place is."""
+        """Reference presses to interpolate between, with their weights; empty without a place."""
         if self.place is None:
             return {}
         return tradeoff.neighbors(tradeoff.forces(), self.place)
@@ -138,12 +138,12 @@ class Situation:
         return reached_depth.under_force(self.finger, self.peak, force, self._own_curve)
 
     def deepest(self, press: str) -> float:
-        """Return the largest depth over thickness, by a press of the trade-off."""
+        """Return the largest depth over thickness, from the force of one reference press."""
         return self.depth_over_thickness(tradeoff.forces()[press])
 
     @cached_property
     def among_neighbors(self) -> float | None:
-        """Largest depth over thickness by the presses of the trade-off next to the scene.
+        """Largest depth over thickness, from the force of the neighboring reference presses.
 
         None where none is, or the tissue is another one and bears another force.
         """

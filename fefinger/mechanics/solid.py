@@ -42,7 +42,7 @@ NOTES = (
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return why it should not answer: too many steps, or a mesh error that is not measured."""
+    """Return the reasons against it: too many steps, or a mesh error that is not measured."""
     if case.ask.solver not in (None, *SOLVERS):
         reason = f"ask.solver = {case.ask.solver!r}: it follows finite strain with its own factors"
         return refusals(name, "ability", [*case.too_long, Doubt("ask.solver", reason)])
@@ -50,7 +50,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 
 def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
-    """Return why finite strain should not answer a scene, in the name of a mechanics."""
+    """Return the reasons against finite strain for a scene, as refusals of `mechanics`."""
     sliding = out_of_plane(case.motion, case.indenter)
     unable = [*sliding, *case.too_long, *linear.unmeshable(case)]
     if unable:
@@ -65,7 +65,7 @@ def cost(case: Situation) -> float:
 
 
 def once(case: Situation) -> float:
-    """Return the time in s of building the mesh, which is kept; 0 where it is at hand."""
+    """Return the time in s to build the mesh, which is cached; 0 if it already is."""
     return reports.mesh_seconds(case)
 
 
@@ -77,7 +77,7 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
 
 
 def coarser(scene: Scene) -> Finger | None:
-    """Return the finger on the next coarser mesh, if that is at hand."""
+    """Return the finger on the next coarser mesh, if that is shipped or cached."""
     return linear.coarser(scene)
 
 
@@ -87,9 +87,9 @@ def respond(
     *,
     allowance: "FactorizationBudget | None" = None,
 ) -> Response:
-    """Answer the scene with finite-strain finite elements.
+    """Solve the scene with finite-strain finite elements.
 
-    Its steps may take the factorizations of `allowance`, or of a usual one.
+    allowance: limit on tangent factorizations, by default `finite_strain.BUDGET`.
 
     Raises
     ------

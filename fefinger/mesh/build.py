@@ -39,7 +39,7 @@ REFERENCE_RADIUS = 2.5
 """Radius in mm of fine mesh about the origin, for the reference press that scales strains."""
 
 ROUNDED, BACKWARD = 3.0, 30
-"""Distance in mm that a rounded place may lie beside the pad, and steps of moving it back."""
+"""Distance in mm that a rounded place may lie off the pad, and steps of moving it back."""
 
 TEMPLATES = 3
 """Largest number of shipped meshes that are morphed before the mesher is called."""
@@ -121,7 +121,7 @@ def sizes(shape: Shape, settings: MesherSettings, touch: Touch = None) -> Callab
 
 
 def _near(shape: Shape, touch: float | tuple[float, float]) -> Array:
-    """As `touch_point`, but move a place beside the pad toward the origin until it is on the pad.
+    """As `touch_point`, but move a place off the pad toward the origin until it is on the pad.
 
     The place of a recipe is rounded, so that it may be off the pad where that of a scene is not.
     Raises InputError for a place that is more than ROUNDED off.

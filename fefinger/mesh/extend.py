@@ -42,7 +42,7 @@ def rise(slope: float, behind: Array | float) -> Array:
 
 
 def palmar_slope(normal: Array) -> float:
-    """Return by how much a palm with an outward normal (3,) rises in the proximal direction."""
+    """Return the slope in the proximal direction of a palm with an outward normal (3,)."""
     return float(normal[0] / normal[2])
 
 
@@ -52,8 +52,7 @@ def extended(mesh: FingerMesh) -> FingerMesh:
     The new vertices follow those of the mesh. Raises InputError for a whole finger.
     """
     if not mesh.half:
-        message = f"mesh: expected a half finger, received the whole finger {mesh.name!r}"
-        raise InputError(message)
+        raise InputError(f"mesh: expected a half finger, received the whole finger {mesh.name!r}")
     section = np.concatenate([mesh.facets["cut"], mesh.facets["bone-cut"]])
     # The sections rise: diagonals from upper to lower vertices are the shorter ones.
     ring = np.unique(section)

@@ -167,13 +167,12 @@ def check_room(under: SmoothSurface, bone: Array, recipe: Recipe) -> None:
     """Raise InputError unless the points (n, 3) of the bone are ROOM below the surface `under`."""
     least = -float(under.level(bone).max())
     if least < ROOM:
-        message = (
+        raise InputError(
             f"finger.thickness: expected at least {ROOM:g} mm of subcutaneous tissue around the "
             f"bone of a finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick, "
             f"received {least:.2f} mm; use a thinner skin, other dimensions or, for a scan, its "
             "frame"
         )
-        raise InputError(message)
 
 
 def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> Shell:

@@ -179,7 +179,7 @@ def _surface_moves(
 
 
 def _stations(source: Shape, target: Shape, touch: Touch) -> Iterator[Stations]:
-    """Yield the map of x along each shell: cut, touches, nail and tip stay what they are.
+    """Yield the map of x along each shell, which takes cut, touches, nail and tip to the others.
 
     Touches are on the palm and the nail is on the back; between them the map changes smoothly.
     """

@@ -46,12 +46,11 @@ def parametric(recipe: Recipe) -> Shape:
     wanted = radii(recipe)
     if wanted[0] < 0.6 * recipe.thickness:
         least = np.sqrt(0.6 * recipe.thickness * wanted[1])
-        message = (
+        raise InputError(
             f"finger.pad_radius: expected at least {least:.1f} mm on a "
             f"finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick, received "
             f"{recipe.pad_radius:g} mm; the pad would be sharper along the finger than its tip"
         )
-        raise InputError(message)
     point = np.array(wanted)
     for _ in range(4):
         middle, tables = _skin(recipe, along=point[0], across=point[1])
@@ -105,13 +104,12 @@ def _check_round(under: Shell, recipe: Recipe) -> None:
     """Raise InputError where the skin is thicker than its tip is round: it has no inner surface."""
     x = under.tip - (under.tip - under.cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
     if min(under.palmar_ratio(x).min(), under.dorsal_ratio(x).min()) < FLATTEST:
-        message = (
+        raise InputError(
             "finger.skin.thickness: expected less than some "
             f"{TIP_RADIUS * recipe.thickness:.2g} mm, the radius of the tip of a finger "
             f"{recipe.thickness:g} mm thick, received {recipe.skin_thickness:g} mm; use a "
             "thinner skin or a thicker finger"
         )
-        raise InputError(message)
 
 
 def _skin(recipe: Recipe, *, along: float, across: float) -> tuple[float, dict[str, Table]]:
@@ -126,13 +124,12 @@ def _skin(recipe: Recipe, *, along: float, across: float) -> tuple[float, dict[s
     half = recipe.width / 2.0
     share = middle * np.cos(PLATE) * across / half**2
     if share > 0.98:
-        message = (
+        raise InputError(
             f"finger.pad_radius: expected a fingertip that narrows towards its tip, received width "
             f"{recipe.width:g}, thickness {recipe.thickness:g} and pad radius "
             f"{recipe.pad_radius:g} mm, which would need {2 * half * np.sqrt(share):.1f} mm of "
             "width at the contact point; use a smaller thickness or a larger pad radius"
         )
-        raise InputError(message)
     reach = tip / (1.0 - np.cbrt(1.0 - share))
     x = tip - (tip - cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
     top = recipe.thickness - palmar[1].max()
@@ -152,13 +149,12 @@ def _palmar(recipe: Recipe, along: float) -> tuple[Table, float]:
     slope = np.linspace(0.0, np.pi / 2, SAMPLES)
     x, z = _distal(recipe, along, slope)
     if z[-1] > 0.9 * recipe.thickness:
-        message = (
+        raise InputError(
             "finger.pad_radius: expected a pad that rises at most "
             f"{0.9 * recipe.thickness:.1f} mm to its tip, received "
             f"{recipe.pad_radius:g} mm, which rises {z[-1]:.1f} mm on a finger of "
             f"thickness {recipe.thickness:g} mm; use a smaller pad radius or a larger thickness"
         )
-        raise InputError(message)
     length = min(max(1.7 * recipe.width, x[-1] + 5.0), max(25.0, x[-1] + 5.0)) - x[-1]
     arc = np.linspace(-length, 0.0, SAMPLES)
     fading = min(0.5 * recipe.width, 2.0 * BACK_SLOPE * along)

@@ -123,8 +123,7 @@ def gate(quality: dict[str, Any]) -> None:
     if not abs(quality["first_touch"]) <= FIRST_TOUCH:
         faults.append(f"a first touch {quality['first_touch']:.2g} mm before the origin")
     if faults:
-        message = f"mesh: the quality check found {'; '.join(faults)}"
-        raise ConvergenceError(message)
+        raise ConvergenceError(f"mesh: the quality check found {'; '.join(faults)}")
 
 
 def _patch_edges(mesh: FingerMesh) -> Array:

@@ -100,9 +100,8 @@ def _hash(name: str, file: str) -> str:
     try:
         return hashlib.sha256(Path(file).read_bytes()).hexdigest()
     except OSError as error:
-        message = (
+        raise InputError(
             f"finger.{name}: expected a file with a surface, received {file!r} "
             f"({error.strerror or error}); give its absolute path, or work in the folder that the "
             "path is relative to"
-        )
-        raise InputError(message) from None
+        ) from None

@@ -149,11 +149,10 @@ def _read(recipe: Recipe) -> SurfaceFile:
     """Return the surface file of a recipe; its width must be about that of the recipe."""
     file = read_surface(str(recipe.surface))
     if abs(file.width / recipe.width - 1.0) > SIZE_ERROR:
-        message = (
+        raise InputError(
             f"surface: expected a finger about {recipe.width:g} mm wide along y, received "
             f"{file.width:.4g}; the file must be in mm with x distal, y radial and z dorsal"
         )
-        raise InputError(message)
     return file
 
 
@@ -179,8 +178,7 @@ def _check_symmetry(skin: Cloud, recipe: Recipe) -> None:
     """Raise InputError if the surface is far from its mirror image in y = 0."""
     away = skin.asymmetry()
     if away > ASYMMETRY * recipe.width / 2.0:
-        message = (
+        raise InputError(
             f"surface: expected a finger nearly symmetric in y, received one with a mean distance "
             f"of {away:.2f} mm from its mirror image; turn it about x until the pad faces down (-z)"
         )
-        raise InputError(message)

@@ -21,8 +21,7 @@ def whole(half: FingerMesh) -> FingerMesh:
     Raises InputError for a mesh that is whole already.
     """
     if not half.half:
-        message = f"mesh: expected a half finger, received the whole finger {half.name!r}"
-        raise InputError(message)
+        raise InputError(f"mesh: expected a half finger, received the whole finger {half.name!r}")
     halves = Halves.of(half.points)
     facets = {
         name: halves.triangles(part) for name, part in half.facets.items() if name != "medial"

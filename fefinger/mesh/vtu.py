@@ -7,7 +7,6 @@ tags and records recipe, versions, quality and the hash of the .vtu.
 
 import hashlib
 import json
-from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -23,6 +22,9 @@ from fefinger.support.version import VERSION
 LAYOUT = 1
 """Version of the file layout; a reader refuses another."""
 
+TAGS = {name: number for number, name in enumerate(FACETS, start=1)}
+"""Numbers of the facet sets in a file."""
+
 NEEDED = ("name", "half", "facet_tags", "sha256", "recipe", "quality")
 """Fields that a sidecar must have."""
 
@@ -35,13 +37,9 @@ def write(mesh: FingerMesh, path: str | Path) -> Path:
     import meshio
 
     path = _checked(path)
-    tags = np.concatenate([np.full(len(mesh.facets.get(n, ())), i + 1) for i, n in _named()])
-    triangles = np.concatenate(
-        [
-            np.asarray(mesh.facets.get(name, ()), dtype=np.int64).reshape(-1, 3)
-            for _, name in _named()
-        ]
-    )
+    sets = {name: mesh.facets.get(name, np.empty((0, 3), dtype=np.int64)) for name in TAGS}
+    tags = np.repeat(list(TAGS.values()), [len(part) for part in sets.values()])
+    triangles = np.concatenate(list(sets.values()))
     region = [mesh.region.astype(np.int8), np.zeros(len(triangles), dtype=np.int8)]
     facet = [np.zeros(len(mesh.cells), dtype=np.int8), tags.astype(np.int8)]
     content = meshio.Mesh(
@@ -51,20 +49,22 @@ def write(mesh: FingerMesh, path: str | Path) -> Path:
         cell_data={"region": region, "facet": facet},
     )
     path.parent.mkdir(parents=True, exist_ok=True)
-    _replace(path, lambda name: meshio.write(name, content, file_format="vtu"))
+    with moved(path) as new:
+        meshio.write(str(new), content, file_format="vtu")
     sidecar = {
         "layout": LAYOUT,
         "name": mesh.name,
         "half": mesh.half,
         "frame": "x distal, y radial, z dorsal, mm; origin at first touch of a 30-degree plate",
-        "facet_tags": {name: number + 1 for number, name in _named()},
+        "facet_tags": TAGS,
         "sha256": _hash(path),
         "recipe": mesh.recipe,
-        "versions": _versions(),
+        "versions": {"fefinger": VERSION, **{tool: version(tool) for tool in TOOLS}},
         "quality": mesh.quality,
     }
     text = json.dumps(sidecar, indent=1) + "\n"
-    _replace(sidecar_path(path), lambda name: Path(name).write_text(text, encoding="utf-8"))
+    with moved(sidecar_path(path)) as new:
+        new.write_text(text, encoding="utf-8")
     return path
 
 
@@ -83,13 +83,11 @@ def read(path: str | Path) -> FingerMesh:
     sidecar = _sidecar(sidecar_path(path))
     sha256 = _hash(path)
     if sha256 != sidecar["sha256"]:
-        message = (
+        raise InputError(
             f"mesh: expected {path} to have the hash {sidecar['sha256'][:12]}... of its sidecar, "
             f"received {sha256[:12]}...; one of the two was changed, build the mesh again"
         )
-        raise InputError(message)
-    content = meshio.read(path, file_format="vtu")
-    return _mesh(content, sidecar)
+    return _mesh(meshio.read(path, file_format="vtu"), sidecar)
 
 
 def sidecar_path(path: Path) -> Path:
@@ -102,14 +100,12 @@ def _sidecar(path: Path) -> dict[str, Any]:
     try:
         sidecar = json.loads(path.read_text(encoding="utf-8"))
     except ValueError as error:
-        message = f"mesh: expected JSON in {path}, received {error}"
-        raise InputError(message) from error
+        raise InputError(f"mesh: expected JSON in {path}, received {error}") from error
     layout = sidecar.get("layout") if isinstance(sidecar, dict) else None
     if layout != LAYOUT:
-        message = (
+        raise InputError(
             f"mesh: expected layout {LAYOUT} in {path}, received {layout!r}; build the mesh again"
         )
-        raise InputError(message)
     missing = [name for name in NEEDED if name not in sidecar]
     if missing:
         message = f"mesh: expected {missing[0]!r} in {path}, received none; build the mesh again"
@@ -137,31 +133,14 @@ def _mesh(content: Any, sidecar: dict[str, Any]) -> FingerMesh:
     )
 
 
-def _named() -> list[tuple[int, str]]:
-    """Return the facet names with their numbers."""
-    return list(enumerate(FACETS))
-
-
 def _checked(path: str | Path) -> Path:
     """Check that a path ends in .vtu."""
     path = Path(path)
     if path.suffix != ".vtu":
-        message = f"mesh: expected a file name that ends in .vtu, received {path.name!r}"
-        raise InputError(message)
+        raise InputError(f"mesh: expected a file name that ends in .vtu, received {path.name!r}")
     return path
-
-
-def _replace(path: Path, save: Callable[[str], object]) -> None:
-    """Save under a temporary name in the same folder and move into place."""
-    with moved(path) as new:
-        save(str(new))
 
 
 def _hash(path: Path) -> str:
     """Return the SHA-256 of a file."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def _versions() -> dict[str, str]:
-    """Versions of the programs that affect the mesh."""
-    return {"fefinger": VERSION, **{tool: version(tool) for tool in TOOLS}}

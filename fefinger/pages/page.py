@@ -16,7 +16,7 @@ PLAIN = " !$'()*+,-./:;=?@[]_{}|~"
 
 
 def render(template: str, **values: Any) -> str:
-    """Return the page that a file of `templates/` makes of `values`, with the style sheet in it."""
+    """Render a template of `templates/` with `values` and the style sheet."""
     from jinja2 import Environment, FunctionLoader
 
     environment = Environment(
@@ -31,19 +31,19 @@ def render(template: str, **values: Any) -> str:
 
 
 def source(name: str) -> str:
-    """Return a file of `templates/` that goes into a page as it is."""
+    """Return a file of `templates/` as markup that is not escaped."""
     return raw(resources.files(TEMPLATES).joinpath(name).read_text("utf-8"))
 
 
 def code(text: str) -> str:
-    """Return a sentence for a page, with what stands between backticks set as code."""
+    """Escape a sentence for a page, and set text between backticks as code."""
     from markupsafe import escape
 
     return raw(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))
 
 
 def raw(text: str) -> str:
-    """Return text that goes into a page as it is: the caller vouches for it."""
+    """Mark text as markup that is not escaped; it has to be safe."""
     from markupsafe import Markup
 
     return Markup(text)
@@ -60,7 +60,7 @@ def png(data: bytes) -> str:
 
 
 def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Give the entries of nested tables as (dotted name, text), but empty ones."""
+    """Yield the entries of nested tables that are not empty, as (dotted name, text)."""
     for name, value in table.items():
         if isinstance(value, Mapping):
             yield from flat(value, f"{prefix}{name}.")

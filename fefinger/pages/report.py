@@ -36,7 +36,7 @@ STANDING = (
 """Limitations of every mechanics, listed after the notes of the result."""
 
 TILES = 4
-"""Numbers at the top of the page."""
+"""Count of the summary numbers at the top of the page."""
 
 ALIKE = (
     "No noise: a unit fires the same spikes every time, and units do not differ from each other."
@@ -71,7 +71,7 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
 
 
 def _dry(result: ResultRecord) -> list[str]:
-    """Return a sentence on what of the contact is left out."""
+    """Return a sentence on the neglected parts of the contact."""
     if result.lateral is not None and result.lateral.traction is not None:
         return ["No sweat: friction does not depend on time, speed or the pressure of fluid."]
     return ["No sweat, friction or slip: the contact carries pressure only."]
@@ -124,14 +124,14 @@ def _touch(result: ResultRecord) -> str:
 
 
 def _tiles(result: ResultRecord) -> Iterator[dict[str, str]]:
-    """Give the four numbers that matter most, each with its expected error."""
+    """Yield the first TILES summary numbers, each with its expected error."""
     for number in key_numbers.leading(result, TILES):
         parts = number.within, number.about
         yield {"name": number.name, "value": number.value, "source": "; ".join(filter(None, parts))}
 
 
 def _files(result: ResultRecord) -> Iterator[tuple[str, str]]:
-    """Give the files beside the report, and what each holds."""
+    """Yield the files saved with the report, and their contents."""
     yield "result.nc", "every array with its unit, the scene and the plan (netCDF)"
     if result.fields is not None:
         yield "result.vtkhdf", "displacement, strain and pressure on the mesh (ParaView, PyVista)"
@@ -157,7 +157,7 @@ def _blocked(result: ResultRecord) -> list[str]:
 
 
 def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
-    """Give the sections with pictures, in order."""
+    """Yield the sections with pictures, in order."""
     if result.force is not None:
         text = "Force of the whole finger along the indenter's normal, and the indenter's travel."
         yield _part("force", "Force and depth", text, figures.force(result))
@@ -240,7 +240,7 @@ def _spikes(result: ResultRecord) -> dict[str, Any]:
 
 
 def _on_object(result: ResultRecord) -> Iterator[dict[str, Any]]:
-    """Give the sections on where an object that slides makes units fire."""
+    """Yield the sections on spikes and rates in the coordinates of a sliding object."""
     text = (
         "Every spike at the place on the object that was over the unit then (spatial event plot), "
         "in the object's own x and y; darker is lower."
@@ -291,7 +291,7 @@ def _caption(result: ResultRecord, field: str) -> str:
 
 
 def _units(result: ResultRecord) -> Iterator[dict[str, str]]:
-    """Give one row of the table of spikes per unit, or of many units one per type."""
+    """Yield one row of the table of spikes per unit, or of many units one per type."""
     spikes = result.spikes
     if spikes is None:
         return

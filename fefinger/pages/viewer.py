@@ -1,4 +1,4 @@
-"""Results as one self-contained page to turn and play in any browser: `write(results, path)`.
+"""Results as one interactive, self-contained page for any browser: `write(results, path)`.
 
 Needs no renderer here and no network there: a browser draws it with WebGL. Every field is in it.
 """
@@ -37,7 +37,7 @@ RATED = Span(0.0, 1.0, quantities.RATES, "neither")
 
 @dataclass
 class Blob:
-    """Arrays one after the other, and where each of them is."""
+    """Buffer of concatenated arrays, with the position of each."""
 
     parts: list[bytes] = field(default_factory=list)
     size: int = 0
@@ -73,10 +73,12 @@ def write(
     """
     shown = [results] if isinstance(results, ResultRecord) else list(results)
     quantities.named("field", field)
-    drawings = [
-        _both_halves(result, title)
-        for result, title in zip(shown, titles(shown, folders), strict=True)
-    ]
+    drawings = []
+    for result, title in zip(shown, titles(shown, folders), strict=True):
+        drawn = cut_open(frames.whole_result(result), title)
+        # The page can add the skin before the cut.
+        before = surfaces.other_half(drawn.fields)
+        drawings.append(replace(drawn, surfaces=(*drawn.surfaces, *before)))
     frames.check("time", shown, time)
     blob = Blob()
     spans = {
@@ -107,12 +109,6 @@ def write(
         new.write_text(html, encoding="utf-8")
 
 
-def _both_halves(result: ResultRecord, title: str) -> Drawing:
-    """Return the drawing of the cut finger with the skin before the cut, which the page can add."""
-    drawn = cut_open(frames.whole_result(result), title)
-    return replace(drawn, surfaces=(*drawn.surfaces, *surfaces.other_half(drawn.fields)))
-
-
 def _bar(span: Span, name: str) -> dict[str, Any]:
     """Return the record of the color bar of a field."""
     return span._asdict() | {"colors": _map(span), "unit": quantities.unit(name)}
@@ -138,13 +134,13 @@ def _scene(drawn: Drawing, blob: Blob) -> dict[str, Any]:
     triangles = [piece.triangles + start for piece, start in zip(every, starts, strict=False)]
     counts = np.cumsum([0, *(len(each) for each in triangles)])
     moved = [fields.points + shift for shift in fields.displacement]
-    depth = np.interp(fields.times, result.time, result.depth)
+    depth, force = np.interp(fields.times, result.time, result.depth), result.force
     return {
         "title": drawn.title,
         "words": f"{result.plan.mechanics} ({quantities.measure(result)})",
         "times": fields.times.tolist(),
         "depth": depth.tolist(),
-        "force": _force(result, fields.times),
+        "force": None if force is None else np.interp(fields.times, result.time, force).tolist(),
         "vertices": int(starts[-1]),
         "points": blob.add([_at(every, each) for each in moved], "f4"),
         "triangles": blob.add(np.concatenate(triangles), "u4"),
@@ -167,7 +163,7 @@ def _at(every: Sequence[surfaces.Piece], nodal: Array) -> Array:
 
 
 def _same(every: Sequence[surfaces.Piece]) -> Integers:
-    """Return, per vertex, the first one at the same place of an outer surface, for its normal."""
+    """Return, per vertex, the first vertex at the same place of an outer surface (one normal)."""
     keys = [
         np.column_stack(
             [piece.edges, np.round(1e6 * piece.weight), np.full(len(piece.weight), kind)]
@@ -192,12 +188,6 @@ def _values(
     low, high = float(values.min()), float(values.max())
     step = (high - low) / LEVELS or 1.0
     return blob.add(np.round((values - low) / step), "u2") | {"low": low, "step": step}
-
-
-def _force(result: ResultRecord, times: Array) -> list[float] | None:
-    if result.force is None:
-        return None
-    return [float(value) for value in np.interp(times, result.time, result.force)]
 
 
 def _organs(shown: markers.Marks | None, fields: Fields, blob: Blob) -> dict[str, Any] | None:

@@ -45,8 +45,7 @@ def read(
         element_pressure = pressure @ response(sensor, pad, points).T
         return sensor.scan(result.time, element_pressure, seed=seed)
     except ValueError as error:
-        msg = f"sensor: {error}"
-        raise InputError(msg) from None
+        raise InputError(f"sensor: {error}") from None
 
 
 def response(sensor: "ArraySensor", pad: "Pad", places: "Array") -> "Array":

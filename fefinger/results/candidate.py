@@ -1,11 +1,11 @@
-"""A candidate for the answer of a scene: one mechanics, on one mesh where it has one."""
+"""Names and traits of the mechanics, and a candidate: a mechanics on one of its meshes."""
 
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 
 
 class Traits(NamedTuple):
-    """What sets mechanics apart: whether it has a mesh, finite strain, and inertia."""
+    """Traits of a mechanics: whether it has a mesh, finite strain, and inertia."""
 
     meshed: bool
     finite: bool
@@ -48,6 +48,6 @@ class Candidate:
 
     @property
     def measured(self) -> Self:
-        """The candidate whose mesh scatter and spikes are taken for its: of fine, standard."""
+        """The candidate whose measured mesh scatter and spikes hold for it: standard for fine."""
         resolution = "standard" if self.resolution == "fine" else self.resolution
         return type(self)(self.mechanics, resolution)

@@ -1,4 +1,4 @@
-"""The numbers of a result that matter first, each with its expected error.
+"""Summary numbers of a result, each with its expected error.
 
 The terminal and the report show the same ones.
 """
@@ -36,7 +36,7 @@ class KeyNumber(NamedTuple):
 
 
 def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
-    """Give the numbers of the quantities that the scene asks for, in order of reading."""
+    """Yield the numbers of the requested quantities, in order of reading."""
     rung = result.plan.chosen
     errors = {"force": rung.error, **rung.errors}
     by_force = result.scene.motion.control == "force"

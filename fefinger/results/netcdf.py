@@ -85,31 +85,27 @@ def read(path: str | PathLike[str]) -> records.ResultRecord:
     if file.is_dir():
         file = file / "result.nc"
     if reason := unreadable(file):
-        message = (
+        raise InputError(
             f"result: expected a folder written by `fefinger run -o` or its result.nc, "
             f"received {str(path)!r}: {str(file)!r} {reason}"
         )
-        raise InputError(message)
     try:
         with xr.open_dataset(file, engine="h5netcdf", decode_times=False) as opened:
             kind = opened.attrs.get("format")
             if kind == FORMAT:
                 return _result(opened)
     except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError):
-        message = (
+        raise InputError(
             f"result: expected a result of fefinger in {str(file)!r}, received a damaged or "
             "foreign file; run the scene again"
-        )
-        raise InputError(message) from None
-    message = f"result: expected the format {FORMAT!r} in {str(file)!r}, received {kind!r}"
-    raise InputError(message)
+        ) from None
+    raise InputError(f"result: expected the format {FORMAT!r} in {str(file)!r}, received {kind!r}")
 
 
 def _result(opened: "xr.Dataset") -> records.ResultRecord:
     result = _decode(json.loads(opened["record"].item()), opened.load())
     if not isinstance(result, records.ResultRecord):
-        message = f"expected the record of a Result, received a {type(result).__name__}"
-        raise TypeError(message)
+        raise TypeError(f"expected the record of a Result, received a {type(result).__name__}")
     return result
 
 
@@ -162,8 +158,7 @@ def _encode(value: Any, place: str, variables: dict[str, Any]) -> Any:
         return value.item()
     if value is None or isinstance(value, str | bool | int | float):
         return value
-    message = f"{place}: expected numbers, text or records to save, received {type(value)}"
-    raise TypeError(message)
+    raise TypeError(f"{place}: expected numbers, text or records to save, received {type(value)}")
 
 
 def _encode_field(value: Any, key: tuple[str, str], variables: dict[str, Any]) -> Any:

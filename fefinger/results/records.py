@@ -32,7 +32,7 @@ def green_lagrange(logs: Array) -> Array:
 
 @dataclass(frozen=True)
 class Refusal:
-    """Why a mechanics should not answer a scene.
+    """Reason against a mechanics for a scene.
 
     `about` is "ability" (it cannot answer at all), "accuracy" (it can, but worse than requested) or
     "time" (it can, but takes longer than requested); `reason` quotes the number that broke, as in
@@ -147,7 +147,7 @@ class Sites:
 
 @dataclass(frozen=True)
 class Lateral:
-    """What an indenter that moves sideways, or friction, adds to a response.
+    """Tangential part of a response: sliding of the indenter and friction.
 
     Vectors (2,) are along the plane of the indenter: distal, and radial. shift (n_t, 2) mm of the
     indenter; force (n_t, 2) N on the finger: of friction, and of pressure on inclined heights. With
@@ -185,7 +185,7 @@ class Fields:
     pressure: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Response:
     """Response of a mechanics to a scene; quantities that the scene does not request are None.
 
@@ -206,14 +206,14 @@ class Response:
     time: Array
     depth: Array
     force: Array
-    contact_area: Array | None
-    centroid: Array | None
-    pad: Pad | None
-    pressure: Array | None
-    sites: Sites | None
-    strain: Array | None
-    reference: "Reference | None"
-    fields: Fields | None
+    contact_area: Array | None = None
+    centroid: Array | None = None
+    pad: Pad | None = None
+    pressure: Array | None = None
+    sites: Sites | None = None
+    strain: Array | None = None
+    reference: "Reference | None" = None
+    fields: Fields | None = None
     status: str
     seconds: dict[str, float]
     notes: tuple[str, ...]

@@ -91,13 +91,11 @@ class Ask:
             choice("ask.solver", self.solver, SOLVERS)
         population: Any = self.population
         if population is not None and not isinstance(population, Layout):
-            msg = f"ask.population: expected a Layout, received {population!r}"
-            raise InputError(msg)
+            raise InputError(f"ask.population: expected a Layout, received {population!r}")
         if population is not None and not checked["spikes"]:
-            msg = (
+            raise InputError(
                 "ask.population: expected ask.spikes to name the types of its units, received none"
             )
-            raise InputError(msg)
         if self.afferents == "recorded":
             _check_recorded(checked["drives"], self.generator, population)
         for name in ("depths", "drives"):
@@ -113,18 +111,16 @@ def _check_recorded(drives: Mapping[str, Any], generator: str, population: Layou
         given["ask.population.rule"] = population.rule not in (None, *RECORDED_RULES)
     for name, value in given.items():
         if value:
-            msg = (
+            raise InputError(
                 f"{name}: expected the default for afferents = 'recorded', whose parameters were "
                 f"fitted with it, received {value if name == 'ask.drives' else 'another'}; leave "
                 "it out, or set ask.afferents to 'thesis'"
             )
-            raise InputError(msg)
 
 
 def _per_type(name: str, table: Any) -> dict[str, Any]:
     """Check a table whose keys are afferent types."""
     if not isinstance(table, Mapping):
-        msg = f"{name}: expected a table such as {{SAI = ...}}, received {table!r}"
-        raise InputError(msg)
+        raise InputError(f"{name}: expected a table such as {{SAI = ...}}, received {table!r}")
     reject_unknown(name, table, TYPES)
     return dict(table)

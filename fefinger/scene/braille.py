@@ -44,11 +44,10 @@ def cells(text: str) -> Iterator[tuple[int, ...]]:
         in_number = False
         if character not in LETTERS and character not in SIGNS:
             signs = " ".join(sign for sign in SIGNS if sign.strip())
-            message = (
+            raise InputError(
                 f"indenter.text: expected letters a to z, figures, blanks and {signs}, received "
                 f"{character!r}"
             )
-            raise InputError(message)
         yield _dots(LETTERS.get(character, SIGNS.get(character, "")))
 
 

@@ -94,11 +94,10 @@ class Dots(Raised):
                 placed = np.vstack([placed, place])
             if len(placed) == TILE**2:
                 return placed
-        msg = (
+        raise InputError(
             f"indenter.spacing: expected room for {TILE**2} dots {self.base:.3g} mm wide at random "
             f"at {self.spacing:g} mm, found it for {len(placed)}; take a larger spacing"
         )
-        raise InputError(msg)
 
     @cached_property
     def profile(self) -> profiles.Tiled:

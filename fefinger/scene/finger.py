@@ -149,24 +149,21 @@ class Finger:
                 raise InputError(msg)
         for name, part in (("bone", self.bone), ("nail", self.nail)):
             if isinstance(part, Hard) and part.modulus < self.skin.modulus:
-                msg = (
+                raise InputError(
                     f"finger.{name}.modulus: expected at least that of the skin, "
                     f"{self.skin.modulus:g} kPa, received {part.modulus:g} kPa; a GPa is 1e6 kPa"
                 )
-                raise InputError(msg)
         skin = number("finger.skin.thickness", self.skin.thickness, above=0, unit="mm")
         if not skin < self.pulp:
-            msg = (
+            raise InputError(
                 f"finger.skin.thickness: expected less than {self.pulp:g} mm, half of "
                 f"finger.thickness, received {skin:g} mm; check whether the finger is in mm"
             )
-            raise InputError(msg)
         if self.subcutaneous.thickness is not None:
-            msg = (
+            raise InputError(
                 f"finger.subcutaneous.thickness: expected none, because this tissue fills the rest "
                 f"of the pulp, received {self.subcutaneous.thickness!r}; leave it out"
             )
-            raise InputError(msg)
 
     @property
     def mesh(self) -> str:
@@ -224,11 +221,10 @@ class Finger:
         values = size | overrides
         missing = [key for key in ("width", "thickness") if values.get(key) is None]
         if missing:
-            msg = (
+            raise InputError(
                 f"finger.{missing[0]}: missing; expected a number in mm, because the thesis gives "
                 f"no size of subject {name!r}: give width and thickness"
             )
-            raise InputError(msg)
         return cls(**(values | {"subject_name": name}))
 
 

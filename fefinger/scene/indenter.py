@@ -1,4 +1,4 @@
-"""What an object that touches the finger is: a plate, or an object at a place."""
+"""Base classes of the objects that touch the finger: plates, and objects at a place."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
@@ -32,7 +32,7 @@ class Plate(NamedTuple):
 
 
 class Inclined(Protocol):
-    """What has the two angles of a plate, in degrees."""
+    """Anything with the two angles of a plate, in degrees."""
 
     @property
     def angle(self) -> float:
@@ -105,11 +105,10 @@ class Indenter(ABC):
 
     def moved(self, place: tuple[float, float]) -> Self:
         """Return the object at another place (x, y) in mm; InputError for one without a place."""
-        msg = (
+        raise InputError(
             f"indenter.kind: expected an object with a place, such as a pin or a sphere, received "
             f"{self.kind!r}"
         )
-        raise InputError(msg)
 
     @property
     def turn(self) -> float:

@@ -164,7 +164,7 @@ def dandekar2003() -> TissueSet:
 
 
 VISCOUS = "_viscous"
-"""Suffix of the sets whose relaxation goes on to a kHz."""
+"""Suffix of the sets whose relaxation extends to a kHz."""
 
 VISCOUS_FROM = 1480 / (2 * math.pi * 1.78)
 """Hz at which fingertips lose as much as they store: 132, that of 1.48 N/mm and 1.78 N s/m."""
@@ -174,7 +174,7 @@ FASTEST = 6283.0
 
 
 def _viscous(name: str) -> TissueSet:
-    """Tissue set `name` with a relaxation that goes on to a kHz (confidence low).
+    """Tissue set `name` with a relaxation that extends to a kHz (confidence low).
 
     Published relaxation ends near 260 1/s, so that tissue loses nothing above some 100 Hz.
     Wiertlewski and Hayward (J. Biomech. 45:1869, 2012) vibrated the fingertips of seven people
@@ -320,11 +320,10 @@ def _tissue_file(name: str) -> TissueSet:
         relaxation = {"prony": None if prony is None else Prony(**prony)}
         return TissueSet(**({"source": name, "confidence": "low"} | table | layers | relaxation))
     except (KeyError, TypeError, ValueError) as error:
-        msg = (
+        raise InputError(
             f"finger.tissue: expected [skin] and [subcutaneous] with modulus, poisson, ... and, "
             f"if needed, pad_radius and prony in {name!r}, received {error}"
-        )
-        raise InputError(msg) from None
+        ) from None
 
 
 def _stretched_together(*layers: Tissue) -> Tissue:

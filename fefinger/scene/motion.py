@@ -1,4 +1,4 @@
-"""What a motion of the indenter is; messages call its fields "motion.depth" and so on.
+"""Base class of the motions of the indenter; messages call its fields "motion.depth" and so on.
 
 Its shapes in time are in `motion_shapes.py`, the final classes in `motions.py`.
 """
@@ -19,7 +19,7 @@ from fefinger.support.checks import InputError, number
 
 
 LONGEST = 1e9
-"""s: a rest of thirty years, beyond which nothing is learned."""
+"""Longest time in s that a motion may hold or last: thirty years."""
 
 SAME = 1e-12
 """Part of the duration by which times of two trajectories are the same but for rounding."""
@@ -235,6 +235,5 @@ def merged(spans: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], .
 def _whole(cycles: float) -> int:
     """Return a number of cycles as an int, or raise InputError if it is not a whole one."""
     if cycles != int(cycles):
-        msg = f"motion.cycles: expected a whole number of cycles, received {cycles:g}"
-        raise InputError(msg)
+        raise InputError(f"motion.cycles: expected a whole number of cycles, received {cycles:g}")
     return int(cycles)

@@ -146,17 +146,15 @@ class RampSinusoidMotion(RampMotion):
         """Ramp, rest and sine; InputError for a force that would pull."""
         longest = self.periods / self.frequency
         if self.corner > longest:
-            msg = (
+            raise InputError(
                 f"motion.corner: expected at most the length of the sinusoid, {longest:g} s, "
                 f"received {self.corner:g}; 0 starts it at once"
             )
-            raise InputError(msg)
         if self.control == "force" and self.amplitude >= self.level:
-            msg = (
+            raise InputError(
                 f"motion.amplitude: expected less than the mean force of {self.level:g} N, "
                 f"received {self.amplitude:g}; a contact cannot pull"
             )
-            raise InputError(msg)
         base = self.ramp_and_rest(self.rest)
         wave = Wave(base.duration, self.amplitude, self.frequency, self.corner)
         return base.followed_by(wave, self.periods)
@@ -195,11 +193,10 @@ class SweepMotion(RampMotion):
     def trajectory(self) -> Trajectory:
         """Ramp, rest and sine; InputError for an amplitude that leaves the finger."""
         if self.amplitude >= self.level:
-            msg = (
+            raise InputError(
                 f"motion.amplitude: expected less than the preload of {self.level:g} {self.unit}, "
                 f"received {self.amplitude:g}; a sweep stays in contact"
             )
-            raise InputError(msg)
         base, highest = self.ramp_and_rest(self.settle), max(self.start, self.stop)
         wave = Sweep(
             start=base.duration,
@@ -288,7 +285,7 @@ class SampledMotion(Motion):
 
     @property
     def steady_level(self) -> float:
-        """The median of the samples where they are above 0: a preload, not the way to it."""
+        """Median of the samples above 0, the preload."""
         values = np.array(getattr(self, self.control))
         return float(np.median(values[values > 0]))
 
@@ -308,36 +305,31 @@ class SampledMotion(Motion):
     def _check_samples(self, name: str, values: tuple[float, ...]) -> None:
         time = self.time
         if len(time) != len(values) or len(time) < 2:
-            msg = (
+            raise InputError(
                 f"motion.{name}: expected as many values as times, at least 2, "
                 f"received {len(values)} values and {len(time)} times"
             )
-            raise InputError(msg)
         if time[0] != 0:
-            msg = (
+            raise InputError(
                 f"motion.time: expected times that start at 0 s, received {time[0]:g} first; "
                 "subtract it from all of them"
             )
-            raise InputError(msg)
         for i, (before, after) in enumerate(pairwise(time), start=1):
             if after <= before:
-                msg = (
+                raise InputError(
                     f"motion.time[{i}]: expected a time above {before!r} s, received {after!r}; "
                     "sort the samples and keep one of each time"
                 )
-                raise InputError(msg)
         if max(values) <= 0:
-            msg = (
+            raise InputError(
                 f"motion.{name}: expected a value above 0, received at most {max(values):g}; "
                 "so the indenter never touches the finger"
             )
-            raise InputError(msg)
         if name == "force" and min(values) < 0:
-            msg = (
+            raise InputError(
                 f"motion.force: expected forces of at least 0 N, received {min(values):g}; "
                 "a contact cannot pull"
             )
-            raise InputError(msg)
 
     @classmethod
     def from_file(cls, file: str | Path, **options: Any) -> Self:

@@ -150,11 +150,10 @@ class Vibration(RampSinusoidMotion):
         """Number of cycles: whole ones, nearest to `seconds`."""
         cycles = self.seconds * self.frequency
         if cycles > MOST_CYCLES:
-            msg = (
+            raise InputError(
                 f"motion.frequency: expected at most {MOST_CYCLES:g} cycles in motion.seconds, "
                 f"received {self.frequency:g} Hz for {self.seconds:g} s"
             )
-            raise InputError(msg)
         return max(1, round(cycles))
 
     @property

@@ -56,10 +56,9 @@ class Layout:
         if self.rule is not None:
             choice("ask.population.rule", self.rule, RULES)
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            msg = (
+            raise InputError(
                 f"ask.population.seed: expected a whole number of 0 or more, received {self.seed!r}"
             )
-            raise InputError(msg)
         self._number("distance", at_least=0.0, at_most=2000.0, unit="mm")
         if self.spread is not None:
             self._number("spread", at_least=0.0, at_most=3.0)
@@ -96,8 +95,7 @@ class Scatter(Layout):
         name = "ask.population.densities"
         given: Any = self.densities
         if not isinstance(given, Mapping):
-            msg = f"{name}: expected a table such as {{SAI = 70}}, received {given!r}"
-            raise InputError(msg)
+            raise InputError(f"{name}: expected a table such as {{SAI = 70}}, received {given!r}")
         reject_unknown(name, given, TYPES)
         checked = {
             kind: number(f"{name}.{kind}", value, above=0.0, at_most=1e4, unit="per cm²")
@@ -162,14 +160,12 @@ class Places(Layout):
         name = "ask.population.places"
         given: Any = self.places
         if isinstance(given, str | bytes) or not isinstance(given, Iterable):
-            msg = f"{name}: expected a list of [x, y] in mm, received {given!r}"
-            raise InputError(msg)
+            raise InputError(f"{name}: expected a list of [x, y] in mm, received {given!r}")
         places = tuple(
             numbers(f"{name}[{i}]", place, count=2, unit="mm") for i, place in enumerate(given)
         )
         if not places:
-            msg = f"{name}: expected one place [x, y] or more, received none"
-            raise InputError(msg)
+            raise InputError(f"{name}: expected one place [x, y] or more, received none")
         object.__setattr__(self, "places", places)
 
 

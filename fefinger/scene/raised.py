@@ -50,11 +50,10 @@ def check_rooms(rooms: tuple[Room, ...]) -> None:
     """Raise InputError for a part, or a gap between parts, that is too narrow for any flank."""
     field, sizes, width = min(rooms, key=lambda each: each.width)
     if width < SHORTEST:
-        msg = (
+        raise InputError(
             f"indenter.{field}: expected sizes that leave the sides of raised parts at least "
             f"{SHORTEST:g} mm, received {sizes}, which leave {max(width, 0.0):.3g} mm"
         )
-        raise InputError(msg)
 
 
 def check_edge(
@@ -63,17 +62,15 @@ def check_edge(
     """Raise InputError for an edge whose flank does not fit, or is shorter than `least` mm."""
     _, sizes, width = min(rooms, key=lambda each: each.width)
     if flank_of(edge, height) > width * (1 + 1e-12):
-        msg = (
+        raise InputError(
             f"indenter.edge: expected at most {radius_of(width, height):.3g} mm, which makes its "
             f"flank as wide as the {width:.3g} mm that {sizes} leave it, received {edge:g}"
         )
-        raise InputError(msg)
     if flank_of(edge, height) < least * (1 - 1e-12):
-        msg = (
+        raise InputError(
             f"indenter.edge: expected at least {radius_of(least, height):.3g} mm at a height of "
             f"{height:.3g} mm, where its flank is {least:g} mm long, received {edge:g}"
         )
-        raise InputError(msg)
 
 
 class Raised(PlateLike):
@@ -137,9 +134,8 @@ class Raised(PlateLike):
         """Raise InputError for a surface with `sides` mm that takes too many samples."""
         count = float(np.prod([side / self.pitch for side in sides]))
         if count > MOST:
-            msg = (
+            raise InputError(
                 f"indenter.{field}: expected a surface of at most {MOST:.0e} samples, received "
                 f"{value!r}, whose {sides[0]:.3g} x {sides[1]:.3g} mm take {count:.1e} of them, "
                 f"{self.pitch:.2g} mm apart; take a smaller one, or a rounder edge"
             )
-            raise InputError(msg)

@@ -34,8 +34,7 @@ def read_relief(
         if (value is not None) != (name in needs):
             expected = "a number in mm" if name in needs else "none, which is for PNG and STL"
             wanted = f"indenter.{name}: expected {expected} with the file {str(file)!r}"
-            msg = f"{wanted}, received {value!r}"
-            raise InputError(msg)
+            raise InputError(f"{wanted}, received {value!r}")
     check_input("indenter.file", file, "a file of heights")
     if not needs:
         return read_heights(file)
@@ -58,8 +57,7 @@ def _picture(file: Path) -> Array:
     try:
         pixels = np.asarray(imread(file, format="png"), dtype=np.float64)
     except (OSError, ValueError, SyntaxError) as error:
-        msg = f"indenter.file: cannot read the picture {str(file)!r}: {error}"
-        raise InputError(msg) from None
+        raise InputError(f"indenter.file: cannot read the picture {str(file)!r}: {error}") from None
     gray = pixels if pixels.ndim == 2 else pixels[..., : min(3, pixels.shape[2])].mean(axis=2)
     return np.ascontiguousarray(gray[::-1].T)
 
@@ -77,11 +75,10 @@ def read_heights(file: Path) -> tuple[Numbers, Numbers, tuple[Numbers, ...]]:
     """
     x, y, height = _archive(file) if file.suffix.lower() == ".npz" else _table(file)
     if height.shape != (len(x), len(y)):
-        msg = (
+        raise InputError(
             f"indenter.file: expected heights of shape (x, y) = ({len(x)}, {len(y)}) in "
             f"{str(file)!r}, received {height.shape}"
         )
-        raise InputError(msg)
     rows = tuple(tuple(row) for row in height.tolist())
     return tuple(x.tolist()), tuple(y.tolist()), rows
 
@@ -105,9 +102,8 @@ def _table(file: Path) -> tuple[Array, ...]:
     grid = np.full((len(x), len(y)), np.nan)
     grid[i, j] = heights
     if np.isnan(grid).any() or len(heights) != grid.size:
-        msg = (
+        raise InputError(
             f"indenter.file: expected one row for each place of a grid in {str(file)!r}, received "
             f"{len(heights)} rows for {len(x)} x {len(y)} places"
         )
-        raise InputError(msg)
     return x, y, grid

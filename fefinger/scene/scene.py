@@ -39,8 +39,7 @@ class Scene:
         for name, kind in kinds.items():
             if not isinstance(getattr(self, name), kind):
                 received = type(getattr(self, name)).__name__
-                msg = f"{name}: expected a {kind.__name__}, received {received}"
-                raise InputError(msg)
+                raise InputError(f"{name}: expected a {kind.__name__}, received {received}")
         self._check_depths()
         self._check_place()
         self._check_path()
@@ -55,11 +54,10 @@ class Scene:
         """Check that the motion and the end organs stay within the soft tissue."""
         pulp = self.finger.pulp
         if self.motion.control == "depth" and self.motion.peak >= pulp:
-            msg = (
+            raise InputError(
                 f"motion.depth: expected less than {pulp:g} mm, the tissue under the pad (half the "
                 f"finger's thickness), received a largest depth of {self.motion.peak:g} mm"
             )
-            raise InputError(msg)
         for name, depth in self.ask.depths.items():
             number(f"ask.depths.{name}", depth, below=pulp, unit="mm")
 
@@ -68,11 +66,10 @@ class Scene:
         at = self.indenter.place
         reach = (2 * self.finger.width, self.finger.width / 2)
         if at is not None and any(abs(x) >= limit for x, limit in zip(at, reach, strict=True)):
-            msg = (
+            raise InputError(
                 f"indenter.at: expected a place on the pad, x within {reach[0]:g} and y within "
                 f"{reach[1]:g} mm, received {list(at)}; there the indenter never touches the finger"
             )
-            raise InputError(msg)
 
     def _check_path(self) -> None:
         """Check that the path stays on the object, as far as the point of first touch goes."""
@@ -85,21 +82,19 @@ class Scene:
         for name, range_, place in zip("xy", extent, places, strict=True):
             low, high = float(place.min()), float(place.max())
             if low < range_[0] or high > range_[1]:
-                msg = (
+                raise InputError(
                     f"motion: expected a path on the object, which reaches from {range_[0]:.4g} to "
                     f"{range_[1]:.4g} mm along its {name}, received one from {low:.4g} to "
                     f"{high:.4g} mm; take a shorter path, another direction or a larger object"
                 )
-                raise InputError(msg)
 
     def _check_duration(self) -> None:
         """Check that a motion with spikes is short enough for the membranes."""
         if self.ask.spikes and self.motion.duration > LONGEST_RUN:
-            msg = (
+            raise InputError(
                 f"motion: expected at most {LONGEST_RUN:g} s where ask.spikes asks for spikes, "
                 f"received {self.motion.duration:g} s; shorten the motion or ask for no spikes"
             )
-            raise InputError(msg)
 
     def to_dict(self) -> dict[str, Any]:
         """Convert to nested tables of plain values, as in a TOML file."""

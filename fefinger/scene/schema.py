@@ -189,8 +189,7 @@ def _of_type(hint: Any) -> Schema:
         return _table(keys, required=("c", "v"))
     if hint is Layout:
         return {"type": "object"}
-    msg = f"{hint!r}: a type that a scene file does not have"
-    raise NotImplementedError(msg)
+    raise NotImplementedError(f"{hint!r}: a type that a scene file does not have")
 
 
 def summary(record: type[Any]) -> str:

@@ -156,18 +156,17 @@ class SampledPathMotion(SampledMotion):
         for name in self._columns:
             count = len(getattr(self, name))
             if count != len(self.time):
-                msg = (
+                raise InputError(
                     f"motion.{name}: expected as many values as times, received {count} values and "
                     f"{len(self.time)} times"
                 )
-                raise InputError(msg)
         values = getattr(self, self.control)
         self._check_samples(self.control, values)
         return self._through(values)
 
     @property
     def _columns(self) -> tuple[str, ...]:
-        """Names of the columns beside time, and depth or force."""
+        """Names of the columns besides time and depth or force."""
         return ("x", "y", *(name for name in TURNS if getattr(self, name) is not None))
 
     def _check_fields(self) -> dict[str, Any]:

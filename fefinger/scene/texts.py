@@ -75,11 +75,10 @@ class Text(Raised):
     def _set_text(self) -> None:
         self._set("start", unit="mm")
         if not isinstance(self.text, str) or not self.text.strip() or len(self.text) > LARGEST_TEXT:
-            msg = (
+            raise InputError(
                 f"indenter.text: expected 1 to {LARGEST_TEXT} characters that are not all blank, "
                 f"received {self.text!r}"
             )
-            raise InputError(msg)
 
 
 @final
@@ -116,14 +115,14 @@ class Braille(Text):
 
     @property
     def rooms(self) -> tuple[Room, ...]:
-        """The diameter, and the gaps between dots in a cell and beside it."""
+        """The diameter, and the gaps between dots within a cell and between cells."""
         dot = f"diameter = {self.diameter:g}"
         within = f"spacing = {self.spacing:g}, {dot}"
-        beside = f"cell = {self.cell:g}, {within}"
+        between = f"cell = {self.cell:g}, {within}"
         return (
             Room("diameter", dot, self.diameter),
             Room("spacing", within, self.spacing - self.diameter),
-            Room("cell", beside, self.cell - self.spacing - self.diameter),
+            Room("cell", between, self.cell - self.spacing - self.diameter),
         )
 
     @property

@@ -123,21 +123,19 @@ class Relief(PlateLike):
         for name in ("x", "y"):
             lines = numbers(f"indenter.{name}", getattr(self, name), unit="mm")
             if len(lines) < SAMPLES or any(after <= before for before, after in pairwise(lines)):
-                msg = (
+                raise InputError(
                     f"indenter.{name}: expected at least {SAMPLES} rising numbers, "
                     f"received {len(lines)}: {list(lines[:5])} ..."
                 )
-                raise InputError(msg)
             object.__setattr__(self, name, lines)
         given: Any = self.heights
         given = given.tolist() if isinstance(given, np.ndarray) else given
         listed = isinstance(given, Sequence) and not isinstance(given, str)
         if not listed or len(given) != len(self.x):
-            msg = (
+            raise InputError(
                 f"indenter.heights: expected one row for each of the {len(self.x)} values of x, "
                 f"received {f'{len(given)} rows' if listed else repr(given)}"
             )
-            raise InputError(msg)
         rows = (
             numbers(f"indenter.heights[{i}]", row, count=len(self.y), unit="mm")
             for i, row in enumerate(given)
@@ -196,11 +194,10 @@ class Relief(PlateLike):
         with np.errstate(all="ignore"):
             surface = np.asarray(function(*np.meshgrid(x, y, indexing="ij")), dtype=float)
         if surface.shape != (len(x), len(y)):
-            msg = (
+            raise InputError(
                 f"indenter.heights: expected a function that returns one height for each of "
                 f"{len(x)} x {len(y)} places, received an array of shape {surface.shape}"
             )
-            raise InputError(msg)
         return cls(tuple(x), tuple(y), tuple(map(tuple, surface.tolist())), **placing)
 
     @classmethod

@@ -61,8 +61,7 @@ class Tissue:
             checked["thickness"] = number("tissue.thickness", self.thickness, above=0, unit="mm")
         prony: Any = self.prony
         if prony is not None and not isinstance(prony, Prony):
-            msg = f"tissue.prony: expected a Prony, received {prony!r}"
-            raise InputError(msg)
+            raise InputError(f"tissue.prony: expected a Prony, received {prony!r}")
         checked |= self._law_numbers()
         for name, value in checked.items():
             object.__setattr__(self, name, value)

@@ -79,8 +79,7 @@ def parse(text: str, *, name: str = "scene") -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        msg = f"{name}: not TOML: {error}"
-        raise InputError(msg) from None
+        raise InputError(f"{name}: not TOML: {error}") from None
 
 
 def parts(table: Mapping[str, Any], folder: Path | None) -> dict[str, Any]:
@@ -122,8 +121,7 @@ def _subtable(name: str, table: Mapping[str, Any]) -> dict[str, Any]:
     """Copy the table with the dotted name `name` out of its parent; empty where it is missing."""
     value = table.get(name.rpartition(".")[2], {})
     if not isinstance(value, Mapping):
-        msg = f"{name}: expected a table [{name}], received {value!r}"
-        raise InputError(msg)
+        raise InputError(f"{name}: expected a table [{name}], received {value!r}")
     return dict(value)
 
 
@@ -193,8 +191,7 @@ def _reject(name: str, table: Mapping[str, Any], allowed: Iterable[str]) -> None
     for key in table:
         if key not in keys and (instead := NOT_IN_SCENE.get(key) or _home(key)):
             where = f" in [{name}]" if name else ""
-            msg = f"{key}: unknown key{where}; {instead}. Known keys: {', '.join(keys)}"
-            raise InputError(msg)
+            raise InputError(f"{key}: unknown key{where}; {instead}. Known keys: {', '.join(keys)}")
     reject_unknown(name, table, keys)
 
 
@@ -225,8 +222,7 @@ def _layer(name: str, given: dict[str, Any], base: Tissue, prony: Prony | None) 
     try:
         return Tissue(**(_plain(base) | given | {"prony": prony}))
     except InputError as error:
-        msg = str(error).replace("tissue", name, 1)
-        raise InputError(msg) from None
+        raise InputError(str(error).replace("tissue", name, 1)) from None
 
 
 def _hards(table: Mapping[str, Any]) -> dict[str, Hard]:
@@ -265,8 +261,7 @@ def _pronies(table: dict[str, Any]) -> dict[str, Prony]:
         try:
             pronies[where] = Prony(given["c"], given["v"])
         except ValueError as error:
-            msg = f"{where}.{error}"
-            raise InputError(msg) from None
+            raise InputError(f"{where}.{error}") from None
     return pronies
 
 
@@ -288,8 +283,7 @@ def _indenter(table: dict[str, Any], folder: Path) -> Indenter:
 def _motion(table: dict[str, Any], folder: Path) -> Motion:
     """Convert the table [motion]."""
     if "kind" not in table:
-        msg = f"motion.kind: missing; expected one of {', '.join(map(repr, MOTIONS))}"
-        raise InputError(msg)
+        raise InputError(f"motion.kind: missing; expected one of {', '.join(map(repr, MOTIONS))}")
     kind = choice("motion.kind", table.pop("kind"), MOTIONS)
     return cast(Motion, _of_kind("motion", MOTIONS[kind], table, folder))
 
@@ -315,8 +309,7 @@ def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") ->
         if field.name not in table and not has_default:
             needs = [f.name for f in fields(cls) if f.default is MISSING]
             what = f"a {kind!r} {name} needs {', '.join(needs)}"
-            msg = f"{name}.{field.name}: missing; {what}"
-            raise InputError(msg)
+            raise InputError(f"{name}.{field.name}: missing; {what}")
     return cls(**table)
 
 

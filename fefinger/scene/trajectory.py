@@ -152,22 +152,20 @@ class Trajectory:
         """
         t, y = np.asarray(times, float), np.asarray(values, float)
         if not np.all(np.diff(t) > 0):
-            msg = (
+            raise InputError(
                 f"motion: expected parts longer than rounding, received knots at "
                 f"{t.tolist()} s; change the speed or the hold"
             )
-            raise InputError(msg)
         slope = np.diff(y) / np.diff(t)
         before = np.concatenate([[0.0], slope])
         after = np.concatenate([slope, [0.0 if stop else slope[-1]]])
         kink = np.abs(after - before) > _STRAIGHT * np.abs(slope).max()
         longest = _longest_corner(t, kink)
         if corner > longest * (1 + _STRAIGHT):
-            msg = (
+            raise InputError(
                 f"motion.corner: expected at most {longest:.6g} s, the shortest straight part, "
                 f"received {corner:g}; take a shorter one, or 0 for sharp ones"
             )
-            raise InputError(msg)
         rows: list[tuple[float, float, float, float]] = []
         for i in range(len(t)):
             if corner > 0 and kink[i]:

@@ -37,11 +37,9 @@ def parse_over(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
     for text in texts:
         field, equals, listed = (part.strip() for part in text.partition("="))
         if not field or not equals or not listed:
-            msg = f"--over {text!r}: {OVER}"
-            raise InputError(msg)
+            raise InputError(f"--over {text!r}: {OVER}")
         if field in values:
-            msg = f"--over {text!r}: expected every field once, received {field} again"
-            raise InputError(msg)
+            raise InputError(f"--over {text!r}: expected every field once, received {field} again")
         values[field] = _range(text, listed) if ":" in listed else _list(text, listed)
     return checked(values)
 
@@ -51,8 +49,7 @@ def checked(over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
     grid: dict[str, tuple[Any, ...]] = {}
     for field, values in over.items():
         if isinstance(values, str) or not isinstance(values, Collection):
-            msg = f"--over {field}: expected a list of values, received {values!r}"
-            raise InputError(msg)
+            raise InputError(f"--over {field}: expected a list of values, received {values!r}")
     count = math.prod(len(values) for values in over.values())
     if count > MOST:
         msg = f"--over: expected at most {MOST} scenes, received {count}; take fewer values"
@@ -65,8 +62,7 @@ def checked(over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
         twice = [v for i, v in enumerate(plain) if v in plain[:i]]
         if not plain or twice:
             what = f"{twice[0]!r} twice" if twice else "none"
-            msg = f"--over {field}: expected different values, received {what}"
-            raise InputError(msg)
+            raise InputError(f"--over {field}: expected different values, received {what}")
         grid[field] = plain
     return grid
 
@@ -78,8 +74,7 @@ def _range(text: str, listed: str) -> tuple[float, ...]:
     except (ValueError, IndexError):
         start, stop, count = 0.0, 0.0, 0
     if len(parts) != 3 or not 2 <= count <= MOST:
-        msg = f"--over {text!r}: {OVER}; COUNT is a whole number from 2 to {MOST}"
-        raise InputError(msg)
+        raise InputError(f"--over {text!r}: {OVER}; COUNT is a whole number from 2 to {MOST}")
     for name, value in (("START", start), ("STOP", stop)):
         number(f"--over {text!r}: {name}", value)
     step = (stop - start) / (count - 1)
@@ -93,8 +88,7 @@ def _list(text: str, listed: str) -> tuple[Any, ...]:
     except tomllib.TOMLDecodeError:
         values = [part.strip() for part in listed.split(",")]
     if not all(values):
-        msg = f"--over {text!r}: {OVER}; a value is missing"
-        raise InputError(msg)
+        raise InputError(f"--over {text!r}: {OVER}; a value is missing")
     return tuple(plain(value) for value in values)
 
 
@@ -114,8 +108,7 @@ def parse_at(texts: Iterable[str]) -> tuple[tuple[float, ...], tuple[float, ...]
         except ValueError:
             unit = None
         if unit is None:
-            msg = f"--at {text!r}: {AT}"
-            raise InputError(msg)
+            raise InputError(f"--at {text!r}: {AT}")
         level = number(f"--at {text!r}", value, above=0, unit=unit)
         if f"{level:g}" in [f"{other:g}" for other in levels[unit]]:
             msg = f"--at {text!r}: expected every level once, received {level:g} {unit} again"

@@ -145,11 +145,10 @@ def receptive_field(
     spacing = number("spacing", spacing, above=0, unit="mm")
     count = int(number("reach", reach, at_least=spacing, unit="mm") / spacing + 1e-9)
     if (2 * count + 1) ** 2 > MOST:
-        msg = (
+        raise InputError(
             f"spacing: expected at most {MOST} places, received {(2 * count + 1) ** 2}; choose a "
             "larger spacing or a smaller reach"
         )
-        raise InputError(msg)
     prepared = _with_units(builtin.given(scene), choices("kinds", kinds, TYPES), branched, seed)
     lines = spacing * np.arange(-count, count + 1)
     places = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)

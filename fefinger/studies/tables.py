@@ -46,11 +46,10 @@ def check(path: str | PathLike[str], option: str) -> None:
         msg = f"{option}: expected a file that can be written, received {what}: {str(path)!r}"
         raise InputError(msg)
     if path.suffix.lower() == ".parquet" and find_spec("pyarrow") is None:
-        msg = (
+        raise InputError(
             f"{option}: expected pyarrow to be installed for a Parquet file, found none; run `pip "
             "install 'fefinger[parquet]'`, or name a file that ends in .csv or .nc"
         )
-        raise InputError(msg)
 
 
 def write(study: "StudyRows", path: str | PathLike[str], option: str = "table") -> str:
@@ -95,7 +94,10 @@ def dataset(study: "StudyRows") -> "xr.Dataset":
 
     keys = [*study.over, "at"]
     rows = [row for row in study.rows if row["at"]]
-    axes = {name: _axis(study.rows if name != "at" else rows, name) for name in keys}
+    axes = {
+        name: list(dict.fromkeys(row[name] for row in (study.rows if name != "at" else rows)))
+        for name in keys
+    }
     every = pd.MultiIndex.from_product(axes.values())
     table = study.table()
     done = table[table["at"] != ""]
@@ -112,11 +114,6 @@ def dataset(study: "StudyRows") -> "xr.Dataset":
         arrays[READINGS] = ([*keys, "element"], readings, about)
     coordinates = {name: (name, values, _about(name)) for name, values in axes.items()}
     return xr.Dataset(arrays, coordinates, table.attrs)
-
-
-def _axis(rows: Any, name: str) -> list[Any]:
-    """Return the values of a column in their order, each once."""
-    return list(dict.fromkeys(row[name] for row in rows))
 
 
 def _plain(column: "pd.Series") -> Any:

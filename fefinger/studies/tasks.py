@@ -94,11 +94,10 @@ def changed(scene: "Scene | str | Path", overrides: Mapping[str, Any]) -> "Scene
         return builtin.load(scene, overrides)
     for field in WHOLE:
         if field in overrides:
-            msg = (
+            raise InputError(
                 f"{field}: expected the name or file of a scene to change this field in, received "
                 "a Scene, in which it is already resolved to other fields"
             )
-            raise InputError(msg)
     return Scene.from_dict(builtin.changed(scene.to_dict(), overrides))
 
 

@@ -47,19 +47,17 @@ def cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Answer]]
         from dask.distributed import Client
         from dask.distributed import as_completed as completed
     except ImportError as error:
-        msg = (
+        raise InputError(
             "--scheduler: expected the extra 'distributed' to be installed, "
             f"received {error}; pip install 'fefinger[distributed]'"
-        )
-        raise InputError(msg) from None
+        ) from None
     try:
         client = Client(address)
     except (OSError, ValueError) as error:
-        msg = (
+        raise InputError(
             "--scheduler: expected the address of a Dask scheduler, such as tcp://host:8786, "
             f"received {address!r} ({error})"
-        )
-        raise InputError(msg) from None
+        ) from None
     with client:
         futures = {client.submit(answer, task, pure=False): i for i, task in enumerate(tasks)}
         for done in completed(futures):

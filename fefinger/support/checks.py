@@ -85,19 +85,17 @@ def names(field: str, values: Iterable[str]) -> tuple[str, ...]:
     twice = repeated(map(str, result))
     if isinstance(values, str) or twice or not all(isinstance(value, str) for value in result):
         received = f"{', '.join(twice)} more than once" if twice else repr(values)
-        message = (
+        raise InputError(
             f"{field}: expected a list of strings, no two alike, received {received}; give each "
             "a different name"
         )
-        raise InputError(message)
     return result
 
 
 def flag(name: str, value: Any) -> bool:
     """Return `value` if it is true or false, or raise InputError."""
     if not isinstance(value, bool):
-        message = f"{name}: expected true or false, received {value!r}"
-        raise InputError(message)
+        raise InputError(f"{name}: expected true or false, received {value!r}")
     return value
 
 
@@ -118,12 +116,10 @@ def numbers(
     """Return `values` as a tuple of `count` floats inside the limits that `checks.number` takes."""
     wanted = "a list of numbers" if count is None else f"a list of {count} numbers"
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
-        msg = f"{name}: expected {wanted}, received {values!r}"
-        raise InputError(msg)
+        raise InputError(f"{name}: expected {wanted}, received {values!r}")
     result = tuple(number(f"{name}[{i}]", value, **limits) for i, value in enumerate(values))
     if count is not None and len(result) != count:
-        msg = f"{name}: expected {wanted}, received {len(result)}: {list(result)}"
-        raise InputError(msg)
+        raise InputError(f"{name}: expected {wanted}, received {len(result)}: {list(result)}")
     return result
 
 
@@ -135,8 +131,7 @@ def choices(name: str, values: Any, options: Iterable[str]) -> tuple[str, ...]:
         raise InputError(msg)
     result = tuple(choice(f"{name}[{i}]", value, allowed) for i, value in enumerate(values))
     if len(set(result)) != len(result):
-        msg = f"{name}: expected every name once, received {list(result)}"
-        raise InputError(msg)
+        raise InputError(f"{name}: expected every name once, received {list(result)}")
     return result
 
 

@@ -55,11 +55,10 @@ class CsvTable:
                 row[k] = _number(cells[column])
                 if not np.isfinite(row[k]):
                     todo = DECIMAL if "," in cells[column] else "remove rows without a value"
-                    msg = (
+                    raise InputError(
                         f"{where}, column {self.header[column]}: expected a finite number, "
                         f"received {cells[column]!r}; {todo}"
                     )
-                    raise InputError(msg)
         return values
 
 
@@ -82,18 +81,16 @@ def read_table(source: str, file: str | PathLike[str]) -> CsvTable:
         received = (
             "bytes that are no UTF-8 text; save it as UTF-8" if other else f"another: {error}"
         )
-        msg = f"{source}: expected a CSV file of text, received {received}"
-        raise InputError(msg) from error
+        raise InputError(f"{source}: expected a CSV file of text, received {received}") from error
     rows = [(number, cells) for number, cells in enumerate(lines, start=1) if any(cells)]
     header = rows[0][1] if rows else []
     for mark, name in SEPARATORS.items():
         if len(header) == 1 and mark in header[0]:
-            msg = (
+            raise InputError(
                 f"{source}: expected commas between the columns and points in the numbers, "
                 f"received {name} in the first line, {header[0]!r}; separate them by commas, and "
                 f"{DECIMAL}"
             )
-            raise InputError(msg)
     if len(rows) < 2:
         received = f"the header {','.join(header)!r} alone" if rows else "an empty file"
         msg = f"{source}: expected a header and rows of numbers below it, received {received}"
@@ -116,11 +113,10 @@ def read_columns(field: str, file: Path, names: tuple[str, ...]) -> tuple[tuple[
     ]
     if len(table.header) != len(names) or not all(named):
         units = ", ".join(f"{name} in {UNITS[name]}" for name in names)
-        msg = (
+        raise InputError(
             f"{table.source}: expected the first line to be '{','.join(names)}', and no other "
             f"column, {units}, received {','.join(table.header)!r}"
         )
-        raise InputError(msg)
     values = table.numbers(range(len(names)))
     return tuple(map(tuple, values.T.tolist()))
 

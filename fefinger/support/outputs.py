@@ -49,10 +49,9 @@ def output_file(path: str | PathLike[str], option: str, ending: str = "") -> Pat
 def output_folder(folder: str | PathLike[str]) -> Path:
     """Create `folder` if needed and return it; InputError where files cannot be written to it."""
     if not os.fspath(folder).strip():
-        message = (
+        raise InputError(
             "output folder: expected a name, received an empty one; write . for the current one"
         )
-        raise InputError(message)
     path = Path(folder)
     advice = "choose another"
     if path.exists() and not path.is_dir():
@@ -64,11 +63,10 @@ def output_folder(folder: str | PathLike[str]) -> Path:
             pass
     except OSError as error:
         reason = error.strerror or str(error)
-        message = (
+        raise InputError(
             f"output folder: expected a folder that can be written, received {str(path)!r} "
             f"({reason}); {advice}"
-        )
-        raise InputError(message) from None
+        ) from None
     return path
 
 

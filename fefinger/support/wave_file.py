@@ -27,8 +27,7 @@ def read_wave(name: str, file: Path) -> tuple[int, Array]:
             warnings.simplefilter("ignore", wavfile.WavFileWarning)  # chunks that hold no sound
             rate, samples = wavfile.read(file)
     except (ValueError, EOFError, struct.error) as error:
-        message = f"{name}: expected a WAV file, received {str(file)!r}: {error}"
-        raise InputError(message) from None
+        raise InputError(f"{name}: expected a WAV file, received {str(file)!r}: {error}") from None
     first = samples if samples.ndim == 1 else samples[:, 0]
     if len(first) < 2:
         message = f"{name}: expected a WAV file with sound, received {str(file)!r} without samples"
@@ -40,8 +39,7 @@ def read_wave(name: str, file: Path) -> tuple[int, Array]:
     else:
         wave = first.astype(np.float64) / -float(np.iinfo(first.dtype).min)
     if not (np.isfinite(wave).all() and np.abs(wave).max() <= 1.0):
-        message = f"{name}: expected samples from -1 to 1, received others in {str(file)!r}"
-        raise InputError(message)
+        raise InputError(f"{name}: expected samples from -1 to 1, received others in {str(file)!r}")
     if not wave.any():
         message = f"{name}: expected a WAV file with sound, received {str(file)!r}, which is silent"
         raise InputError(message)

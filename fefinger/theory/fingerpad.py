@@ -65,10 +65,9 @@ class Fingerpad:
         reach = np.maximum(elastic.numbers("fingerpad", "depth", depth), 0.0)
         exponent = self.m * float(reach.max())
         if exponent > LARGEST:
-            msg = (
+            raise ValueError(
                 f"fingerpad: expected m times depth of at most {LARGEST:g}, received {exponent:.3g}"
             )
-            raise ValueError(msg)
         return np.asarray(self.instantaneous_b * reach * exprel(self.m * reach))
 
     def modulus(self, depth: ArrayLike) -> Array:

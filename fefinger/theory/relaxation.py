@@ -27,13 +27,11 @@ end."""
 def _numbers(name: str, values: Iterable[float]) -> tuple[float, ...]:
     """Check a list of finite numbers and convert it to a tuple of floats."""
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
-        msg = f"prony.{name}: expected a list of numbers, received {values!r}"
-        raise ValueError(msg)
+        raise ValueError(f"prony.{name}: expected a list of numbers, received {values!r}")
     for value in (values := tuple(values)):
         real = isinstance(value, int | float | np.integer | np.floating)
         if isinstance(value, bool) or not real or not math.isfinite(value):
-            msg = f"prony.{name}: expected finite numbers, received {value!r}"
-            raise ValueError(msg)
+            raise ValueError(f"prony.{name}: expected finite numbers, received {value!r}")
     return tuple(float(value) for value in values)
 
 
@@ -67,24 +65,21 @@ class Prony:
         object.__setattr__(self, "c", _numbers("c", self.c))
         object.__setattr__(self, "v", _numbers("v", self.v))
         if len(self.c) != len(self.v) + 1:
-            msg = (
+            raise ValueError(
                 f"prony: expected one weight more than rates (c0 has no rate), "
                 f"received {len(self.c)} weights c and {len(self.v)} rates v"
             )
-            raise ValueError(msg)
         if self.c[0] <= 0 or min(self.c) < 0:
             msg = f"prony.c: expected c0 above 0 and no negative weight, received {list(self.c)}"
             raise ValueError(msg)
         if self.v and min(self.v) <= 0:
-            msg = f"prony.v: expected rates above 0 1/s, received {list(self.v)}"
-            raise ValueError(msg)
+            raise ValueError(f"prony.v: expected rates above 0 1/s, received {list(self.v)}")
         low, high = SUM_LIMITS
         if not low - _ROUNDING <= math.fsum(self.c) <= high + _ROUNDING:
-            msg = (
+            raise ValueError(
                 f"prony.c: expected weights that sum to {low} to {high}, received a sum of "
                 f"{math.fsum(self.c):.4g}; if they are relative weights, divide them by their sum"
             )
-            raise ValueError(msg)
 
     @property
     def weights(self) -> tuple[float, ...]:
@@ -101,8 +96,7 @@ class Prony:
         """Return G at the times `t` >= 0 in s, of any shape."""
         t = np.asarray(t, float)
         if np.any(~(t >= 0)):
-            msg = "relaxation: expected times t >= 0 s"
-            raise ValueError(msg)
+            raise ValueError("relaxation: expected times t >= 0 s")
         weights = np.array(self.weights)
         return weights[0] + np.exp(-np.multiply.outer(t, np.array(self.v))) @ weights[1:]
 
@@ -218,15 +212,13 @@ def _checked(
     """Check time and signal and convert them to arrays."""
     time, signal = np.asarray(time, float), np.asarray(signal, float)
     if time.ndim != 1 or signal.ndim not in (1, 2) or len(signal) != len(time) or not len(time):
-        msg = (
+        raise ValueError(
             f"{owner}: expected time (n_t,) and signal (n_t,) or (n_t, k), "
             f"received {time.shape} and {signal.shape}"
         )
-        raise ValueError(msg)
     finite = np.isfinite(time).all() and np.isfinite(signal).all()
     if not (finite and np.all(np.diff(time) >= 0)):
-        msg = f"{owner}: expected finite values and times that never decrease"
-        raise ValueError(msg)
+        raise ValueError(f"{owner}: expected finite values and times that never decrease")
     return time, signal
 
 

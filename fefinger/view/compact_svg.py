@@ -22,7 +22,7 @@ PAIRS = {"M": 1, "L": 1, "Q": 2, "C": 3, "Z": 0}
 
 
 def compact(text: str) -> str:
-    """Return the SVG text of a matplotlib figure without what does not show."""
+    """Return the SVG text of a matplotlib figure without its invisible parts."""
     root = fromstring(text)
     for child in [child for child in root if _name(child) == "metadata"]:
         root.remove(child)
@@ -136,7 +136,7 @@ def _rounded(text: str) -> str:
 
 
 def _number(value: float) -> str:
-    """Return a rounded number without zeros that say nothing."""
+    """Return a rounded number without redundant zeros."""
     text = f"{value:.{DECIMALS}f}".rstrip("0").rstrip(".")
     text = re.sub(r"^(-?)0\.", r"\1.", text)
     return "0" if text in ("", "-", "-0") else text

@@ -19,7 +19,7 @@ STANDSTILL = 1e-3  # part of the largest speed below which the object stands
 
 
 def over_object(result: ResultRecord) -> tuple[Array, Array]:
-    """Return where the units lie on the object that is not moved, and what it moves them.
+    """Return the places of the units on the object at rest, and their displacement in time.
 
     Places (n, 2) and (n_t, 2) mm in the object's own x and y.
     """

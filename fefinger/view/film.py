@@ -16,24 +16,22 @@ Picture = NDArray[np.uint8]
 
 
 def check(path: str | PathLike[str], option: str) -> None:
-    """Raise InputError if no film can be written to `path`, which the user gave as `option`."""
+    """Raise InputError of `option` if no film can be written to `path`."""
     suffix = Path(path).suffix.lower()
     if suffix not in (".gif", ".mp4"):
-        message = (
+        raise InputError(
             f"{option}: expected a file that ends in .gif or .mp4, received {Path(path).name!r}"
         )
-        raise InputError(message)
     if suffix == ".mp4":
         try:
             from imageio_ffmpeg import get_ffmpeg_exe
 
             get_ffmpeg_exe()
         except (ImportError, RuntimeError):
-            message = (
+            raise InputError(
                 f"{option}: an MP4 needs imageio-ffmpeg, which is not there; "
                 "run `pip install 'fefinger[film]'`, or name a file that ends in .gif"
-            )
-            raise InputError(message) from None
+            ) from None
 
 
 def write(path: str | PathLike[str], pictures: Iterable[Picture], fps: float) -> None:

@@ -23,11 +23,10 @@ def check(name: str, results: Sequence[ResultRecord], time: float | None) -> Non
     last = max(float(result.time[-1]) for result in results)
     step = max(float(result.time[-1] - result.time[-2]) for result in results)
     if time > last + step:
-        message = (
+        raise InputError(
             f"{name}: expected a time within the run, from 0 to {last:.4g} s, "
             f"received {time:.6g} s; leave it out for that of the largest force"
         )
-        raise InputError(message)
 
 
 def deviations(results: Sequence[ResultRecord], names: Sequence[str], time: float) -> list[str]:

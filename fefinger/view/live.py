@@ -1,4 +1,4 @@
-"""A finger that is pressed and rolled while one watches: pressure, strain section and spikes.
+"""Live view of a finger that is pressed and rolled: pressure, strain section and spikes.
 
 The finger is stepped at 1 kHz of its own time; the picture is drawn every FRAME of it and says how
 many steps a second the machine made.
@@ -37,7 +37,7 @@ def _within(faces: Integers, kept: Integers, count: int) -> Integers:
 
 
 class Picture:
-    """The three panels of a recording, drawn over and over."""
+    """The three panels of a recording, redrawn for every frame."""
 
     def __init__(self, show: Show) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg

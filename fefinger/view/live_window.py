@@ -130,5 +130,4 @@ def require(*, off_screen: bool = False) -> None:
     if not (off_screen or renderer.has_display()):
         missing = "live: expected a display for a window, found none."
     if missing:
-        message = f"{missing} Record with -o FILE.gif"
-        raise InputError(message)
+        raise InputError(f"{missing} Record with -o FILE.gif")

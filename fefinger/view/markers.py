@@ -1,4 +1,4 @@
-"""Marks of end organs and units in pictures: where they are, what they are called, their rates."""
+"""Marks of end organs and units in pictures: positions, labels, rates."""
 
 from dataclasses import dataclass
 

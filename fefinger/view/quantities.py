@@ -53,7 +53,7 @@ OTHERWISE = {
     "u": ("displacement",),
     "p": ("pressure",),
 }
-"""Fields that others call so."""
+"""Synonyms of fields, for suggestions."""
 EVEN, DIVERGING, SKIN_DEEP, RATES = "viridis", "coolwarm", "OrRd", "plasma"
 """Color maps: fields from 0, with both signs, the pressure on the skin, spike rates."""
 STEPS = (1.0, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2, 3.6, 4.0, 4.8, 5.6, 6.4, 7.2, 8.0, 10.0)
@@ -92,7 +92,7 @@ class Span(NamedTuple):
 
 
 def named(name: str, field: str) -> str:
-    """Return the field; InputError with the nearest ones if it is unknown. `name`: who gave it."""
+    """Return the field; InputError of `name`, with the nearest fields, if it is unknown."""
     if field in FIELDS:
         return field
     candidates = OTHERWISE.get(str(field).strip().lower().replace("_", " "))
@@ -128,12 +128,11 @@ def measure(result: ResultRecord) -> str:
 def fields_of(result: ResultRecord) -> Fields:
     """Return the fields of a result; InputError with what to do where there are none."""
     if result.fields is None:
-        message = (
+        raise InputError(
             f"fields: expected a result with fields on the mesh, received one of "
             f"{result.plan.mechanics!r} without; run the scene again with `--set ask.fields=true` "
             "and a mechanics that has a mesh (condensed, linear, solid)"
         )
-        raise InputError(message)
     return result.fields
 
 
@@ -213,8 +212,7 @@ def limits(text: str) -> tuple[float, float]:
     except ValueError:
         colon = ""
     if not colon:
-        message = f"--limits: expected LOW:HIGH, such as 0:30, received {text!r}"
-        raise InputError(message)
+        raise InputError(f"--limits: expected LOW:HIGH, such as 0:30, received {text!r}")
     number("--limits LOW", pair[0])
     number("--limits HIGH", pair[1], above=pair[0])
     return pair

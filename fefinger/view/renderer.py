@@ -53,8 +53,10 @@ def plotter(
     `aside`: pixels of one more, narrow part on the right.
     """
     import pyvista as pv
+    from vtkmodules.vtkCommonCore import vtkLogger
 
-    _quiet()
+    # Else VTK warns on every start that there is no X server, before it takes EGL.
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
     made: Any = pv.Plotter(
         off_screen=off_screen,
         window_size=list(size),
@@ -70,10 +72,3 @@ def has_display() -> bool:
     """Return whether a window can open: only Linux runs without a desktop as a rule."""
     names = ("DISPLAY", "WAYLAND_DISPLAY")
     return not sys.platform.startswith("linux") or any(os.environ.get(name) for name in names)
-
-
-def _quiet() -> None:
-    """Keep VTK from warning on every start that there is no X server, before it takes EGL."""
-    from vtkmodules.vtkCommonCore import vtkLogger
-
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)

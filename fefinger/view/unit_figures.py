@@ -101,10 +101,12 @@ def frequency_response(
     size: tuple[float, float] = (5.6, 3.6),
 ) -> Any:
     """Draw impulses per cycle over frequency in Hz, one curve for each name; zeros are left out."""
+    from matplotlib import colormaps
+
     with style():
         drawn = figure(*size)
         axis = drawn.subplots()
-        shades = _shades(len(curves))
+        shades = colormaps["viridis"](np.linspace(0.0, 0.88, len(curves)))  # large to small
         for (name, values), color in zip(curves.items(), shades, strict=True):
             shown = np.where(np.asarray(values, float) > 0, values, np.nan)
             axis.plot(frequencies, shown, "o-", ms=3, lw=1.3, color=color, label=name)
@@ -115,13 +117,6 @@ def frequency_response(
             ncols=1 + len(curves) // 8, fontsize=7, title="amplitude / dB", title_fontsize=7
         )
         return drawn
-
-
-def _shades(count: int) -> list[Any]:
-    """Return colors from dark to light, for amplitudes from large to small."""
-    import matplotlib
-
-    return list(matplotlib.colormaps["viridis"](np.linspace(0.0, 0.88, count)))
 
 
 def _by_distance(trains: SpikeTrains, which: Integers) -> Integers:

@@ -148,11 +148,10 @@ def show(
     size = (SIZE[0] + MORE * (len(shown) - 1), SIZE[1])
     plotter = renderer.plotter(size, len(shown), aside=color_bars.WIDTH, off_screen=None)
     if not (plotter.notebook or plotter.off_screen or renderer.has_display()):
-        message = (
+        raise InputError(
             "show: expected a display for the window, found none; "
             "use `fefinger view DIR --screenshot PNG` or `--html FILE`, or a notebook"
         )
-        raise InputError(message)
     controls = Controls(plotter, shown, field, time=time, limits=limits, folders=folders)
     if not (plotter.notebook or plotter.off_screen):
         controls.add_widgets()

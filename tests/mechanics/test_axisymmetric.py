@@ -10,7 +10,7 @@ import pytest
 import fefinger as ff
 from fefinger.mechanics import hertz, layered
 from fefinger.mechanics.press.axisymmetric import ElasticContact
-from fefinger.mechanics.press.layered_contact import Layered
+from fefinger.theory.contact.contact_table import tabulate_to
 from fefinger.theory.relaxation import creep_integral
 
 
@@ -27,7 +27,7 @@ class Sibling(NamedTuple):
 
 SIBLINGS = {
     "hertz": Sibling(hertz, hertz.HalfSpace(14.0, *hertz.tissue(FINGER))),
-    "layered": Sibling(layered, Layered.to_depth(layered.stack(FINGER), 14.0, 1.0)),
+    "layered": Sibling(layered, tabulate_to(layered.stack(FINGER), 14.0, depth=1.0)),
 }
 EACH = pytest.mark.parametrize("sibling", SIBLINGS.values(), ids=SIBLINGS)
 
@@ -47,10 +47,10 @@ def respond(sibling, motion=MOTIONS[0]):
 def elastic(sibling, answer):
     """Strain (n_t, 4, 3, 3) at the four end organs of the elastic finger at the depths."""
     inward = -answer.sites.normals[0]
-    values = sibling.body.strain(answer.depth, np.zeros(4), answer.sites.depths)
+    values = sibling.body.strain(answer.depth, np.zeros(4), answer.sites.depths)[..., None]
     axis = np.outer(inward, inward)
-    across = values[..., :1, None] * (np.eye(3) - axis)
-    return across + values[..., 2:3, None] * axis
+    across = values[:, 0, ..., None] * (np.eye(3) - axis)
+    return across + values[:, 2, ..., None] * axis
 
 
 @EACH

@@ -12,9 +12,9 @@ from fefinger import mechanics
 from fefinger.mechanics import hertz, layered, linear
 from fefinger.mechanics.evidence import machine, reports
 from fefinger.mechanics.evidence.table import LAYERED, read
-from fefinger.mechanics.press.layered_contact import Layered
 from fefinger.mechanics.situation import Situation
 from fefinger.support.checks import InputError
+from fefinger.theory.contact.contact_table import tabulate_to
 from fefinger.theory.contact.indentation import paraboloid
 from fefinger.theory.relaxation import hereditary_integral
 
@@ -22,7 +22,7 @@ from fefinger.theory.relaxation import hereditary_integral
 FINGER = ff.Finger.subject("a.h.", tissue="maeno1998")
 ASK = ff.Ask(fields=False)
 STACK = layered.stack(FINGER)
-BODY = Layered.to_depth(STACK, 14.0, 1.0)
+BODY = tabulate_to(STACK, 14.0, depth=1.0)
 
 
 def scene(**parts):
@@ -33,10 +33,10 @@ def scene(**parts):
 def elastic(answer, depths):
     """Strain (n, 4, 3, 3) at the four central end organs of the elastic finger at the depths."""
     inward = -answer.sites.normals[0]
-    values = BODY.strain(np.asarray(depths), np.zeros(4), answer.sites.depths)
+    values = BODY.strain(np.asarray(depths), np.zeros(4), answer.sites.depths)[..., None]
     axis = np.outer(inward, inward)
-    across = values[..., :1, None] * (np.eye(3) - axis)
-    return across + values[..., 2:3, None] * axis
+    across = values[:, 0, ..., None] * (np.eye(3) - axis)
+    return across + values[:, 2, ..., None] * axis
 
 
 MOTIONS = [

@@ -119,11 +119,10 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
         least = weights.min(axis=1)
         if not (least >= -INSIDE).any():
             listed = ", ".join(f"{x:.3g}" for x in points[k])
-            message = (
+            raise InputError(
                 f"site ({listed}) mm: expected a point in the soft tissue, received one outside; "
                 "choose a smaller depth or another place on the pad"
             )
-            raise InputError(message)
         holding = np.flatnonzero(least >= min(least.max(), -SHARED))
         owners.append(np.full(len(holding), k))
         cells.append(near[holding])

@@ -99,8 +99,7 @@ class Space:
         place = np.minimum(np.searchsorted(mesh_keys, keys, sorter=order), len(mesh_keys) - 1)
         numbers = order[place]
         if not np.array_equal(mesh_keys[numbers], keys):
-            message = "triangles: expected faces of the mesh, received an edge that it lacks"
-            raise KeyError(message)
+            raise KeyError("triangles: expected faces of the mesh, received an edge that it lacks")
         return np.asarray(self.scalar.edge_dofs[0][numbers], dtype=np.int64)
 
     def face_nodes(self, triangles: Integers) -> Integers:

@@ -1,4 +1,4 @@
-"""From an axisymmetric elastic contact and a scene to a response, through `theory/contact/ting.py`.
+"""Response to a scene from an axisymmetric elastic contact, by `theory/contact/ting.py`.
 
 The finger is a body with one G whose pad is a sphere; its contact grows in circles.
 """
@@ -41,17 +41,17 @@ class ElasticContact(Protocol):
     def force(self, depth: Array) -> Array:
         """Return the force (n,) in mN."""
 
-    def depth(self, force: float) -> float:
+    def depth(self, force: float) -> Array:
         """Return the depth in mm under a force in mN."""
 
-    def radius(self, depth: Array) -> Array:
+    def contact_radius(self, depth: Array) -> Array:
         """Return the contact radius (n,) in mm."""
 
     def load(self, depth: Array, r: Array) -> Array:
         """Return the force (n, m) in mN within the distances r (m,) mm of the axis."""
 
     def strain(self, depth: Array, r: Array, z: Array) -> Array:
-        """Return e_r, e_t, e_z, e_rz (n, m, 4) at r, z (m,) mm, z > 0 below the surface."""
+        """Return e_r, e_t, e_z, e_rz (n, 4, m) at r, z (m,) mm, z > 0 below the surface."""
 
 
 @dataclass(frozen=True)
@@ -89,12 +89,9 @@ def respond(
     notes: tuple[str, ...],
     numbers: dict[str, float],
 ) -> Response:
-    """Answer the scene with the elastic `contact`; `plate` is that of the same finger and a plate.
+    """Solve the scene with the elastic `contact`; `plate`: contact of the finger with a plate.
 
-    Raises
-    ------
-    InputError
-        If the indenter is placed beyond the pad.
+    InputError if the indenter is placed beyond the pad.
     """
     stages, finger, motion = Stages(progress), scene.finger, scene.motion
     first = _first_touch(scene)
@@ -109,7 +106,7 @@ def respond(
     if scene.ask.pressure:
         with stages.stage("pressure"):
             pad, pressure = _pressure(finger, contact, first, history)
-            area = np.pi * contact.radius(history.edge) ** 2
+            area = np.pi * contact.contact_radius(history.edge) ** 2
             middle = np.where((force > 0)[:, None], first.origin[:2], np.nan)
     sites = reference = strain = None
     if scene.ask.strain or scene.ask.spikes:
@@ -117,7 +114,7 @@ def respond(
             skin = partial(spherical, finger.pad_radius, direction(STANDARD))
             sites = end_organ_sites(scene.ask, finger.pulp, first.origin, first.axis, skin)
             r, z, frames = _cylinder(first, sites)
-            strain = turned(history.strain(contact.strain(history.nodes, r, z)), frames)
+            strain = turned(history.strain(_strain(contact, history.nodes, r, z)), frames)
             reference = _reference(scene.ask, finger.pulp, plate) if scene.ask.spikes else None
     radii, steps = len(history.nodes), len(history.time)
     return Response(
@@ -132,7 +129,6 @@ def respond(
         sites=sites,
         strain=strain,
         reference=reference,
-        fields=None,
         status=f"Solved: the elastic contact at {radii} contact radii, {steps} time steps.",
         seconds=stages.seconds,
         notes=notes,
@@ -144,24 +140,22 @@ def _first_touch(scene: Scene) -> Touch:
     """Return the first touch, or raise InputError for a place that is not on the pad."""
     first = touch(scene.finger, scene.indenter)
     if first is None:
-        msg = (
+        raise InputError(
             f"indenter.at: expected a place on the pad, a sphere of {scene.finger.pad_radius:g} mm "
             f"under the 30 degree plate, received {scene.indenter.place}"
         )
-        raise InputError(msg)
     return first
 
 
 def _check_width(contact: ElasticContact, deepest: float, radius: float) -> None:
     """Raise InputError for a contact that is wider than its relative radius in mm."""
-    widest = float(contact.radius(np.array([deepest]))[0])
+    widest = float(contact.contact_radius(np.array([deepest]))[0])
     if widest > radius * (1 + 1e-9):
-        msg = (
+        raise InputError(
             f"motion: expected a contact narrower than its relative radius of {radius:.4g} mm, "
             f"received one of {widest:.4g} mm at a depth of {deepest:.4g} mm; press less, or take "
             "a larger indenter"
         )
-        raise InputError(msg)
 
 
 def _march(motion: Motion, time: Array, prony: Prony, contact: ElasticContact) -> "ContactHistory":
@@ -172,7 +166,7 @@ def _march(motion: Motion, time: Array, prony: Prony, contact: ElasticContact) -
     if motion.control == "depth":
         return press_by_depth(prony, time, value, radius_nodes(float(value.max())))
     force = value / NEWTON_PER_MILLINEWTON
-    nodes = radius_nodes(contact.depth(float(force.max())) * (1 + 1e-9))
+    nodes = radius_nodes(float(contact.depth(float(force.max()))) * (1 + 1e-9))
     return press_by_force(
         prony, time, force, nodes, lambda depth: contact.force(depth) / prony.long_time
     )
@@ -184,15 +178,25 @@ def _pressure(
     """Return the pad out to the widest contact and the pressure (n_t, n_pad) in kPa on it."""
     nodes = history.nodes
     last = min(int(np.searchsorted(nodes, history.edge.max())), len(nodes) - 1)
-    reach = float(contact.radius(nodes[last : last + 1])[0])
+    reach = float(contact.contact_radius(nodes[last : last + 1])[0])
     pad, cells = _pad(first, reach, finger.pad_radius)
     load = np.diff(contact.load(nodes, cells.edges), axis=1, prepend=0.0)
     rings = history.stress(load / cells.areas) / finger.prony.long_time
     return pad, rings[:, cells.ring]
 
 
+def _strain(contact: ElasticContact, depth: Array, r: Array, z: Array) -> Array:
+    """Return the strain (n, 4, m) of a contact; InputError for points where it has none."""
+    try:
+        return contact.strain(depth, r, z)
+    except ValueError as error:
+        raise InputError(
+            f"ask.depths: {error}; ask for other depths or for no strain, or press less"
+        ) from error
+
+
 def turned(components: Array, frames: Array) -> Array:
-    """Return tensors (n_t, m, 3, 3) from e_r, e_t, e_z, e_rz (n_t, m, 4).
+    """Return tensors (n_t, m, 3, 3) from e_r, e_t, e_z, e_rz (n_t, 4, m).
 
     frames (m, 3, 3) hold the unit vectors of r, t and z as rows.
     """
@@ -204,20 +208,20 @@ def turned(components: Array, frames: Array) -> Array:
     slanted = outer(radial, inward) + outer(inward, radial)
     parts = [outer(radial, radial), outer(around, around), outer(inward, inward), slanted]
     basis = np.stack(parts, axis=1).reshape(-1, 4, 9)
-    tensors = np.empty((*components.shape[:2], 9))
+    tensors = np.empty((len(components), len(frames), 9))
     # Written in place: with many sites a copy of the tensors takes as long as everything else.
-    np.matmul(np.moveaxis(components, 1, 0), basis, out=np.moveaxis(tensors, 1, 0))
-    return tensors.reshape(*components.shape[:2], 3, 3)
+    np.matmul(np.moveaxis(components, 2, 0), basis, out=np.moveaxis(tensors, 1, 0))
+    return tensors.reshape(len(components), len(frames), 3, 3)
 
 
 def _reference(ask: Ask, pulp: float, plate: ElasticContact) -> "Reference":
-    """Press the standard plate a little on the relaxed finger."""
+    """Return the strain of the relaxed finger under the standard plate, at a small depth."""
     from fefinger.neural.reference import Reference
 
     standard = Touch(np.zeros(3), direction(STANDARD))
     central = central_sites(ask, pulp, standard.origin, standard.axis)
     r, z, frames = _cylinder(standard, central)
-    strain = turned(plate.strain(np.array([REFERENCE_DEPTH]), r, z), frames)[0]
+    strain = turned(_strain(plate, np.array([REFERENCE_DEPTH]), r, z), frames)[0]
     return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)
 
 

@@ -1,4 +1,4 @@
-"""Carries a tabulated elastic press along a motion, and reads the Response of a scene from it."""
+"""Convolution of a tabulated elastic press with the relaxation along a motion: the Response."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -7,7 +7,6 @@ import numpy as np
 
 from fefinger.fem.body import solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
-from fefinger.fem.elements.probe import gradient_at_vertices
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.geometry import mirror
@@ -15,7 +14,7 @@ from fefinger.mechanics.press import dragged, elastic_press
 from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.elastic_press import FARTHEST
 from fefinger.mechanics.press.elastic_table import ElasticPress
-from fefinger.mechanics.press.fields import VOIGT_COLUMNS, VOIGT_ROWS, no_fields
+from fefinger.mechanics.press.fields import finite_strain_fields
 from fefinger.mechanics.press.finite_reference import reference_strain
 from fefinger.mechanics.press.hard_parts import with_nail
 from fefinger.mechanics.press.history import frames_of
@@ -38,12 +37,12 @@ METHOD: SolutionMethod = replace(
     WHOLE_MESH,
     body=lambda finger, mesh, solver, report: solid(with_nail(finger, mesh), tissues(finger)),
 )
-"""How `pressed` sees a finger: the solid alone, which is only factored to solve a new press."""
+"""Method of `pressed`: the solid alone, which is factored only to solve a new press."""
 
 
 @dataclass(frozen=True)
 class CarriedPress:
-    """An elastic press on the body of a Press, with what is read from it.
+    """A tabulated elastic press on the body of a Press, with the elastic quantities over depth.
 
     contact: the candidates that its pressures belong to.
     """
@@ -82,7 +81,7 @@ class CarriedPress:
         return carry(self.elastic, self.press.finger.prony, time, value, motion.control)
 
     def pressures(self, shares: Carried) -> Array:
-        """Pressure (n_t, n_candidates) kPa: none pulls, and they bear the force."""
+        """Pressure (n_t, n_candidates) kPa: cut off at 0 and scaled to the force."""
         pushing = np.maximum(shares.stress @ self.pressure, 0.0)
         unit = self.press.sides * NEWTON_PER_MILLINEWTON
         borne = unit * pushing @ self.contact.projected
@@ -119,12 +118,7 @@ class CarriedPress:
 def table_of(press: Press, indenter: Indenter, stages: Stages) -> ElasticPress:
     """Read or solve the elastic press that a motion needs: to its depth, or to its force.
 
-    Raises
-    ------
-    InputError
-        If contact leaves what the indenter or the pad offers, or the force is too large.
-    ConvergenceError
-        If an equilibrium is not reached.
+    Errors as `elastic_press.load_or_solve`, and InputError for a force that is too large.
     """
     motion = press.motion
     if motion.control == "depth":
@@ -132,25 +126,19 @@ def table_of(press: Press, indenter: Indenter, stages: Stages) -> ElasticPress:
     table = elastic_press.load_or_solve(press, indenter, 0.0, stages, force=motion.peak)
     if table.force[-1] >= motion.peak:  # relaxed tissue bears the least
         return table
-    message = (
+    raise InputError(
         f"motion.force: expected one that the relaxed finger bears at {FARTHEST:g} of its "
         f"thickness of {press.finger.thickness:g} mm or before, received {motion.peak:g} N, where "
         f"it bears {table.force[-1]:.3g} N; press less"
     )
-    raise InputError(message)
 
 
 def respond(
     scene: Scene, progress: Progress | None = None, *, mechanics: str, notes: tuple[str, ...]
 ) -> Response:
-    """Answer the scene from an elastic press that is at hand, or solved now and kept.
+    """Solve the scene from an elastic press that is cached, or solved now and cached.
 
-    Raises
-    ------
-    InputError
-        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
-    ConvergenceError
-        If an equilibrium of the elastic press is not reached.
+    Errors as `mechanics.pressed.respond`.
     """
     stages = Stages(progress)
     press = Press.of(scene, METHOD, stages, mechanics=mechanics, notes=notes)
@@ -161,7 +149,7 @@ def respond(
 
 
 def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> Response:
-    """Return the answer that a press carried along its motion gives."""
+    """Return the Response of a press carried along its motion."""
     press = carried.press
     table, half = carried.table, press.body.half
     with stages.stage("fields"):
@@ -220,7 +208,7 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
 
 
 def _gaps(carried: CarriedPress, shares: Carried) -> Array:
-    """Gaps (n_t, n_seen) mm: those at rest, less the travel, plus what the skin has yielded."""
+    """Gaps (n_t, n_seen) mm: those at rest, less the travel, plus the displacement of the skin."""
     table = carried.table
     yielded = table.gap + table.depth[:, None] - table.gap[0]
     return np.asarray(
@@ -232,13 +220,7 @@ def _fields(carried: CarriedPress, shares: Carried) -> Fields:
     """Fields on the mesh at some of the times."""
     press = carried.press
     frames = frames_of(shares.depth, int(np.argmax(shares.force)))
-    original, gradients = press.body.original, gradient_at_vertices(press.body.space)
-    fields = no_fields(press, press.time[frames])
-    pressed = original[carried.contact.on.vertices]
+    states = carried.displacement(shares.strain[frames])
     pressure = carried.pressures(shares)[frames]
-    for frame, values in enumerate(carried.displacement(shares.strain[frames])):
-        fields.displacement[frame, original] = values[: 3 * len(original)].reshape(-1, 3)
-        logs = logarithmic((gradients @ values).reshape(-1, 3, 3))
-        fields.strain[frame, original] = logs[:, VOIGT_ROWS, VOIGT_COLUMNS]
-        fields.pressure[frame, pressed] = pressure[frame]
-    return fields
+    vertices = carried.contact.on.vertices
+    return finite_strain_fields(press, press.time[frames], states, vertices, pressure)

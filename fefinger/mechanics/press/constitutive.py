@@ -1,4 +1,4 @@
-"""Constitutive laws of each region of the mesh, as the finite elements take them."""
+"""Constitutive laws of each region of the mesh, as arguments of the finite elements."""
 
 import numpy as np
 

@@ -40,7 +40,7 @@ def drag(press: Press, time: float) -> Array:
 
 @dataclass(frozen=True)
 class Dragged:
-    """Skin under a plate that slides, at all times of an answer.
+    """Motion of the skin under a sliding plate, at all times of an answer.
 
     moved (n_t, n_seen, 2) mm: the skin along the plane of the plate; touching (n_t, n_seen);
     heading (n_t, 2) as of the motion; shift (n_t, 2) mm of the plate.
@@ -84,7 +84,7 @@ class Dragged:
         return [(int(moving[a]) - 1, int(moving[b])) for a, b in zip(starts, ends, strict=True)]
 
     def onset(self, begin: int, end: int) -> tuple[int, float]:
-        """Return when (a number) all contact has come to slip in a pass, and over how many mm.
+        """Return the onset of gross slip in a pass: number of the time, and travel in mm.
 
         That is where the plate has moved farther than any skin under it that friction draws along:
         in Mindlin's theory exactly the end of partial slip. The number is past the end of a pass
@@ -113,7 +113,7 @@ class Dragged:
 
 
 def smooth(press: Press, time: Array) -> Lateral:
-    """Return the path of a plate without friction at times (n_t,) s, which pulls nowhere."""
+    """Return the path of a frictionless plate at times (n_t,) s, with zero tangential force."""
     shift = press.motion.shift(time)
     return Lateral(shift, np.zeros_like(shift))
 
@@ -147,7 +147,7 @@ def lateral(
 
 
 def notes(press: Press, history: FiniteStrainHistory, pressure: Array) -> tuple[str, ...]:
-    """Return the notes on a press with a path, and since when the whole contact slips.
+    """Return the notes on a press with a path, and the onset of gross slip.
 
     Raises
     ------

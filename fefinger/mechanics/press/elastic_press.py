@@ -1,4 +1,4 @@
-"""Solves the elastic press of a relaxed finger at finite strain, which `pressed` carries.
+"""Elastic press of a relaxed finger at finite strain, solved once for `pressed`.
 
 `solve` presses the finger of a Press in steps of equal size in the root of the depth.
 """
@@ -48,7 +48,7 @@ def depths(thickness: float, least: float) -> Array:
 
 
 def no_deeper(depth: float) -> Array:
-    """Return depths (n,) mm from 0 to a depth, for an object that may not go deeper."""
+    """Return depths (n,) mm from 0 to the depth in mm that must not be exceeded."""
     return np.asarray(depth * (np.concatenate([[0.0], np.arange(1.0, FEWEST + 1)]) / FEWEST) ** 2)
 
 
@@ -60,12 +60,7 @@ def solve(
     It goes to `least` mm or more, or on until it bears `force` N, or to FARTHEST. If `further`, it
     goes to PART of the thickness where it can, so that other motions find it.
 
-    Raises
-    ------
-    InputError
-        If contact leaves what the indenter or the pad offers, or the mesh does not resolve it.
-    ConvergenceError
-        If an equilibrium is not reached.
+    Errors as `load_or_solve`.
     """
     if force:
         return _to_force(press, force, stages, further=further)

@@ -48,7 +48,7 @@ ROUNDED = ("pressure", "gap")
 
 
 def key(finger: Finger, indenter: Indenter, mesh_sha256: str, *, half: bool = True) -> str:
-    """Hash of all that decides an elastic press but for its depth.
+    """Hash of all inputs of an elastic press but its depth.
 
     A whole finger, mirrored from the mesh of its half, has presses of its own.
     """
@@ -72,7 +72,7 @@ def key_on(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> str:
 
 
 def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple[float, float]:
-    """Depth in mm and force in N up to which a press is shipped or cached; 0, 0 where none is."""
+    """Largest depth in mm and force in N of the shipped or cached presses; 0, 0 without any."""
     long = continued(finger, indenter, motion)
     try:
         source = sha256(finger, refinement_location(indenter), continued=long)
@@ -100,7 +100,7 @@ def at_hand(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> "ElasticP
 
 
 def cached_path(name: str) -> Path:
-    """Where the user's cache keeps a press."""
+    """Path of a press in the user's cache."""
     return cache.root() / "elastic" / f"{name[:DIGITS]}.npz"
 
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.support.arrays import Array
-from fefinger.theory.contact.one_spring import depth_nodes
+from fefinger.theory.contact.one_spring import NODES
+from fefinger.theory.contact.ting import radius_nodes
 
 
 RANK = 1e-6
@@ -96,7 +97,7 @@ class ElasticPress:
     @cached_property
     def nodes(self) -> Array:
         """Depths (n_nodes,) mm between which a carried press is linear."""
-        return depth_nodes(self.deepest)
+        return radius_nodes(self.deepest, NODES)
 
     @cached_property
     def between(self) -> Array:

@@ -1,4 +1,6 @@
-"""The fields on the mesh at some of the times of a press."""
+"""Fields on the mesh at some of the times of a press."""
+
+from collections.abc import Iterable
 
 import numpy as np
 from scipy import sparse
@@ -7,7 +9,7 @@ from fefinger.fem.elements.probe import gradient_at_vertices, strain_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.geometry.locate import locate
-from fefinger.mechanics.press.history import FiniteStrainHistory, SmallStrainHistory, frames_of
+from fefinger.mechanics.press.history import SmallStrainHistory, frames_of
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Fields
 from fefinger.support.arrays import Array, Integers
@@ -44,23 +46,25 @@ def fields_of(
     return fields
 
 
-def finite_strain_fields(press: Press, history: FiniteStrainHistory) -> Fields:
-    """Return the kept states on the mesh."""
-    numbers, original = np.array(sorted(history.frames)), press.body.original
-    fields = no_fields(press, history.steps.times[numbers])
-    gradients = gradient_at_vertices(press.body.space)
-    pressed = original[history.contact.on.vertices]
-    for frame, number in enumerate(numbers):
-        values = history.frames[number]
+def finite_strain_fields(
+    press: Press, times: Array, states: Iterable[Array], pad: Integers, pressure: Array
+) -> Fields:
+    """Fields at times (n,) s, from the unknowns (n_unknowns,) of the body at each.
+
+    pressure (n, n_pad) kPa at its vertices `pad` (n_pad,); the strain is logarithmic.
+    """
+    original, gradients = press.body.original, gradient_at_vertices(press.body.space)
+    fields = no_fields(press, times)
+    fields.pressure[:, original[pad]] = pressure
+    for frame, values in enumerate(states):
         fields.displacement[frame, original] = values[: 3 * len(original)].reshape(-1, 3)
         logs = logarithmic((gradients @ values).reshape(-1, 3, 3))
         fields.strain[frame, original] = logs[:, VOIGT_ROWS, VOIGT_COLUMNS]
-        fields.pressure[frame, pressed] = history.pressure[number]
     return fields
 
 
 def no_fields(press: Press, times: Array) -> Fields:
-    """Fields that are zero, as they stay where the mesh is rigid."""
+    """Zero fields on the whole mesh; they stay zero in its rigid parts."""
     mesh, shape = press.mesh, (len(times), len(press.mesh.points))
     return Fields(
         mesh.points,

@@ -26,10 +26,7 @@ STEPS = 2
 def finite_reference_press(press: Press, elements: Continuum, plate: ReferencePlate) -> Reference:
     """Return the logarithmic strain at the sites under the standard plate on the relaxed finger.
 
-    Raises
-    ------
-    ConvergenceError
-        If the plate finds no equilibrium, or its contact leaves the candidates.
+    Errors as `reference_state`.
     """
     state = reference_state(press, elements, plate.obstacle)
     return reference_strain(press.body, plate.sites, state.values)

@@ -1,4 +1,4 @@
-"""Contact of a finger at finite strain: hyperelastic and relaxing, in load steps."""
+"""Contact of a hyperelastic, relaxing finger at finite strain, in load steps."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -20,7 +20,6 @@ from fefinger.fem.hyperelastic.load_path import (
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
-from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import dragged, elastic_store, limits, placement, problem
 from fefinger.mechanics.press.constitutive import laws, relaxations
@@ -75,9 +74,9 @@ def respond(
     refine: int = 1,
     allowance: FactorizationBudget | None = None,
 ) -> Response:
-    """Answer the scene; `refine` divides every load step.
+    """Solve the scene; `refine` divides every load step.
 
-    Its steps may take the work of `allowance`, of BUDGET by default.
+    allowance: limit on tangent factorizations, by default BUDGET.
 
     Raises
     ------
@@ -103,12 +102,7 @@ def solve(
 ) -> FiniteStrainHistory:
     """Solve the load steps, as far as they converge, and the reference press.
 
-    Raises
-    ------
-    InputError
-        If contact leaves what the indenter or the pad offers, or the mesh does not resolve it.
-    ConvergenceError
-        If fewer than WORTH steps converge.
+    Errors as `respond`, without Stopped.
     """
     motion, finger = press.motion, press.finger
     with stages.stage("factor"):
@@ -136,7 +130,7 @@ def solve(
 
 
 def _reference(press: Press, elements: Continuum, halt: str) -> Reference | None:
-    """Return the reference press of afferents; None after a halt, of which all else is kept."""
+    """Return the reference press of afferents; None if it fails after a halt."""
     if press.reference is None:
         return None
     at_hand = elastic_store.at_hand(press.finger, STANDARD, press.mesh)
@@ -160,7 +154,7 @@ class _EnoughError(Exception):
 
 
 class _Recorder:
-    """Keeps what a response needs of every step, and whole states at some; stops at a rim."""
+    """Records every step for the response, and whole states at some; stops at a rim."""
 
     def __init__(self, body: Solid, contact: ContactSurface, probe: Any, course: "Course") -> None:
         self.contact, self.probe, self.course = contact, probe, course
@@ -177,7 +171,7 @@ class _Recorder:
         self.last: Array | None = None
 
     def keep(self, number: int, state: State) -> None:
-        """Keep step `number`."""
+        """Record step `number`."""
         self.last = state.values
         self.depth.append(state.depth)
         self.pressure.append(state.pressure)
@@ -224,12 +218,7 @@ def follow_course(
 ) -> FiniteStrainHistory:
     """Solve all steps, with more candidate vertices as long as the contact reaches their rim.
 
-    Raises
-    ------
-    InputError
-        If contact leaves what the indenter or the pad offers, or the mesh does not resolve it.
-    ConvergenceError
-        If fewer than WORTH steps converge.
+    Errors as `solve`.
     """
     body = press.body
     reach = SPREAD * problem.REACH * press.expected_depth
@@ -262,9 +251,7 @@ def _on_candidates(
 ) -> FiniteStrainHistory:
     """Solve the steps on some candidates, as far as the contact stays off their rim."""
     body, steps = press.body, course.steps
-    where = press.sites.points if press.sites else np.empty((0, 3))
-    where = mirror.to_half(where) if body.half else where
-    probe = recovered_gradient_at(body.space, where, body.planes)
+    probe = recovered_gradient_at(body.space, press.site_points, body.planes)
     equilibrium = Equilibrium(elements, contact, press.system, PRESS_EQUILIBRIUM)
     recorder = _Recorder(body, contact, probe, course)
     halt, ended = "", False

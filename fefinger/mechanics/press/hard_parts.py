@@ -1,4 +1,4 @@
-"""Bone and nail of a meshed finger: rigid and fixed_facets, elastic, or left out."""
+"""Bone and nail of a meshed finger: rigid and fixed, elastic, or left out."""
 
 from dataclasses import replace
 

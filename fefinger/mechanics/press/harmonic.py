@@ -149,12 +149,11 @@ class Vibrating:
         if not (pressure > 0).any():
             raise InputError(limits.unresolved(depth))
         if (pressure[on_pad.border] > 0).any():
-            message = (
+            raise RimError(
                 f"preload: expected contact as of a depth of at most {self.deepest:g} mm, received "
                 "one that reaches the rim of the candidates; press less, or give a larger "
                 "`deepest`"
             )
-            raise RimError(message)
         return float(depth), pressure
 
     def _held(self, active: Integers) -> tuple[ClosedContact, ClosedContact]:
@@ -190,12 +189,11 @@ class Vibrating:
         reached = HIGHEST * self.complete * np.sqrt(np.abs(o.modulus(frequency)))
         beyond = frequency > reached
         if beyond.any():
-            message = (
+            raise InputError(
                 f"frequency: expected at most {reached[beyond].min():.4g} Hz, {HIGHEST:g} of "
                 f"the frequency of the last of {len(o.squares)} modes, received "
                 f"{frequency[beyond].max():g} Hz; lower it, or take stiffer tissue"
             )
-            raise InputError(message)
 
 
 def skin_line(solid: Operator) -> Integers:
@@ -231,10 +229,7 @@ def about(
 
     make: prepares a finger for preloads up to a depth in mm; deepest: that of the first attempt.
 
-    Raises
-    ------
-    InputError
-        As `Vibrating.harmonic`.
+    Errors as `Vibrating.harmonic`.
     """
     for _ in range(problem.ATTEMPTS - 1):
         with suppress(RimError):

@@ -59,12 +59,11 @@ def spread_beyond(reach: float) -> str:
 def check_reached(motion: Motion, pulp: float, deepest: float) -> None:
     """Raise InputError for a force that presses `deepest` mm, through `pulp` mm of tissue."""
     if motion.control == "force" and deepest >= pulp:
-        message = (
+        raise InputError(
             f"motion.force: expected one that presses less deep than the {pulp:g} mm of tissue "
             f"under the pad, received {motion.peak:g} N, which presses {deepest:.3g} mm deep; "
             "press less"
         )
-        raise InputError(message)
 
 
 def check_depth(motion: Motion, mesh: FingerMesh, obstacle: "Obstacle") -> None:
@@ -72,8 +71,7 @@ def check_depth(motion: Motion, mesh: FingerMesh, obstacle: "Obstacle") -> None:
     bone = mesh.points[np.unique(mesh.facets["bone"])]
     pulp = float(np.min(np.linalg.norm(bone - obstacle.origin, axis=1)))
     if motion.control == "depth" and motion.peak >= pulp:
-        message = (
+        raise InputError(
             f"motion.depth: expected less than the {pulp:.3g} mm of tissue over the bone, "
             f"received {motion.peak:g} mm"
         )
-        raise InputError(message)

@@ -12,7 +12,6 @@ from fefinger.fem.condensation import Operator, displaced
 from fefinger.fem.contact.modal_march import Grid, ModalContact, march_modes
 from fefinger.fem.contact.viscoelastic import History, Prescribed
 from fefinger.fem.elements.recovery import recovered_strain_at
-from fefinger.geometry import mirror
 from fefinger.mechanics.press.fields import fields_of
 from fefinger.mechanics.press.history import SmallStrainHistory, frames_of
 from fefinger.mechanics.press.modal_body import (
@@ -23,7 +22,7 @@ from fefinger.mechanics.press.modal_body import (
 from fefinger.mechanics.press.modal_steps import RESOLVED
 from fefinger.mechanics.press.mode_store import FingerModes, finger_modes
 from fefinger.mechanics.press.problem import Press
-from fefinger.mechanics.press.small_strain import touched
+from fefinger.mechanics.press.small_strain import solve_contact
 from fefinger.results.records import Fields
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.progress import Stages
@@ -56,10 +55,7 @@ def solve_modal(press: Press, grid: Grid, stages: Stages, stiffening: float = 1.
 
     `stiffening` multiplies the moduli of the finger.
 
-    Raises
-    ------
-    InputError, ConvergenceError
-        As `small_strain.solve`, and if the modes do not converge.
+    Errors as `small_strain.respond`, and ConvergenceError if the modes do not converge.
     """
     solid = operator_of(press)
     with stages.stage("modes") as report:
@@ -69,12 +65,14 @@ def solve_modal(press: Press, grid: Grid, stages: Stages, stiffening: float = 1.
     def advance(
         press: Press, reduced: Reduced, prescribed: Prescribed, report: Callable[[float], None]
     ) -> History:
-        made[:] = [swinging(press, modes, reduced, grid.longest, stiffening)]
+        body = swinging(press, modes, reduced, grid.longest, stiffening)
+        made[:] = [body]
+        own = (body.oscillators, body.shares, body.rest, reduced.patch.gap, reduced.patch.projected)
         value = press.load_unit * press.motion.value(grid.time)
         on_grid = Prescribed(press.motion.control, grid.time, value)
-        return march_modes(contact_of(made[0], grid.longest), grid, on_grid, report)
+        return march_modes(ModalContact(*own, grid.longest), grid, on_grid, report)
 
-    _, contact = touched(press, stages, advance)
+    _, contact = solve_contact(press, stages, advance)
     return ModalHistory(modes, made[0], contact)
 
 
@@ -94,25 +92,13 @@ def swinging(
 
 def probe_of(press: Press) -> sparse.csr_matrix:
     """Return the strain at the sites of a press from its unknowns, as a sparse matrix."""
-    body = press.body
-    where = press.sites.points if press.sites else np.empty((0, 3))
-    where = mirror.to_half(where) if body.half else where
-    return recovered_strain_at(body.space, where, body.planes)
-
-
-def contact_of(body: ModalBody, longest: float) -> ModalContact:
-    """Return the contact of a body at rest."""
-    on_pad = body.static.patch
-    return ModalContact(
-        body.oscillators, body.shares, body.rest, on_pad.gap, on_pad.projected, longest
-    )
+    return recovered_strain_at(press.body.space, press.site_points, press.body.planes)
 
 
 def operator_of(press: Press) -> Operator:
     """Return the operator that a press is solved with."""
     if not isinstance(press.body, Operator):
-        message = f"press: expected an Operator, received {type(press.body).__name__}"
-        raise TypeError(message)
+        raise TypeError(f"press: expected an Operator, received {type(press.body).__name__}")
     return press.body
 
 

@@ -44,7 +44,7 @@ from fefinger.mechanics.press.preload_relaxation import PreloadRelaxation, about
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
-from fefinger.mechanics.press.small_strain import touched
+from fefinger.mechanics.press.small_strain import solve_contact
 from fefinger.results.harmonic import Harmonic
 from fefinger.results.records import Fields, Response
 from fefinger.scene.scene import Scene
@@ -78,12 +78,7 @@ def respond(
     geometric_share: stiffness of the material over the whole one, less 1, of tissue that stiffens,
     by the depth over the thickness.
 
-    Raises
-    ------
-    InputError
-        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
-    ConvergenceError
-        If a contact, the modes, or an equilibrium of an elastic press is not reached.
+    Errors as `mechanics.modal.respond`.
     """
     stages = Stages(progress)
     grid = modal_grid(scene.motion, fast="FAII" in scene.ask.spikes)
@@ -232,7 +227,7 @@ def _still(press: Press, factor: float, stages: Stages) -> SmallStrainHistory:
         flexibility = reduced.flexibility / factor
         return march(flexibility, on_pad.gap, on_pad.projected, relaxation, prescribed, report)
 
-    reduced, contact = touched(press, stages, advance)
+    reduced, contact = solve_contact(press, stages, advance)
     return SmallStrainHistory(stiffened(reduced, factor), contact, None)
 
 

@@ -49,11 +49,10 @@ def modal_grid(motion: Motion, *, fast: bool) -> Grid:
     parts[swings] = np.ceil(lengths[swings] / longest * (1 - 1e-9)).astype(np.int64)
     total = int(parts.sum())
     if total > MOST:
-        message = (
+        raise InputError(
             f"motion: expected one of at most {MOST} time steps with inertia, received one of "
             f"{total}; take fewer cycles or a shorter motion"
         )
-        raise InputError(message)
     every = np.ones(len(lengths), dtype=np.int64)
     interval = FAST_STEP if fast else RECORDED
     recorded = np.ceil(lengths / interval * (1 - 1e-9)).astype(np.int64)

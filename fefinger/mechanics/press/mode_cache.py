@@ -1,23 +1,22 @@
-"""Where the user's cache keeps the modes of fingers: under the hash of what decides them."""
+"""Paths of the modes of fingers in the user's cache, by a hash of all inputs."""
 
 import hashlib
 import json
-import os
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fefinger.mechanics.press.operator_cache import identity, parities
+from fefinger.mechanics.press import operator_cache
 from fefinger.scene.finger import Finger
 from fefinger.support import cache
-from fefinger.support.checks import InputError
 
 
 FORMAT = 3
 """Raised when the mass matrix, the solver or the files change, so that modes are computed again."""
 
 COUNT = 130
-"""Modes that are computed and kept of each parity: those of half a finger of 34 kPa below some
-1000 Hz, with relaxed tissue."""
+"""Number of modes of each parity that are computed and cached: those of half a finger of 34 kPa,
+with relaxed tissue, below some 1000 Hz."""
 
 
 MESH_OF_INERTIA = {"coarse": "coarse", "standard": "coarse", "fine": "standard"}
@@ -26,22 +25,17 @@ MESH_OF_INERTIA = {"coarse": "coarse", "standard": "coarse", "fine": "standard"}
 
 def at_hand(finger: Finger, *, half: bool, continued: bool = False) -> bool:
     """Return whether the modes of a finger are in the cache and need not be computed."""
-    if not os.path.isdir(cache.root() / "modes"):  # then not even the name of the mesh is needed
-        return False
-    try:
-        keys = [identity(finger, odd=odd, continued=continued) for odd in parities(half=half)]
-    except InputError:  # no mesh can be made for a finger of this size
-        return False
-    return all(each is not None and os.path.isdir(folder(finger, each)) for each in keys)
+    place = partial(folder, finger)
+    return operator_cache.at_hand(finger, half=half, continued=continued, place=place)
 
 
 def identity_of(finger: Finger, operator: dict[str, Any]) -> dict[str, Any]:
-    """Return all that decides the modes of one parity, given that of its operator."""
+    """Return the inputs of the modes of one parity, from those of its operator."""
     ratio = finger.subcutaneous.density / finger.skin.density
     return operator | {"modes": COUNT, "modes_format": FORMAT, "density_ratio": ratio}
 
 
 def folder(finger: Finger, operator: dict[str, Any]) -> Path:
-    """Return where the cache keeps the modes of one parity."""
+    """Return the path of the modes of one parity in the cache."""
     key = json.dumps(identity_of(finger, operator), sort_keys=True)
     return cache.root() / "modes" / hashlib.sha256(key.encode()).hexdigest()[:16]

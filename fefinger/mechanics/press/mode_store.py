@@ -73,8 +73,7 @@ class FingerModes:
                 half = np.zeros(unfold.shape[1])
                 half[: len(shapes)] = shapes[:, place[0]]
                 return np.asarray((unfold @ half)[:size])
-        message = f"mode: expected a number below {len(self.squares)}, received {number}"
-        raise InputError(message)
+        raise InputError(f"mode: expected a number below {len(self.squares)}, received {number}")
 
 
 def finger_modes(
@@ -136,11 +135,10 @@ def _part(
     heavy = (unfold.T @ heavy @ unfold).tocsr() / len(solid.parts)
     computed = modes_of(part.compliance, heavy, min(COUNT, heavy.shape[0] // 8), progress)
     if not computed.squares[0] > 0:
-        message = (
+        raise ConvergenceError(
             f"modes: expected frequencies above 0, received a square of {computed.squares[0]:g}; "
             "check the held facets of the finger"
         )
-        raise ConvergenceError(message)
     # Single precision for shapes: the flexibility that modes leave over makes up for its rounding.
     kept = Modes(computed.squares, computed.shapes.astype(np.float32), computed.residual)
     if place is not None and identity is not None:

@@ -1,4 +1,4 @@
-"""Notes that several mechanics leave with their answers."""
+"""Notes and doubts that several mechanics share."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ itself across the travel, which moves the tissue no more than friction of that c
 
 
 def normalized(prony: Prony) -> tuple[str, ...]:
-    """Return the note that published weights do not add up to 1, if they do not."""
+    """Return a note if the published Prony weights do not add up to 1."""
     total = sum(prony.c)
     if abs(total - 1) <= ROUNDED:
         return ()
@@ -32,7 +32,7 @@ def normalized(prony: Prony) -> tuple[str, ...]:
 
 
 def apart(finger: Finger) -> tuple[Doubt, ...]:
-    """List the options of a finger by which not all stress relaxes with one function."""
+    """List the options by which the tissues do not share one relaxation function."""
     doubts = []
     if finger.relaxation != "whole":
         reason = f"finger.relaxation = {finger.relaxation!r}: it relaxes the whole stress"
@@ -47,7 +47,7 @@ def apart(finger: Finger) -> tuple[Doubt, ...]:
 
 
 def relaxing(finger: Finger) -> tuple[str, ...]:
-    """Return notes on tissues that relax differently, or in their deviatoric stress alone."""
+    """Return notes on tissues with their own relaxation, or with a purely deviatoric one."""
     notes = []
     if finger.relaxation == "deviatoric":
         notes.append("Only the deviatoric stress relaxes; the pressure is elastic.")
@@ -81,7 +81,7 @@ def stiffens(finger: Finger) -> bool:
 
 
 def yielding(finger: Finger) -> tuple[Doubt, ...]:
-    """List the bone that is not rigid, and the nail that is not held with it."""
+    """List an elastic bone, and a nail that is not fixed."""
     doubts = []
     if isinstance(finger.bone, Hard):
         reason = f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: its bone is rigid"
@@ -109,7 +109,7 @@ def rough(indenter: Indenter) -> tuple[Doubt, ...]:
 
 
 def out_of_plane(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
-    """List what finite strain leaves out of a scene that slides or grips."""
+    """List the options of sliding and friction that finite strain does not support."""
     doubts = [*rocking(motion)]
     if motion.slides and indenter.flat is None:
         reason = (
@@ -127,7 +127,7 @@ def out_of_plane(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
 
 
 def rocking(motion: Motion) -> tuple[Doubt, ...]:
-    """Return the turns of a plate, if a path has any."""
+    """Return the doubt that the path turns the plate, if it does."""
     if not motion.rocks:
         return ()
     reason = f"motion.kind = {motion.kind!r}: its plate does not turn, as by motion.angle or tilt"
@@ -135,7 +135,7 @@ def rocking(motion: Motion) -> tuple[Doubt, ...]:
 
 
 def rocked(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
-    """Return why a plate that turns is beyond what small strain makes of it."""
+    """Return the doubt that a plate turns more than small strain can represent."""
     if not motion.rocks:
         return ()
     if indenter.flat is None:

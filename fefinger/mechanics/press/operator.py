@@ -1,4 +1,4 @@
-"""The operator of a finger, from the files of the cache or built and put there."""
+"""Condensed operator of a finger: read from the cache, or built and cached."""
 
 import hashlib
 import json
@@ -45,7 +45,7 @@ def operator(
     continued: bool = False,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> Operator:
-    """Return the operator of a finger, or of half of it, from the cache or built and put there.
+    """Return the operator of a finger, or of half of it; it is built and cached if needed.
 
     `continued`: of the finger that is longer behind its proximal cut.
 
@@ -56,8 +56,7 @@ def operator(
         the cache holds something else under the hash of this finger.
     """
     for reason in (*yielding(finger), *apart(finger)):
-        message = f"{reason}; use the mechanics 'solid'"
-        raise InputError(message)
+        raise InputError(f"{reason}; use the mechanics 'solid'")
     mesh = load_or_build(finger, half=True, continued=continued)
     meshed = solid(mesh, (1, 2))
     body = meshed if half else solid(whole(mesh), (1, 2))
@@ -100,11 +99,10 @@ def read(place: Path, identity: dict[str, Any]) -> Compliance:
         raise InputError(message) from None
     for name, value in identity.items():
         if stored.get(name) != value:
-            message = (
+            raise InputError(
                 f"operator: expected one with {name} = {value!r}, received one with "
                 f"{stored.get(name)!r}; {advice}"
             )
-            raise InputError(message)
     return Compliance(
         np.array(arrays["order"]), tuple(_fronts(arrays)), arrays["matrix"].view(np.ndarray)
     )
@@ -204,4 +202,4 @@ METHOD = SolutionMethod(
     reduction.displaced,
     lambda indenter: None,
 )
-"""How `condensed` solves: on one mesh for all indenters, that of the 30 degree plate."""
+"""Method of `condensed`: one mesh for all indenters, that of the 30 degree plate."""

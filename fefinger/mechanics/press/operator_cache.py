@@ -6,6 +6,7 @@ An operator depends on the ratio of the moduli only: it is built for a skin of 1
 import hashlib
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,10 +25,10 @@ FORMAT = 1
 def identity(
     finger: Finger, *, odd: bool, mesh: "FingerMesh | None" = None, continued: bool = False
 ) -> dict[str, Any] | None:
-    """Return all that decides an operator; None where the mesh is in no file.
+    """Return the inputs of an operator as plain values; None where the mesh has no file.
 
-    `mesh` is the one that it is built on; without it, the one that is at hand now, `continued`
-    behind its proximal cut or not.
+    `mesh` is the one that it is built on; by default the shipped or cached one, `continued` behind
+    its proximal cut or not.
     """
     from fefinger.mesh.store import sha256
 
@@ -51,23 +52,24 @@ def parities(*, half: bool) -> tuple[bool, ...]:
     return (False,) if half else (False, True)
 
 
-def root() -> Path:
-    """Return the folder of all operators."""
-    return cache.root() / "operators"
-
-
 def folder(identity: dict[str, Any]) -> Path:
-    """Return where the cache keeps an operator."""
+    """Return the path of an operator in the cache."""
     key = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
-    return root() / key[:16]
+    return cache.root() / "operators" / key[:16]
 
 
-def at_hand(finger: Finger, *, half: bool, continued: bool = False) -> bool:
-    """Return whether the operators of a finger are in the cache and need not be built."""
-    if not os.path.isdir(root()):  # then not even the name of the mesh is needed
+def at_hand(
+    finger: Finger,
+    *,
+    half: bool,
+    continued: bool = False,
+    place: Callable[[dict[str, Any]], Path] = folder,
+) -> bool:
+    """Return whether the operators of a finger, or their modes by `place`, are cached."""
+    if not os.path.isdir(place({}).parent):  # then not even the name of the mesh is needed
         return False
     try:
         keys = [identity(finger, odd=odd, continued=continued) for odd in parities(half=half)]
     except InputError:  # no mesh can be made for a finger of this size
         return False
-    return all(each is not None and os.path.isdir(folder(each)) for each in keys)
+    return all(each is not None and os.path.isdir(place(each)) for each in keys)

@@ -11,7 +11,7 @@ from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 def on_seen(pressure: Array, seen: Neighborhood) -> Array:
-    """Return the pressure (n_t, n_seen) kPa at all vertices seen: none but the candidates'."""
+    """Pad the pressure (n_t, n) kPa of the candidates with zeros to all vertices (n_seen)."""
     return np.pad(pressure, ((0, 0), (0, len(seen.vertices) - pressure.shape[1])))
 
 
@@ -40,7 +40,7 @@ def first_moments(pad: Pad) -> Array:
 
 
 def whole_pad(body: Solid, on: Neighborhood | Patch) -> tuple[Pad, Integers]:
-    """Return the pad of the whole finger, and which vertex `on` it each of its points is."""
+    """Return the pad of the whole finger, and the index in `on` of each of its points."""
     vertices, areas = on.vertices, on.areas
     points, normals = body.space.points[vertices], body.normals[vertices]
     column = np.arange(len(points))

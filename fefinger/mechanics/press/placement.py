@@ -1,4 +1,4 @@
-"""Where the indenter touches the finger."""
+"""Placement of the indenter at first touch, and checks of the contact against the pad's border."""
 
 from dataclasses import replace
 
@@ -44,27 +44,25 @@ def _touching(placed: Obstacle, body: Solid, field: str) -> Obstacle:
     places = smooth_places(body.space.points, body.normals, surface)
     distance, _ = placed.gap(places)
     if not np.isfinite(distance).any():
-        message = (
+        raise InputError(
             f"{field}: expected a place on the pad, received one that the indenter misses, or an "
             "indenter smaller than the facets there; take a larger one or a finer mesh "
             "(finger.resolution)"
         )
-        raise InputError(message)
     first = np.unravel_index(int(np.argmin(distance)), distance.shape)
     corner = surface.triangles[first[0]]
     if np.isin(corner, border(body)).any():
-        message = (
+        raise InputError(
             f"{field}: expected a first touch on the pad, received one on the border of the pad, "
             "where the finger is cut or the nail begins; choose another angle or place"
         )
-        raise InputError(message)
     return replace(placed, origin=placed.origin + distance[first] * placed.axis)
 
 
 def _foremost(body: Solid, axis: Array) -> Array:
-    """Return where (3,) a plate moving along `axis` meets the smooth pad first.
+    """Return the first touch (3,) of the smooth pad with a plate that moves along `axis`.
 
-    Of its vertices the first is up to 1.4 mm beside it, where the pad is flat.
+    The foremost vertex is up to 1.4 mm away from it, where the pad is flat.
     """
     point = foremost(body.space.points, body.normals, body.pad, axis)
     return point * (1.0, 0.0, 1.0) if body.half else point
@@ -78,11 +76,10 @@ def check_inside(body: Solid, pressed: Integers, depth: float) -> None:
     length = float(np.ptp(body.space.points[:, 0]))
     at_cut = reached[:, 0].min() < body.space.points[:, 0].min() + ON_THE_CUT * length
     what = "proximal cut, behind which there is no finger" if at_cut else "nail"
-    message = (
+    raise InputError(
         f"motion: expected contact inside the pad, but at a depth of {depth:.3g} mm it reaches the "
         f"{what}; press less, or at another angle or place"
     )
-    raise InputError(message)
 
 
 def border(body: Solid) -> Integers:

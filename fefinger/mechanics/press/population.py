@@ -19,17 +19,16 @@ if TYPE_CHECKING:
 
 
 def place(ask: "Ask", skin: "Surface", axis: ArrayLike) -> "Population":
-    """Return the units that a scene asks for, under a skin.
+    """Return the requested units of a scene, placed under a skin.
 
     axis (3,): the inward normal at the first touch, which is the origin. InputError for places
-    beside the skin, and as `neural.populations`.
+    off the skin, and as `neural.populations`.
     """
     from fefinger.neural.populations import populate
 
     layout, rows = ask.population, innervation()
     if layout is None:
-        msg = "ask.population: expected one, received none"
-        raise InputError(msg)
+        raise InputError("ask.population: expected one, received none")
     types, places, numbers = _places(layout, ask.spikes, skin, np.asarray(axis, float))
     depths = {kind: row.depth for kind, row in receptors().items()}
     return populate(
@@ -59,11 +58,10 @@ def _places(
         kinds, flat = populations.scatter(wanted, layout.radius, axis, seed=layout.seed)
         points, on = populations.settled(skin, flat, axis)
         if not on.all():
-            msg = (
+            raise InputError(
                 f"ask.population.radius: {np.count_nonzero(~on)} of {len(on)} units within "
                 f"{layout.radius:g} mm lie beside the skin of the pad; choose a smaller radius"
             )
-            raise InputError(msg)
         return kinds, points, np.arange(len(kinds))
     if isinstance(layout, Grid):
         points, which = populations.grid(skin, layout.spacing, layout.radius)
@@ -75,8 +73,7 @@ def _places(
         name = "ask.population.places"
         points = populations.over(skin, layout.places, name, "move them towards the first touch")
     else:
-        msg = f"ask.population: expected a layout of the package, received {layout!r}"
-        raise InputError(msg)
+        raise InputError(f"ask.population: expected a layout of the package, received {layout!r}")
     kinds = _each(types, points)
     return kinds, np.repeat(points, len(types), axis=0), np.arange(len(kinds))
 
@@ -87,7 +84,7 @@ def _each(types: Sequence[str], points: Array) -> tuple[str, ...]:
 
 
 def sites(population: "Population") -> "Sites":
-    """Return the sites of all end organs: what a mechanics gives the strain at."""
+    """Return the sites of all end organs, at which a mechanics computes the strain."""
     from fefinger.results.records import Sites
 
     return Sites(

@@ -20,7 +20,7 @@ from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integra
 
 
 BESIDE = 0.02
-"""Distance from the preload, over it, between which the slope of the carried press is taken."""
+"""Half the interval about the preload, relative to it, of the slope of the carried press."""
 
 
 def about_preload(finger: Finger, share: float) -> Finger:
@@ -36,7 +36,7 @@ def about_preload(finger: Finger, share: float) -> Finger:
 
 @dataclass(frozen=True)
 class PreloadRelaxation:
-    """What the relaxation about a preload changes of a carried press along a vibration.
+    """Correction of a carried press for the relaxation about a preload, along a vibration.
 
     table: the press; share: s; preload mm; stiffness N/mm of the relaxed finger there.
     """

@@ -1,4 +1,4 @@
-"""A press as a finite-element solver sees it, and how it is made from a scene."""
+"""Press: all inputs of a finite-element contact problem, made from a scene."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ import numpy as np
 from fefinger.fem.body import Body, Reduced, Solid
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.linalg.system import System
+from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import placement
 from fefinger.mechanics.press.continuation import FORCE_DEPTH, continued
@@ -19,7 +20,6 @@ from fefinger.mechanics.press.sites import central_sites, end_organ_sites
 from fefinger.mechanics.press.skin import meshed
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mesh.store import load_or_build
-from fefinger.neural.populations import Surface
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -73,7 +73,7 @@ class ReferencePlate:
 
 @dataclass(frozen=True)
 class Press:
-    """A press as a finite-element solver sees it; a solver sees nothing else of a scene.
+    """Inputs of a finite-element contact problem; a solver uses nothing else of a scene.
 
     mechanics: the name that the answer carries; method: how the body was built and is solved;
     mesh: of all regions; body: the soft tissue that is solved; finger: its sizes and tissues;
@@ -82,8 +82,7 @@ class Press:
     the press that scales that strain, where spikes are wanted; pressure, fields: whether they are
     wanted; notes: the simplifications that a reader of the answer has to know; friction: Coulomb's
     coefficient, and kinetic that of what slips; inclines (n_t, 2): slopes of a plate that turns,
-    if it does; foreseen: a first guess in mm of the largest depth
-    under force control, where there is one.
+    if it does; foreseen: a first guess in mm of the largest depth under force control, if any.
     """
 
     mechanics: str
@@ -116,7 +115,7 @@ class Press:
         notes: tuple[str, ...],
         refine: int = 1,
     ) -> Self:
-        """Mesh the finger of a scene, build its body and place on it what the scene names.
+        """Mesh the finger of a scene, build its body, and place indenter and end organs on it.
 
         `refine` divides every time step.
 
@@ -137,7 +136,7 @@ class Press:
         check_depth(motion, mesh, obstacle)
         sites = None
         if ask.strain or ask.spikes:
-            skin = partial(skin_of, body)
+            skin = partial(meshed, body.space.points, body.pad, body.normals, half=body.half)
             sites = end_organ_sites(ask, finger.pulp, obstacle.origin, obstacle.axis, skin)
         time = time_grid(motion, fast="FAII" in ask.spikes, refine=refine)
         plate = scene.indenter.flat if motion.rocks else None
@@ -167,8 +166,14 @@ class Press:
         )
 
     @property
+    def site_points(self) -> Array:
+        """Places (n, 3) mm in the meshed part at which the sites are read; none without sites."""
+        points = self.sites.points if self.sites else np.empty((0, 3))
+        return mirror.to_half(points) if self.body.half else points
+
+    @property
     def slides(self) -> bool:
-        """Whether the indenter moves sideways, or friction resists that the skin does."""
+        """Whether the indenter moves sideways, or there is friction."""
         return self.motion.slides or self.friction > 0
 
     @property
@@ -188,12 +193,12 @@ class Press:
 
     @property
     def sides(self) -> int:
-        """How many times the meshed part makes the whole finger."""
+        """Number of copies of the meshed part in the whole finger: 2 for a half model."""
         return 2 if self.body.half else 1
 
     @property
     def load_unit(self) -> float:
-        """A unit of the motion, mm or N, as the solvers count: in mm, or mN on the meshed part."""
+        """Factor from the unit of the motion, mm or N, to mm or mN on the meshed part."""
         by_depth = self.motion.control == "depth"
         return 1.0 if by_depth else 1 / NEWTON_PER_MILLINEWTON / self.sides
 
@@ -222,8 +227,3 @@ def reference_plate(finger: Finger, body: Solid, ask: Ask) -> ReferencePlate:
     obstacle = placement.obstacle(STANDARD, body)
     sites = central_sites(ask, finger.pulp, obstacle.origin, obstacle.axis)
     return ReferencePlate(obstacle, sites)
-
-
-def skin_of(body: Solid) -> Surface:
-    """Return the skin of the pad that a population lies under."""
-    return meshed(body.space.points, body.pad, body.normals, half=body.half)

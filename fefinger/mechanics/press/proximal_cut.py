@@ -1,4 +1,4 @@
-"""Whether a plate along the finger reaches the proximal end, checked before a solution starts."""
+"""Check, before a solution, whether a plate along the finger reaches its proximal end."""
 
 from fefinger.mechanics.press.continuation import ALONG, NEAR, gap
 from fefinger.mechanics.situation import Situation

@@ -16,9 +16,9 @@ from fefinger.support.checks import ConvergenceError
 def reference_press(
     body: Solid, plate: ReferencePlate, method: SolutionMethod, reduced: Reduced | None = None
 ) -> Reference:
-    """Press the standard plate a little and return the strain at the sites under it.
+    """Return the strain at the sites under the standard plate, at a small depth.
 
-    `reduced` is the body under that plate, with its strain there, where that is at hand.
+    `reduced`: the body under that plate, with its strain there, if that is available.
     """
     central = plate.sites
     if reduced is None:

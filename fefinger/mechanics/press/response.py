@@ -14,14 +14,14 @@ from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_f
 from fefinger.mechanics.press.history import TANGENT_SOLVER, FiniteStrainHistory, SmallStrainHistory
 from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
 from fefinger.mechanics.press.problem import Press
-from fefinger.results.records import Pad, Response
+from fefinger.results.records import Fields, Pad, Response
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.progress import Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 def small_strain_response(press: Press, history: SmallStrainHistory, stages: Stages) -> Response:
-    """Return the answer that a press solved at small strain gives."""
+    """Return the Response of a press solved at small strain."""
     with stages.stage("fields"):
         fields = small_strain_fields(press, history) if press.fields else None
     with stages.stage("pressure"):
@@ -43,7 +43,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
             moment = whole_moment(contact.pressure @ on_pad.moment, half)
         force = press.sides * contact.pressure @ on_pad.projected * NEWTON_PER_MILLINEWTON
         strain = _small_strain(press, history)
-        beside = sliding.lateral(press, history, pad, column) if press.slides else None
+        lateral = sliding.lateral(press, history, pad, column) if press.slides else None
     penetration = deepest_penetration(gap)
     return Response(
         mechanics=press.mechanics,
@@ -70,14 +70,14 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         sources=origins(press.mesh, press.body, stages),
         gap=gap if press.pressure else None,
         moment=moment,
-        lateral=beside,
+        lateral=lateral,
     )
 
 
 def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: Stages) -> Response:
-    """Return the answer that a press solved at finite strain gives, at all times up to its end."""
+    """Return the Response of a press solved at finite strain, at all times up to its end."""
     with stages.stage("fields"):
-        fields = finite_strain_fields(press, history) if press.fields else None
+        fields = _kept_fields(press, history) if press.fields else None
     with stages.stage("pressure"):
         steps, seen, half = history.steps, history.contact.neighborhood, press.body.half
         pressure, force = _between_steps(press, history)
@@ -94,7 +94,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         depth = steps.bounded(history.depth) if by_force else steps.path
         strain = _finite_strain(press, history)
         slid = press.slides
-        beside = dragged.lateral(press, history, borne, force, column) if slid else None
+        lateral = dragged.lateral(press, history, borne, force, column) if slid else None
         notes = dragged.notes(press, history, borne)
     penetration = deepest_penetration(history.gap)
     return Response(
@@ -125,7 +125,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         sources=origins(press.mesh, press.body, stages) | {"solver": TANGENT_SOLVER},
         gap=gap,
         moment=moment,
-        lateral=beside,
+        lateral=lateral,
     )
 
 
@@ -159,7 +159,7 @@ def deepest_penetration(gap: Array) -> float:
 
 
 def exactness(penetration: float) -> str:
-    """Return in what sense the complementarity of a contact is exact, for its status."""
+    """Describe for the status of a contact how exact its complementarity is."""
     return (
         "exact complementarity of pressures and weighted gaps; "
         f"vertices lie up to {penetration:.2g} mm inside the indenter"
@@ -181,6 +181,14 @@ def _finite_strain(press: Press, history: FiniteStrainHistory) -> Array | None:
         return None
     strain = history.steps.smooth(history.strain)
     return mirror.from_half(strain, press.sites.points) if press.body.half else strain
+
+
+def _kept_fields(press: Press, history: FiniteStrainHistory) -> Fields:
+    """Return the fields at the load steps whose state was kept."""
+    kept = np.array(sorted(history.frames))
+    states = (history.frames[number] for number in kept)
+    vertices, pressure = history.contact.on.vertices, history.pressure[kept]
+    return finite_strain_fields(press, history.steps.times[kept], states, vertices, pressure)
 
 
 def _between_steps(press: Press, history: FiniteStrainHistory) -> tuple[Array, Array]:

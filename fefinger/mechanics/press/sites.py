@@ -1,4 +1,4 @@
-"""Places of the end organs, also of those of the reference press.
+"""Positions of the end organs, and of those of the reference press.
 
 Shared by all mechanics; needs no mesh. Their strain is read by `fem/elements/recovery.py`.
 """
@@ -61,9 +61,8 @@ def end_organ_sites(
 def _check_above_bone(depths: Array, pulp: float) -> None:
     deepest = float(depths.max(initial=0.0))
     if deepest >= pulp:
-        message = (
+        raise InputError(
             f"ask.depths: expected end organs above the bone, less than {pulp:g} mm deep, received "
             f"one at {deepest:g} mm; give depths that this finger has, or ask for the types of "
             "lesser depth alone"
         )
-        raise InputError(message)

@@ -72,8 +72,8 @@ def with_tractions(body: Solid, on: Patch, axis: Array) -> Patch:
     """
     along, across = (directed(body.space, on, each) for each in frame(axis)[:2])
     if body.half:
-        beside = body.space.points[on.vertices, 1] != 0
-        across = across @ sparse.diags_array(beside.astype(float))
+        off_plane = body.space.points[on.vertices, 1] != 0
+        across = across @ sparse.diags_array(off_plane.astype(float))
     loads = sparse.hstack([on.loads, along, across]).tocsc()
     return replace(on, vertices=np.tile(on.vertices, 3), loads=loads)
 
@@ -107,12 +107,7 @@ def solved(
 ) -> History:
     """Solve the contact along the path of the motion.
 
-    Raises
-    ------
-    InputError
-        If contact reaches the end of the object.
-    ConvergenceError
-        If a contact solution is not reached.
+    InputError if contact reaches the end of the object; ConvergenceError as `small_strain.respond`.
     """
     on = reduced.patch
     travel = Travel.of(press.body.space, press.body.normals, on, press.obstacle)

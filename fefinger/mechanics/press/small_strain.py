@@ -12,7 +12,6 @@ from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.step_compiled import march
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.recovery import recovered_strain_at
-from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement, problem, sliding
 from fefinger.mechanics.press.constitutive import tissues
@@ -51,7 +50,7 @@ WHOLE_MESH = SolutionMethod(
     lambda body, loads: body.system.solve(loads),
     refinement_location,
 )
-"""How `linear` solves: a factor of the whole mesh, which is fine where the indenter touches."""
+"""Method of `linear`: a factor of the whole mesh, which is fine where the indenter touches."""
 
 
 def respond(
@@ -63,7 +62,7 @@ def respond(
     method: SolutionMethod = WHOLE_MESH,
     refine: int = 1,
 ) -> Response:
-    """Answer the scene; `refine` divides every time step.
+    """Solve the scene; `refine` divides every time step.
 
     Raises
     ------
@@ -81,36 +80,27 @@ def respond(
 def solve(press: Press, stages: Stages) -> SmallStrainHistory:
     """Solve the contact at all times, and the reference press.
 
-    Raises
-    ------
-    InputError
-        If contact leaves what the indenter or the pad offers, or the mesh does not resolve it.
-    ConvergenceError
-        If a linear or contact solution is not reached.
+    Errors as `respond`.
     """
-    reduced, contact = touched(press, stages)
+    reduced, contact = solve_contact(press, stages)
     with stages.stage("reference"):
         reference = reference_of(press, reduced, float(contact.depth.max()))
     return SmallStrainHistory(reduced, contact, reference)
 
 
-def touched(
+def solve_contact(
     press: Press, stages: Stages, advance: Advance | None = None
 ) -> tuple[Reduced, History]:
     """Solve the contact, with more candidate vertices as long as it reaches their rim.
 
-    Beside an edge the gap grows within a facet to any reach: each time there is one ring more.
+    Next to an edge the gap grows within a facet to any reach: so each attempt has one more ring.
     `advance` solves a body on its candidates through time; by default without inertia.
 
-    Raises
-    ------
-    InputError, ConvergenceError
-        As `solve`.
+    Errors as `respond`.
     """
     advance = advance or _quasistatic
     body, motion = press.body, press.motion
-    where = press.sites.points if press.sites else np.empty((0, 3))
-    where = mirror.to_half(where) if body.half else where
+    where = press.site_points
     probe = recovered_strain_at(body.space, where, body.planes)
     value = press.load_unit * motion.value(press.time)
     prescribed = Prescribed(motion.control, press.time, value)

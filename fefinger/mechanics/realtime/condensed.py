@@ -4,8 +4,8 @@
     step = finger.step(depth=0.3, dt=1e-3)
     step.force, step.strain
 
-It is `mechanics/condensed` without a scene: the operator of the finger is built once and kept, an
-indenter is placed in about a second, and then no array is made from one step to the next.
+It is `mechanics/condensed` without a scene: the operator of the finger is built once and cached, an
+indenter is placed in about a second, and no memory is allocated from one step to the next.
 """
 
 import math
@@ -16,11 +16,11 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from fefinger.fem.body import Reduced, Solid
-from fefinger.fem.condensation import Operator, OutsideError, faces_down
+from fefinger.fem.condensation import OutsideError, faces_down
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.obstacle import Obstacle, Rigid
-from fefinger.fem.contact.patch import patch
+from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
@@ -42,7 +42,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.progress import Stages
 from fefinger.support.tolerances import COMPLEMENTARITY
@@ -56,7 +56,8 @@ class Condensed:
     Parameters
     ----------
     finger, indenter
-        As in a scene; or an obstacle with an `axis` and a `gap(points)`, as `fem.obstacle.Rigid`.
+        As in a scene; or an obstacle with an `axis` and a `gap(points)`, as
+        `fem.contact.obstacle.Rigid`.
     deepest
         Depth in mm that the pad has to answer; the candidate vertices follow from it.
     sites
@@ -102,7 +103,14 @@ class Condensed:
             sites = central_sites(Ask(), finger.pulp, origin, touch.axis)
         self.sites = sites
         where = mirror.to_half(self.sites.points) if half else self.sites.points
-        reduced = _reduced_to_candidates(finger, solid, touch, self.deepest, where)
+        probe, surface = partial(recovered_strain_at, solid.space, where, solid.planes), solid.space
+        reach, within = problem.REACH * self.deepest, faces_down(solid)
+        reduced = reduced_to_candidates(
+            self.deepest,
+            lambda rings: patch(surface, solid.pad, solid.normals, touch, reach, rings, within),
+            lambda on_pad: operator.reduced(finger, solid, on_pad, where, probe),
+            lambda on_pad: on_pad.border & ~on_pad.obstacle_border,
+        )
         self.solid, self.patch, self.flexibility = solid, reduced.patch, reduced.flexibility
         self.touch, self.reduced = touch, reduced
         self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
@@ -121,7 +129,7 @@ class Condensed:
 
     @property
     def counts(self) -> Integers:
-        """How much work it was (5,): see `fem.active.K` and the names beside it."""
+        """Counts (5,) of the work of the solver, by the indices of `fem.contact.lcp_compiled`."""
         return self._state.counts
 
     @property
@@ -167,7 +175,7 @@ class Condensed:
         return self._advance(dt, depth, False)
 
     def step_contact(self, depth: float, dt: float) -> Step:
-        """Move as `step` does, and leave the strain as it was: contact and force alone.
+        """Move as `step` does, but compute contact and force alone; the strain is not updated.
 
         Raises
         ------
@@ -207,30 +215,21 @@ class Condensed:
         return self._read()
 
     def _stiffness(self, depth: float) -> float:
-        """Return t at a depth; where it is not above 0 the pad must never have been touched."""
+        """Return t at a depth; it may be 0 or less only while the pad has no stress history."""
         if self._stiffening is None:
             return 1.0
         value = float(self._stiffening(depth))
         if value > 0.0:
             return value
         if self._memory.elastic.any():
-            message = (
+            raise InputError(
                 f"stiffening: expected t above 0 as long as the tissue remembers a contact, "
                 f"received {value:g} at a depth of {depth:g} mm; reset, or stay in contact"
             )
-            raise InputError(message)
         return 1.0
 
     def _read(self) -> Step:
-        now, summary = self.now, self.output.summary
-        now.depth = float(self._memory.depth[0])
-        now.force = summary[step_compiled.FORCE] * self._sides * NEWTON_PER_MILLINEWTON
-        now.contact_area, now.x, now.y = (
-            summary[step_compiled.AREA],
-            summary[step_compiled.X],
-            summary[step_compiled.Y],
-        )
-        return now
+        return read_summary(self.now, self._memory, self.output, self._sides)
 
     def run(self, motion: Motion, *, fast: bool = False) -> Response:
         """Return the Response to a whole motion from rest; `fast` limits the step to 0.2 ms.
@@ -281,37 +280,48 @@ class Condensed:
         return History(depth, pressure, elastic, int(self._state.counts[lcp_compiled.SOLVED]))
 
 
-def _reduced_to_candidates(
-    finger: Finger, solid: Operator, touch: Rigid, deepest: float, where: Array
+def reduced_to_candidates(
+    deepest: float,
+    candidates: Callable[[int], Patch],
+    reduce: Callable[[Patch], Reduced],
+    rim: Callable[[Patch], Flags],
 ) -> Reduced:
-    """Return the finger reduced to the candidates of a press of `deepest` mm.
+    """Return a finger reduced to the candidates of a press of `deepest` mm.
 
-    Beside an edge the gap grows within a facet to any reach: there, one ring more each time, but
-    none beyond the palmar part: a step whose contact gets there is refused.
+    candidates: those with a number of additional rings: beside an edge the gap grows within a facet
+    to any reach, and there is one ring more each time, but none beyond the palmar part: a step
+    whose contact gets there is refused. reduce: the finger on candidates, whose first unit loads
+    are the pressures on them. rim (n,): where contact asks for one more ring.
     """
-    probe, reduced = partial(recovered_strain_at, solid.space, where, solid.planes), None
-    within = faces_down(solid)
+    reduced = None
     for rings in range(problem.ATTEMPTS):
-        reach = problem.REACH * deepest
-        on_pad = patch(solid.space, solid.pad, solid.normals, touch, reach, rings, within)
-        if len(on_pad.vertices) == 0:
+        on_pad = candidates(rings)
+        count = len(on_pad.vertices)
+        if count == 0:
             raise InputError(limits.NOTHING_UNDER)
         try:
-            reduced = operator.reduced(finger, solid, on_pad, where, probe)
+            reduced = reduce(on_pad)
         except OutsideError:
             break
-        pressure = Complementarity(reduced.flexibility).solve(
-            on_pad.gap - deepest * on_pad.projected
-        )
-        if not (pressure[on_pad.border & ~on_pad.obstacle_border] > 0).any():
+        solver = Complementarity(reduced.flexibility[:count, :count])
+        pressure = solver.solve(on_pad.gap - deepest * on_pad.projected)
+        if not (pressure[rim(on_pad)] > 0).any():
             break
     if reduced is None:
-        message = (
+        raise InputError(
             "deepest: expected a depth at which the indenter stays over the palmar part of the "
             f"pad, received {deepest:g} mm; give a smaller one"
         )
-        raise InputError(message)
     return reduced
+
+
+def read_summary(
+    now: Step, pad: step_compiled.PadState, output: step_compiled.Output, sides: float
+) -> Step:
+    """Set depth, force, area and center of pressure of a step, of a finger of so many `sides`."""
+    force, now.contact_area, now.x, now.y = output.summary.tolist()
+    now.depth, now.force = float(pad.depth[0]), force * sides * NEWTON_PER_MILLINEWTON
+    return now
 
 
 def afferents(

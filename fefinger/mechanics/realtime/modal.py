@@ -27,7 +27,7 @@ from fefinger.mechanics.press.harmonic import Vibrating
 from fefinger.mechanics.press.modal_body import body_of_modes
 from fefinger.mechanics.press.modal_steps import RESOLVED
 from fefinger.mechanics.press.mode_store import finger_modes
-from fefinger.mechanics.realtime.condensed import Condensed, unfolded
+from fefinger.mechanics.realtime.condensed import Condensed, read_summary, unfolded
 from fefinger.mechanics.realtime.step import Step
 from fefinger.mesh.store import load_or_build
 from fefinger.neural.recorded_streaming import RecordedAfferents
@@ -206,8 +206,7 @@ class Modal:
         """
         last = len(self.modes.squares) - 1
         if which not in range(last + 1):
-            message = f"mode: expected a number from 0 to {last}, received {which!r}"
-            raise InputError(message)
+            raise InputError(f"mode: expected a number from 0 to {last}, received {which!r}")
         frames = int(number("frames", frames, at_least=1))
         solid, mesh = self._still.solid, load_or_build(self.finger, half=self._still.solid.half)
         moved = np.zeros(solid.space.n_unknowns)
@@ -248,11 +247,10 @@ class Modal:
 
     def _check_step(self, dt: float) -> None:
         if not 0 < dt <= self._contact.longest:
-            message = (
+            raise InputError(
                 f"dt: expected a step above 0 and of at most {self.dt:g} s, for which the finger "
                 f"was made, received {dt!r}; make it with a longer `dt`, or call `rest`"
             )
-            raise InputError(message)
 
     def _advance(self, dt: float, target: float, *, by_force: bool) -> Step:
         outcome = self._contact.step(dt, target, by_force=by_force)
@@ -262,12 +260,7 @@ class Modal:
         return self._read()
 
     def _read(self) -> Step:
-        contact, output, now = self._contact, self._output, self.now
+        contact, output = self._contact, self._output
         step_compiled.read(contact.lcp, contact.pad, output, 1.0)
         add_strain(output, self._rows, contact.modes.amplitude.astype(self._rows.dtype))
-        now.depth = float(contact.pad.depth[0])
-        summary = output.summary
-        now.force = summary[step_compiled.FORCE] * self._sides * NEWTON_PER_MILLINEWTON
-        now.contact_area = summary[step_compiled.AREA]
-        now.x, now.y = summary[step_compiled.X], summary[step_compiled.Y]
-        return now
+        return read_summary(self.now, contact.pad, output, self._sides)

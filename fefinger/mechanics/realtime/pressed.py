@@ -69,8 +69,7 @@ class Pressed:
     ) -> None:
         self.deepest = number("deepest", deepest, above=0, unit="mm")
         for reason in (*apart(finger), *yielding(finger)):
-            message = f"{reason}; use the mechanics 'solid'"
-            raise InputError(message)
+            raise InputError(f"{reason}; use the mechanics 'solid'")
         stages, motion = Stages(progress), Ramp(1.0, self.deepest, corner=0.0)
         ask = Ask(spikes=TYPES)
         scene = Scene(finger=finger, indenter=indenter, motion=motion, ask=ask)
@@ -137,8 +136,7 @@ class Pressed:
         try:
             self._spring.advance_force(dt, force)
         except ValueError as error:
-            message = f"{error} N; give a larger `deepest`"
-            raise InputError(message) from None
+            raise InputError(f"{error} N; give a larger `deepest`") from None
         return self._read()
 
     def _read(self) -> Step:

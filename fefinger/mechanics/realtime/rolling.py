@@ -1,7 +1,7 @@
-"""A plate that rolls over a finger: the angle changes while the tissue remembers its traction.
+"""A plate that rolls over a finger in real time: its angle changes from step to step.
 
-As the normal turns, so does the traction that the tissue remembers, so the history is one of
-vectors in the medial plane (`fem/contact/rolling_step.py`). The operator is that of
+As the normal turns, so does the traction of the stress history, so the history is one of vectors
+ in the medial plane (`fem/contact/rolling_step.py`). The operator is that of
 `mechanics/condensed.py`. A step that turns costs a few times one of `Condensed`, where the indenter
 keeps its direction.
 """
@@ -109,7 +109,7 @@ class Rolling:
         return self._reduced(points).strain
 
     def reset(self) -> None:
-        """Take the plate off, and let the tissue forget."""
+        """Lift the plate off and clear the stress history."""
         step_compiled.reset(self._state, self._memory)
         self._strain[:] = 0.0
         self._read(0.0)

@@ -43,7 +43,7 @@ PLACES = 16  # of the pad, with one unit of each type below
 
 @dataclass(frozen=True)
 class Frame:
-    """What is on screen: s, mm, degrees, N; spikes (unit, s) so far; steps and their seconds."""
+    """State on screen: s, mm, degrees, N; spikes (unit, s) so far; steps and their seconds."""
 
     time: float
     depth: float
@@ -74,7 +74,7 @@ class Show:
         self.units: Afferents | RecordedAfferents = afferents(finger, solid, self.organs)
 
     def frames(self) -> Iterator[Frame]:
-        """Step through the script, and stop at every frame of it."""
+        """Step through the script and yield its frames."""
         times, depths, angles = np.array(SCRIPT).T
         spikes: list[tuple[int, float]] = []
         count, seconds = round(times[-1] / DT), 0.0
@@ -126,7 +126,7 @@ def compressive(strain: Array) -> Array:
 
 
 def status_line(frame: Frame) -> str:
-    """Return the line on screen: where the plate is, and how fast the machine is."""
+    """Return the status line: pose of the plate, force, and speed of the computation."""
     return (
         f"{frame.time:.2f} s   {frame.depth:.2f} mm at {frame.angle:.0f}°   {frame.force:.2f} N   "
         f"{frame.rate:.0f} steps/s = {frame.rate * DT:.2f} x real time"

@@ -1,4 +1,4 @@
-"""A finger over which an object slides in a loop of one's own, with or without friction.
+"""A finger under a sliding object, stepped in real time, with or without friction.
 
     finger = ff.Sliding(ff.Finger.subject("a.h.", tissue="maeno1998"), ff.Dots(3.0, friction=0.3))
     step = finger.step(depth=0.5, shift=(-1.2, 0.0), dt=1e-3)
@@ -16,17 +16,17 @@ from typing import Any, Literal
 import numpy as np
 
 from fefinger.fem.body import Reduced
-from fefinger.fem.condensation import OutsideError, faces_down
+from fefinger.fem.condensation import faces_down
 from fefinger.fem.contact import friction_state, friction_step, lcp_compiled, step_compiled
-from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.fem.contact.patch import Patch
 from fefinger.fem.contact.sliding_march import sticks
 from fefinger.fem.contact.travel import Travel
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry.profiles import frame
-from fefinger.mechanics.press import limits, operator, placement, problem
+from fefinger.mechanics.press import operator, placement
 from fefinger.mechanics.press import sliding as press_sliding
 from fefinger.mechanics.press.sites import central_sites
-from fefinger.mechanics.realtime.condensed import afferents, step_output
+from fefinger.mechanics.realtime.condensed import afferents, reduced_to_candidates, step_output
 from fefinger.mechanics.realtime.step import Step
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.streaming import Afferents
@@ -45,12 +45,12 @@ LEFT = (
 )
 
 AROUND = 8
-"""Places on a circle of the radius `reach` that stand for all that an object may take."""
+"""Number of places on the circle of radius `reach` at which candidates are sought."""
 
 
 @dataclass(slots=True)
 class SlidingStep(Step):
-    """Result of a step of `Sliding`: a `Step`, and what it has across the object's normal.
+    """Result of a step of `Sliding`: a `Step` with the quantities along the object's plane.
 
     shift (2,) mm of the object, lateral (2,) N the force on the finger, both distal and radial;
     torque N mm on the finger about the normal through the center of pressure, and stick mm² the
@@ -139,35 +139,23 @@ class Sliding:
 
     def _reduced(self) -> Reduced:
         """Return the finger reduced to candidates that a press of `deepest` mm stays within."""
-        solid, obstacle, reduced = self.solid, self._obstacle, None
+        solid, obstacle = self.solid, self._obstacle
         angles = np.linspace(0.0, 2 * np.pi, AROUND, endpoint=False)
         circle = self.reach * np.column_stack([np.cos(angles), np.sin(angles)])
         path = np.vstack([np.zeros((1, 2)), circle if self.reach else circle[:0]])
         probe = partial(recovered_strain_at, solid.space, self.sites.points, solid.planes)
-        for rings in range(problem.ATTEMPTS):
-            on = press_sliding.candidates(
-                solid, obstacle, path, self.deepest, rings, faces_down(solid)
-            )
-            if len(on.vertices) == 0:
-                raise InputError(limits.NOTHING_UNDER)
-            axis, friction = obstacle.axis, self.indenter.friction
+
+        def candidates(rings: int) -> Patch:
+            within = faces_down(solid)
+            return press_sliding.candidates(solid, obstacle, path, self.deepest, rings, within)
+
+        def reduce(on: Patch) -> Reduced:
+            friction, axis = self.indenter.friction, obstacle.axis
             loaded = press_sliding.with_tractions(solid, on, axis) if friction else on
-            try:
-                made = operator.reduced(self.finger, solid, loaded, self.sites.points, probe)
-            except OutsideError:
-                break
-            reduced, count = replace(made, patch=on), len(on.vertices)
-            solver = Complementarity(reduced.flexibility[:count, :count])
-            pressure = solver.solve(on.gap - self.deepest * on.projected)
-            if not (pressure[on.border] > 0).any():
-                break
-        if reduced is None:
-            message = (
-                "deepest: expected a depth at which the indenter stays over the palmar part of the "
-                f"pad, received {self.deepest:g} mm; give a smaller one"
-            )
-            raise InputError(message)
-        return reduced
+            made = operator.reduced(self.finger, solid, loaded, self.sites.points, probe)
+            return replace(made, patch=on)
+
+        return reduced_to_candidates(self.deepest, candidates, reduce, lambda on: on.border)
 
     def afferents(self, **options: Any) -> Afferents | RecordedAfferents:
         """Return the units of the sites, to be stepped with the strain of every step.
@@ -187,7 +175,7 @@ class Sliding:
         self._read()
 
     def step(self, depth: float, shift: tuple[float, float], dt: float) -> SlidingStep:
-        """Move the object to `depth` mm and (x, y) mm in `dt` s; return what the finger answers.
+        """Move the object to `depth` mm and (x, y) mm in `dt` s; return force, pressure and strain.
 
         The depth counts from first touch at the first place. A step that is refused leaves the
         finger as it was.
@@ -221,8 +209,7 @@ class Sliding:
     ) -> SlidingStep:
         place = np.array(shift, dtype=float)
         if not (place.shape == (2,) and np.isfinite(place).all()):
-            message = f"shift: expected two finite numbers in mm, received {shift!r}"
-            raise InputError(message)
+            raise InputError(f"shift: expected two finite numbers in mm, received {shift!r}")
         if not 0.0 <= dt < math.inf:
             number("dt", dt, at_least=0, unit="s")
         gap, rim = self._travel.gap(place)

@@ -44,11 +44,10 @@ class Stiffening:
         """Return t at a depth in mm; 0 out of contact."""
         into = max(number("depth", depth, unit="mm"), 0.0)
         if self.m * into > LARGEST:
-            message = (
+            raise InputError(
                 f"stiffening: expected m times depth of at most {LARGEST:g}, received "
                 f"{self.m:g} 1/mm times {into:g} mm; press less deep"
             )
-            raise InputError(message)
         return self.b * into * float(exprel(self.m * into))
 
     @classmethod
@@ -85,26 +84,23 @@ class Stiffening:
         misfit = float(np.abs(fit.fun).max())
         b, m = unit * float(np.exp(fit.x[0])), float(fit.x[1])
         if not fit.success:
-            message = (
+            raise ConvergenceError(
                 f"stiffening: the search for t had not settled after {fit.nfev} evaluations, "
                 f"at b = {b:.3g} 1/mm, m = {m:.3g} 1/mm and a misfit of {misfit:.2g}; "
                 "check the forces"
             )
-            raise ConvergenceError(message)
         return cls(b, m, misfit)
 
 
 def _check(depth: Array, force: Array) -> None:
     """Refuse depths (n,) mm and forces (n,) N that no t can be fitted to."""
     if depth.ndim != 1 or depth.shape != force.shape or (depth > 0).sum() < 2:
-        message = (
+        raise InputError(
             "stiffening: expected as many forces as depths, two or more of them above 0, "
             f"received depths of shape {depth.shape} and forces of shape {force.shape}"
         )
-        raise InputError(message)
     if not (np.isfinite(depth).all() and np.isfinite(force).all() and force.max() > 0):
-        message = (
+        raise InputError(
             "stiffening: expected finite depths, and finite forces of which the largest is above "
             f"0 N, received depths up to {depth.max():g} mm and forces up to {force.max():g} N"
         )
-        raise InputError(message)

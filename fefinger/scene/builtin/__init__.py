@@ -75,11 +75,10 @@ def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene
     elif Path(name).exists():
         tables, folder = read(name), Path(name).parent
     else:
-        msg = (
+        raise InputError(
             f"scene {str(name)!r}: no such file, and no built-in scene of that name"
             f" ({', '.join(names())}).{nearest(str(name), names())}"
         )
-        raise InputError(msg)
     tables.setdefault("name", Path(name).stem)
     _check_tissue(tables, overrides or {})
     return Scene.from_dict(changed(tables, overrides or {}), folder=folder)
@@ -94,11 +93,10 @@ def _check_tissue(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> No
         return
     written = [f"[finger.{layer}]" for layer in LAYERS if layer in finger]
     if written and wanted != finger.get("tissue", Finger.tissue):
-        msg = (
+        raise InputError(
             f"finger.tissue: expected a scene that takes its layers from the set, received "
             f"one with {' and '.join(written)}, which would not change; remove them from the scene"
         )
-        raise InputError(msg)
 
 
 def changed(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
@@ -112,8 +110,7 @@ def changed(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str
             table = table.setdefault(parent, {})
             if not isinstance(table, dict):
                 where = ".".join(parents[: i + 1])
-                msg = f"{path}: expected a table at {where}, which is {table!r}"
-                raise InputError(msg)
+                raise InputError(f"{path}: expected a table at {where}, which is {table!r}")
         if key in order and table.get(key) != overrides[path]:
             _forget_others(".".join(parents), table, key, overrides[path])
         table[key] = overrides[path]
@@ -126,8 +123,7 @@ def settings(texts: Iterable[str]) -> dict[str, Any]:
     for line in texts:
         path, equals, value = (part.strip() for part in line.partition("="))
         if not equals or not path or not value:
-            msg = f"--set {line!r}: expected FIELD=VALUE, as in motion.depth=2"
-            raise InputError(msg)
+            raise InputError(f"--set {line!r}: expected FIELD=VALUE, as in motion.depth=2")
         try:
             overrides[path] = tomllib.loads(f"value = {value}")["value"]
         except tomllib.TOMLDecodeError:

@@ -221,8 +221,7 @@ def two_pole(time: ArrayLike, signal: ArrayLike, corner: float = 1000.0) -> Arra
     time = elastic.numbers("two_pole", "times", time)
     signal = elastic.numbers("two_pole", "values", signal)
     if time.ndim != 1 or signal.shape != time.shape or (np.diff(time) <= 0).any():
-        msg = "two_pole: expected a value at each of rising times, (n_t,) both"
-        raise ValueError(msg)
+        raise ValueError("two_pole: expected a value at each of rising times, (n_t,) both")
     # One of the conjugate pair; the real part of its state, doubled in `gain`, holds both.
     pole = 2 * np.pi * corner * np.exp(0.75j * np.pi)
     gain = 2 * (2 * np.pi * corner) ** 2 / (pole - pole.conjugate())

@@ -133,8 +133,7 @@ def _search(
         raise ValueError(msg)
     reach = np.maximum(depth, 0.0)
     if not reach.max() > 0:
-        msg = "depth: expected a contact, received no depth above 0 mm"
-        raise ValueError(msg)
+        raise ValueError("depth: expected a contact, received no depth above 0 mm")
     widest = float(np.sqrt(4 * start[0] * reach.max()))  # contact radius at R = 4 times the guess
     cap = BlurredCap(widest, float(np.max(np.asarray(distance))), sigma)
 

@@ -90,7 +90,7 @@ class Table:
         outside = legendre.legval(y, inner[:, :, None], tensor=False)
         return np.asarray(self.force(depth)[:, None] * (1 - outside / inner.sum(axis=0)[:, None]))
 
-    def strain(self, depth: ArrayLike, r: ArrayLike, *, z: ArrayLike) -> Array:
+    def strain(self, depth: ArrayLike, r: ArrayLike, z: ArrayLike) -> Array:
         """Return the elastic strain (n_d, 4, n_p) below the contacts at `depth` (n_d,) mm.
 
         r (n_p,), z (n_p,) in mm; components r, theta, z and rz (tensor). ValueError for
@@ -151,8 +151,7 @@ class Table:
         """Check that depths are in the range of the table."""
         depth = np.asarray(depth, np.float64)
         if not np.all((depth >= 0) & (depth <= self.deepest * (1 + 1e-12))):
-            msg = f"Table: expected depths in 0 to {self.deepest:.6g} mm"
-            raise ValueError(msg)
+            raise ValueError(f"Table: expected depths in 0 to {self.deepest:.6g} mm")
         return depth
 
 
@@ -177,8 +176,7 @@ def tabulate(stack: Stack, radius: float, *, widest: float, levels: int = LEVELS
     """
     elastic.require_positive("tabulate", radius=radius, widest=widest)
     if levels < FEWEST:
-        msg = f"tabulate: expected at least {FEWEST} levels, received {levels!r}"
-        raise ValueError(msg)
+        raise ValueError(f"tabulate: expected at least {FEWEST} levels, received {levels!r}")
     # Quadratic spacing: the departure from Hertz begins at the thickness of the top layer, however
     # thin.
     wide = widest * (np.arange(1, levels + 1) / levels) ** 2
@@ -219,9 +217,8 @@ def tabulate_to(
     while reaches(power - 1):
         power -= 1
     if power == most and not reaches(most):
-        msg = (
+        raise ValueError(
             f"tabulate_to: expected a {quantity} whose contact is at most as wide as the radius "
             f"{radius:g} mm (small strain), received {wanted:g}"
         )
-        raise ValueError(msg)
     return tabulate(stack, radius, widest=min(STEP**power, radius), levels=levels)

@@ -20,8 +20,7 @@ def relative_radius(*radii: float) -> float:
         A radius of 0, or conforming surfaces, which do not touch first in a point.
     """
     if not radii or any(radius == 0 or math.isnan(radius) for radius in radii):
-        msg = f"radii: expected radii in mm other than 0, received {list(radii)}"
-        raise ValueError(msg)
+        raise ValueError(f"radii: expected radii in mm other than 0, received {list(radii)}")
     curvature = math.fsum(1 / radius for radius in radii)
     if curvature <= 0:
         msg = f"radii: expected surfaces that touch in a point, received {list(radii)} mm"
@@ -45,10 +44,8 @@ def series_modulus(*solids: tuple[float, float]) -> float:
     A rigid solid has an infinite E.
     """
     if not solids or not all(e > 0 and 0 <= nu <= 0.5 for e, nu in solids):
-        msg = f"solids: expected pairs (E > 0 kPa, nu in 0 to 0.5), received {solids}"
-        raise ValueError(msg)
+        raise ValueError(f"solids: expected pairs (E > 0 kPa, nu in 0 to 0.5), received {solids}")
     compliance = math.fsum((1 - poisson**2) / modulus for modulus, poisson in solids)
     if compliance == 0:
-        msg = "solids: expected at least one that deforms, received rigid ones only"
-        raise ValueError(msg)
+        raise ValueError("solids: expected at least one that deforms, received rigid ones only")
     return 1 / compliance

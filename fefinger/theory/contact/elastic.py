@@ -17,42 +17,37 @@ def require_positive(owner: str, **values: float) -> None:
     """Raise ValueError unless every value is finite and above zero."""
     for name, value in values.items():
         if not (math.isfinite(value) and value > 0):
-            msg = f"{owner}: expected {name} above 0, received {value!r}"
-            raise ValueError(msg)
+            raise ValueError(f"{owner}: expected {name} above 0, received {value!r}")
 
 
 def require_finite(owner: str, **values: float) -> None:
     """Raise ValueError unless every value is finite."""
     for name, value in values.items():
         if not math.isfinite(value):
-            msg = f"{owner}: expected a finite {name}, received {value!r}"
-            raise ValueError(msg)
+            raise ValueError(f"{owner}: expected a finite {name}, received {value!r}")
 
 
 def require_not_negative(owner: str, **values: float) -> None:
     """Raise ValueError unless every value is finite and zero or above."""
     for name, value in values.items():
         if not (math.isfinite(value) and value >= 0):
-            msg = f"{owner}: expected {name} of 0 or above, received {value!r}"
-            raise ValueError(msg)
+            raise ValueError(f"{owner}: expected {name} of 0 or above, received {value!r}")
 
 
 def require_elastic(owner: str, modulus: float, poisson: float) -> None:
     """Raise ValueError unless the modulus is above zero and Poisson's ratio in 0 to 0.5."""
     require_positive(owner, modulus=modulus)
     if not 0 <= poisson <= 0.5:
-        msg = f"{owner}: expected a Poisson's ratio in 0 to 0.5, received {poisson!r}"
-        raise ValueError(msg)
+        raise ValueError(f"{owner}: expected a Poisson's ratio in 0 to 0.5, received {poisson!r}")
 
 
 def require_small(owner: str, name: str, value: float, *, limit: float, of: str) -> None:
     """Raise ValueError if the length `value` mm is above the `limit` mm of linear theory."""
     if value > limit:
-        msg = (
+        raise ValueError(
             f"{owner}: expected {name} of at most {of} {limit:g} mm (small strain), received "
             f"{value:g} mm"
         )
-        raise ValueError(msg)
 
 
 def points(owner: str, r: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
@@ -60,8 +55,7 @@ def points(owner: str, r: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
     r, z = np.broadcast_arrays(np.asarray(r, np.float64), np.asarray(z, np.float64))
     inside = np.all(r >= 0) and np.all(z >= 0)
     if not (inside and np.isfinite(r).all() and np.isfinite(z).all()):
-        msg = f"{owner}: expected finite r >= 0 and z >= 0 mm (z points into the body)"
-        raise ValueError(msg)
+        raise ValueError(f"{owner}: expected finite r >= 0 and z >= 0 mm (z points into the body)")
     return r, z
 
 
@@ -75,8 +69,7 @@ def numbers(
         limit = f" of {least:g} or more" if least > -math.inf else ""
         limit = f" above {above:g}" if above > -math.inf else limit
         received = f"{wrong.flat[0]:g}" if wrong.size else "none"
-        msg = f"{owner}: expected finite {name}{limit}, received {received}"
-        raise ValueError(msg)
+        raise ValueError(f"{owner}: expected finite {name}{limit}, received {received}")
     return array
 
 
@@ -89,8 +82,7 @@ def places(owner: str, place: ArrayLike) -> Array:
     """Convert places (..., 3) mm to an array; ValueError unless below the surface."""
     place = np.asarray(place, np.float64)
     if place.shape[-1:] != (3,) or not np.isfinite(place).all() or np.any(place[..., 2] <= 0):
-        msg = f"{owner}: expected finite places (..., 3) below the surface, z > 0 mm"
-        raise ValueError(msg)
+        raise ValueError(f"{owner}: expected finite places (..., 3) below the surface, z > 0 mm")
     return place
 
 

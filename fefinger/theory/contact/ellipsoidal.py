@@ -84,5 +84,4 @@ def _level(place: Array, squares: Array) -> Array:
         level = level + np.maximum(step, 0.0)
         if np.all(step <= 1e-15 * level):
             return level
-    msg = "ellipsoidal: expected places within 1e30 contact radii of each other"
-    raise ArithmeticError(msg)
+    raise ArithmeticError("ellipsoidal: expected places within 1e30 contact radii of each other")

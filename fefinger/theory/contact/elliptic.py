@@ -58,11 +58,10 @@ class Elliptic:
         )
         elastic.require_elastic("Elliptic", self.modulus, self.poisson)
         if not 1 <= self.long_radius / self.short_radius <= LONGEST:
-            msg = (
+            raise ValueError(
                 f"Elliptic: expected long_radius / short_radius in 1 to {LONGEST:g}, received "
                 f"{self.long_radius:g} / {self.short_radius:g} mm"
             )
-            raise ValueError(msg)
         elastic.require_small(
             "Elliptic", "a depth", self.depth, limit=self.short_radius, of="the short radius"
         )

@@ -156,11 +156,10 @@ def paraboloid_at(body: LayeredBody, radius: float, *, depth: float) -> Contact:
         low -= 0.7
     while excess(high) < 0:
         if high >= math.log(widest):
-            msg = (
+            raise ValueError(
                 "paraboloid: expected a depth whose contact is at most as wide as the radius "
                 f"{radius:g} mm (small strain), received {depth:g}"
             )
-            raise ValueError(msg)
         high += 0.7
     a = math.exp(brentq(excess, low, high, xtol=1e-13, rtol=1e-13))
     return paraboloid(body, radius, contact_radius=min(a, widest))
@@ -229,11 +228,10 @@ def _solve(body: LayeredBody, a: float) -> tuple[Array, Array]:
     """Solve the equation for g = 1 and for g = x²: phi (n,) in even Legendre coefficients."""
     wide = a / body.scales[0]
     if wide > WIDEST:
-        msg = (
+        raise ValueError(
             f"indentation: expected a contact radius of at most {WIDEST:g} thicknesses of the top "
             f"layer, received {wide:.3g}"
         )
-        raise ValueError(msg)
     # phi varies over the thickness of the top layer, so the number of unknowns grows with `wide`.
     # In steps of 8, so that contacts of similar width share the cached rules.
     count = 24 + 8 * math.ceil(6 * wide / 8)

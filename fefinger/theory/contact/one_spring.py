@@ -35,14 +35,6 @@ SAME = 1e-9
 """Relative difference of depths that counts as none."""
 
 
-def depth_nodes(deepest: float, count: int = NODES) -> Array:
-    """Depths (count + 1,) from 0 to `deepest` mm, of equal steps of their root."""
-    if not (0 < deepest < np.inf and count >= 1):
-        msg = f"nodes: expected a depth above 0 mm and 1 or more, received {deepest!r}, {count!r}"
-        raise ValueError(msg)
-    return np.asarray(deepest * np.linspace(0.0, 1.0, count + 1) ** 2)
-
-
 @dataclass(frozen=True)
 class ElasticForce:
     """Force of an elastic press, linear between nodes.
@@ -67,11 +59,10 @@ class ElasticForce:
             raise ValueError(msg)
         rises = force.shape == nodes.shape and force[0] == 0 and force[-1] > 0
         if not (rises and (np.diff(force[self.first :]) > 0).all()):
-            msg = (
+            raise ValueError(
                 f"force: expected {len(nodes)} forces that are 0 at first and then rise, received "
                 f"{force!r}"
             )
-            raise ValueError(msg)
 
     @property
     def first(self) -> int:
@@ -135,8 +126,7 @@ class Spring:
         """
         deepest = float(self.elastic.nodes[-1])
         if depth > deepest * (1 + SAME):
-            msg = f"depth: expected at most {deepest:g} mm, received {depth:g} mm"
-            raise ValueError(msg)
+            raise ValueError(f"depth: expected at most {deepest:g} mm, received {depth:g} mm")
         step = self._past(dt)
         self._finish(depth, max(min(depth, deepest), self._free(*step[:2])), *step)
 

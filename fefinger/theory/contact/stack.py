@@ -76,11 +76,9 @@ class Stack:
         """Check the order of the layers and the base."""
         object.__setattr__(self, "layers", tuple(self.layers))
         if not self.layers:
-            msg = "Stack: expected at least one layer, received none"
-            raise ValueError(msg)
+            raise ValueError("Stack: expected at least one layer, received none")
         if any(layer.thickness == math.inf for layer in self.layers[:-1]):
-            msg = "Stack: expected only the last layer to be infinitely thick"
-            raise ValueError(msg)
+            raise ValueError("Stack: expected only the last layer to be infinitely thick")
         if self.base not in ("bonded", "sliding"):
             msg = f"Stack: expected the base 'bonded' or 'sliding', received {self.base!r}"
             raise ValueError(msg)
@@ -127,11 +125,9 @@ class Stack:
         """Compute the `kernels` (n_z, 4, n) at several depths z (n_z,) mm by one recursion."""
         xi, z = np.atleast_1d(np.asarray(xi, np.float64)), np.asarray(z, np.float64)
         if not (np.all(xi > 0) and np.all(np.isfinite(xi))):
-            msg = "Stack: expected wavenumbers above 0 1/mm"
-            raise ValueError(msg)
+            raise ValueError("Stack: expected wavenumbers above 0 1/mm")
         if not (np.all(z >= 0) and np.all(z <= self.thickness)):
-            msg = f"Stack: expected depths in 0 to {self.thickness:g} mm"
-            raise ValueError(msg)
+            raise ValueError(f"Stack: expected depths in 0 to {self.thickness:g} mm")
         waves = self._waves(xi)
         out = np.empty((len(z), 4, len(xi)))
         for i, depth in enumerate(z):

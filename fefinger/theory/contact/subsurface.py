@@ -54,12 +54,11 @@ def subsurface_field(
         raise ValueError(msg)
     widest = max(contact.contact_radius for contact in contacts)
     if np.any(z < SHALLOWEST * widest):
-        msg = (
+        raise ValueError(
             f"subsurface_field: expected points at least {SHALLOWEST} contact radii = "
             f"{SHALLOWEST * widest:.3g} mm deep, received {z.min():.3g} mm; on the surface use the "
             f"pressure of the contact"
         )
-        raise ValueError(msg)
     displacement = np.empty((len(contacts), 2, len(z)))
     strain = np.empty((len(contacts), 4, len(z)))
     stress = np.empty((len(contacts), 4, len(z)))

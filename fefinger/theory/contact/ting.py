@@ -54,10 +54,9 @@ class ContactHistory:
         """Combine elastic values at the nodes with the shares of the punches."""
         elastic = np.asarray(elastic, float)
         if len(elastic) != len(self.nodes):
-            msg = (
+            raise ValueError(
                 f"elastic: expected {len(self.nodes)} values at the nodes, received {len(elastic)}"
             )
-            raise ValueError(msg)
         weights = -np.diff(shares, axis=1) / np.diff(self.nodes)
         steps = np.diff(elastic, axis=0)
         flat = weights @ steps.reshape(len(steps), -1)
@@ -122,10 +121,9 @@ def press_by_force(
     """
     time, force = _signal("force", time, force)
     if force.min() < 0:
-        msg = (
+        raise ValueError(
             f"force: expected forces of 0 or more (a contact cannot pull), received {force.min():g}"
         )
-        raise ValueError(msg)
     stiffness = spring_weights(elastic_force(nodes), nodes)
 
     def balance(step: int, g: float, onset: Array) -> float:
@@ -160,8 +158,7 @@ def _signal(name: str, time: ArrayLike, values: ArrayLike) -> tuple[Array, Array
         msg = f"{name}: expected one per time, received {values.shape} for times {time.shape}"
         raise ValueError(msg)
     if not (np.isfinite(time).all() and np.isfinite(values).all() and (np.diff(time) >= 0).all()):
-        msg = f"{name}: expected finite values at times that never decrease"
-        raise ValueError(msg)
+        raise ValueError(f"{name}: expected finite values at times that never decrease")
     return time, values
 
 
@@ -174,8 +171,7 @@ def _march(
     """
     nodes = np.asarray(nodes, float)
     if len(nodes) < 2 or nodes[0] != 0 or (np.diff(nodes) <= 0).any():
-        msg = "nodes: expected depths that start at 0 and rise"
-        raise ValueError(msg)
+        raise ValueError("nodes: expected depths that start at 0 and rise")
     weights, rates = np.array(prony.weights), np.array(prony.v)
     exponent = np.multiply.outer(np.diff(time, prepend=time[0]), rates)
     decays = np.exp(-exponent)

@@ -130,11 +130,10 @@ def joint(
     starts = (of_hold, spaced) if _shown(of_hold, record) else (spaced,)
     fit = _best(record, [_packed(spring, each) for each in starts])
     if not fit.success:
-        msg = (
+        raise RuntimeError(
             f"joint: the fit did not converge in {fit.nfev} evaluations "
             f"({fit.message}); fit fewer terms than {terms}, or a longer hold"
         )
-        raise RuntimeError(msg)
     values = fit.x
     spring, prony = _unpacked(values)
     covariance = covariance_of(fit.jac, fit.fun, at_least=1.0)
@@ -201,11 +200,10 @@ def _best(record: RampHold, starts: list[Array]) -> "OptimizeResult":
         except ValueError as error:
             reason = str(error)
     if not fits:
-        msg = (
+        raise RuntimeError(
             f"joint: the fit did not converge ({reason}); check for missing samples at the corner "
             "of the ramp"
         )
-        raise RuntimeError(msg)
     sigma = _sigma(record, fits[0].x)
 
     def rank(each: "OptimizeResult") -> tuple[bool, float]:

@@ -72,11 +72,10 @@ def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
     _check_range(force[:end])
     force_noise = _held_noise(time[hold:end], force[hold:end])
     if touch == 0 and force[0] > BEGUN * largest + STRAY * force_noise:
-        msg = (
+        raise ValueError(
             f"force: expected a record that begins before touch, at 0 N, received {force[0]:.3g} N "
             "in its first sample; begin it before touch, and tare the force"
         )
-        raise ValueError(msg)
     return RampHold(
         time=time[:end],
         position=position[:end],
@@ -123,11 +122,10 @@ def _check_range(force: Array) -> None:
     stays = left - np.flatnonzero(at_top > 0)[: len(left)]
     same = np.diff(force[(force > largest / 2) & (force < largest)]) == 0
     if stays.max(initial=0) >= FEWEST and same.size and same.mean() < STEPPED:
-        msg = (
+        raise ValueError(
             f"force: expected a peak, received {largest:.4g} N in {stays.max()} successive "
             "samples, as from a sensor at the end of its range; record within the range"
         )
-        raise ValueError(msg)
 
 
 def _hold(position: Array, noise: float) -> tuple[int, int, int]:
@@ -146,11 +144,10 @@ def _hold(position: Array, noise: float) -> tuple[int, int, int]:
     # Twice the tolerance, so that noise at the entry does not end the rest.
     ends = np.flatnonzero(np.diff(away <= 2 * tolerance, prepend=False, append=False))
     if not ends.size:
-        msg = (
+        raise ValueError(
             f"hold: expected a rest of at least {FEWEST} samples at the end of the ramp, "
             "received a position that never rests; hold it, or cut the record to one ramp and hold"
         )
-        raise ValueError(msg)
     start, end = max(ends.reshape(-1, 2).tolist(), key=lambda stay: stay[1] - stay[0])
     hold = start + int(np.argmax(away[start:end] <= tolerance))
     # The average shifts a sharp corner into the hold, so go back to the first sample at its level.
@@ -165,20 +162,16 @@ def _hold(position: Array, noise: float) -> tuple[int, int, int]:
 def _check(time: Array, position: Array, force: Array) -> None:
     """Check shapes, number of samples, finite values, rising times and contact."""
     if time.ndim != 1 or not time.shape == position.shape == force.shape:
-        msg = (
+        raise ValueError(
             f"record: expected time, position and force of one shape (n_t,), "
             f"received {time.shape}, {position.shape} and {force.shape}"
         )
-        raise ValueError(msg)
     if len(time) < 2 * FEWEST:
-        msg = f"record: expected at least {2 * FEWEST} samples, received {len(time)}"
-        raise ValueError(msg)
+        raise ValueError(f"record: expected at least {2 * FEWEST} samples, received {len(time)}")
     if not all(np.isfinite(values).all() for values in (time, position, force)):
-        msg = "record: expected finite numbers in every sample"
-        raise ValueError(msg)
+        raise ValueError("record: expected finite numbers in every sample")
     if np.any(np.diff(time) <= 0):
-        msg = "record: expected times that increase from sample to sample"
-        raise ValueError(msg)
+        raise ValueError("record: expected times that increase from sample to sample")
     if force.max() <= 0 or np.ptp(position) == 0:
         msg = "record: expected a force above 0 and a position that changes, received no contact"
         raise ValueError(msg)
@@ -201,8 +194,7 @@ def derivative(x: Array, y: Array) -> Array:
         Fewer than 5 points, or two equal x among 5 neighbors.
     """
     if len(x) < 5:
-        msg = f"derivative: expected at least 5 points, received {len(x)}"
-        raise ValueError(msg)
+        raise ValueError(f"derivative: expected at least 5 points, received {len(x)}")
     near, values = (np.lib.stride_tricks.sliding_window_view(v, 5) for v in (x, y))
     apart = near[:, :, None] - near[:, None, :]
     equal = np.eye(5, dtype=bool)

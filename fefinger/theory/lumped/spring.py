@@ -176,15 +176,13 @@ def _samples(time: ArrayLike, position: ArrayLike) -> tuple[Array, Array]:
     """Check the samples and convert them to arrays."""
     time, position = np.asarray(time, float), np.asarray(position, float)
     if time.ndim != 1 or position.shape != time.shape or not len(time):
-        msg = (
+        raise ValueError(
             f"lumped: expected time and position of one shape (n_t,), "
             f"received {time.shape} and {position.shape}"
         )
-        raise ValueError(msg)
     finite = np.isfinite(time).all() and np.isfinite(position).all()
     if not finite or np.any(np.diff(time) < 0):
-        msg = "lumped: expected finite values and times that never decrease"
-        raise ValueError(msg)
+        raise ValueError("lumped: expected finite values and times that never decrease")
     return time, position
 
 

@@ -36,12 +36,11 @@ def stiffness_line(record: RampHold) -> tuple[float, float, Array, float]:
     design = np.column_stack([f, np.ones_like(f)])
     (m, b), *_ = np.linalg.lstsq(design, k, rcond=None)
     if not min(m, b) > 0:
-        msg = (
+        raise ValueError(
             f"stiffness against force: expected a rising line above 0, received m = {m:.3g} 1/mm "
             f"and b = {b:.3g} N/mm; check that the force is 0 before touch, the ramp sampled fast "
             f"enough, and that noise ({record.force_noise:.2g} N) is small enough for slopes"
         )
-        raise ValueError(msg)
     rest = k - design @ (m, b)
     covariance = np.linalg.inv(design.T @ design) * (rest @ rest) / (len(k) - 2)
     return float(m), float(b), covariance, accounted(k, k - rest)
@@ -51,12 +50,11 @@ def _steady(record: RampHold) -> slice:
     """Find the samples of the ramp in contact with steady speed, between the corners."""
     part = slice(record.touch, record.beyond - CUT)
     if part.stop - part.start < SMOOTHING:
-        msg = (
+        raise ValueError(
             f"ramp: expected {SMOOTHING + CUT} samples or more from touch to the depth of the "
             f"hold, received {record.beyond - record.touch}; sample faster, or ramp with less "
             "overshoot"
         )
-        raise ValueError(msg)
     speed = np.gradient(smooth(smooth(record.position)), record.time)[part]
     fast = np.flatnonzero(speed >= STEADY * np.median(speed))
     return slice(part.start + int(fast[0]), part.start + int(fast[-1]) + 1)

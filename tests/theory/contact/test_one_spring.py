@@ -5,13 +5,14 @@ import pytest
 
 from fefinger.scene.library import pawluk_relaxation
 from fefinger.support.arrays import Array
-from fefinger.theory.contact.one_spring import ElasticForce, Spring, carry, depth_nodes
+from fefinger.theory.contact.one_spring import ElasticForce, Spring, carry
+from fefinger.theory.contact.ting import radius_nodes
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 
 
 PRONY = pawluk_relaxation()["a.h."]
 ELASTIC = Prony((1.0,), ())
-NODES = depth_nodes(2.0)
+NODES = radius_nodes(2.0, 128)
 LAWS = {
     "linear": NODES,
     "Hertz": NODES**1.5,
@@ -155,5 +156,3 @@ def test_what_lies_beyond_the_deepest_node_is_refused() -> None:
         Spring(elastic, PRONY).advance(0.1, 2.5)
     with pytest.raises(ValueError, match="force: expected one that 2 mm bear"):
         Spring(elastic, PRONY).advance_force(0.1, 1e3)
-    with pytest.raises(ValueError, match="nodes: expected a depth above 0"):
-        depth_nodes(0.0)
