@@ -189,36 +189,46 @@ def edges(places: Array, rates: Array) -> Edges:
     return Edges(float(left), float(right), float(rates[np.abs(places) < 0.8].min()))
 
 
-BACKGROUND, RISE = 1.6, 0.1
-"""mm: depth of the array in the skin, and the height to which probes then rise out of it."""
+BACKGROUND, DEEPER, RISE = 1.6, 2.4, 0.1
+"""mm: depths of the array in the skin, and the height to which probes then rise out of it."""
 
-PROBE_WIDTH, PITCH = 0.5, 0.889
-"""mm: width of a probe, an estimate, and distance of neighbors: 73 sites on 50 mm² (abstract)."""
+TIP, PITCH, PROBES = Pin(0.5), 0.889, 73
+"""A probe, whose width is an estimate; mm between neighbors; and their number: 73 sites on 50 mm²
+(abstract)."""
+
+
+@cache
+def sites() -> Array:
+    """Return the places (PROBES, 2) in mm of the probes, a hexagonal lattice, from the middle on."""
+    first, second = (each.ravel() for each in np.mgrid[-8:9, -8:9])
+    lattice = PITCH * np.column_stack([first + 0.5 * second, np.sqrt(0.75) * second])
+    apart = np.round(np.linalg.norm(lattice, axis=1), 6)
+    return np.asarray(lattice[np.argsort(apart, kind="stable")][:PROBES])
 
 
 def array(count: int) -> patterns.Shape:
-    """Return the shape of a plate out of which `count` probes rise: one, and its neighbors."""
-    around = [(np.cos(a), np.sin(a)) for a in np.arange(6) * np.pi / 3]
-    places = PITCH * np.array([(0.0, 0.0), *around])[:count]
+    """Return the shape of an array out of which `count` probes rise: the middle one first.
+
+    The skin is free between the probes. On a plate without gaps the neighbors that rest hold the
+    skin down about one that rises, and a further probe takes a third as much of its strain away.
+    """
+    lift, tip = (RISE if count else 0.0), patterns.heights(TIP.profile)
 
     def shape(at: Array) -> Array:
-        apart = np.linalg.norm(at[..., None, :] - places, axis=-1).min(axis=-1)
-        return RISE / (1.0 + np.exp(-(apart - PROBE_WIDTH / 2) / 0.05))
+        apart = np.linalg.norm(at[..., None, :] - sites(), axis=-1)
+        along = apart.min(axis=-1)
+        end = tip(np.stack([along, np.zeros_like(along)], axis=-1))
+        return np.asarray(end + np.where(apart.argmin(axis=-1) < count, 0.0, lift))
 
     return shape
 
 
-def plate(at: Array) -> Array:
-    """Return the heights of a plate."""
-    return np.zeros(at.shape[:-1])
-
-
 @cache
-def under_array(kind: str, count: int) -> float:
-    """Input in mm below the middle of an array, BACKGROUND deep, that `count` probes leave."""
-    shape, rise = (array(count), RISE) if count else (plate, 0.0)
+def under_array(kind: str, count: int, background: float = BACKGROUND) -> float:
+    """Input in mm below the middle of an array `background` mm deep that `count` probes leave."""
+    deep = background + (RISE if count else 0.0)
     driven = patterns.driven(
-        shape, BACKGROUND + rise, np.zeros((1, 2)), drive=fitted()[kind].drive, organ=DEPTHS[kind]
+        array(count), deep, np.zeros((1, 2)), drive=fitted()[kind].drive, organ=DEPTHS[kind]
     )
     return float(inputs(kind, driven)[0])
 
@@ -245,7 +255,17 @@ def surround(kind: str) -> Array:
 
 def suppression(kind: str) -> float:
     """Mean fall of the response by each further probe, from one to seven."""
-    one, seven = surround(kind)[[0, -1]]
+    return _each(*surround(kind)[[0, -1]])
+
+
+def strain_suppression(kind: str, background: float) -> float:
+    """Mean fall of what the probes add to the strain by each further one, from one to seven."""
+    rest, one, seven = (under_array(kind, count, background) for count in (0, 1, 7))
+    return _each(one - rest, seven - rest)
+
+
+def _each(one: float, seven: float) -> float:
+    """Fall by each further probe, in proportion, between the responses to one and to seven."""
     return float(1.0 - (seven / one) ** (1 / 6))
 
 

@@ -26,6 +26,7 @@ GOODWIN = "Goodwin, Browning & Wheat (1995), J Neurosci 15:798, digitised by Ouy
 BAR = "Phillips & Johnson (1981), J Neurophysiol 46:1177, digitised by Ouyang et al. (2021)"
 TOUCHSIM = "models of units of TouchSim (Saal et al. 2017), computed"
 SURROUND = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2711, abstract"
+DEEPER = "recorded responses did not depend on the depth of the array from 1.6 to 3 mm"
 HOLD = "J Neurosci 3:2652: falls of 38 % (0.65 mm) and 36 % (1.3 mm)"
 MINUTES = "SAI fire on for half an hour (Iggo & Muir 1969, J Physiol 200:763; from memory)"
 KNIBESTOL = "Knibestol (1973), J Physiol 232:427, abstract"
@@ -218,12 +219,22 @@ def _of_places() -> Iterator[Case]:
     for kind, part in (("SAI", 0.24), ("FAI", 0.12)):
         name = f"predicted: fall of the response of {kind} by each further probe, one to seven"
         measure = partial(predicted.suppression, kind)
-        yield _case(name, measure, part / 2, 2 * part, "1", SURROUND, "within a factor of 2")
+        reason = "within a factor of 2; the probes, 0.5 mm wide by estimate, have gaps between them"
+        yield _case(name, measure, part / 2, 2 * part, "1", SURROUND, reason)
+        name = f"predicted: the same of the strain of {kind}, 2.4 mm deep over that 1.6 mm deep"
+        yield _case(name, partial(_background, kind), 0.8, 1.25, "1", SURROUND, DEEPER)
     for kind in ("SAI", "FAI"):
         name = f"predicted: width of the field of {kind}, a quarter of the best input"
         yield _case(name, partial(_width, kind, 0.5), 3.0, 5.0, "mm", FIELDS)
         name = f"predicted: growth of that field of {kind} as the pin goes from 0.5 to 1 mm"
         yield _case(name, partial(_growth, kind), 0.1, 3.0, "mm", GROWTH, GROWS)
+
+
+def _background(kind: str) -> float:
+    """Fall of the strain by each further probe at the larger depth of the array, over the other."""
+    depths = (predicted.DEEPER, predicted.BACKGROUND)
+    deeper, near = (predicted.strain_suppression(kind, depth) for depth in depths)
+    return deeper / near
 
 
 def _width(kind: str, depth: float) -> float:
