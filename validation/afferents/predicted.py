@@ -32,12 +32,12 @@ DEPTH = np.linspace(0.0, 1.5, 31)
 PIN_DEPTHS = (0.2, 0.5, 1.0, 1.5)
 """mm: depths of the holds under a pin."""
 
-PIN_BANDS = ((-1.0, 1.0), (0.0, 15.0), (10.0, 30.0), (22.0, 45.0))
-"""Hz of SAI in them: four models of units of TouchSim, 0.3 to 0.9 s after the start."""
-
-
-PIN_FINE = ((0.1, 0.2, 0.4, 0.7, 1.25), (0.0, 8.57, 11.43, 25.71, 42.86))
-"""Depths in mm, and Hz of SAI of TouchSim late in the holds of a pin 1 mm wide."""
+PIN_BANDS = {
+    1.0: ((0.0, 13.3), (11.7, 31.7), (35.0, 61.7), (51.7, 90.0)),
+    2.0: ((-1.0, 1.0), (0.0, 15.0), (10.0, 30.0), (21.7, 45.0)),
+}
+"""Hz of SAI in them, by the width of the pin in mm: the least and the most of the four models of
+units of TouchSim, whose pins have radii of 0.5 and 1 mm, 0.3 to 0.9 s after the start."""
 
 
 def inputs(kind: str, driven: Array) -> Array:
@@ -109,7 +109,7 @@ def pin_factor() -> float:
     """Factor on the gain of SAI with which the deepest hold of the pin 2 mm wide is in mid-band."""
     factors = np.geomspace(0.1, 1.0, 25)
     rates = np.array([pin_hold(2.0, float(factor))[-1] for factor in factors])
-    return float(np.exp(np.interp(np.mean(PIN_BANDS[-1]), rates, np.log(factors))))
+    return float(np.exp(np.interp(np.mean(PIN_BANDS[2.0][-1]), rates, np.log(factors))))
 
 
 def sustained(depth: float) -> float:
@@ -224,13 +224,12 @@ def array(count: int) -> patterns.Shape:
 
 
 @cache
-def under_array(kind: str, count: int, background: float = BACKGROUND) -> float:
-    """Input in mm below the middle of an array `background` mm deep that `count` probes leave."""
+def under_array(drive: str, organ: float, count: int, background: float = BACKGROUND) -> float:
+    """Drive of an end organ below the middle of an array `background` mm deep; `count` rise."""
     deep = background + (RISE if count else 0.0)
-    driven = patterns.driven(
-        array(count), deep, np.zeros((1, 2)), drive=fitted()[kind].drive, organ=DEPTHS[kind]
+    return float(
+        patterns.driven(array(count), deep, np.zeros((1, 2)), drive=drive, organ=organ)[0]
     )
-    return float(inputs(kind, driven)[0])
 
 
 def impulses(kind: str, rest: float, pressed_to: Array) -> Array:
@@ -249,8 +248,9 @@ def impulses(kind: str, rest: float, pressed_to: Array) -> Array:
 @cache
 def surround(kind: str) -> Array:
     """Impulses (7,) of a unit under one to seven probes that rise out of an array."""
-    probes = [under_array(kind, count) for count in range(1, 8)]
-    return impulses(kind, under_array(kind, 0), np.array(probes))
+    drive, organ = fitted()[kind].drive, DEPTHS[kind]
+    rest, *probes = inputs(kind, np.array([under_array(drive, organ, n) for n in range(8)]))
+    return impulses(kind, float(rest), np.array(probes))
 
 
 def suppression(kind: str) -> float:
@@ -258,9 +258,9 @@ def suppression(kind: str) -> float:
     return _each(*surround(kind)[[0, -1]])
 
 
-def strain_suppression(kind: str, background: float) -> float:
-    """Mean fall of what the probes add to the strain by each further one, from one to seven."""
-    rest, one, seven = (under_array(kind, count, background) for count in (0, 1, 7))
+def strain_suppression(drive: str, organ: float, background: float) -> float:
+    """Mean fall of what the probes add to a drive by each further one, from one to seven."""
+    rest, one, seven = (under_array(drive, organ, count, background) for count in (0, 1, 7))
     return _each(one - rest, seven - rest)
 
 

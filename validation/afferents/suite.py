@@ -11,7 +11,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from fefinger.validation.afferents import data, drawings, predicted
+from fefinger.validation.afferents import data, drawings, predicted, rate_map
 from fefinger.validation.afferents.fit import FALLS, Task
 from fefinger.validation.afferents.misses import MISSES
 from fefinger.validation.afferents.vibration import Probed, determination, fit_of_rates
@@ -33,6 +33,7 @@ KNIBESTOL = "Knibestol (1973), J Physiol 232:427, abstract"
 FIELDS = "Johansson (1978), as cited: fields of SAI and FAI of some 4 mm"
 SLOW = "velocity thresholds of FAI from 0.4, of FAII from 0.5 mm/s on (Knibestol 1973)"
 PLATEAU = "Muniak et al. (2007): FAII at 600 Hz fire 271 to 313 impulses/s from 8 to 25 um"
+GROWING = "rates of Muniak et al. (2007) grow with the amplitude at every frequency, or are level"
 SILENT = "models of units of TouchSim, computed: no impulse in a hold"
 GROWTH = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2701, abstract"
 GROWS = (
@@ -117,6 +118,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield from _of_places()
     yield from _of_bursts()
     yield from _of_variation()
+    yield from _of_maps()
 
 
 def _case(
@@ -187,14 +189,13 @@ def _scaled_hold(number: int) -> float:
 
 def _of_holds() -> Iterator[Case]:
     """Yield the predictions of holds."""
-    depths = zip(predicted.PIN_DEPTHS, predicted.PIN_BANDS, strict=True)
-    for (i, (depth, (low, high))), width in product(enumerate(depths), (1.0, 2.0)):
+    for (i, depth), width in product(enumerate(predicted.PIN_DEPTHS), predicted.PIN_BANDS):
+        low, high = predicted.PIN_BANDS[width][i]
         name = f"predicted: SAI in a hold of the pin at {depth:g} mm, {width:g} mm wide"
-        reason = "the models behind the bands had a pin with a radius of 1 mm: 2 mm wide"
+        reason = f"four models under a pin with a radius of {width / 2:g} mm"
         yield _case(name, partial(_pin_hold, width, i), low, high, "Hz", TOUCHSIM, reason)
-    for i, (depth, (low, high)) in enumerate(
-        zip(predicted.PIN_DEPTHS[:-1], predicted.PIN_BANDS, strict=False)
-    ):
+    for i, depth in enumerate(predicted.PIN_DEPTHS[:-1]):
+        low, high = predicted.PIN_BANDS[2.0][i]
         name = f"predicted: SAI at {depth:g} mm, 2 mm wide, with the gain of the models at 1.5 mm"
         reason = "one number, the middle of the band at 1.5 mm, sets the gain of this unit"
         yield _case(name, partial(_scaled_hold, i), low, high, "Hz", TOUCHSIM, reason)
@@ -232,8 +233,8 @@ def _of_places() -> Iterator[Case]:
 
 def _background(kind: str) -> float:
     """Fall of the strain by each further probe at the larger depth of the array, over the other."""
-    depths = (predicted.DEEPER, predicted.BACKGROUND)
-    deeper, near = (predicted.strain_suppression(kind, depth) for depth in depths)
+    fall = partial(predicted.strain_suppression, fitted()[kind].drive, predicted.DEPTHS[kind])
+    deeper, near = fall(predicted.DEEPER), fall(predicted.BACKGROUND)
     return deeper / near
 
 
@@ -289,6 +290,16 @@ def _of_variation() -> Iterator[Case]:
     name = "predicted: variation of SAI intervals in a hold at 1 mm"
     source = "SAI of monkeys are irregular: coefficients of some 0.1 to 0.5 (a range from memory)"
     yield _case(name, predicted.variation, 0.1, 0.5, "1", source)
+
+
+def _of_maps() -> Iterator[Case]:
+    """Yield what holds over all frequencies from 1 to 800 Hz and amplitudes to 1 mm."""
+    reason = "15 frequencies from 1 to 800 Hz, 20 amplitudes from 0.5 um to 1 mm"
+    for kind in ("SAI", "FAI", "FAII"):
+        name = f"predicted: largest fall of the rate of {kind} in a stronger vibration, over the most"
+        yield _case(name, lambda kind=kind: rate_map.largest_fall(probed(kind)), -0.1, 0.1, "1", GROWING, reason)
+        name = f"predicted: most impulses of {kind} per cycle, from 150 Hz on"
+        yield _case(name, lambda kind=kind: rate_map.most_per_cycle(probed(kind)), 0.0, 1.2, "1", MUNIAK, reason)
 
 
 def figures() -> Iterator[tuple[str, Any]]:
