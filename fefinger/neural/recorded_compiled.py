@@ -84,12 +84,22 @@ def normal(stream: np.uint64, knot: int) -> float:
     return (low + high - 131070.0) * (math.sqrt(3.0) / 65536.0)
 
 
+@njit(cache=True, error_model="numpy")
+def generator(y: float, gain: float, negative: float, saturation: float) -> float:
+    """Return the generator current over threshold at an output y mm of the filter.
+
+    saturation: one over the current of the saturated generator.
+    """
+    u = gain * abs(y)
+    return (1.0 if y > 0.0 else negative) * u / (1.0 + u * saturation)
+
+
 @njit(cache=True)
-def generated(units: Units, i: int, x: float, first: float, second: float) -> float:
-    """Return the generator current of unit i over threshold, at its input and filter modes."""
-    y = units.at_rest[i] * x + units.share[i, 0] * first + units.share[i, 1] * second
-    u = units.gain[i] * abs(y)
-    return (1.0 if y > 0.0 else units.negative[i]) * u / (1.0 + u / units.largest[i])
+def generate(units: Units, i: int, state: Array) -> None:
+    """Set the current of unit i to that of its input and filter modes."""
+    y = units.at_rest[i] * state[X]
+    y += units.share[i, 0] * state[MODE] + units.share[i, 1] * state[SLOW]
+    state[CURRENT] = generator(y, units.gain[i], units.negative[i], 1.0 / units.largest[i])
 
 
 @njit(cache=True)
@@ -165,7 +175,7 @@ def advance(
         state[X] = x
         state[MODE] += change
         state[SLOW] += change
-        state[CURRENT] = generated(units, i, x, state[MODE], state[SLOW])
+        generate(units, i, state)
         return count
     if abs(factors[LENGTH] - length) > 1e-9 * length:
         _refresh(units, i, length, longest, factors)
@@ -186,8 +196,7 @@ def advance(
         mode = fade * mode + grow
         slow = wane * slow + rise
         y = at_rest * entered + share * mode + other * slow
-        u = gain * abs(y)
-        before, current = current, (1.0 if y > 0.0 else negative) * u / (1.0 + u * saturation)
+        before, current = current, generator(y, gain, negative, saturation)
         mean = 0.5 * (before + current)
         drive = mean - adapting * (adapted + 0.5 * adapt * (mean - adapted))
         drive -= 0.5 * taken * (1.0 + after)
@@ -223,7 +232,6 @@ def rested(units: Units, x: Array, start: float = 0.0) -> Array:
     states[:, KNOT] = np.nan
     states[:, LAST] = start - units.refractory
     states[:, X] = states[:, MODE] = states[:, SLOW] = x
-    y = (units.at_rest + units.share.sum(axis=1)) * x
-    u = units.gain * np.abs(y)
-    states[:, CURRENT] = np.where(y > 0.0, 1.0, units.negative) * u / (1.0 + u / units.largest)
+    for i, state in enumerate(states):
+        generate(units, i, state)
     return states

@@ -25,6 +25,7 @@ from fefinger.neural.recorded_compiled import (
     Units,
     X,
     displaced,
+    generator,
     normal,
 )
 from fefinger.support.arrays import Array, Integers
@@ -87,8 +88,7 @@ def _steps(s: Array, t: float, h: float, since: float) -> int:
         mode = s[_FADE + i] * s[_MODE + i] + s[_PUSH + i]
         slow = s[_WANE + i] * s[_SLOW + i] + s[_LIFT + i]
         y = s[_AT_REST + i] * x + s[_SHARE + i] * mode + s[_OTHER + i] * slow
-        u = s[_GAIN + i] * abs(y)
-        current = (1.0 if y > 0.0 else s[_NEGATIVE + i]) * u / (1.0 + u * s[_INVERSE + i])
+        current = generator(y, s[_GAIN + i], s[_NEGATIVE + i], s[_INVERSE + i])
         mean = 0.5 * (s[_CURRENT + i] + current)
         adapted, taken, forget = s[_ADAPTED + i], s[_TAKEN + i], s[_FORGET + i]
         nearer = s[_ADAPT + i] * (mean - adapted)
@@ -237,9 +237,7 @@ def _jump(s: Array, i: int, change: float) -> None:
     s[_MODE + i] += change
     s[_SLOW + i] += change
     y = s[_AT_REST + i] * s[_X + i] + s[_SHARE + i] * s[_MODE + i] + s[_OTHER + i] * s[_SLOW + i]
-    u = s[_GAIN + i] * abs(y)
-    u /= 1.0 + u * s[_INVERSE + i]
-    s[_CURRENT + i] = u if y > 0.0 else s[_NEGATIVE + i] * u
+    s[_CURRENT + i] = generator(y, s[_GAIN + i], s[_NEGATIVE + i], s[_INVERSE + i])
 
 
 @njit(cache=True, nogil=True)

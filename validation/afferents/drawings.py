@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
-from fefinger.validation.afferents import data, predicted
+from fefinger.validation.afferents import data, measures, predicted
 from fefinger.validation.afferents.fit import FREE
 from fefinger.validation.afferents.vibration import Probed
 
@@ -48,8 +48,7 @@ def figures(probed: Callable[[str], Probed], under_spheres: Array) -> Iterator[t
     yield (
         "Predicted: SAI in the hold of pins 1 mm (blue) and 2 mm wide (dark), of the median unit "
         "and of one whose gain puts the wide pin in the middle of the band at 1.5 mm (dashed); "
-        "gray: bands of four models of TouchSim under a pin 2 mm wide; crosses: TouchSim under one "
-        "1 mm wide",
+        "pale: bands of four models of TouchSim under the same pins",
         _pins(),
     )
     yield (
@@ -157,10 +156,9 @@ def _pins() -> Any:
     with style():
         drawn = figure(6.2, 3.6)
         axis = drawn.subplots()
-        for depth, band in zip(predicted.PIN_DEPTHS, predicted.PIN_BANDS, strict=True):
-            axis.plot([depth, depth], band, color=STEEL, lw=6.0, solid_capstyle="butt")
-        axis.plot(*predicted.PIN_FINE, "x", color=COLORS["SAI"])
         for width, color in ((1.0, COLORS["SAI"]), (2.0, INK)):
+            for depth, band in zip(predicted.PIN_DEPTHS, predicted.PIN_BANDS[width], strict=True):
+                axis.plot([depth, depth], band, color=color, alpha=0.3, lw=6.0)
             for factor, dashes in ((1.0, "o-"), (predicted.pin_factor(), "o--")):
                 rates = predicted.pin_hold(width, factor)
                 label = f"{width:g} mm, gain times {factor:.2g}"
@@ -218,7 +216,8 @@ def finding(record: dict[str, Any]) -> dict[str, Any]:
                 "an error as large as the value means that the data do not identify it",
                 "heading": ("parameter", "unit", "SAI", "SAII", "FAI", "FAII"),
                 "rows": rows,
-            }
+            },
+            measures.table(),
         ],
     }
 

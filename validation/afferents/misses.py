@@ -9,18 +9,6 @@ NARROW = (
     "to a half away, and makes the edges of the bar disappear"
 )
 
-NEIGHBORS = (
-    "a further probe takes some 7 % of the strain below the first away, at any height of the "
-    "probes (0.1 to 0.4 mm) and depth of the end organ (0.5 to 0.7 mm). Adaptation that takes "
-    "nearly all of a held current away would give 0.11, with units silent in holds of minutes. "
-    "Probes 0.7 mm wide, an estimate as good, suppress more"
-)
-
-FEW = (
-    "the unit fires 6 to 8 % less for each further probe, as its strain falls; with one or two "
-    "impulses in 0.2 s the count is coarse"
-)
-
 BURST = (
     "one impulse more than the models of TouchSim fire. The least weight of a release, 0.4 of that "
     "of an onset, which recorded releases require, goes with a strong onset"
@@ -36,11 +24,6 @@ MISSES: dict[str, tuple[float, str]] = {
     "predicted: SAI in a hold of the pin at 0.5 mm, 1 mm wide": (59.7, NARROW),
     "predicted: SAI in a hold of the pin at 1 mm, 1 mm wide": (129.7, NARROW),
     "predicted: SAI in a hold of the pin at 1.5 mm, 1 mm wide": (189.1, NARROW),
-    "predicted: fall of the response of SAI by each further probe, one to seven": (
-        0.065,
-        NEIGHBORS,
-    ),
-    "predicted: fall of the response of FAI by each further probe, one to seven": (0.056, FEW),
     "predicted: impulses of FAI at the onset of a pin, 0.7 mm at 20 mm/s": (9.0, BURST),
     "fitted: fall of the SAI rate in 12 s of a hold at 0.65 mm": (0.413, SHALLOW),
 }

@@ -32,12 +32,12 @@ DEPTH = np.linspace(0.0, 1.5, 31)
 PIN_DEPTHS = (0.2, 0.5, 1.0, 1.5)
 """mm: depths of the holds under a pin."""
 
-PIN_BANDS = ((-1.0, 1.0), (0.0, 15.0), (10.0, 30.0), (22.0, 45.0))
-"""Hz of SAI in them: four models of units of TouchSim, 0.3 to 0.9 s after the start."""
-
-
-PIN_FINE = ((0.1, 0.2, 0.4, 0.7, 1.25), (0.0, 8.57, 11.43, 25.71, 42.86))
-"""Depths in mm, and Hz of SAI of TouchSim late in the holds of a pin 1 mm wide."""
+PIN_BANDS = {
+    1.0: ((0.0, 13.3), (11.7, 31.7), (35.0, 61.7), (51.7, 90.0)),
+    2.0: ((-1.0, 1.0), (0.0, 15.0), (10.0, 30.0), (21.7, 45.0)),
+}
+"""Hz of SAI in them, by the width of the pin in mm: the least and the most of the four models of
+units of TouchSim, whose pins have radii of 0.5 and 1 mm, 0.3 to 0.9 s after the start."""
 
 
 def inputs(kind: str, driven: Array) -> Array:
@@ -109,7 +109,7 @@ def pin_factor() -> float:
     """Factor on the gain of SAI with which the deepest hold of the pin 2 mm wide is in mid-band."""
     factors = np.geomspace(0.1, 1.0, 25)
     rates = np.array([pin_hold(2.0, float(factor))[-1] for factor in factors])
-    return float(np.exp(np.interp(np.mean(PIN_BANDS[-1]), rates, np.log(factors))))
+    return float(np.exp(np.interp(np.mean(PIN_BANDS[2.0][-1]), rates, np.log(factors))))
 
 
 def sustained(depth: float) -> float:
@@ -189,38 +189,47 @@ def edges(places: Array, rates: Array) -> Edges:
     return Edges(float(left), float(right), float(rates[np.abs(places) < 0.8].min()))
 
 
-BACKGROUND, RISE = 1.6, 0.1
-"""mm: depth of the array in the skin, and the height to which probes then rise out of it."""
+BACKGROUND, DEEPER, RISE = 1.6, 2.4, 0.1
+"""mm: depths of the array in the skin, and the height to which probes then rise out of it."""
 
-PROBE_WIDTH, PITCH = 0.5, 0.889
-"""mm: width of a probe, an estimate, and distance of neighbors: 73 sites on 50 mm² (abstract)."""
+TIP, PITCH, PROBES = Pin(0.5), 0.889, 73
+"""A probe, whose width is an estimate; mm between neighbors; and their number: 73 sites on 50 mm²
+(abstract)."""
+
+
+@cache
+def sites() -> Array:
+    """Return the places (PROBES, 2) in mm of the probes, a hexagonal lattice, from the middle on."""
+    first, second = (each.ravel() for each in np.mgrid[-8:9, -8:9])
+    lattice = PITCH * np.column_stack([first + 0.5 * second, np.sqrt(0.75) * second])
+    apart = np.round(np.linalg.norm(lattice, axis=1), 6)
+    return np.asarray(lattice[np.argsort(apart, kind="stable")][:PROBES])
 
 
 def array(count: int) -> patterns.Shape:
-    """Return the shape of a plate out of which `count` probes rise: one, and its neighbors."""
-    around = [(np.cos(a), np.sin(a)) for a in np.arange(6) * np.pi / 3]
-    places = PITCH * np.array([(0.0, 0.0), *around])[:count]
+    """Return the shape of an array out of which `count` probes rise: the middle one first.
+
+    The skin is free between the probes. On a plate without gaps the neighbors that rest hold the
+    skin down about one that rises, and a further probe takes a third as much of its strain away.
+    """
+    lift, tip = (RISE if count else 0.0), patterns.heights(TIP.profile)
 
     def shape(at: Array) -> Array:
-        apart = np.linalg.norm(at[..., None, :] - places, axis=-1).min(axis=-1)
-        return RISE / (1.0 + np.exp(-(apart - PROBE_WIDTH / 2) / 0.05))
+        apart = np.linalg.norm(at[..., None, :] - sites(), axis=-1)
+        along = apart.min(axis=-1)
+        end = tip(np.stack([along, np.zeros_like(along)], axis=-1))
+        return np.asarray(end + np.where(apart.argmin(axis=-1) < count, 0.0, lift))
 
     return shape
 
 
-def plate(at: Array) -> Array:
-    """Return the heights of a plate."""
-    return np.zeros(at.shape[:-1])
-
-
 @cache
-def under_array(kind: str, count: int) -> float:
-    """Input in mm below the middle of an array, BACKGROUND deep, that `count` probes leave."""
-    shape, rise = (array(count), RISE) if count else (plate, 0.0)
-    driven = patterns.driven(
-        shape, BACKGROUND + rise, np.zeros((1, 2)), drive=fitted()[kind].drive, organ=DEPTHS[kind]
+def under_array(drive: str, organ: float, count: int, background: float = BACKGROUND) -> float:
+    """Drive of an end organ below the middle of an array `background` mm deep; `count` rise."""
+    deep = background + (RISE if count else 0.0)
+    return float(
+        patterns.driven(array(count), deep, np.zeros((1, 2)), drive=drive, organ=organ)[0]
     )
-    return float(inputs(kind, driven)[0])
 
 
 def impulses(kind: str, rest: float, pressed_to: Array) -> Array:
@@ -239,13 +248,24 @@ def impulses(kind: str, rest: float, pressed_to: Array) -> Array:
 @cache
 def surround(kind: str) -> Array:
     """Impulses (7,) of a unit under one to seven probes that rise out of an array."""
-    probes = [under_array(kind, count) for count in range(1, 8)]
-    return impulses(kind, under_array(kind, 0), np.array(probes))
+    drive, organ = fitted()[kind].drive, DEPTHS[kind]
+    rest, *probes = inputs(kind, np.array([under_array(drive, organ, n) for n in range(8)]))
+    return impulses(kind, float(rest), np.array(probes))
 
 
 def suppression(kind: str) -> float:
     """Mean fall of the response by each further probe, from one to seven."""
-    one, seven = surround(kind)[[0, -1]]
+    return _each(*surround(kind)[[0, -1]])
+
+
+def strain_suppression(drive: str, organ: float, background: float) -> float:
+    """Mean fall of what the probes add to a drive by each further one, from one to seven."""
+    rest, one, seven = (under_array(drive, organ, count, background) for count in (0, 1, 7))
+    return _each(one - rest, seven - rest)
+
+
+def _each(one: float, seven: float) -> float:
+    """Fall by each further probe, in proportion, between the responses to one and to seven."""
     return float(1.0 - (seven / one) ** (1 / 6))
 
 

@@ -11,7 +11,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from fefinger.validation.afferents import data, drawings, predicted
+from fefinger.validation.afferents import data, drawings, predicted, rate_map
 from fefinger.validation.afferents.fit import FALLS, Task
 from fefinger.validation.afferents.misses import MISSES
 from fefinger.validation.afferents.vibration import Probed, determination, fit_of_rates
@@ -26,12 +26,14 @@ GOODWIN = "Goodwin, Browning & Wheat (1995), J Neurosci 15:798, digitised by Ouy
 BAR = "Phillips & Johnson (1981), J Neurophysiol 46:1177, digitised by Ouyang et al. (2021)"
 TOUCHSIM = "models of units of TouchSim (Saal et al. 2017), computed"
 SURROUND = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2711, abstract"
+DEEPER = "recorded responses did not depend on the depth of the array from 1.6 to 3 mm"
 HOLD = "J Neurosci 3:2652: falls of 38 % (0.65 mm) and 36 % (1.3 mm)"
 MINUTES = "SAI fire on for half an hour (Iggo & Muir 1969, J Physiol 200:763; from memory)"
 KNIBESTOL = "Knibestol (1973), J Physiol 232:427, abstract"
 FIELDS = "Johansson (1978), as cited: fields of SAI and FAI of some 4 mm"
 SLOW = "velocity thresholds of FAI from 0.4, of FAII from 0.5 mm/s on (Knibestol 1973)"
 PLATEAU = "Muniak et al. (2007): FAII at 600 Hz fire 271 to 313 impulses/s from 8 to 25 um"
+GROWING = "rates of Muniak et al. (2007) grow with the amplitude at every frequency, or are level"
 SILENT = "models of units of TouchSim, computed: no impulse in a hold"
 GROWTH = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2701, abstract"
 GROWS = (
@@ -116,6 +118,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield from _of_places()
     yield from _of_bursts()
     yield from _of_variation()
+    yield from _of_maps()
 
 
 def _case(
@@ -186,14 +189,13 @@ def _scaled_hold(number: int) -> float:
 
 def _of_holds() -> Iterator[Case]:
     """Yield the predictions of holds."""
-    depths = zip(predicted.PIN_DEPTHS, predicted.PIN_BANDS, strict=True)
-    for (i, (depth, (low, high))), width in product(enumerate(depths), (1.0, 2.0)):
+    for (i, depth), width in product(enumerate(predicted.PIN_DEPTHS), predicted.PIN_BANDS):
+        low, high = predicted.PIN_BANDS[width][i]
         name = f"predicted: SAI in a hold of the pin at {depth:g} mm, {width:g} mm wide"
-        reason = "the models behind the bands had a pin with a radius of 1 mm: 2 mm wide"
+        reason = f"four models under a pin with a radius of {width / 2:g} mm"
         yield _case(name, partial(_pin_hold, width, i), low, high, "Hz", TOUCHSIM, reason)
-    for i, (depth, (low, high)) in enumerate(
-        zip(predicted.PIN_DEPTHS[:-1], predicted.PIN_BANDS, strict=False)
-    ):
+    for i, depth in enumerate(predicted.PIN_DEPTHS[:-1]):
+        low, high = predicted.PIN_BANDS[2.0][i]
         name = f"predicted: SAI at {depth:g} mm, 2 mm wide, with the gain of the models at 1.5 mm"
         reason = "one number, the middle of the band at 1.5 mm, sets the gain of this unit"
         yield _case(name, partial(_scaled_hold, i), low, high, "Hz", TOUCHSIM, reason)
@@ -218,12 +220,22 @@ def _of_places() -> Iterator[Case]:
     for kind, part in (("SAI", 0.24), ("FAI", 0.12)):
         name = f"predicted: fall of the response of {kind} by each further probe, one to seven"
         measure = partial(predicted.suppression, kind)
-        yield _case(name, measure, part / 2, 2 * part, "1", SURROUND, "within a factor of 2")
+        reason = "within a factor of 2; the probes, 0.5 mm wide by estimate, have gaps between them"
+        yield _case(name, measure, part / 2, 2 * part, "1", SURROUND, reason)
+        name = f"predicted: the same of the strain of {kind}, 2.4 mm deep over that 1.6 mm deep"
+        yield _case(name, partial(_background, kind), 0.8, 1.25, "1", SURROUND, DEEPER)
     for kind in ("SAI", "FAI"):
         name = f"predicted: width of the field of {kind}, a quarter of the best input"
         yield _case(name, partial(_width, kind, 0.5), 3.0, 5.0, "mm", FIELDS)
         name = f"predicted: growth of that field of {kind} as the pin goes from 0.5 to 1 mm"
         yield _case(name, partial(_growth, kind), 0.1, 3.0, "mm", GROWTH, GROWS)
+
+
+def _background(kind: str) -> float:
+    """Fall of the strain by each further probe at the larger depth of the array, over the other."""
+    fall = partial(predicted.strain_suppression, fitted()[kind].drive, predicted.DEPTHS[kind])
+    deeper, near = fall(predicted.DEEPER), fall(predicted.BACKGROUND)
+    return deeper / near
 
 
 def _width(kind: str, depth: float) -> float:
@@ -278,6 +290,16 @@ def _of_variation() -> Iterator[Case]:
     name = "predicted: variation of SAI intervals in a hold at 1 mm"
     source = "SAI of monkeys are irregular: coefficients of some 0.1 to 0.5 (a range from memory)"
     yield _case(name, predicted.variation, 0.1, 0.5, "1", source)
+
+
+def _of_maps() -> Iterator[Case]:
+    """Yield what holds over all frequencies from 1 to 800 Hz and amplitudes to 1 mm."""
+    reason = "15 frequencies from 1 to 800 Hz, 20 amplitudes from 0.5 um to 1 mm"
+    for kind in ("SAI", "FAI", "FAII"):
+        name = f"predicted: largest fall of the rate of {kind} in a stronger vibration, over the most"
+        yield _case(name, lambda kind=kind: rate_map.largest_fall(probed(kind)), -0.1, 0.1, "1", GROWING, reason)
+        name = f"predicted: most impulses of {kind} per cycle, from 150 Hz on"
+        yield _case(name, lambda kind=kind: rate_map.most_per_cycle(probed(kind)), 0.0, 1.2, "1", MUNIAK, reason)
 
 
 def figures() -> Iterator[tuple[str, Any]]:

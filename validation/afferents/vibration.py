@@ -60,8 +60,8 @@ class Probed:
         """States (n, SIZE) of units that the preload was held on for HELD s."""
         states = compiled.rested(units, np.full(len(units.gain), self.preload))
         states[:, compiled.MODE] = states[:, compiled.SLOW] = 0.0
-        y = units.gain * units.at_rest * self.preload
-        states[:, compiled.CURRENT] = y / (1.0 + y / units.largest)
+        for i, state in enumerate(states):
+            compiled.generate(units, i, state)
         left = -np.expm1(-HELD / self.unit.adaptation)
         states[:, compiled.ADAPTED] = left * states[:, compiled.CURRENT]
         return states

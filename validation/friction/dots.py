@@ -1,8 +1,9 @@
 """Embossed dots that are scanned over a population: rates against the spacing of the dots.
 
 The scene `slide-dots` at the spacings of the recordings, under the fingertip of a macaque that the
-afferents were fitted with: nothing here is fitted. `data/dots_scanned.csv` says where the recorded
-rates are from.
+afferents were fitted with: nothing here is fitted. As in the recordings, a unit has several end
+organs, and has been scanned for minutes. `data/dots_scanned.csv` says where the recorded rates are
+from.
 """
 
 import csv
@@ -23,6 +24,8 @@ SPACINGS = (1.41, 1.97, 2.99, 3.96, 4.91, 5.87)
 """mm, of those that were recorded, as far as dots of this width fit."""
 
 DISTANCE = 24.0  # mm, of which each spacing has some four periods and more
+
+BEFORE = 120.0  # s of the scan before the recording, to whose mean strain the units have adapted
 
 
 @cache
@@ -67,17 +70,25 @@ def scanned(spacing: float) -> tuple[dict[str, float], dict[str, tuple[float, fl
             "ask.depths": {"SAI": experiments.DEPTHS["SAI"]},
             "ask.pressure": False,
             "ask.population.radius": 2.0,
+            "ask.population.branched": True,
         },
     )
     scene = replace(scene, finger=experiments.MACAQUE)
     response = condensed.respond(scene)
-    trains = afferents.fire(scene.ask, response, since=scene.motion.recorded_from)
-    seconds = scene.motion.duration - scene.motion.recorded_from
-    counts, types = trains.count(), np.array(trains.types)
-    rates = {kind: float(counts[types == kind].mean() / seconds) for kind in scene.ask.spikes}
     assert response.strain is not None
     assert response.sites is not None
-    sliding = response.strain[response.time >= scene.motion.recorded_from]
+    begin = scene.motion.recorded_from
+    scan = response.time >= begin
+    sliding, mean = response.strain[scan], response.strain[scan].mean(axis=0)
+    adapted = replace(
+        response,
+        time=np.concatenate([[begin - BEFORE], response.time[scan]]),
+        strain=np.concatenate([mean[None], sliding]),
+    )
+    trains = afferents.fire(scene.ask, adapted, since=begin)
+    seconds = scene.motion.duration - begin
+    counts, types = trains.count(), np.array(trains.types)
+    rates = {kind: float(counts[types == kind].mean() / seconds) for kind in scene.ask.spikes}
     organs, strains = np.array(response.sites.types), {}
     for kind in scene.ask.spikes:
         pressed = -np.linalg.eigvalsh(sliding[:, organs == kind])[..., 0]
