@@ -136,6 +136,7 @@ MEASUREMENTS = {
         f"{subject}/{name}": Measurement(subject, *OBJECTS[name])
         for name in SHARED
         for subject in OTHER_SUBJECTS
+        if (subject, name) != ("p.w.", "flat-0")  # it reaches the proximal cut of the finger
     },
 }
 

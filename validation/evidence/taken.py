@@ -15,7 +15,7 @@ from fefinger.support.package_data import report
 REPORT = "held-out.json"
 
 STEEP = 45.0
-"""Angle in degrees beyond which `condensed` solves the whole mesh too; those scenes are left out."""
+"""Angle in degrees beyond which `condensed` solves the whole mesh too; such scenes are left out."""
 
 
 def setup_and_area(label: str, step: float, machine: float) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""What the force of a closed formula or of the lumped law errs by: signed, between measured presses.
+"""What the force of a closed formula or of the lumped law errs by: signed, between presses.
 
 `reports/formula-force.json` holds, for every press of a finger by a plate or a ball in the middle
 of the pad, the logarithm of the formula's elastic force over that of finite strain, over the depth.
