@@ -112,8 +112,9 @@ OBJECTS: dict[str, tuple[Indenter, float]] = {
 }
 """Objects pressed into the finger of a.h., and how deep; the ones that more depends on first."""
 
-SHARED = ("flat-60", "flat-45", "sphere-10", "bar", "flat-0", "grating", "cylinder", "sphere-2")
-"""Objects that the other calibrated fingers are pressed by, beside the plate and ball of each."""
+SHARED = ("sphere-10", "flat-60", "flat-0", "flat-45", "sphere-2", "bar", "grating", "cylinder")
+"""Objects that the other calibrated fingers are pressed by, beside the plate and ball of each; the
+ones that more depends on first."""
 
 OTHER_SUBJECTS = ("d.s.", "d.p.", "p.w.")
 
@@ -135,6 +136,7 @@ MEASUREMENTS = {
         f"{subject}/{name}": Measurement(subject, *OBJECTS[name])
         for name in SHARED
         for subject in OTHER_SUBJECTS
+        if (subject, name) != ("p.w.", "flat-0")  # it reaches the proximal cut of the finger
     },
 }
 
@@ -319,11 +321,12 @@ def thirds() -> dict[str, Any]:
 
 
 def main(folder: Path) -> None:
-    """Measure what is missing, and write the report after every press."""
+    """Measure what is missing, then what is outdated, and write the report after every press."""
     path = folder / PRESS_MESH
     before = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     rows, third_mesh = before.get("rows", {}), before.get("third") or thirds()
-    for name, measurement in MEASUREMENTS.items():
+    for name in sorted(MEASUREMENTS, key=rows.__contains__):  # those that are missing first
+        measurement = MEASUREMENTS[name]
         described = json.loads(json.dumps(_described(measurement)))
         if name in rows and described.items() <= rows[name].items():
             continue

@@ -347,14 +347,15 @@ def main(folder: Path) -> None:
 
 
 def developed(report: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the errors in the scenes of development, and the summary of today's picks there."""
-    errors = report["development"].get("errors", {})
+    """Return what the scenes of development had, and the summary of today's picks there."""
+    development = report["development"]
+    errors = development.get("errors", {})
     rows = {
         key: judge(scene, errors[key])
         for key, scene in scenes.development().items()
         if errors.get(key)
     }
-    return {"errors": errors, "summary": summary(rows)} if rows else {}
+    return {**development, "summary": summary(rows)} if rows else {}
 
 
 def _put(path: Path, report: dict[str, Any]) -> None:

@@ -5,21 +5,18 @@ published tissue (`reports/lumped-force.json`). A finger that was calibrated on 
 thesis has the law of Table 2.1, which it was fitted to.
 """
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger.mechanics.evidence import press_mesh, reached_depth
-from fefinger.mechanics.evidence.stated_errors import motion_shares, moving, stated
+from fefinger.mechanics.evidence import formulas, press_mesh, reached_depth
 from fefinger.mechanics.evidence.table import LUMPED, table
 from fefinger.mechanics.evidence.tradeoff import measured_tissue
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
-from fefinger.support.text import percent
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
@@ -52,7 +49,7 @@ def law(case: Situation) -> Law:
     """Return the law of the finger of a scene, or that of Table 2.1 with a doubt."""
     fitted = reached_depth.calibrated(case.finger)
     if fitted:
-        return _printed(case, *_misfit(case, fitted))
+        return _printed(case, *_misfit(case, case.finger.subject_name))
     laws = table().all(LUMPED, "law", LAW)
     rows = [each.conditions for each in laws if _same(case.finger, each.conditions)]
     if not rows:
@@ -84,7 +81,7 @@ def _own(case: Situation, rows: Sequence[Mapping[str, Any]], b: float, m: float)
     # The presses are of relaxed tissue, b of the law is that of an instant.
     spring = Spring(stiffer * b / finger.prony.long_time, m)
     source = f"reports/{LUMPED}: identified from {' and '.join(row['source'] for row in rows)}"
-    measured = stated(LAW, case)
+    measured = formulas.error(LAW, case, finger.prony)
     if measured is None:
         return Law(spring, finger.prony, source, False, float("nan"), "not known: no press like it")
     evidence = f"{measured.source}, identified from presses of the same finger (reports/{LUMPED})"
@@ -113,26 +110,12 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
     return measured_tissue(finger) and np.allclose(own, [row[name] for name in names], rtol=SAME)
 
 
-def _misfit(case: Situation, press: str) -> tuple[float, str]:
+def _misfit(case: Situation, subject: str) -> tuple[float, str]:
     """Return by what Table 2.1 differs from the finger that was fitted to it, and the source."""
-    force, error = (
-        table().presses(LUMPED, quantity, LAW)[press] for quantity in ("force", "error of force")
-    )
-    angle, fitted = force.conditions["angle"], f"reports/{LUMPED}"
-    if case.indenter.flat == (angle, 0.0):
-        depth = case.finger.thickness * case.depth_over_thickness(force)
-        if depth > force.deepest:
-            return float("nan"), f"not known: its finger was calibrated to {force.deepest:g} mm"
-        misfit = error.at(depth)
-    else:
-        misfit, fitted = press_mesh.error(LAW, case)
-    if math.isnan(misfit):
-        return misfit, fitted
-    misfit *= 1 + moving(motion_shares(LAW, "force"), (f"flat-{angle:g}",))
-    relaxing = table().value(LUMPED, "relaxing error", LAW, press)
-    more = relaxing if case.finger.prony.v else 0.0
-    source = f"{fitted}: Table 2.1 against the finger that was fitted to it"
-    return misfit + more, f"{source}, and {percent(more)} for what relaxation adds"
+    found = formulas.error(LAW, case, library.pawluk_bulk()[subject].prony)
+    if found is None:
+        found = press_mesh.error(LAW, case)
+    return found.error, f"{found.source}: Table 2.1 against the finger that was fitted to it"
 
 
 def _strange(finger: Finger) -> str:

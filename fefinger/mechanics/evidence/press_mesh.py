@@ -94,7 +94,7 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
         margins.append(_margin(_between(candidate, quantity, where[0]), depth))
     if local and _object_of(parts[0][0]) not in same(case.indenter):
         margins.append(_margin(_other_edges(candidate, quantity, case.indenter.kind), depth))
-    if not _measured_finger(case, parts):
+    if not _measured_finger(case, parts, quantity):
         margins.append(_margin(_other_fingers(_elsewhere(candidate, case), quantity), depth))
     carried = carrying.error(case, quantity) if _carried(candidate, case) else 0.0
     if case.measured_tissue:  # neither is the larger by far
@@ -108,7 +108,7 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     return Known(error + margin, source)
 
 
-def _subject(finger: Finger) -> str:
+def subject(finger: Finger) -> str:
     """Return the name of the calibrated finger in the report that has the tissue of a finger."""
     names = (*library.pawluk_bulk(), library.MEANS)
     fitted = {library.calibrated_name(name): name for name in names}
@@ -119,7 +119,7 @@ def stiffening(finger: Finger) -> bool:
     """Return whether the tissue of a finger is a calibrated one, with nothing changed."""
     tissues = library.tissue_set(finger.tissue)
     return (
-        bool(_subject(finger))
+        bool(subject(finger))
         and (finger.skin, finger.subcutaneous) == (tissues.skin, tissues.subcutaneous)
         and finger.surface is None
         and finger.relaxation == "whole"
@@ -127,12 +127,18 @@ def stiffening(finger: Finger) -> bool:
     )
 
 
-def _measured_finger(case: Situation, presses: list[tuple[Measured, float]]) -> bool:
-    """Return whether all presses are of the finger of the scene."""
+def _measured_finger(case: Situation, presses: list[tuple[Measured, float]], quantity: str) -> bool:
+    """Return whether the presses of a scene are of its finger, and tell of what is between them.
+
+    The margin between presses is of those of MAIN. Of another finger it is taken for the force
+    alone, which is smooth; which vertices bear the pressure is by chance on every finger.
+    """
     if case.measured_tissue:
         return case.finger.subject_name == MAIN
     own = reached_depth.calibrated(case.finger) and case.finger.subject_name
-    return all(press.press.partition("/")[0] == own for press, _ in presses)
+    whose = {press.press.partition("/")[0] for press, _ in presses}
+    smooth = quantity == "force" or own == MAIN or len(presses) == 1
+    return whose == {own} and smooth
 
 
 def _elsewhere(candidate: Candidate, case: Situation) -> Candidate:
@@ -163,7 +169,7 @@ def _presses(
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     found = []
     for name in names:
-        own, label = f"{_subject(case.finger)}/{name}", f"{tissue}/{name}"
+        own, label = f"{subject(case.finger)}/{name}", f"{tissue}/{name}"
         press = presses.get(own, presses.get(label)) if not published else presses.get(label)
         if press is not None:
             found.append((press, _reached(press, case) * _sooner(press, case.finger)))

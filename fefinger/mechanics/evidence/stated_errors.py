@@ -12,7 +12,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from fefinger.mechanics.evidence import press_mesh, tradeoff
+from fefinger.mechanics.evidence import formulas, press_mesh, tradeoff
 from fefinger.mechanics.evidence.mesh_scatter import DRAWN, scatter
 from fefinger.mechanics.evidence.press_mesh import Known
 from fefinger.mechanics.evidence.table import table
@@ -118,6 +118,10 @@ def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> 
     None for small strain where nothing like the scene was measured; of finite strain then the
     error is not a number, and the source says why.
     """
+    if candidate.mechanics in formulas.NAMES and quantity == "force":
+        formula = formulas.error(candidate, case)
+        if formula is not None:
+            return formula
     own = stated(candidate, case, quantity)
     if own is not None:
         return _on_its_mesh(own, candidate, case, quantity)

@@ -30,6 +30,7 @@ LUMPED = "lumped-force.json"
 TRADEOFF = "tradeoff.json"
 CARRYING = "carrying.json"
 PRESS_MESH = "press-mesh.json"
+FORMULAS = "formula-force.json"
 
 SECONDS = ("build", "setup", "fields", "step", "area", "reference")
 """Stages whose CPU seconds are measured, as quantities "setup seconds" and so on."""
@@ -291,6 +292,15 @@ def _press_mesh(name: str) -> Iterator[Measured]:
                 yield _entry(name, of, what, press, values, depth, conditions)
 
 
+def _formulas(name: str) -> Iterator[Measured]:
+    for press, row in read(name)["rows"].items():
+        depth, force = row["depth_mm"], row["force_N"]
+        yield _entry(name, Candidate("solid"), "force", press, force, depth, row)
+        for mechanics, values in row["log_ratio"].items():
+            quantity, candidate = "log ratio of force", Candidate(mechanics)
+            yield _entry(name, candidate, quantity, press, values, depth, row)
+
+
 READERS = {
     LINEAR: _linear,
     CONDENSED: _condensed,
@@ -302,5 +312,6 @@ READERS = {
     TRADEOFF: _tradeoff,
     CARRYING: _carrying,
     PRESS_MESH: _press_mesh,
+    FORMULAS: _formulas,
 }
 """How each report is laid out."""

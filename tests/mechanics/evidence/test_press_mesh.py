@@ -229,7 +229,7 @@ def test_tissue_of_a_larger_exponent_errs_as_much_less_deep() -> None:
     for finger, depth in ((soft, 1.0), (steep, 1.0 * shallower)):
         scene = Scene(
             finger=replace(finger, resolution="standard"),
-            indenter=Flat(45),
+            indenter=Flat(37),
             motion=Ramp(60, depth, corner=0.0),
         )
         found = press_mesh.error(Candidate("linear", "standard"), Situation.of(scene), "strain")

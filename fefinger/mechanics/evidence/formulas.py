@@ -1,0 +1,289 @@
+"""What the force of a closed formula or of the lumped law errs by: signed, between presses.
+
+`reports/formula-force.json` holds, for every press of a finger by a plate or a ball in the middle
+of the pad, the logarithm of the formula's elastic force over that of finite strain, over the depth.
+It is smooth in angle, curvature and depth and crosses zero, so it is interpolated with its sign:
+errors without sign are largest where a formula is right by crossing. Under an object it is that of
+the finger of MAIN, with what the scene's own finger differed by under the objects that it was
+pressed by. Formula and finite strain are then both taken through the motion, the former as it is
+answered.
+
+The margin is in the logarithm, of causes that do not know of each other: what lies between the
+presses of MAIN and what lies between fingers, both by leaving presses out; the mesh of the presses;
+and what carrying finite strain through time errs by.
+"""
+
+import math
+from collections.abc import Iterable
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from fefinger.mechanics.evidence import carrying, press_mesh
+from fefinger.mechanics.evidence.press_mesh import DEPTHS, MAIN, QUANTILE, Known
+from fefinger.mechanics.evidence.pressed_objects import place
+from fefinger.mechanics.evidence.table import FORMULAS, Measured, table
+from fefinger.mechanics.evidence.tradeoff import BEYOND
+from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Candidate
+from fefinger.scene import library
+from fefinger.scene.finger import STANDARD
+from fefinger.support.arrays import Array
+from fefinger.support.text import percent
+from fefinger.theory.contact.ting import press_by_depth, radius_nodes
+from fefinger.theory.relaxation import Prony, hereditary_integral
+
+
+NAMES = ("hertz", "layered", "lumped")
+"""Mechanics that are formulas or laws."""
+
+NODES = 48
+
+HERTZIAN = 1.5
+"""Power of the depth that forces begin with."""
+
+
+class Row(NamedTuple):
+    """The presses of one finger on an axis, in their order, by angle in degrees or 1/mm."""
+
+    places: Array
+    presses: tuple[Measured, ...]
+
+
+def error(candidate: Candidate, case: Situation, law: Prony | None = None) -> Known | None:
+    """Return the error of the force of a formula, and its source; None where no press is like it.
+
+    law: the relaxation of the lumped law, which answers by Eq. 2.3.
+    """
+    where = place(case.indenter)
+    tissue = _tissue(case)
+    if where is None or not tissue:
+        return None
+    axis, here = where
+    main, own = _row(candidate, tissue, MAIN, axis), _own(candidate, tissue, case, axis)
+    if own is None and candidate.mechanics == "lumped":
+        return None  # the law is of one finger
+    if not (len(main.presses) and main.places[0] <= here <= main.places[-1]):
+        return None
+    low, high = _beside(main, here)
+    part = _part(case, main.presses[low])
+    if not any(part <= BEYOND * main.presses[at].part[-1] for at in (low, high)):
+        return None
+    curve = main.presses[low].part
+    ratio = np.array([_ratio(main, own, here, float(each)) for each in curve])
+    margin = math.hypot(
+        _between(candidate, tissue, axis, part) * _middle(main, here),
+        0.0 if own is main else _fingers(candidate, tissue, axis, own, here, part),
+        press_mesh.error(Candidate("solid", STANDARD), case).error,
+    )
+    moves = case.motion.control == "depth"
+    carried = carrying.error(case, "force") if moves else 0.0
+    back = moves and carrying.retreats(case.motion)
+    if not back:  # on loading it is a share of the force that there is
+        margin = math.hypot(margin, carried)
+    if not math.isfinite(margin):
+        return None
+    found = _through(case, main.presses[low], ratio, part, law)
+    bounds = [
+        _through(case, main.presses[low], ratio + each, part, law) for each in (-margin, margin)
+    ]
+    more = max(*bounds, found) - found
+    if back:  # on retreat one of the largest force: memory of what was deeper
+        more = math.hypot(more, carried)
+    names = " and ".join(main.presses[at].press for at in dict.fromkeys((low, high)))
+    source = f"reports/{FORMULAS}, {names}: {percent(found)}, and {percent(more)} of margin"
+    return Known(found + more, source)
+
+
+def _tissue(case: Situation) -> str:
+    """Return which tissue of the presses a finger has, "" for none of them."""
+    if case.measured_tissue:
+        return library.PUBLISHED
+    return CALIBRATED if press_mesh.stiffening(case.finger) else ""
+
+
+CALIBRATED = "calibrated"
+
+
+@cache
+def _row(candidate: Candidate, tissue: str, subject: str, axis: str) -> Row:
+    """Return the presses of a finger on an axis."""
+    found = {}
+    for press in table().all(FORMULAS, "log ratio of force", candidate):
+        row = press.conditions
+        value = row[axis]
+        if (row["tissue"], row["subject"]) == (tissue, subject) and value is not None:
+            found[float(value)] = press
+    places = sorted(found)
+    return Row(np.array(places), tuple(found[each] for each in places))
+
+
+def _own(candidate: Candidate, tissue: str, case: Situation, axis: str) -> Row | None:
+    """Return the presses of the finger of a scene; None of a finger that was not pressed so."""
+    finger = case.finger
+    for subject in _subjects():
+        row = _row(candidate, tissue, subject, axis)
+        if row.presses:
+            size = tuple(row.presses[0].conditions["size_mm"])
+            fitted = tissue == library.PUBLISHED or press_mesh.subject(finger) == subject
+            if fitted and np.allclose(size, (finger.width, finger.thickness, finger.pad_radius)):
+                return row
+    return None
+
+
+@cache
+def _subjects() -> tuple[str, ...]:
+    every = table().entries
+    return tuple(dict.fromkeys(x.conditions["subject"] for x in every if x.report == FORMULAS))
+
+
+def _beside(row: Row, here: float) -> tuple[int, int]:
+    """Return the numbers of the presses on either side of a place."""
+    high = int(np.searchsorted(row.places, here - 1e-9))
+    return max(high - (row.places[high] > here + 1e-9), 0), high
+
+
+def _ratio(main: Row, own: Row | None, here: float, part: float) -> float:
+    """Return the log ratio at a place and a depth over thickness."""
+    at_main = _values(main, part)
+    found = float(np.interp(here, main.places, at_main))
+    if own is None:
+        return found
+    more = _values(own, part) - np.interp(own.places, main.places, at_main)
+    return found + float(np.interp(here, own.places, more))
+
+
+def _values(row: Row, part: float) -> Array:
+    """Return the log ratios (n,) of the presses of a row at a depth over thickness."""
+    return np.array([np.interp(part, each.part, each.values) for each in row.presses])
+
+
+def _middle(row: Row, here: float) -> float:
+    """Return 4 s (1 - s) between two presses: 0 at each of them, 1 in the middle."""
+    low, high = _beside(row, here)
+    if low == high:
+        return 0.0
+    share = (here - row.places[low]) / (row.places[high] - row.places[low])
+    return float(4 * share * (1 - share))
+
+
+def _between(candidate: Candidate, tissue: str, axis: str, part: float) -> float:
+    """Return the margin in the middle of two presses of MAIN, at a depth over thickness.
+
+    Half of what a press differs from those on either side: leaving one out doubles the gap.
+    """
+    return _quantile(_left_out(candidate, tissue, axis), part) / 2
+
+
+@cache
+def _left_out(candidate: Candidate, tissue: str, axis: str) -> tuple[tuple[float, float], ...]:
+    main = _row(candidate, tissue, MAIN, axis)
+    missed = []
+    for at in range(1, len(main.presses) - 1):
+        others = Row(np.delete(main.places, at), _without(main.presses, at))
+        missed += _missed(main.presses[at], others, None, float(main.places[at]))
+    return tuple(missed)
+
+
+def _fingers(
+    candidate: Candidate, tissue: str, axis: str, own: Row | None, here: float, part: float
+) -> float:
+    """Return the margin for what a finger differs from that of MAIN by, where it was not pressed.
+
+    Of a finger that was, half of what one of the presses of another finger differs from those that
+    are left: leaving one out doubles the gap. Of a finger that was not, all that the fingers of the
+    same published tissue differ by, of the size alone.
+    """
+    if own is None:
+        return _quantile(_by_size(candidate, axis), part)
+    if np.isclose(own.places, here).any():
+        return 0.0
+    return _quantile(_by_finger(candidate, tissue, axis), part) / 2
+
+
+@cache
+def _by_size(candidate: Candidate, axis: str) -> tuple[tuple[float, float], ...]:
+    main, missed = _row(candidate, library.PUBLISHED, MAIN, axis), []
+    for subject in _subjects():
+        row = _row(candidate, library.PUBLISHED, subject, axis)
+        for at, press in zip(row.places, row.presses, strict=True):
+            if subject != MAIN:
+                missed += _missed(press, main, None, float(at))
+    return tuple(missed)
+
+
+@cache
+def _by_finger(candidate: Candidate, tissue: str, axis: str) -> tuple[tuple[float, float], ...]:
+    main, missed = _row(candidate, tissue, MAIN, axis), []
+    for subject in _subjects():
+        row = _row(candidate, tissue, subject, axis)
+        if subject == MAIN or len(row.presses) < 2:
+            continue
+        for at, press in enumerate(row.presses):
+            others = Row(np.delete(row.places, at), _without(row.presses, at))
+            missed += _missed(press, main, others, float(row.places[at]))
+    return tuple(missed)
+
+
+def _without(presses: tuple[Measured, ...], at: int) -> tuple[Measured, ...]:
+    return (*presses[:at], *presses[at + 1 :])
+
+
+def _missed(
+    press: Measured, main: Row, own: Row | None, here: float
+) -> Iterable[tuple[float, float]]:
+    """Give the depths of a press over the thickness, and what its log ratio is off from others."""
+    deepest = max(each.part[-1] for each in main.presses)
+    for part, value in zip(press.part, press.values, strict=True):
+        if part <= deepest:
+            yield float(part), abs(float(value) - _ratio(main, own, here, float(part)))
+
+
+def _quantile(missed: tuple[tuple[float, float], ...], part: float) -> float:
+    """Quantile QUANTILE of what was missed about a depth; infinite where nothing was left out."""
+    if not missed:
+        return math.inf
+    near = [value for at, value in missed if part / DEPTHS < at < part * DEPTHS]
+    return float(np.quantile(near or [value for _, value in missed], QUANTILE))
+
+
+def _part(case: Situation, press: Measured) -> float:
+    """Return the largest depth over thickness, under force control by the force of a press."""
+    forces = table().presses(FORMULAS, "force", Candidate("solid"))
+    return case.depth_over_thickness(forces[press.press])
+
+
+def _through(
+    case: Situation, press: Measured, ratio: Array, part: float, law: Prony | None
+) -> float:
+    """Return the error of the force through time, over the largest: at the depth under a force.
+
+    press: whose force of finite strain is taken, for its shape; ratio (n,): log ratios at its
+    depths.
+    """
+    if case.motion.control == "force":
+        return abs(math.expm1(float(np.interp(part, press.part, ratio))))
+    true = table().presses(FORMULAS, "force", Candidate("solid"))[press.press].values
+    thickness, time, prony = case.finger.thickness, case.times, case.finger.prony
+    depth = np.asarray(case.motion.value(time)) / thickness
+    nodes = radius_nodes(part * (1 + 1e-9), NODES)
+    curve = _forces(press.part, true, nodes)
+    formula = curve * np.exp(np.interp(nodes, press.part, ratio))
+    history = press_by_depth(prony, time, depth, nodes)
+    right = history.stress(curve) / prony.long_time
+    if law is None:
+        answered = history.stress(formula) / prony.long_time
+    else:
+        elastic = np.interp(depth, nodes, formula)
+        answered = np.maximum(hereditary_integral(law, time, elastic), 0.0) / law.long_time
+    return float(np.abs(answered - right).max() / right.max())
+
+
+def _forces(parts: Array, forces: Array, wanted: Array) -> Array:
+    """Return forces at depths, whose root of HERTZIAN is joined by lines, and goes on beyond."""
+    roots = np.concatenate([[0.0], forces ** (1 / HERTZIAN)])
+    known = np.concatenate([[0.0], parts])
+    slope = (roots[-1] - roots[-2]) / (known[-1] - known[-2])
+    beyond = np.maximum(wanted - known[-1], 0.0) * slope
+    return np.asarray((np.interp(wanted, known, roots) + beyond) ** HERTZIAN)
