@@ -72,7 +72,7 @@ def statics_error(case: Situation) -> tuple[float, str]:
     reduced = _reduced(case, frequency)
     of_vibration = float(np.interp(reduced, *_envelope("vibration", _damping(case, frequency))))
     speeds, errors = _envelope("ramp")
-    beyond = max(1.0, speed / wave / speeds[-1])  # rises by the square, as the work of inertia
+    beyond = max(1.0, speed / wave / float(speeds[-1]))  # rises by the square, as inertia does
     of_ramp = float(np.interp(speed / wave, speeds, errors)) * beyond**2
     if of_vibration >= of_ramp:
         faster = frequency * case.finger.pulp / reduced if reduced else wave
@@ -287,9 +287,11 @@ def once(case: Situation) -> float:
 
 def _speed(case: Situation) -> float:
     """Largest speed in mm/s of a motion that prescribes the depth, without its vibration."""
-    if case.motion.control == "force" or case.motion.highest_frequency is not None:
+    if case.motion.control == "force":
         return 0.0
-    return float(np.abs(case.motion.rate(case.meshes[0].times)).max())
+    t = case.meshes[0].times
+    slow = case.motion.value(t) - case.motion.vibration(t)
+    return float(np.abs(np.diff(slow) / np.diff(t)).max())
 
 
 def _damping(case: Situation, frequency: float) -> str:
