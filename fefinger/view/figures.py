@@ -50,6 +50,7 @@ STYLE: Any = {
 }
 WIDE = 9.2  # inches: the width of a figure that fills the report
 RASTER = 200  # dots per inch of what is no line in an SVG
+POINTS = 72  # units of an SVG per inch, for its layout
 SHORT = 0.25  # s: shorter spans are labeled in ms
 
 
@@ -68,10 +69,20 @@ def figure(width: float, height: float) -> Any:
 
 
 def svg(drawn: Any) -> str:
-    """Return the figure as compact SVG text, whose letters are those of the browser's font."""
+    """Return the figure as compact SVG text, whose letters are those of the browser's font.
+
+    The figure keeps its layout. `savefig` would draw everything twice, the first time for it.
+    """
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
     buffer = io.StringIO()
     with style():
-        drawn.savefig(buffer, format="svg", metadata={"Date": None}, dpi=RASTER)
+        canvas = FigureCanvasSVG(drawn)
+        drawn.set_dpi(POINTS)
+        drawn.get_layout_engine().execute(drawn)
+        drawn.set_layout_engine("none")
+        drawn.set_dpi(RASTER)
+        canvas.print_svg(buffer, metadata={"Date": None})
     return compact(buffer.getvalue())
 
 

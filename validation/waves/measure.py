@@ -15,6 +15,7 @@ import sys
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,9 @@ from fefinger.validation.provenance import provenance
 from fefinger.validation.waves.preload import Preloaded, modulus, viscous
 
 from fefinger.fem.contact.modal_march import ModalContact
+from fefinger.mechanics.evidence.vibration import suddenness
+from fefinger.mechanics.press.modal_body import ModalBody
+from fefinger.mechanics.press.modal_press import contact_of
 from fefinger.mechanics.press.mode_store import FingerModes, finger_modes
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.realtime.modal import Modal
@@ -30,7 +34,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.inertia import wave_speed
-from fefinger.scene.motions import Ramp
+from fefinger.scene.motions import Ramp, RampHold
 from fefinger.support.arrays import Array
 
 
@@ -55,6 +59,12 @@ RATIOS = np.linspace(0.02, 0.7, 69)
 
 SPEEDS = 20.0, 60.0, 200.0, 500.0, 1000.0, 2000.0
 """Speeds of ramps in mm/s to a tenth of the thickness."""
+
+SUDDEN = 20.0, 60.0, 150.0, 300.0, 600.0
+"""Speeds in mm/s of presses to a tenth of the thickness, with corners and without."""
+
+PARTS_OF_MODES = 0.25, 0.5
+"""Share of the modes that swing in such presses, against all of them."""
 
 
 def frequencies(finger: Finger, reduced: Array, stiffer: float = 1.0) -> Array:
@@ -104,6 +114,37 @@ def ramps(finger: Finger) -> Iterator[dict[str, float]]:
             forces.append(np.array(force))
         change = np.abs(forces[0] - forces[1]).max() / forces[0].max()
         yield {"speed_over_wave": speed / wave_speed(finger), "error": float(change)}
+
+
+def presses(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
+    """Yield what presses with a part of the modes are off, over the largest force, by suddenness.
+
+    Each is a ramp and a rest in which the finger rings.
+    """
+    depth, dt = 0.1 * finger.thickness, 2e-5
+    loop = Modal(finger, Flat(30), deepest=1.1 * depth, dt=dt)
+    count = len(loop.body.oscillators.squares)
+    bodies = [loop.body, *(loop.body.only(np.arange(int(p * count))) for p in PARTS_OF_MODES)]
+    for speed, corner in product(SUDDEN, ({}, {"corner": 0.0})):
+        motion = RampHold(speed, depth, hold=0.01, **corner)
+        whole, *others = (_pressed(body, motion, dt) for body in bodies)
+        for body, force in zip(bodies[1:], others, strict=True):
+            cycle = 2 * np.pi / float(np.sqrt(body.oscillators.squares[-1]))
+            error = float(np.abs(force - whole).max() / whole.max())
+            yield {
+                "relaxation": relaxation,
+                "suddenness": suddenness(motion, cycle),
+                "error": error,
+            }
+
+
+def _pressed(body: ModalBody, motion: RampHold, dt: float) -> Array:
+    """Return the force (n_t,) on a body through a motion, in mN on what is meshed."""
+    contact, force = contact_of(body, dt * (1 + 1e-6)), []
+    for t in np.arange(1, int(motion.duration / dt) + 1) * dt:
+        assert contact.step(dt, float(motion.value(t)), by_force=False) == 0
+        force.append(float(body.static.patch.projected @ contact.lcp.x))
+    return np.array(force)
 
 
 def between_meshes(relaxation: str, subject: str) -> dict[str, Any]:
@@ -222,6 +263,7 @@ def main(path: str) -> None:
         "mesh_of_inertia": [between_meshes(kind, s) for kind in RELAXATIONS for s in SUBJECTS],
         "preload": list(preloads()),
         "ramp": [row for finger in fingers for row in ramps(finger)],
+        "press": [row for each in kinds for row in presses(*each)],
         "truncation": [row for each in kinds for row in truncation(*each)],
         "last_mode": [
             finger_modes(f, operator(f, half=True)).complete * f.thickness / wave_speed(f)

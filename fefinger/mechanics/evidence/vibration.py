@@ -3,12 +3,12 @@
 Measured in `reports/modal.json` on the fingers of four subjects under a plate and a ball: the
 change of the dynamic stiffness by inertia over frequency x thickness / wave speed, with the modulus
 at that frequency; the change of the force of ramps over speed / wave speed, with the relaxed
-modulus; what the modes leave out and what the mesh changes; and, in tissue that stiffens, what the
-linear finger that stands for it is off. Of all fingers, objects and preloads the largest is taken,
-of those whose relaxation damps as much: near resonances that hardly damp nothing is certain.
-Tissue that stiffens has the least factor on its moduli of the measured fingers. Errors of a
-vibration are over its own force without inertia; that force is SHARE x amplitude / depth of the
-peak.
+modulus; what the modes leave out, of a vibration and of a sudden press, and what the mesh changes;
+and, in tissue that stiffens, what the linear finger that stands for it is off. Of all fingers,
+objects and preloads the largest is taken, of those whose relaxation damps as much: near resonances
+that hardly damp nothing is certain. Tissue that stiffens has the least factor on its moduli of the
+measured fingers. Errors of a vibration are over its own force without inertia; that force is
+SHARE x amplitude / depth of the peak.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,11 +21,13 @@ from fefinger.mechanics.evidence.table import read
 from fefinger.mechanics.press.mode_cache import MESH_OF_INERTIA, at_hand
 from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.press.operator_cache import parities
+from fefinger.mechanics.press.time_steps import MODAL_STEP, RESOLVED
 from fefinger.mechanics.refusals import Doubt
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.inertia import SAMPLED, modulus, wave_speed
+from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array
 from fefinger.support.text import percent
 
@@ -40,6 +42,10 @@ FINE = 2.5
 
 BEYOND = 0.7
 """Frequency over that of the last mode beyond which the answer through time is not trusted."""
+
+SUDDEN = 0.5
+"""Suddenness of a press beyond which the modes do not follow it: some tenths of its force are off.
+"""
 
 RESONANT = 0.2
 """Frequency x thickness / wave speed from which fingers resonate under a plate."""
@@ -65,7 +71,9 @@ def statics_error(case: Situation) -> tuple[float, str]:
     wave = wave_speed(case.finger)
     reduced = _reduced(case, frequency)
     of_vibration = float(np.interp(reduced, *_envelope("vibration", _damping(case, frequency))))
-    of_ramp = float(np.interp(speed / wave, *_envelope("ramp")))
+    speeds, errors = _envelope("ramp")
+    beyond = max(1.0, speed / wave / float(speeds[-1]))  # rises by the square, as inertia does
+    of_ramp = float(np.interp(speed / wave, speeds, errors)) * beyond**2
     if of_vibration >= of_ramp:
         faster = frequency * case.finger.pulp / reduced if reduced else wave
         reason = (
@@ -96,7 +104,32 @@ def left_out(case: Situation) -> tuple[float, str]:
 
 def modal_error(case: Situation) -> float:
     """Return the error of the force by modes, mesh and steps, over its peak."""
-    return STEPS + _share(case) * vibration_error(case)
+    return STEPS + float(np.hypot(_share(case) * vibration_error(case), press_error(case)))
+
+
+def press_error(case: Situation) -> float:
+    """Return the error of the force of a press by what the modes leave out, over its peak."""
+    return float(np.interp(suddenness(case.motion, 1 / _last(case)), *_envelope("press")))
+
+
+def suddenness(motion: Motion, cycle: float) -> float:
+    """Largest change of the mean speed from an eighth of a cycle to the next, over peak / cycle.
+
+    cycle: that of the last mode in s. The part of the motion that vibrates does not count. In an
+    eighth sharp and rounded presses of the same measure err alike.
+    """
+    part = cycle / 8
+
+    def slow(t: Array) -> Array:
+        at = np.minimum(t, motion.duration)
+        return np.where(t < 0, 0.0, motion.value(at) - motion.vibration(at))
+
+    breaks = np.array(motion.breaks)
+    middles = (breaks[1:] + breaks[:-1]) / 2
+    t = np.concatenate([breaks, breaks - part, breaks + part, middles])
+    t = np.minimum(t, motion.duration - part)  # what would come after the end is not known
+    change = slow(t + part) - 2 * slow(t) + slow(t - part)
+    return float(np.abs(change).max() / motion.peak * cycle / part)
 
 
 def vibration_error(case: Situation) -> float:
@@ -127,7 +160,7 @@ def geometric_share(part: float) -> float:
 def sentence(case: Situation) -> str:
     """Return the source of the error of modes, mesh and steps."""
     left, frequency = modal_error(case), case.motion.highest_frequency
-    if frequency is None:
+    if frequency is None or press_error(case) > _share(case) * vibration_error(case):
         return f"reports/{REPORT}: {percent(left)} of modes and steps"
     text = (
         f"reports/{REPORT}: {percent(left)} of modes, mesh and steps, as the oscillation of the "
@@ -167,6 +200,26 @@ def notes(case: Situation) -> tuple[str, ...]:
 
 
 def doubts(case: Situation) -> list[Doubt]:
+    """Return the doubts that a motion is faster than what was measured, or than the modes."""
+    return _too_sudden(case) + _too_high(case)
+
+
+def _too_sudden(case: Situation) -> list[Doubt]:
+    """Return the doubt that a press changes its speed faster than the modes follow."""
+    last = _last(case)
+    found = suddenness(case.motion, 1 / last)
+    if found <= SUDDEN:
+        return []
+    pace = "loading_rate" if case.motion.control == "force" else "speed"
+    reason = (
+        f"sudden change of the speed / (peak x frequency of the last mode, {last:.3g} Hz) = "
+        f"{found:.2g} > {SUDDEN:g}: the modes do not follow it; press more slowly, or with a "
+        "longer motion.corner"
+    )
+    return [Doubt(f"motion.{pace}" if hasattr(case.motion, pace) else "motion", reason)]
+
+
+def _too_high(case: Situation) -> list[Doubt]:
     """Return the doubt that a motion has frequencies which the modes do not reach."""
     frequency, rate = case.motion.highest_frequency, case.motion.sample_rate
     if frequency is None:
@@ -234,9 +287,11 @@ def once(case: Situation) -> float:
 
 def _speed(case: Situation) -> float:
     """Largest speed in mm/s of a motion that prescribes the depth, without its vibration."""
-    if case.motion.control == "force" or case.motion.highest_frequency is not None:
+    if case.motion.control == "force":
         return 0.0
-    return float(np.abs(case.motion.rate(case.meshes[0].times)).max())
+    t = case.meshes[0].times
+    slow = case.motion.value(t) - case.motion.vibration(t)
+    return float(np.abs(np.diff(slow) / np.diff(t)).max())
 
 
 def _damping(case: Situation, frequency: float) -> str:
@@ -279,6 +334,13 @@ def _ratio(case: Situation, frequency: float) -> float:
     return frequency / last
 
 
+def _last(case: Situation) -> float:
+    """Frequency in Hz of the last mode that swings in a press, with relaxed tissue."""
+    kept = min(read(REPORT)["last_mode"]) * _faster(case, 0.0) / case.finger.thickness
+    sudden = RESOLVED / MODAL_STEP  # with the modulus of sudden strain
+    return float(min(kept, sudden * np.sqrt(case.finger.prony.weights[0])))
+
+
 @cache
 def _by_part(name: str, of: Callable[[Array], float], at_rest: float) -> tuple[Array, Array]:
     """Values of the measured fingers over the preload in parts of the thickness."""
@@ -308,7 +370,7 @@ def _envelope(name: str, kind: str = "") -> tuple[Array, Array]:
         reduced = read(REPORT)["reduced"]
         points = [pair for row in rows for pair in zip(reduced, row["error"], strict=True)]
     else:
-        key = {"ramp": "speed_over_wave", "truncation": "ratio"}[name]
+        key = {"ramp": "speed_over_wave", "truncation": "ratio", "press": "suddenness"}[name]
         points = [(row[key], row["error"]) for row in rows]
     return _rising(points)
 

@@ -19,10 +19,10 @@ from fefinger.mechanics.press.modal_body import (
     body_of_modes,
     stiffened,
 )
-from fefinger.mechanics.press.modal_steps import RESOLVED
 from fefinger.mechanics.press.mode_store import FingerModes, finger_modes
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.small_strain import solve_contact
+from fefinger.mechanics.press.time_steps import RESOLVED
 from fefinger.results.records import Fields
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.progress import Stages

@@ -3,21 +3,14 @@
 import numpy as np
 
 from fefinger.fem.contact.modal_march import Grid
-from fefinger.mechanics.press.time_steps import FAST_STEP, MOST, time_grid
+from fefinger.mechanics.press.time_steps import FAST_STEP, MODAL_STEP, MOST, time_grid
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
 
 
-STEP = 1e-4
-"""Longest step in s while the indenter moves: 0.3 / STEP, or 3 kHz, bounds the modes that swing."""
-
 STEPS_PER_CYCLE = 60
 """Steps per cycle of a vibration: its force is then 0.3 % off, by the order of the steps."""
-
-RESOLVED = 0.3
-"""Cycles per step of the fastest mode that has inertia: of an oscillation with twice its frequency
-no step would see the direction. Modes beyond deform as in statics."""
 
 RINGING = 0.1
 """Time in s in which tissue of a published relaxation stops ringing after a motion."""
@@ -73,7 +66,7 @@ def _longest(motion: Motion, moving: Array) -> float:
     """Length in s of the longest step with inertia."""
     highest = motion.highest_frequency or 0.0
     cycle = 1 / highest if highest else np.inf
-    return float(min([STEP, cycle / STEPS_PER_CYCLE, moving.min(initial=np.inf)]))
+    return float(min([MODAL_STEP, cycle / STEPS_PER_CYCLE, moving.min(initial=np.inf)]))
 
 
 def _moving(motion: Motion, time: Array) -> Flags:

@@ -20,6 +20,14 @@ GROWTH = 1.25  # of successive steps while at rest
 RESTING_STEP = 0.05  # s, the longest, up to a rest of RESTING_STEPS of them
 RESTING_STEPS = 200  # longer rests take longer steps
 
+MODAL_STEP = 1e-4
+"""Longest step in s with inertia while the indenter moves: RESOLVED over it, or 3 kHz, bounds the
+modes that swing."""
+
+RESOLVED = 0.3
+"""Cycles per step of the fastest mode that has inertia: of an oscillation with twice its frequency
+no step would see the direction. Modes beyond deform as in statics."""
+
 MOST = 250_000
 """Steps of which the history of a contact still fits into memory."""
 

@@ -25,8 +25,8 @@ from fefinger.geometry import mirror
 from fefinger.mechanics.press import limits
 from fefinger.mechanics.press.harmonic import Vibrating
 from fefinger.mechanics.press.modal_body import body_of_modes
-from fefinger.mechanics.press.modal_steps import RESOLVED
 from fefinger.mechanics.press.mode_store import finger_modes
+from fefinger.mechanics.press.time_steps import RESOLVED
 from fefinger.mechanics.realtime.condensed import Condensed, read_summary, unfolded
 from fefinger.mechanics.realtime.step import Step
 from fefinger.mesh.store import load_or_build
