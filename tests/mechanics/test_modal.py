@@ -7,12 +7,14 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from fefinger.validation.waves.measure import pressed_force
 from fefinger.validation.waves.preload import Preloaded
 
 import fefinger as ff
 from fefinger.mechanics import condensed, modal, pressed
 from fefinger.mechanics.evidence import vibration
 from fefinger.mechanics.press.modal_steps import RINGING, modal_grid
+from fefinger.mechanics.press.mode_cache import COUNT
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import builtin
 from fefinger.scene.inertia import coarse_samples
@@ -159,7 +161,7 @@ def test_a_preload_is_the_same_by_depth_and_by_force(loop: ff.Modal) -> None:
 @pytest.mark.parametrize(
     ("frequency", "preload", "sentence"),
     [
-        ([3000.0], {"depth": 0.8}, "of the frequency of the last of 130 modes"),
+        ([3000.0], {"depth": 0.8}, f"of the frequency of the last of {COUNT} modes"),
         ([0.0, 10.0], {"depth": 0.8}, "above 0 Hz"),
         ([10.0], {}, "a depth in mm or a force in N"),
         ([10.0], {"depth": 3.0}, "at most 1.2"),
@@ -180,8 +182,8 @@ def test_a_mode_is_one_cycle_of_its_frequency_on_the_mesh(loop: ff.Modal, tmp_pa
     np.testing.assert_allclose(fields.displacement[4], -fields.displacement[0], atol=1e-12)
     loop.save_shape(tmp_path / "mode.vtkhdf", 0)
     assert (tmp_path / "mode.vtkhdf").stat().st_size > 1000
-    with pytest.raises(InputError, match="expected a number from 0 to 129"):
-        loop.shape(130)
+    with pytest.raises(InputError, match=f"expected a number from 0 to {COUNT - 1}"):
+        loop.shape(COUNT)
 
 
 def test_delays_are_those_of_the_phase(loop: ff.Modal) -> None:
@@ -241,6 +243,59 @@ def test_the_error_of_statics_grows_with_frequency_and_speed() -> None:
         errors.append(vibration.statics_error(case)[0])
     assert errors == sorted(errors)
     assert errors[0] < 0.01 < errors[-1]
+
+
+@pytest.mark.parametrize(
+    ("speed", "corner", "part"),
+    [(100.0, 0.0, 0.1), (50.0, 0.01, 50 * 1e-3**2 / (8 * 0.01)), (1e9, 0.0, 8.0)],
+    ids=["sharp", "rounded", "jump"],
+)
+def test_suddenness_is_the_change_of_speed_in_an_eighth_of_a_cycle(
+    speed: float, corner: float, part: float
+) -> None:
+    motion = ff.RampHold(speed, 1.0, hold=0.2, corner=corner)
+    assert vibration.suddenness(motion, 1e-3) == pytest.approx(part, rel=1e-9)
+    ringing = ff.RampSinusoid(
+        speed, 1.0, amplitude=0.1, frequency=100, cycles=20, settle=0.2, corner=corner
+    )
+    assert vibration.suddenness(ringing, 1e-3) == pytest.approx(part / 1.1, rel=1e-9)
+
+
+@pytest.mark.parametrize("corner", [0.0, 0.001], ids=["sharp", "rounded"])
+def test_the_error_of_a_press_by_few_modes_is_within_what_is_stated(
+    loop: ff.Modal, corner: float
+) -> None:
+    ball = ff.Modal(loop.finger, ff.Sphere(4), deepest=0.9, dt=2e-5)  # no measured object
+    few = ball.body.only(np.arange(60))
+    motion = ff.RampHold(120.0, 0.8, hold=0.01, corner=corner)
+    whole, rough = (pressed_force(body, motion, 2e-5) for body in (ball.body, few))
+    sudden = vibration.suddenness(motion, float(2 * np.pi / few.oscillators.squares[-1] ** 0.5))
+    error = np.abs(rough - whole).max() / whole.max()
+    assert 0.005 < error < vibration.left_out_by_modes(sudden)
+
+
+@pytest.mark.parametrize(
+    ("motion", "field"),
+    [
+        (ff.RampHold(1e9, 1.0, hold=0.1), "motion.speed"),
+        (ff.ForceRampHold(1e9, 0.5, hold=0.1), "motion.loading_rate"),
+    ],
+    ids=["depth", "force"],
+)
+def test_a_press_that_the_modes_cannot_follow_is_refused(motion: ff.RampHold, field: str) -> None:
+    refused = {each.field: each.reason for each in modal.refuse(Situation.of(scene(motion)))}
+    assert "the modes do not follow it" in refused[field]
+
+
+def test_the_ramp_before_a_vibration_counts_in_the_error_of_statics() -> None:
+    slow, fast = (
+        Situation.of(
+            builtin.load("vibration-200Hz", {"motion.frequency": 2, "motion.speed": speed})
+        )
+        for speed in (20, 2000)
+    )
+    assert vibration.statics_error(slow)[0] < 0.01
+    assert vibration.statics_error(fast)[0] > 0.5
 
 
 def test_samples_too_coarse_for_their_band_are_doubted() -> None:

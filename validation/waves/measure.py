@@ -127,7 +127,7 @@ def presses(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
     bodies = [loop.body, *(loop.body.only(np.arange(int(p * count))) for p in PARTS_OF_MODES)]
     for speed, corner in product(SUDDEN, ({}, {"corner": 0.0})):
         motion = RampHold(speed, depth, hold=0.01, **corner)
-        whole, *others = (_pressed(body, motion, dt) for body in bodies)
+        whole, *others = (pressed_force(body, motion, dt) for body in bodies)
         for body, force in zip(bodies[1:], others, strict=True):
             cycle = 2 * np.pi / float(np.sqrt(body.oscillators.squares[-1]))
             error = float(np.abs(force - whole).max() / whole.max())
@@ -138,7 +138,7 @@ def presses(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
             }
 
 
-def _pressed(body: ModalBody, motion: RampHold, dt: float) -> Array:
+def pressed_force(body: ModalBody, motion: RampHold, dt: float) -> Array:
     """Return the force (n_t,) on a body through a motion, in mN on what is meshed."""
     contact, force = contact_of(body, dt * (1 + 1e-6)), []
     for t in np.arange(1, int(motion.duration / dt) + 1) * dt:

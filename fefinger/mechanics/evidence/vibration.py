@@ -109,7 +109,12 @@ def modal_error(case: Situation) -> float:
 
 def press_error(case: Situation) -> float:
     """Return the error of the force of a press by what the modes leave out, over its peak."""
-    return float(np.interp(suddenness(case.motion, 1 / _last(case)), *_envelope("press")))
+    return left_out_by_modes(suddenness(case.motion, 1 / _last(case)))
+
+
+def left_out_by_modes(sudden: float) -> float:
+    """Return the error of the force of a press of a suddenness, over its largest."""
+    return float(np.interp(sudden, *_envelope("press")))
 
 
 def suddenness(motion: Motion, cycle: float) -> float:
