@@ -47,9 +47,9 @@ class Law(NamedTuple):
 
 def law(case: Situation) -> Law:
     """Return the law of the finger of a scene, or that of Table 2.1 with a doubt."""
-    fitted = reached_depth.calibrated(case.finger)
-    if fitted:
-        return _printed(case, *_misfit(case, case.finger.subject_name))
+    subject = case.finger.subject_name
+    if subject is not None and reached_depth.calibrated(case.finger):
+        return _printed(case, *_misfit(case, subject))
     laws = table().all(LUMPED, "law", LAW)
     rows = [each.conditions for each in laws if _same(case.finger, each.conditions)]
     if not rows:

@@ -67,10 +67,9 @@ def solve_modal(press: Press, grid: Grid, stages: Stages, stiffening: float = 1.
     ) -> History:
         body = swinging(press, modes, reduced, grid.longest, stiffening)
         made[:] = [body]
-        own = (body.oscillators, body.shares, body.rest, reduced.patch.gap, reduced.patch.projected)
         value = press.load_unit * press.motion.value(grid.time)
         on_grid = Prescribed(press.motion.control, grid.time, value)
-        return march_modes(ModalContact(*own, grid.longest), grid, on_grid, report)
+        return march_modes(contact_of(body, grid.longest), grid, on_grid, report)
 
     _, contact = solve_contact(press, stages, advance)
     return ModalHistory(modes, made[0], contact)
@@ -93,6 +92,14 @@ def swinging(
 def probe_of(press: Press) -> sparse.csr_matrix:
     """Return the strain at the sites of a press from its unknowns, as a sparse matrix."""
     return recovered_strain_at(press.body.space, press.site_points, press.body.planes)
+
+
+def contact_of(body: ModalBody, longest: float) -> ModalContact:
+    """Return the contact of a body at rest."""
+    on_pad = body.static.patch
+    return ModalContact(
+        body.oscillators, body.shares, body.rest, on_pad.gap, on_pad.projected, longest
+    )
 
 
 def operator_of(press: Press) -> Operator:
