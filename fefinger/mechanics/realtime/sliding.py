@@ -70,7 +70,8 @@ class Sliding:
     Parameters
     ----------
     finger, indenter
-        As in a scene; the friction is that of the indenter.
+        As in a scene; the friction is that of the indenter. Tissue that stiffens is taken as soft
+        as it is at first touch.
     deepest
         Depth in mm that the pad has to answer.
     reach
@@ -164,7 +165,7 @@ class Sliding:
         if reduced is None:
             message = (
                 "deepest: expected a depth at which the indenter stays over the palmar part of the "
-                f"pad, received {self.deepest:g} mm; give a smaller one"
+                f"pad, received {self.deepest:g} mm; give a smaller `deepest`"
             )
             raise InputError(message)
         return reduced
