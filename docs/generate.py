@@ -15,6 +15,7 @@ import click
 
 REPORTS = Path(__file__).parent.parent / "reports"
 BAR = r"\|"
+MARKDOWN_COLUMNS = 4
 QUANTITIES = {
     "force": "force",
     "pressure": "highest pressure",
@@ -31,7 +32,7 @@ def write(docs):
 
     pages = {"keys": keys(schema()), "commands": commands(), "verdicts": verdicts()}
     pages |= {"front": front(), "kept": kept(), "mechanics": mechanics(), "extras": extras()}
-    pages |= {"scenes": scenes()}
+    pages |= {"scenes": scenes(), "stated": stated()}
     place = docs / "generated"
     place.mkdir(exist_ok=True)
     for name, lines in pages.items():
@@ -55,13 +56,38 @@ def notebook(app, exception):
 
 
 def table(heading, rows) -> Iterator[str]:
-    """Give the lines of a table in Markdown."""
+    """Give the lines of a table: in Markdown, or in HTML where it is too wide for a phone.
+
+    There every row of a wide table is a block, each of its cells after the name of its column.
+    """
+    if len(heading) > MARKDOWN_COLUMNS:
+        yield from wide_table(heading, rows)
+        return
     yield ""
     yield f"| {' | '.join(heading)} |"
     yield f"|{' --- |' * len(heading)}"
     for row in rows:
         yield f"| {' | '.join(str(cell).replace('|', BAR) for cell in row)} |"
     yield ""
+
+
+def wide_table(heading, rows) -> Iterator[str]:
+    """Give the lines of a table in HTML, whose cells know the names of their columns."""
+    yield '\n<div class="table-wrapper"><table class="docutils wide"><thead><tr>'
+    yield from (f"<th>{name}</th>" for name in heading)
+    yield "</tr></thead><tbody>"
+    for row in rows:
+        yield "<tr>"
+        for name, cell in zip(heading, row, strict=True):
+            yield f'<td data-column="{name}">{in_html(cell)}</td>'
+        yield "</tr>"
+    yield "</tbody></table></div>\n"
+
+
+def in_html(cell):
+    """Return a cell of a table with the marks of Markdown as those of HTML."""
+    text = re.sub(r"`(.+?)`", r'<code class="docutils literal">\1</code>', str(cell))
+    return re.sub(r"\*\*(.+?)\*\*", r"<b>\1</b>", text)
 
 
 # Keys of a scene
@@ -256,6 +282,14 @@ def percent(share):
     """Return a share in percent, which no line breaks apart."""
     value = float(f"{100 * share:.2g}") if share < 0.995 else round(100 * share)
     return f"{value:g}\N{NO-BREAK SPACE}%"
+
+
+def stated() -> Iterator[str]:
+    """Give the errors that the planner states of the standard scene."""
+    import fefinger as ff
+
+    yield f"The scene `flat-press`, for example, is answered by {ff.explain('flat-press').on}."
+    yield ff.explain("flat-press").trust
 
 
 # Names

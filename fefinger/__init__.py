@@ -8,12 +8,14 @@ Public names are imported at first use, so that importing the package is cheap.
 """
 
 import importlib
-from typing import TYPE_CHECKING, Any
 
 from fefinger.support.version import VERSION
 
 
+TYPE_CHECKING = False  # that of typing, whose import Ctrl-C would end with a traceback
 if TYPE_CHECKING:
+    from typing import Any
+
     from fefinger.calibration.calibrate import calibrate as calibrate
     from fefinger.calibration.record import Calibration as Calibration
     from fefinger.mechanics.realtime.condensed import Condensed as Condensed
@@ -115,7 +117,7 @@ _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = sorted(_HOME)
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> "Any":
     """Import a public name at its first use."""
     if name not in _HOME:
         raise AttributeError(f"module 'fefinger' has no attribute {name!r}")

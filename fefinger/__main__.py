@@ -6,7 +6,12 @@ The commands are imported after signals are blocked: Ctrl-C would end an import 
 import gc
 import sys
 
-from fefinger.support.interrupt import interruptible
+
+try:
+    from fefinger.support.interrupt import interruptible
+except KeyboardInterrupt:  # Ctrl-C before the signals are blocked
+    sys.stderr.write("interrupted; nothing was begun\n")
+    sys.exit(130)
 
 
 COLLECT = 20_000

@@ -16,12 +16,14 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from fefinger.results.key_numbers import rows
 from fefinger.results.records import ResultRecord
 from fefinger.scene.finger import origin_notes
 from fefinger.scene.inertia import coarse_samples, jump, quasistatic
 from fefinger.support.interrupt import shielded
 from fefinger.support.outputs import output_folder
 from fefinger.support.provenance import software
+from fefinger.support.text import table
 
 
 if TYPE_CHECKING:
@@ -69,6 +71,11 @@ class Result(ResultRecord):
             seconds={**response.seconds, **(seconds or {})},
             provenance={**software(), "scene_sha256": scene_hash, **response.sources},
         )
+
+    def __repr__(self) -> str:
+        """Show the numbers that matter and their errors, not the arrays."""
+        lines = table([*rows(self), ("computed", f"by {self.plan.on}")])
+        return f"Result of {self.scene.name}\n{lines}"
 
     def to_xarray(self) -> "xr.Dataset":
         """Return everything as a Dataset with units, as `result.nc` holds it."""

@@ -192,6 +192,15 @@ def test_every_array_of_the_records_has_a_place_in_the_file() -> None:
 
 
 @pytest.mark.usefixtures("plain_report")
+def test_a_result_shows_its_numbers_and_not_its_arrays(synthetic: Result) -> None:
+    text = repr(synthetic)
+    assert text.startswith(f"Result of {synthetic.scene.name}\npeak force")
+    assert "within 4 %" in text
+    assert len(text.splitlines()) <= 10
+    assert synthetic.spikes is not None
+    assert repr(synthetic.spikes).endswith(f"{synthetic.spikes.summary()}>")
+
+
 def test_spikes_csv_holds_every_spike_with_its_place(synthetic: Result, tmp_path: Path) -> None:
     synthetic.save(tmp_path)
     assert synthetic.spikes is not None

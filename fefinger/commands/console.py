@@ -53,11 +53,9 @@ def print_answer(record: Any, text: str, *, as_json: bool) -> None:
 
 
 def run_record(result: "Result", seconds: dict[str, float], files: list[str]) -> dict[str, Any]:
-    """JSON record of `fefinger run`; area and centroid are those at the largest force."""
-    import numpy as np
-
+    """JSON record of `fefinger run`; area and centroid are those at the peak."""
     force, area, centroid = result.force, result.contact_area, result.centroid
-    peak = int(np.argmax(result.response.force))
+    peak = result.peak
     return {
         "status": result.status,
         "mechanics": result.plan.mechanics,
@@ -88,18 +86,13 @@ def run_summary(
     result: "Result", seconds: dict[str, float], files: list[str], *, verbose: bool = False
 ) -> str:
     """Summary of a result as text of at most ten lines; all that is known of it if `verbose`."""
-    from fefinger.results.key_numbers import key_numbers
+    from fefinger.results import key_numbers
 
-    rows = []
-    for number in key_numbers(result):
-        if number.name.startswith("spikes"):
-            continue
-        about = ", ".join(filter(None, (number.within, number.about)))
-        rows.append((number.name, f"{number.value}{f' ({about})' if about else ''}"))
-    if result.spikes is not None:
-        fired = f"{result.spikes.summary()} (afferents: {result.spikes.family})"
-        rows.append(("spikes", fired))
-    rows.append(("computed", f"{_how(result)}, in {sum(seconds.values()):.1f} s"))
+    rows = key_numbers.rows(result)
+    rows.append(("computed", f"by {result.plan.on}, in {sum(seconds.values()):.1f} s"))
+    if result.plan.overridden:
+        reasons = "; ".join(dict.fromkeys(refusal.reason for refusal in result.plan.overridden))
+        rows.append(("WARNING", f"named in spite of: {reasons}"))
     if verbose:
         return "\n".join([table(rows), "", table(_details(result, seconds, files))])
     report = [file for file in files if file.endswith(".html")]
@@ -107,13 +100,6 @@ def run_summary(
     where = f"{report[0]} ({notes})" if report else f"-o DIR writes it, -v prints its {notes}"
     rows.append(("report", where))
     return f"{result.scene.name}\n{table(rows)}"
-
-
-def _how(result: "Result") -> str:
-    """Mechanics and mesh of a result."""
-    settings = result.plan.settings
-    mesh = f" on the {settings.resolution} mesh" if settings and settings.resolution else ""
-    return f"by {result.plan.mechanics}{mesh}"
 
 
 def _details(

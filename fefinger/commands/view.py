@@ -9,7 +9,7 @@ import click
 @click.argument("folders", metavar="DIR...", nargs=-1, required=True)
 @click.option("--field", metavar="NAME", help="Quantity to color the finger by; `list` lists them.")
 @click.option(
-    "--time", "at", type=float, metavar="T", help="Time in s, by default that of the largest force."
+    "--time", "at", type=float, metavar="T", help="Time in s, by default that of the peak."
 )
 @click.option(
     "--limits", metavar="LOW:HIGH", help="Ends of the color bar, by default the full range."

@@ -211,7 +211,8 @@ def _holes(mesh: Any, file: Path, field: str) -> list[Integers]:
 
 def _open_end(rim: Array, bounds: Array) -> str | None:
     """Turn that brings a rim (n, 3) in an end quarter of the box to the smaller x, if any."""
-    share = (rim - bounds[0]) / (bounds[1] - bounds[0])
+    size = bounds[1] - bounds[0]
+    share = (rim - bounds[0]) / np.where(size > 0, size, 1.0)  # a flat surface has no thickness
     for (axis, side), turn in TURNS.items():
         away = np.abs(share[:, axis] - side)
         if (away < BACK).all() and axis == int(np.argmax(np.ptp(bounds, axis=0))):

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 class SpikeTrains(TrainRecord):
     """Spike trains of afferent units, with exports to files and tables."""
 
+    def __repr__(self) -> str:
+        """Show the numbers of spikes, not the arrays."""
+        return f"<SpikeTrains, {self.t_start:g} to {self.t_stop:g} s: {self.summary()}>"
+
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write one row per spike: unit, type, place in mm and time in s."""
         exports.to_csv(self, path)

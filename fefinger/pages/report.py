@@ -94,10 +94,16 @@ def _chance(result: ResultRecord) -> list[str]:
 
 
 def answer(result: ResultRecord) -> str:
-    """Return the answer in one sentence: peak force, contact area, spikes."""
+    """Return the answer in one sentence: peak force or depth, contact area, spikes."""
     parts = []
-    if result.force is not None:
-        step = int(np.argmax(result.force))
+    if result.force is not None and result.scene.motion.control == "force":
+        when = key_numbers.moment(result.time[result.peak])
+        parts.append(
+            f"under up to {result.force.max():.3g} N the finger gives way by up to "
+            f"{result.depth[result.peak]:.3g} mm (at {when})"
+        )
+    elif result.force is not None:
+        step = result.peak
         parts.append(
             f"the finger pushes back with up to {result.force[step]:.3g} N "
             f"(at {key_numbers.moment(result.time[step])}) and {result.force[-1]:.3g} N at the end"
@@ -163,7 +169,7 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
         yield _part("force", "Force and depth", text, figures.force(result))
     if result.pad is not None and result.pressure is not None:
         text = (
-            "Contact pressure at the largest force, seen along the z axis; lines show the mesh. "
+            f"Contact pressure at {result.peak_name}, seen along the z axis; lines show the mesh. "
             f"{_top_pressure(result)}"
         )
         part = _part("pressure", "Pressure on the pad", text, figures.pressure_map(result))
@@ -229,7 +235,7 @@ def _spikes(result: ResultRecord) -> dict[str, Any]:
     text = (
         "Every spike of the population by type, the units nearest to the first touch on top; the "
         "mean rate of each type; and the places of the units, colored by their rates, over the "
-        "pressure at the largest force."
+        f"pressure at {result.peak_name}."
     )
     part = _part("spikes", "Spikes of the population", text, unit_figures.raster(result))
     if result.spikes.positions is None:
@@ -261,7 +267,7 @@ def _section(result: ResultRecord) -> dict[str, Any]:
     """Return the section on the strain in the finger: the cut, and two views in space."""
     assert result.fields is not None
     text = (
-        "The deformed finger at the stored time next to the largest force. Lines bound skin and "
+        f"The deformed finger at the stored time next to {result.peak_name}. Lines bound skin and "
         "subcutaneous tissue; the pale part is the bone; dots are the end organs."
     )
     pictures = []

@@ -40,14 +40,14 @@ def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
     rung = result.plan.chosen
     errors = {"force": rung.error, **rung.errors}
     by_force = result.scene.motion.control == "force"
-    step = int(np.argmax(result.response.force))
     if result.force is not None:
+        step = int(np.argmax(result.force))
         end = f"at {moment(result.time[step])}; {result.force[-1]:.3g} N at the end"
-        error = None if by_force else errors["force"]
-        yield KeyNumber("peak force", f"{result.force[step]:.3g} N", error, 1, end)
+        error, rank, about = (None, 7, "prescribed") if by_force else (errors["force"], 1, end)
+        yield KeyNumber("peak force", f"{result.force[step]:.3g} N", error, rank, about)
     deepest = int(np.argmax(result.depth))
     error = errors.get("depth", math.nan) if by_force else None
-    rank = 2 if by_force else 7
+    rank = 1 if by_force else 7
     when = f"at {moment(result.time[deepest])}"
     yield KeyNumber("largest depth", f"{result.depth[deepest]:.3g} mm", error, rank, when)
     if result.lateral is not None:
@@ -67,6 +67,19 @@ def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
         total, units = int(result.spikes.count().sum()), len(result.spikes)
         name = f"spikes of {units} unit{'s' if units > 1 else ''}"
         yield KeyNumber(name, str(total), None, 2, result.spikes.summary())
+
+
+def rows(result: ResultRecord) -> list[tuple[str, str]]:
+    """Return a line per number, its name and its value with error and time, and the spikes."""
+    lines = []
+    for number in key_numbers(result):
+        about = ", ".join(filter(None, (number.within, number.about)))
+        if not number.name.startswith("spikes"):
+            lines.append((number.name, f"{number.value}{f' ({about})' if about else ''}"))
+    if result.spikes is not None:
+        fired = f"{result.spikes.summary()} (afferents: {result.spikes.family})"
+        lines.append(("spikes", fired))
+    return lines
 
 
 def leading(result: ResultRecord, count: int) -> list[KeyNumber]:

@@ -107,6 +107,12 @@ class Plan:
     trust: str = ""
 
     @property
+    def on(self) -> str:
+        """Mechanics and mesh, as in "pressed on the standard mesh"."""
+        mesh = self.settings.resolution if self.settings else None
+        return f"{self.mechanics} on the {mesh} mesh" if mesh else self.mechanics
+
+    @property
     def chosen(self) -> Rung:
         """The rung of the chosen mechanics, on its mesh."""
         wanted = Candidate(self.mechanics, self.settings.resolution if self.settings else None)
@@ -264,6 +270,21 @@ class ResultRecord:
     def force(self) -> Array | None:
         """Force of the whole finger (n_t,) in N, along the indenter's normal."""
         return self.response.force if self.scene.ask.force else None
+
+    @property
+    def peak(self) -> int:
+        """Step of the largest force; where the force is prescribed, of the largest depth.
+
+        A held force differs only by rounding from step to step, while the tissue creeps: then the
+        deepest step is the end of the hold.
+        """
+        by_force = self.scene.motion.control == "force"
+        return int(np.argmax(self.depth if by_force else self.response.force))
+
+    @property
+    def peak_name(self) -> str:
+        """What is largest at the step `peak`, in words."""
+        return f"the largest {'depth' if self.scene.motion.control == 'force' else 'force'}"
 
     @property
     def contact_area(self) -> Array | None:

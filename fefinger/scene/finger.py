@@ -35,8 +35,10 @@ class Finger:
 
     Parameters
     ----------
-    width, thickness
-        Size of the fingertip in mm, across (y) and from pad to nail (z).
+    width
+        Size of the fingertip in mm across, along y.
+    thickness
+        Size of the fingertip in mm from pad to nail, along z.
     pad_radius
         Effective radius R of the pad in mm, as in Table 3.2 of the thesis; by default the mean of
         its subjects. The transverse radius follows from width and thickness.

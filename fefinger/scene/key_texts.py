@@ -31,7 +31,7 @@ TEXTS = {
     "heights": "Heights in mm towards the finger, one row for each x",
     "friction": "Coulomb's coefficient of friction with the skin; 0 is frictionless",
     "friction_kinetic": "Coefficient of skin that slips; by default that of skin that sticks",
-    "edge": "Radius in mm of the crests; by default as usual for the kind, where that fits",
+    "edge": "Radius in mm of the crests; by default one that fits the other sizes",
     "indenter.height": "Height in mm of what is raised; of an image, from black to white",
     "diameter": "Diameter in mm of a dot at half its height",
     "arrangement": "Order of the dots",

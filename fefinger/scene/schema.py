@@ -195,7 +195,7 @@ def _of_type(hint: Any) -> Schema:
 def summary(record: type[Any]) -> str:
     """Return the docstring of a record up to its parameters, as one paragraph."""
     text = inspect.cleandoc(record.__doc__ or "")
-    return " ".join(text.split("\nParameters\n")[0].replace("`", "").split())
+    return " ".join(text.split("\nParameters\n")[0].split())
 
 
 def parameters(record: type[Any]) -> dict[str, str]:
@@ -207,7 +207,7 @@ def parameters(record: type[Any]) -> dict[str, str]:
         for names, text in re.findall(
             r"^(\w[\w, ]*)\n((?:(?: +.*)?\n?)+)", section[1] if section else "", re.M
         ):
-            texts |= dict.fromkeys(names.split(", "), " ".join(text.replace("`", "").split()))
+            texts |= dict.fromkeys(names.split(", "), " ".join(text.split()))
     return texts
 
 

@@ -54,8 +54,33 @@ NOT_IN_SCENE = {
     "mechanics": "a scene leaves the mechanics open; name one with --mechanics, or from Python as "
     "ff.run(scene, mechanics=...)",
     "mesh": "the mesh is finger.resolution: coarse, standard, fine or auto",
+    "diameter": "a sphere and a cylinder have a radius, a pin and a bar a width",
+    **dict.fromkeys(
+        ("angle", "orientation"),
+        "a plate has an angle and a tilt; roll turns a bar, a cylinder or a grating about the "
+        "direction of travel",
+    ),
 }
 """What to do instead of keys that are looked for in a scene."""
+
+
+OBJECTS = {
+    **dict.fromkeys(("ball", "bead"), "sphere"),
+    **dict.fromkeys(("plate", "surface", "plane"), "flat"),
+    **dict.fromkeys(("edge", "ridge", "line"), "bar"),
+    **dict.fromkeys(("probe", "punch", "needle"), "pin"),
+    **dict.fromkeys(("texture", "ridges", "gratings"), "grating"),
+    **dict.fromkeys(("heights", "heightmap", "stl"), "relief"),
+}
+"""Everyday words for kinds of indenters."""
+
+MOVEMENTS = {
+    **dict.fromkeys(("press", "step", "hold", "indentation"), "ramp-hold"),
+    **dict.fromkeys(("scan", "stroke", "sliding"), "slide"),
+    **dict.fromkeys(("sine", "cyclic"), "sinusoid"),
+    **dict.fromkeys(("force", "load"), "force-ramp-hold"),
+}
+"""Everyday words for kinds of motions."""
 
 
 def read(file: str | Path) -> dict[str, Any]:
@@ -276,7 +301,7 @@ def _ask(table: dict[str, Any]) -> Ask:
 
 def _indenter(table: dict[str, Any], folder: Path) -> Indenter:
     """Convert the table [indenter]."""
-    kind = choice("indenter.kind", table.pop("kind", Flat.kind), INDENTERS)
+    kind = choice("indenter.kind", table.pop("kind", Flat.kind), INDENTERS, OBJECTS)
     return cast(Indenter, _of_kind("indenter", INDENTERS[kind], table, folder))
 
 
@@ -284,7 +309,7 @@ def _motion(table: dict[str, Any], folder: Path) -> Motion:
     """Convert the table [motion]."""
     if "kind" not in table:
         raise InputError(f"motion.kind: missing; expected one of {', '.join(map(repr, MOTIONS))}")
-    kind = choice("motion.kind", table.pop("kind"), MOTIONS)
+    kind = choice("motion.kind", table.pop("kind"), MOTIONS, MOVEMENTS)
     return cast(Motion, _of_kind("motion", MOTIONS[kind], table, folder))
 
 

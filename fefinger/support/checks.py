@@ -57,19 +57,28 @@ def number(
     return result
 
 
-def nearest(name: str, options: Iterable[str]) -> str:
-    """Return the sentence " Did you mean 'x'?" for the closest option, or an empty string."""
-    by_lower_case = {option.lower(): option for option in options}
-    close = difflib.get_close_matches(str(name).lower(), list(by_lower_case), n=1, cutoff=0.5)
-    return f" Did you mean {by_lower_case[close[0]]!r}?" if close else ""
+def nearest(name: str, options: Iterable[str], synonyms: Mapping[str, str] | None = None) -> str:
+    """Return the sentence " Did you mean 'x'?" for the closest option, or an empty string.
+
+    `synonyms`: other words for some of the options.
+    """
+    meant = {option.lower(): option for option in options} | dict(synonyms or {})
+    close = difflib.get_close_matches(str(name).lower(), list(meant), n=1, cutoff=0.5)
+    return f" Did you mean {meant[close[0]]!r}?" if close else ""
 
 
-def choice(name: str, value: Any, options: Iterable[str]) -> str:
-    """Return `value` if it is one of `options`, or raise InputError with the nearest of them."""
+def choice(
+    name: str, value: Any, options: Iterable[str], synonyms: Mapping[str, str] | None = None
+) -> str:
+    """Return `value` if it is one of `options`, or raise InputError with the nearest of them.
+
+    `synonyms`: other words for some of the options, which are not accepted, but understood.
+    """
     allowed = list(options)
     if value not in allowed:
         listed = ", ".join(repr(option) for option in allowed)
-        message = f"{name}: expected one of {listed}, received {value!r}.{nearest(value, allowed)}"
+        advice = nearest(value, allowed, synonyms)
+        message = f"{name}: expected one of {listed}, received {value!r}.{advice}"
         raise InputError(message)
     return str(value)
 

@@ -287,10 +287,10 @@ def _draw_rate(axis: Any, times: Array, end: float, color: str, scale: float) ->
 
 
 def pressure_map(result: ResultRecord) -> Any:
-    """Draw the pressure on the pad at the largest force, seen from below, with its centroid."""
+    """Draw the pressure on the pad at its peak, seen from below, with its centroid."""
     assert result.pad is not None
     assert result.pressure is not None
-    step = int(np.argmax(result.response.force))
+    step = result.peak
     pressure, pad = result.pressure[step], result.pad
     palmar = (pad.normals[pad.triangles][:, :, 2] < 0).all(axis=1)
     loaded = np.flatnonzero(pressure > 0)

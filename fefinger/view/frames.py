@@ -15,7 +15,7 @@ from fefinger.view import quantities
 def check(name: str, results: Sequence[ResultRecord], time: float | None) -> None:
     """Raise InputError for a `time` in s before the runs, or more than a step after all of them.
 
-    `name`: what the user gave it as; None is the time of the largest force.
+    `name`: what the user gave it as; None is the time of the peak.
     """
     if time is None:
         return
@@ -25,7 +25,7 @@ def check(name: str, results: Sequence[ResultRecord], time: float | None) -> Non
     if time > last + step:
         raise InputError(
             f"{name}: expected a time within the run, from 0 to {last:.4g} s, "
-            f"received {time:.6g} s; leave it out for that of the largest force"
+            f"received {time:.6g} s; leave it out for that of {results[0].peak_name}"
         )
 
 
@@ -48,8 +48,8 @@ def nearest_frame(fields: Fields, time: float) -> int:
 
 
 def peak_time(result: ResultRecord) -> float:
-    """Return the time in s of the largest force."""
-    return float(result.time[int(np.argmax(result.response.force))])
+    """Return the time in s of the largest force, or of the largest depth under a given force."""
+    return float(result.time[result.peak])
 
 
 def whole(fields: Fields) -> Fields:

@@ -28,8 +28,9 @@ def draw(
 ) -> Any:
     """Return the deformed medial section, colored by a field, as a matplotlib Figure.
 
-    It shows the stored frame next to `time` s, by default that of the largest force. Raises
-    InputError if the result has no fields or the field is unknown.
+    It shows the stored frame next to `time` s, by default that of the largest force,
+    or of the largest depth where the force is prescribed. Raises InputError if the result has no
+    fields or the field is unknown.
     """
     fields = quantities.fields_of(result)
     moment = frames.peak_time(result) if time is None else time

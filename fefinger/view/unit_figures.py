@@ -127,11 +127,11 @@ def _by_distance(trains: SpikeTrains, which: Integers) -> Integers:
 
 
 def _outline(axis: Any, result: ResultRecord) -> None:
-    """Draw where the pad is pressed at the largest force."""
+    """Draw where the pad is pressed at the peak of the press."""
     pad: Pad | None = result.pad
     if pad is None or result.pressure is None:
         return
-    pressure = result.pressure[int(np.argmax(result.response.force))]
+    pressure = result.pressure[result.peak]
     palmar = (pad.normals[pad.triangles][:, :, 2] < 0).all(axis=1)
     if pressure.max() > 0:
         axis.tricontourf(

@@ -21,6 +21,7 @@ from fefinger.commands.cli import cli
 from fefinger.mechanics import linear
 from fefinger.result import load
 from fefinger.results.plan_text import trust
+from fefinger.results.records import Refusal
 from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import origin_notes
@@ -41,6 +42,17 @@ def test_run_answers_a_changed_scene_and_prints_a_summary(capsys, answered):
         assert words in out
     assert len(out.splitlines()) <= 10
     assert err == ""
+
+
+def test_run_warns_of_what_speaks_against_the_mechanics_that_was_named(
+    capsys, monkeypatch, synthetic
+):
+    against = Refusal("linear", "accuracy", "depth / thickness = 0.4 > 0.1")
+    plan = replace(synthetic.plan, overridden=(against,))
+    result = replace(synthetic, plan=plan)
+    monkeypatch.setattr("fefinger.pipeline.run", lambda scene, **options: result)
+    assert main(["run", "flat-press", "--mechanics", "linear"]) == 0
+    assert "in spite of: depth / thickness = 0.4 > 0.1" in capsys.readouterr().out
 
 
 def test_run_prints_how_the_answer_was_reached_with_verbose(capsys, answered):

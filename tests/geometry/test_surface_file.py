@@ -239,6 +239,14 @@ def test_an_open_end_that_lies_elsewhere_is_told_with_its_turn(
         read_surface(written(mesh, tmp_path / "scan.ply"))
 
 
+def test_a_flat_surface_is_called_open(tmp_path: Path) -> None:
+    """It has no thickness, which its place in the box is divided by."""
+    corners = np.array([[0, 0, 0], [15, 0, 0], [15, 15, 0], [0, 15, 0]], dtype=float)
+    plane = trimesh.Trimesh(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    with pytest.raises(InputError, match="expected a closed surface"):
+        read_surface(written(plane, tmp_path / "scan.ply"))
+
+
 @pytest.mark.parametrize("text", ["", "hello", "solid x\nendsolid x\n"])
 def test_an_empty_file_or_text_is_refused(tmp_path: Path, text: str) -> None:
     for name in ("scan.stl", "scan.obj", "scan.ply"):

@@ -12,7 +12,7 @@ from fefinger.pages import report
 from fefinger.result import Result
 from fefinger.results import key_numbers
 from fefinger.results.records import Rung
-from fefinger.scene.motions import Ramp, RampHold, RampSinusoid
+from fefinger.scene.motions import ForceRampHold, Ramp, RampHold, RampSinusoid
 from fefinger.scene.scene import Scene
 from fefinger.view import figures, renderer
 
@@ -73,6 +73,23 @@ def test_the_answer_says_force_area_and_spikes(synthetic: Result) -> None:
     assert f"up to {peak:.3g} N" in said
     assert "33 mm²" in said
     assert "SAI-1 107, SAII-1 51, FAI-1 5, FAII-1 0" in said
+
+
+def test_under_a_given_force_the_answer_is_the_depth_and_pictures_are_of_the_deepest_step(
+    synthetic: Result, tmp_path: Path
+) -> None:
+    """The force is the same through the hold; its largest value is one of rounding."""
+    motion = ForceRampHold(loading_rate=1.0, force=1.0, hold=1.0)
+    scene = dataclasses.replace(synthetic.scene, motion=motion)
+    depth = np.linspace(0.0, 1.5, len(synthetic.time))
+    response = dataclasses.replace(synthetic.response, depth=depth)
+    held = dataclasses.replace(synthetic, scene=scene, response=response)
+    assert held.peak == len(held.time) - 1 != synthetic.peak
+    html = page(held, tmp_path)
+    tiles = re.findall(r'<div class="tile"><span>(.*?)</span><b>(.*?)</b>', html)
+    assert tiles[0] == ("largest depth", "1.5 mm")
+    assert "the finger gives way by up to 1.5 mm" in report.answer(held).replace("Under", "under")
+    assert "Contact pressure at the largest depth" in html
 
 
 def test_the_highest_pressure_at_a_point_has_its_own_time(

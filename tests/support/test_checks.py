@@ -45,6 +45,7 @@ def test_what_is_no_number_in_range_is_named_with_what_was_expected(value, limit
 def test_nearest_suggests_only_what_is_near():
     assert nearest("sped", ("speed", "depth")) == " Did you mean 'speed'?"
     assert nearest("zzz", ("speed", "depth")) == ""
+    assert nearest("ball", ("sphere", "braille"), {"ball": "sphere"}) == " Did you mean 'sphere'?"
 
 
 def test_a_choice_is_passed_on_or_refused_with_the_options():

@@ -137,6 +137,22 @@ def test_an_error_without_an_interruption_is_passed_on():
     assert "SystemError: a fault" in done.stderr
 
 
+def test_ctrl_c_before_signals_are_blocked_is_a_sentence_too():
+    """The module that blocks them is interrupted while it is imported."""
+    code = """
+import sys
+class Pressed:
+    def find_spec(self, name, *rest):
+        if name == "fefinger.support.interrupt":
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Pressed())
+import fefinger.__main__
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr == "interrupted; nothing was begun\n"
+
+
 def test_a_library_leaves_ctrl_c_to_python():
     code = "import fefinger as ff, signal\nff.Finger\nprint(signal.getsignal(2).__name__)\n"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -1,6 +1,6 @@
 """A finger in real time, advanced by your own loop at the rates of a haptic controller.
 
-    finger = ff.Condensed(ff.Finger.subject("a.h."), ff.Flat(angle=30), deepest=2.0)
+    finger = ff.Condensed(ff.Finger.subject("a.h.", tissue="maeno1998"), ff.Flat(angle=30))
     step = finger.step(depth=0.3, dt=1e-3)
     step.force, step.strain
 
@@ -58,6 +58,7 @@ class Condensed:
     finger, indenter
         As in a scene; or an obstacle with an `axis` and a `gap(points)`, as
         `fem.contact.obstacle.Rigid`.
+        Tissue that stiffens is taken as soft as it is at first touch: use `Pressed` for it.
     deepest
         Depth in mm that the pad has to answer; the candidate vertices follow from it.
     sites
@@ -310,7 +311,7 @@ def reduced_to_candidates(
     if reduced is None:
         raise InputError(
             "deepest: expected a depth at which the indenter stays over the palmar part of the "
-            f"pad, received {deepest:g} mm; give a smaller one"
+            f"pad, received {deepest:g} mm; give a smaller `deepest`"
         )
     return reduced
 

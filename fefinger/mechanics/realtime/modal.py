@@ -54,7 +54,8 @@ class Modal:
     Parameters
     ----------
     finger, indenter
-        As in a scene; the tissue is taken as linear.
+        As in a scene. Tissue that stiffens is taken as soft as it is at first touch; a scene with a
+        vibration has the stiffness at its preload.
     deepest
         Depth in mm that the pad has to answer.
     sites

@@ -70,7 +70,8 @@ class Sliding:
     Parameters
     ----------
     finger, indenter
-        As in a scene; the friction is that of the indenter.
+        As in a scene; the friction is that of the indenter. Tissue that stiffens is taken as soft
+        as it is at first touch.
     deepest
         Depth in mm that the pad has to answer.
     reach

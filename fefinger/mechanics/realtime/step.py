@@ -1,6 +1,6 @@
 """Result of one step of a real-time finger."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,5 +24,5 @@ class Step:
     contact_area: float
     x: float
     y: float
-    pressure: Array
-    strain: NDArray[np.floating]
+    pressure: Array = field(repr=False)
+    strain: NDArray[np.floating] = field(repr=False)
