@@ -296,10 +296,19 @@ def _of_maps() -> Iterator[Case]:
     """Yield what holds over all frequencies from 1 to 800 Hz and amplitudes to 1 mm."""
     reason = "15 frequencies from 1 to 800 Hz, 20 amplitudes from 0.5 um to 1 mm"
     for kind in ("SAI", "FAI", "FAII"):
-        name = f"predicted: largest fall of the rate of {kind} in a stronger vibration, over the most"
-        yield _case(name, lambda kind=kind: rate_map.largest_fall(probed(kind)), -0.1, 0.1, "1", GROWING, reason)
+        fall, most = (
+            partial(_mapped, measure, kind)
+            for measure in (rate_map.largest_fall, rate_map.most_per_cycle)
+        )
+        name = f"predicted: fall of the rate of {kind} in a stronger vibration, over the highest"
+        yield _case(name, fall, -0.1, 0.1, "1", GROWING, reason)
         name = f"predicted: most impulses of {kind} per cycle, from 150 Hz on"
-        yield _case(name, lambda kind=kind: rate_map.most_per_cycle(probed(kind)), 0.0, 1.2, "1", MUNIAK, reason)
+        yield _case(name, most, 0.0, 1.2, "1", MUNIAK, reason)
+
+
+def _mapped(measure: Callable[[Probed], float], kind: str) -> float:
+    """Return a number of the rates of a type over frequency and amplitude."""
+    return measure(probed(kind))
 
 
 def figures() -> Iterator[tuple[str, Any]]:
