@@ -248,20 +248,28 @@ TEXTS = (
     "moves it: a vibrating probe strains as a slow one does.",
     "Trust of recorded: timing and entrainment of FAI and FAII from 20 to 600 Hz, bursts at onset "
     "and release, SAI by curvature, force and distance, edges, and holds of blunt objects. With "
-    "care: absolute rates of SAI in a hold of an object of 1 mm and less, which are some three "
-    "to five times those of the models of TouchSim. Not: the jitter of impulses, set by hand.",
+    "care: absolute rates of SAI in a hold of an object of 1 mm and less, which are some twice "
+    "those of the models of TouchSim. Not: the jitter of impulses, set by hand.",
     "Spheres are held with a force, and the strain under a force depends on the modulus: on "
     "maeno1998, three times as stiff at small forces as the four measured fingers, SAI units came "
     "out four times as sensitive as those of the models behind the bands of pins. On the tissue "
     "calibrated on those fingers, at finite strain, the 21 rates under spheres lie on one rising "
     "function of the strain within 2.5 % RMS. On maeno1998 no rising function comes nearer than "
     "12 %.",
-    "What else was tried for SAI, each fitted anew. End organs 0.4 and 0.6 mm deep: 13 and 15 % "
-    "RMS under spheres, a trough of the bar of 0.24 and 0.43, and 22 and 33 Hz under the pin 2 mm "
-    "wide at 1 mm; 0.5 mm is between. Energy and tensile strain in the place of the compressive "
-    "one: 1.5 and 6 % RMS about the best rising function. The mean strain over a disc of 0.5, 1 or "
-    "1.5 mm around an end organ: 14, 16 and 19 % RMS, 38, 58 and 52 Hz under that pin, a trough of "
-    "0.43, 0.57 and 0.82. Linear tissue a fifth as stiff: strains above 1 under spheres.",
+    "What else could drive SAI is in the table of measures. Under the middle of a round object the "
+    "strain of nearly incompressible skin is -e along the normal and e / 2 across: every measure "
+    "is a multiple of e, so that none changes how spheres, pins, plates and arrays of probes "
+    "compare. Beside the middle energy and von Mises strain are as good as compression; tensile "
+    "strain has the deeper trough, and the larger error under spheres. None is better as a whole. "
+    "A drive less 0.3 to 0.9 of the mean strain a millimeter around it was tried: it suppresses "
+    "more, and fires under the pin 2 mm wide the less, the deeper that goes. Suppression by "
+    "neighbors and rates over scanned dots, which seemed to ask for it, come with the probes "
+    "separate, and with units that have several end organs and have adapted to the scan.",
+    "End organs 0.4 and 0.6 mm deep, each fitted anew: 13 and 15 % RMS under spheres, a trough of "
+    "the bar of 0.24 and 0.43, and 22 and 33 Hz under the pin 2 mm wide at 1 mm; 0.5 mm is "
+    "between. The mean strain over a disc of 0.5, 1 or 1.5 mm around an end organ: 14, 16 and 19 % "
+    "RMS, 38, 58 and 52 Hz under that pin, a trough of 0.43, 0.57 and 0.82. Linear tissue a fifth "
+    "as stiff: strains above 1 under spheres.",
     "Here end organs are 0.45 mm deep, where fit, bar and pin agree best; its edges and that pin "
     "helped to choose among these depths. FAI and FAII weigh a retreat by at least 0.4 and 0.5 of "
     "an advance, so that they fire at slow releases too. It weighs the saturated current: "
@@ -274,10 +282,12 @@ TEXTS = (
     "strain, spheres by pressed on a coarse mesh (strain within 4 % of the standard one), and the "
     "bar and the array of probes, finer than the elements of 0.6 mm, on the exact layers by "
     "Fourier transforms (`validation/afferents/patterns.py`; under the pin both agree within 4 %). "
-    "Small strain overestimates the strain under the 1 mm pin: by a tenth at 0.7 mm, a fifth at "
-    "1 mm. The preload of the vibrating probe and the rest of the array count as held for two "
-    "minutes, after which SAI units have adapted to it.",
-    "The array of probes has 73 sites on 50 mm² (Vega-Bermudez & Johnson 1999); that a probe is "
-    "0.5 mm wide is an estimate. Wider ones suppress more: 0.7 mm lowers the strain below seven of "
-    "them to 0.47 of that below one, 0.5 mm to 0.58.",
+    "Small strain overestimates the strain under the 1 mm pin: it is 1.4 to 1.9 times that at "
+    "finite strain on the tissue of the spheres, from 0.2 to 1 mm; under the pin 2 mm wide it is "
+    "0.8 to 0.6 of that from 0.5 to 1 mm. The preload of the vibrating probe and the rest of the "
+    "array count as held for two minutes, after which SAI units have adapted to it.",
+    "The array of probes has 73 sites on 50 mm² (Vega-Bermudez & Johnson 1999), with the skin free "
+    "between them; that a probe is 0.5 mm wide is an estimate. Probes 0.3 and 0.7 mm wide take "
+    "0.18 and 0.30 of the strain of SAI away, each further one; a grid twice as fine changes that "
+    "by 0.005.",
 )

@@ -131,9 +131,13 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
 """Fitted parameters and the range of the search; their logarithms are what is varied. The corner of
 FAI is kept below 30 Hz, where recorded thresholds stop falling in proportion to frequency; the
 current of a negative output is kept above 0.4 of that of a positive one for FAI, and above 0.5 for
-FAII, since recorded units fire at release. The refractory time of SAI is 3 ms and more, so that its
-bursts stay below some 300 Hz; its adaptation leaves a quarter of the current and more, since
-recorded units fire on in holds of minutes."""
+FAII, since recorded units fire at release. The refractory time of FAI is 2.5 ms and more: with less
+they burst at 470 Hz as a pin comes, and follow every cycle of 400 Hz, while of 600 Hz they miss
+most. That of FAII is kept below 2.4 ms, else they fire at every second cycle of 400 Hz and at each
+of 300 Hz. The membrane of FAI is slow enough for the lowest threshold to lie below 60 Hz, as
+recorded. The refractory time of SAI is 3 ms and more, so that its bursts stay below some 300 Hz;
+its adaptation leaves a quarter of the current and more, since recorded units fire on in holds of
+minutes."""
 
 FALLS = ((0.65, 0.38), (1.3, 0.36))
 """Depths in mm of slow holds of the probe, and the fall of the SAI rate in their first 12 s (J

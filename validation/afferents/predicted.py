@@ -199,7 +199,7 @@ TIP, PITCH, PROBES = Pin(0.5), 0.889, 73
 
 @cache
 def sites() -> Array:
-    """Return the places (PROBES, 2) mm of the probes, a hexagonal lattice, from the middle on."""
+    """Return the places (PROBES, 2) in mm of probes, a hexagonal lattice from the middle on."""
     first, second = (each.ravel() for each in np.mgrid[-8:9, -8:9])
     lattice = PITCH * np.column_stack([first + 0.5 * second, np.sqrt(0.75) * second])
     apart = np.round(np.linalg.norm(lattice, axis=1), 6)

@@ -296,20 +296,19 @@ def _of_maps() -> Iterator[Case]:
     """Yield what holds over all frequencies from 1 to 800 Hz and amplitudes to 1 mm."""
     reason = "15 frequencies from 1 to 800 Hz, 20 amplitudes from 0.5 um to 1 mm"
     for kind in ("SAI", "FAI", "FAII"):
-        name = f"predicted: largest fall of the rate of {kind} as amplitude grows, over the most"
-        fall = partial(_largest_fall, kind)
+        fall, most = (
+            partial(_mapped, measure, kind)
+            for measure in (rate_map.largest_fall, rate_map.most_per_cycle)
+        )
+        name = f"predicted: fall of the rate of {kind} in a stronger vibration, over the highest"
         yield _case(name, fall, -0.1, 0.1, "1", GROWING, reason)
         name = f"predicted: most impulses of {kind} per cycle, from 150 Hz on"
-        most = partial(_most_per_cycle, kind)
         yield _case(name, most, 0.0, 1.2, "1", MUNIAK, reason)
 
 
-def _largest_fall(kind: str) -> float:
-    return rate_map.largest_fall(probed(kind))
-
-
-def _most_per_cycle(kind: str) -> float:
-    return rate_map.most_per_cycle(probed(kind))
+def _mapped(measure: Callable[[Probed], float], kind: str) -> float:
+    """Return a number of the rates of a type over frequency and amplitude."""
+    return measure(probed(kind))
 
 
 def figures() -> Iterator[tuple[str, Any]]:
