@@ -179,7 +179,7 @@ def _between(candidate: Candidate, tissue: str, axis: str, part: float) -> float
 @cache
 def _left_out(candidate: Candidate, tissue: str, axis: str) -> tuple[tuple[float, float], ...]:
     main = _row(candidate, tissue, MAIN, axis)
-    missed = []
+    missed: list[tuple[float, float]] = []
     for at in range(1, len(main.presses) - 1):
         others = Row(np.delete(main.places, at), _without(main.presses, at))
         missed += _missed(main.presses[at], others, None, float(main.places[at]))
@@ -204,7 +204,7 @@ def _fingers(
 
 @cache
 def _by_size(candidate: Candidate, axis: str) -> tuple[tuple[float, float], ...]:
-    main, missed = _row(candidate, library.PUBLISHED, MAIN, axis), []
+    main, missed = _row(candidate, library.PUBLISHED, MAIN, axis), list[tuple[float, float]]()
     for subject in _subjects():
         row = _row(candidate, library.PUBLISHED, subject, axis)
         for at, press in zip(row.places, row.presses, strict=True):
@@ -215,7 +215,7 @@ def _by_size(candidate: Candidate, axis: str) -> tuple[tuple[float, float], ...]
 
 @cache
 def _by_finger(candidate: Candidate, tissue: str, axis: str) -> tuple[tuple[float, float], ...]:
-    main, missed = _row(candidate, tissue, MAIN, axis), []
+    main, missed = _row(candidate, tissue, MAIN, axis), list[tuple[float, float]]()
     for subject in _subjects():
         row = _row(candidate, tissue, subject, axis)
         if subject == MAIN or len(row.presses) < 2:
