@@ -57,7 +57,8 @@ def save(
         f"{name}.html": html(
             record, figures, provenance, data=f"{name}.json", findings=findings or {}
         ),
-        f"{name}.json": json.dumps(record | {"provenance": provenance}) + "\n",
+        f"{name}.json": json.dumps(record | {"provenance": provenance}, separators=(",", ":"))
+        + "\n",
     }
     atomic_write.write(folder, texts)
 

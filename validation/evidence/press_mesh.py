@@ -215,9 +215,11 @@ def judge(
     curves = {"solid fine": fine, "solid standard": remaining}
     for label, each in ({"solid coarse": presses["coarse"]} | dict(others)).items():
         curves[label] = {what: x + remaining[what] for what, x in apart(each, true).items()}
-    rows = {label: {what: _short(each[what]) for what in STATED} for label, each in curves.items()}
+    rows = {
+        label: {what: _short(each[what], 3) for what in STATED} for label, each in curves.items()
+    }
     if measurement.tissue is None:
-        rows["lumped"] = {"force": _short(_lumped(measurement, true) + remaining["force"])}
+        rows["lumped"] = {"force": _short(_lumped(measurement, true) + remaining["force"], 3)}
     return {
         "depth_mm": _short(true.depth[true.at]),
         "force_N": _short(true.force[true.at]),
@@ -297,8 +299,8 @@ def _described(measurement: Measurement) -> dict[str, Any]:
     }
 
 
-def _short(values: Any) -> list[float]:
-    return [float(f"{value:.4g}") for value in values]
+def _short(values: Any, digits: int = 4) -> list[float]:
+    return [float(f"{value:.{digits}g}") for value in values]
 
 
 def thirds() -> dict[str, Any]:

@@ -162,4 +162,6 @@ if __name__ == "__main__":
     rows = {name: row(name) for name in sys.argv[2:] or ROWS}
     # Read last, so that rows may be measured at the same time.
     stored = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else {}
-    target.write_text(json.dumps(report(stored | rows), indent=1) + "\n", encoding="utf-8")
+    target.write_text(
+        json.dumps(report(stored | rows), separators=(",", ":")) + "\n", encoding="utf-8"
+    )

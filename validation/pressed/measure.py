@@ -133,10 +133,12 @@ def main(folder: Path) -> None:
         for scene in drawn(name):
             if scene.name not in report[name]:
                 report[name][scene.name] = compared(scene)
-                path.write_text(json.dumps(_short(report)) + "\n", encoding="utf-8")
+                path.write_text(
+                    json.dumps(_short(report), separators=(",", ":")) + "\n", encoding="utf-8"
+                )
                 print(scene.name, report[name][scene.name].get("loading"), flush=True)
     report["costs"] = costs()
-    path.write_text(json.dumps(_short(report)) + "\n", encoding="utf-8")
+    path.write_text(json.dumps(_short(report), separators=(",", ":")) + "\n", encoding="utf-8")
 
 
 def _short(value: Any) -> Any:

@@ -204,8 +204,7 @@ def _fingers(
 
 @cache
 def _by_size(candidate: Candidate, axis: str) -> tuple[tuple[float, float], ...]:
-    main = _row(candidate, library.PUBLISHED, MAIN, axis)
-    missed: list[tuple[float, float]] = []
+    main, missed = _row(candidate, library.PUBLISHED, MAIN, axis), list[tuple[float, float]]()
     for subject in _subjects():
         row = _row(candidate, library.PUBLISHED, subject, axis)
         for at, press in zip(row.places, row.presses, strict=True):
@@ -216,8 +215,7 @@ def _by_size(candidate: Candidate, axis: str) -> tuple[tuple[float, float], ...]
 
 @cache
 def _by_finger(candidate: Candidate, tissue: str, axis: str) -> tuple[tuple[float, float], ...]:
-    main = _row(candidate, tissue, MAIN, axis)
-    missed: list[tuple[float, float]] = []
+    main, missed = _row(candidate, tissue, MAIN, axis), list[tuple[float, float]]()
     for subject in _subjects():
         row = _row(candidate, tissue, subject, axis)
         if subject == MAIN or len(row.presses) < 2:

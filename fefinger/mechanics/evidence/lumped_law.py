@@ -47,9 +47,9 @@ class Law(NamedTuple):
 
 def law(case: Situation) -> Law:
     """Return the law of the finger of a scene, or that of Table 2.1 with a doubt."""
-    subject = case.finger.subject_name
-    if subject is not None and reached_depth.calibrated(case.finger):
-        return _printed(case, *_misfit(case, subject))
+    fitted = reached_depth.calibrated(case.finger)
+    if fitted:
+        return _printed(case, *_misfit(case))
     laws = table().all(LUMPED, "law", LAW)
     rows = [each.conditions for each in laws if _same(case.finger, each.conditions)]
     if not rows:
@@ -110,8 +110,10 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
     return measured_tissue(finger) and np.allclose(own, [row[name] for name in names], rtol=SAME)
 
 
-def _misfit(case: Situation, subject: str) -> tuple[float, str]:
+def _misfit(case: Situation) -> tuple[float, str]:
     """Return by what Table 2.1 differs from the finger that was fitted to it, and the source."""
+    subject = case.finger.subject_name
+    assert subject is not None  # of a calibrated finger
     found = formulas.error(LAW, case, library.pawluk_bulk()[subject].prony)
     if found is None:
         found = press_mesh.error(LAW, case)

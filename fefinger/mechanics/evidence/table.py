@@ -215,12 +215,8 @@ def _lumped(name: str) -> Iterator[Measured]:
     for row in read(name)["rows"]:
         yield _entry(name, candidate, "law", row["source"], (row["b"], row["m"]), None, row)
     for subject, row in read(name)["calibrated"].items():
-        for quantity, key in (("force", "force_N"), ("error of force", "error")):
-            press, depth = f"calibrated {subject}", row["depth_mm"]
-            conditions = {"angle": read(name)["angle"]}
-            yield _entry(name, candidate, quantity, press, row[key], depth, conditions)
-        relaxing = row["relaxing"]
-        yield _entry(name, candidate, "relaxing error", f"calibrated {subject}", relaxing)
+        press, conditions = f"calibrated {subject}", {"angle": read(name)["angle"]}
+        yield _entry(name, candidate, "force", press, row["force_N"], row["depth_mm"], conditions)
 
 
 def presses_of_tradeoff(

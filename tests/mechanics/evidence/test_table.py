@@ -35,8 +35,8 @@ ENTRIES = [
         "rows > a.h./flat-30 > mesh_error > coarse",
     ),
     (
-        *(table.LUMPED, "relaxing error", "lumped", "calibrated a.h."),
-        "calibrated > a.h. > relaxing",
+        *(table.LUMPED, "force", "lumped", "calibrated a.h."),
+        "calibrated > a.h. > force_N",
     ),
     (
         *(table.TRADEOFF, "share of motion, strain", "solid fine", "flat-30"),
