@@ -56,6 +56,8 @@ MEASURES = {
     "asymmetry": "asymmetry of the force",
     "ellipticity": "ellipticity 1 - b/a",
     "stiffness_N_per_mm": "stiffness",
+    "dynamic_stiffness_N_per_mm": "dynamic stiffness",
+    "phase_deg": "phase of force before depth",
     "reach_distal_mm": "reach of 4 kPa, distal",
     "reach_proximal_mm": "reach of 4 kPa, proximal",
 }

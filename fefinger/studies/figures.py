@@ -55,7 +55,7 @@ def panels(rows: Rows, x: str, series: Sequence[str], skip: Sequence[str] = ()) 
     Bars are the expected errors where the rows have them. A constant measure, such as the depth at
     the end of equal presses, is left out.
     """
-    names = [name for name in MEASURES if name not in skip and _varies(rows, name)]
+    names = varying(rows, skip)
     count = max(-(-len(names) // 3), 1)
     with figures.style():
         drawn = figures.figure(figures.WIDE, 0.7 + 2.15 * count)
@@ -70,6 +70,11 @@ def panels(rows: Rows, x: str, series: Sequence[str], skip: Sequence[str] = ()) 
                 axis.tick_params(labelbottom=True)
         _legend(drawn, rows, series)
         return drawn
+
+
+def varying(rows: Rows, skip: Sequence[str] = ()) -> list[str]:
+    """Measures that are not the same in all rows."""
+    return [name for name in MEASURES if name not in skip and _varies(rows, name)]
 
 
 def _panel(axis: Any, rows: Rows, x: str, series: Sequence[str], name: str) -> None:

@@ -15,7 +15,8 @@ from fefinger.results import pressure as pressures
 from fefinger.results.array_sensor import response
 from fefinger.studies.errors import stated
 from fefinger.studies.hertz import hertz
-from fefinger.studies.slope import stiffness
+from fefinger.studies.oscillation import dynamic_stiffness
+from fefinger.studies.slope import Slope, stiffness
 from fefinger.studies.times import Moment, at, moments
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
@@ -35,6 +36,9 @@ LEVEL = 4.0
 
 ROUNDING = 1e-9
 """Shift in mm, or asymmetry, below which it is set to zero as rounding of a symmetric value."""
+
+VIBRATES = Slope(float("nan"), 0, "none: the motion vibrates, see dynamic_stiffness_N_per_mm")
+"""Stiffness in the wave of a motion, where loading and unloading alternate."""
 
 READINGS = "readings_kPa"
 """Column of the array's readings, element by element; a list, which tables leave out."""
@@ -81,15 +85,20 @@ def _row(
 ) -> dict[str, Any]:
     """Make the columns of one time."""
     where, control = moment.where, result.scene.motion.control
-    slope = stiffness(result.time, result.depth, result.response.force, where, control=control)
+    wave, time = result.scene.motion.trajectory.wave, float(at(result.time, where))
+    slope = VIBRATES
+    if wave is None or time <= wave.start:
+        slope = stiffness(result.time, result.depth, result.response.force, where, control=control)
     row: dict[str, Any] = {
-        "time_s": float(at(result.time, where)),
+        "time_s": time,
         "depth_mm": float(at(result.depth, where)),
         "force_N": float(at(result.response.force, where)),
         "stiffness_N_per_mm": slope.value,
         "stiffness_points": slope.points,
         "stiffness_note": slope.note,
     }
+    if moment.name == "end":
+        row |= _oscillation(result)
     if result.contact_area is not None:
         row["contact_area_mm2"] = float(at(result.contact_area, where))
     if highest is not None:
@@ -105,6 +114,18 @@ def _row(
     if view is not None and view.touch is not None:
         row |= hertz(result, view.touch, where)
     return row
+
+
+def _oscillation(result: Result) -> dict[str, float]:
+    """Make the columns of a vibration; {} without one."""
+    motion, force = result.scene.motion, result.response.force
+    ratio = dynamic_stiffness(motion, result.time, result.depth, force)
+    if ratio is None:
+        return {}
+    return {
+        "dynamic_stiffness_N_per_mm": abs(ratio),
+        "phase_deg": float(np.degrees(np.angle(ratio))),
+    }
 
 
 def _spikes(result: Result, time: float) -> dict[str, int]:

@@ -24,8 +24,11 @@ MEANING = (
     "norm. "
     f"Stiffness is the slope of the force over the depth, fitted to the loading within a factor of "
     f"{WINDOW:g} of the depth, to at least {POINTS} time steps; the column stiffness_note gives "
-    "the reason where there is none."
+    "the reason where there is none. Of a vibration, dynamic stiffness and phase are those of the "
+    "force over the depth in its last cycles."
 )
+
+SAME = "Every measure is the same in all of these rows, but for rounding of half a percent."
 
 ARRAY = (
     "The array of the thesis (8 x 8 elements 2 mm apart, a Gaussian of 0.96 mm, here without "
@@ -37,8 +40,8 @@ ARRAY = (
 MAIN = (
     *("at", "force_N", "force_rel_error", "depth_mm", "depth_rel_error", "contact_area_mm2"),
     *("contact_area_rel_error", "highest_pressure_1mm2_kPa", "highest_pressure_rel_error"),
-    *("strain_rms_percent", "strain_rel_error", "stiffness_N_per_mm", "spikes", "mechanics"),
-    *("mesh", "seconds"),
+    *("strain_rms_percent", "strain_rel_error", "stiffness_N_per_mm"),
+    *("dynamic_stiffness_N_per_mm", "phase_deg", "spikes", "mechanics", "mesh", "seconds"),
 )
 SHAPE = (
     *("at", "shift_distal_mm", "asymmetry", "ellipticity", "reach_distal_mm", "reach_proximal_mm"),
@@ -141,6 +144,9 @@ def _parts(study: "StudyRows") -> Iterator[dict[str, Any]]:
         rows = [row for row in done if row["at"] == at]
         skip = {"N": ("force_N",), "mm": ("depth_mm",)}.get(at.rpartition(" ")[2], ())
         where = {"peak": "at the largest force", "end": "at the end"}.get(at, f"at {at}")
+        if not figures.varying(rows, skip):
+            yield part(f"The contact {where}", SAME)
+            continue
         picture = page.svg(figures.panels(rows, x, series, skip))
         yield part(f"The contact {where}", picture=picture)
     ends = [row for row in done if row["at"] == "end"]
