@@ -153,7 +153,8 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
             source,
         )
 
-    yield asked("held-out scenes", "scenes", 23.0, 2.0, "drawn by seed; `solid` answers them")
+    drawn = float(scenes.N_HELD_OUT)
+    yield asked("held-out scenes", "scenes", drawn, 2.0, "drawn by seed; `solid` answers them")
     yield asked("tolerance met by the picks", "tolerance_met", 1.0, 0.05, "95 % of the scenes")
     for quantity, name in QUANTITIES.items():
         for whose, key in WHOSE.items():
