@@ -79,7 +79,7 @@ def wide_table(heading, rows) -> Iterator[str]:
     for row in rows:
         yield "<tr>"
         for name, cell in zip(heading, row, strict=True):
-            yield f'<td data-column="{name}">{in_html(cell)}</td>'
+            yield f'<td data-column="{name}"><span>{in_html(cell)}</span></td>'
         yield "</tr>"
     yield "</tbody></table></div>\n"
 

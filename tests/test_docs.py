@@ -1,10 +1,13 @@
 """What the documentation states of the code, without building it."""
 
 import importlib.util
+import re
 import tomllib
 from pathlib import Path
 
 import pytest
+
+from fefinger.scene.scene import Scene
 
 
 ROOT = Path(__file__).parents[1]
@@ -59,3 +62,15 @@ def test_every_folder_of_modules_is_a_package_of_the_wheel():
         for init in (ROOT / top).rglob("__init__.py"):
             parts = init.parent.relative_to(ROOT / top).parts
             assert ".".join((name, *parts)) in listed
+
+
+def test_what_the_page_on_scenes_says_to_write_is_a_scene():
+    """Each row of its table changes one table of a press."""
+    text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| .* \| `\[(indenter|motion)\]` `(kind = .*)` \|$", text, re.MULTILINE)
+    assert len(rows) >= 6
+    for part, keys in rows:
+        written = tomllib.loads("\n".join(keys.split("`, `")))
+        press = {"kind": "ramp-hold", "speed": 20, "depth": 1, "hold": 1}
+        scene = Scene.from_dict({"finger": {"subject": "a.h."}, "motion": press} | {part: written})
+        assert getattr(scene, part).kind == written["kind"]

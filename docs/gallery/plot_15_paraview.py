@@ -2,8 +2,8 @@
 A file for ParaView
 ===================
 
-``result.vtkhdf`` holds displacement, strain and pressure on the mesh through time. Open it in ParaView, or with PyVista
-as here.
+``result.vtkhdf`` holds displacement, strain and pressure on the mesh through time. Open it in
+ParaView, or with PyVista as here.
 """
 
 import tempfile
@@ -25,8 +25,8 @@ mesh = reader.read()
 print(f"{steps} times; arrays {mesh.array_names}; {mesh.n_cells} tetrahedra")
 
 # %%
-# Strain has the components xx, yy, zz, xy, yz, xz. Here is the largest compressive strain in a cut across the deformed
-# finger, 2 mm behind first touch.
+# Strain has the components xx, yy, zz, xy, yz, xz. Here is the largest compressive strain in a cut
+# across the deformed finger, 2 mm behind first touch.
 xx, yy, zz, xy, yz, xz = mesh["strain"].T
 tensors = np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), 2, 0)
 mesh["compression"] = -100 * np.linalg.eigvalsh(tensors)[:, 0]
