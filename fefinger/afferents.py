@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.scene.innervation import innervation
 from fefinger.scene.population import Grid, Layout
 from fefinger.support import processes
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.threads import one_thread
 
 
 if TYPE_CHECKING:

@@ -25,10 +25,10 @@ from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.dissection import dissect
 from fefinger.fem.linalg.solvers import compressible
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.geometry import mirror
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
+from fefinger.support.threads import one_thread
 from fefinger.support.tolerances import REDUCED_COMPRESSIBILITY
 
 

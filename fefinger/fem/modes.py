@@ -16,9 +16,9 @@ from scipy import linalg, sparse
 
 from fefinger.fem.condensation import Compliance
 from fefinger.fem.linalg import multifrontal
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError, number
+from fefinger.support.threads import one_thread
 
 
 BLOCK = 24  # vectors per block: two solutions in the time of 24 on the standard finger are 8 single

@@ -25,7 +25,10 @@ OF = {
 """Columns of the quantities for which a plan states errors."""
 
 SPEED = 10.0
-"""Speed in mm/s of the press whose errors are looked up: the errors do not depend on it."""
+"""Speed in mm/s of the press whose errors are looked up.
+
+Only those of closed formulas depend on it, by a few percent of the error.
+"""
 
 
 def stated(result: Result, where: float, given: str) -> dict[str, float]:

@@ -156,7 +156,7 @@ def test_explain_prints_the_choice_and_the_ladder(capsys):
     ("changes", "warned"),
     [
         (["motion.speed=60"], False),
-        (["motion.speed=1e3"], False),  # answered with inertia
+        (["motion.speed=1e3", "ask.rel_error=0.3"], False),  # answered with inertia
         (["motion.speed=1e3", "finger.relaxation=deviatoric"], True),
     ],
 )

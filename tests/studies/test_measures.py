@@ -14,6 +14,7 @@ from fefinger.results import pressure
 from fefinger.scene.population import Scatter
 from fefinger.studies import page
 from fefinger.studies.columns import ERRORS, bounds, split, words
+from fefinger.studies.errors import SPEED
 from fefinger.studies.hertz import share
 from fefinger.studies.measures import rows
 from fefinger.theory.contact.elliptic import Elliptic
@@ -67,7 +68,7 @@ def test_errors_are_those_of_the_plan_at_the_largest_force_and_of_a_shallower_pr
     names = {"pressure": "highest_pressure", "area": "contact_area", "strain": "strain"}
     chosen = held.plan.chosen
     assert told["peak"]["force_rel_error"] == chosen.error
-    shallow = replace(held.scene, motion=ff.RampHold(20, 0.4, hold=0.1))
+    shallow = replace(held.scene, motion=ff.Ramp(SPEED, 0.4, corner=0))
     there = choose(shallow, "hertz").chosen
     assert told["0.4 mm"]["force_rel_error"] == there.error != chosen.error
     for name, column in names.items():
@@ -101,7 +102,7 @@ def test_at_a_force_the_depth_has_an_error_and_at_a_depth_the_force(motion):
     errors = held.plan.chosen.errors
     assert told["end"]["contact_area_rel_error"] == errors["area"]
     assert told["end"].get("depth_rel_error") == errors.get("depth")
-    press = replace(held.scene, motion=ff.Ramp(20, told["0.2 N"]["depth_mm"], corner=0))
+    press = replace(held.scene, motion=ff.Ramp(SPEED, told["0.2 N"]["depth_mm"], corner=0))
     there = choose(press, "hertz").chosen
     at_force = force_control.errors(there.errors, there.error, Situation.of(press))
     for column, name in (("depth", "depth"), ("contact_area", "area"), ("strain", "strain")):

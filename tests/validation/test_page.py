@@ -174,6 +174,8 @@ def test_both_files_are_written_and_the_page_stands_alone(tmp_path):
 
 def test_wide_figures_get_the_page_and_a_unit_of_1_is_not_written():
     drawn = [("wide", figures.figure(9.2, 7.6)), ("narrow", figures.figure(6.2, 2.8))]
+    for _, each in drawn:
+        each.subplots()
     html = page.html(RECORD, {"one": drawn}, {})
     assert re.findall(r'<figure( class="wide")?><img [^>]*alt="(\w+)"', html) == [
         (' class="wide"', "wide"),

@@ -35,7 +35,7 @@ def test_the_scene_and_the_python_of_the_readme_run_and_the_result_loads(
     assert ff.Scene.from_toml(scene).ask.rel_error == 0.1
     names: dict[str, Any] = {}
     exec(code, names)
-    assert 0.05 < names["compression"] < 0.5
+    assert 0.05 < names["compression"].max() < 0.5
     loaded = ff.load("out")
     assert loaded.force == pytest.approx(names["result"].force)
     assert loaded.spikes.count().tolist() == names["result"].spikes.count().tolist()

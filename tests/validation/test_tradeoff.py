@@ -118,9 +118,10 @@ def test_a_mesh_errs_by_no_less_than_a_third_mesh_changes_it(changed, held) -> N
     row = press_mesh.judge(measurement, presses, {}, fine)
     by_order = 0.1 * tradeoff_errors.left_on("coarse", "standard")
     known = changed if held else by_order
-    np.testing.assert_allclose(row["errors"]["solid standard"]["force"], known, rtol=1e-3)
-    np.testing.assert_allclose(row["errors"]["solid coarse"]["force"], 0.1 + known, rtol=1e-3)
-    np.testing.assert_allclose(row["errors"]["solid standard"]["area"], changed, rtol=1e-3)
+    rounded = {"rtol": 5e-3}  # three digits are written
+    np.testing.assert_allclose(row["errors"]["solid standard"]["force"], known, **rounded)
+    np.testing.assert_allclose(row["errors"]["solid coarse"]["force"], 0.1 + known, **rounded)
+    np.testing.assert_allclose(row["errors"]["solid standard"]["area"], changed, **rounded)
     np.testing.assert_allclose(row["depth_mm"], pressed().depth, rtol=1e-3)
 
 
@@ -222,7 +223,10 @@ def test_held_out_scenes_are_many_and_drawn_by_seed():
         *("Ramp", "RampHold", "Trapezoid", "Sinusoid")
     }
     again = tradeoff_scenes.development()
-    assert not {scene.indenter for scene in drawn.values()} & {x.indenter for x in again.values()}
+    seen, new = (
+        {(x.finger, x.indenter, x.motion) for x in each.values()} for each in (again, drawn)
+    )
+    assert not seen & new
 
 
 def judged(tolerance):

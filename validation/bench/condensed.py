@@ -25,7 +25,6 @@ from fefinger.fem.body import body
 from fefinger.fem.condensation import Compliance, palmar
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import constitutive, hard_parts, operator, operator_cache
@@ -37,6 +36,7 @@ from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.support.arrays import Array
+from fefinger.support.threads import one_thread
 
 
 Precision = Literal["double", "single"]

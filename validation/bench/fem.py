@@ -22,11 +22,11 @@ from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.fem.elements.forms import stiffness
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.linalg import system as solve
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.mechanics.press import constitutive, hard_parts, placement
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import STANDARD
+from fefinger.support.threads import one_thread
 
 
 RESOLUTION, REPEATS = "standard", 3

@@ -16,13 +16,13 @@ import numpy as np
 from fefinger.validation.bench.organs import COUNT, crowd
 from fefinger.validation.bench.suites import Figure, Progress
 
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.mechanics.press.mode_store import finger_modes
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.realtime.modal import Modal
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
+from fefinger.support.threads import one_thread
 
 
 MESH, TISSUE = "standard", "maeno1998"

@@ -9,12 +9,12 @@ from fefinger.validation.bench.organs import COUNT, crowd
 from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.validation.empty_cache import empty_cache
 
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.realtime.pressed import Pressed
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
+from fefinger.support.threads import one_thread
 
 
 STEPS, DT = 2000, 1e-3

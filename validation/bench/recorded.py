@@ -11,13 +11,13 @@ from fefinger.validation.bench import condensed
 from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.validation.problems import published
 
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.neural.recorded import fitted
 from fefinger.neural.recorded_simulation import simulate_recorded
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.variation import Variation
 from fefinger.support.arrays import Array
+from fefinger.support.threads import one_thread
 
 
 SHARES = {"SAI": 290, "SAII": 25, "FAI": 580, "FAII": 105}

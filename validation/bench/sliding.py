@@ -14,7 +14,6 @@ from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.validation.empty_cache import empty_cache
 
 from fefinger import afferents
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.mechanics import condensed
 from fefinger.mechanics.realtime.sliding import Sliding
 from fefinger.results.records import Sites
@@ -23,6 +22,7 @@ from fefinger.scene.dots import Dots
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat
+from fefinger.support.threads import one_thread
 
 
 STEPS, DT, SPEED = 600, 1e-3, 60.0

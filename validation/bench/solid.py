@@ -12,7 +12,7 @@ from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic.laws import neo_hookean
 from fefinger.fem.hyperelastic.newton import Equilibrium
-from fefinger.fem.linalg.threads import one_thread
+from fefinger.support.threads import one_thread
 
 
 SIZES = (4.0, 2.4)  # mm of the cells at the pole; the first compiles

@@ -18,8 +18,8 @@ from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import system as solve
 from fefinger.fem.linalg.minres import Iterative
 from fefinger.fem.linalg.solvers import Prepared
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.threads import one_thread
 
 
 NU, MODULUS = 0.49, 34.0

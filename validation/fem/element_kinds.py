@@ -26,8 +26,8 @@ from fefinger.fem.elements.probe import strain_at, tensors
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.dissection import dissect
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.threads import one_thread
 from fefinger.theory.contact.stack import Stack
 from fefinger.theory.contact.subsurface import subsurface_field
 

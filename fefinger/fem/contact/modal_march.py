@@ -16,8 +16,8 @@ from fefinger.fem.contact.modal_step import (
 from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.contact.step_compiled import PadState, check, pad_state
 from fefinger.fem.contact.viscoelastic import History, Prescribed
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.threads import one_thread
 
 
 DIGITS = 9  # significant ones of the length of a step: lengths that differ by rounding are the same

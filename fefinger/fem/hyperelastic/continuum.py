@@ -18,9 +18,9 @@ from fefinger.fem.elements import assembly
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic import element_kernels
 from fefinger.fem.hyperelastic.laws import Law
-from fefinger.fem.linalg.threads import together
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
+from fefinger.support.threads import together
 
 
 INCOMPRESSIBLE = 9.0

@@ -16,9 +16,9 @@ from fefinger.fem.contact.viscoelastic import Relaxation
 from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress
 from fefinger.fem.hyperelastic.newton import Equilibrium, Exhausted
 from fefinger.fem.hyperelastic.state import State, Target
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError
+from fefinger.support.threads import one_thread
 
 
 SPLITS, PARTS = 3, 4

@@ -18,9 +18,9 @@ from scipy.linalg.lapack import get_lapack_funcs
 
 from fefinger.fem.linalg.dissection import Dissection
 from fefinger.fem.linalg.multifrontal import SINGULAR, Assembly, Floats
-from fefinger.fem.linalg.threads import together
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
+from fefinger.support.threads import together
 
 
 Precision = type[np.float32] | type[np.float64]

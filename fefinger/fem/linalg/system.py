@@ -19,9 +19,9 @@ from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal, multifrontal_single
 from fefinger.fem.linalg.dissection import Dissection, dissect
 from fefinger.fem.linalg.solvers import SOLVERS, Equations, Prepared, choose, compressible
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError, choice
+from fefinger.support.threads import one_thread
 from fefinger.support.tolerances import FORCE_BALANCE, LINEAR_RESIDUAL
 
 

@@ -10,10 +10,10 @@ from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Operator, displaced
 from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.elements.mass import mass
-from fefinger.fem.linalg.threads import one_thread
 from fefinger.mechanics.press.mode_store import PER_CUBIC_METER, FingerModes
 from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.threads import one_thread
 
 
 @dataclass(frozen=True)

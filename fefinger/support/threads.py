@@ -1,4 +1,4 @@
-"""Threads of the finite elements: fixed parts of a job on all cores, and BLAS on one thread each.
+"""Threads: fixed parts of a job on all cores, and BLAS on one thread each.
 
 The parts and the order of their sums are fixed by the job, so that no result depends on how many
 threads there are. BLAS is limited to one thread, for work on many small dense blocks: spinning idle

@@ -9,9 +9,9 @@ from fefinger.validation.problems.grids import box
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.laws import neo_hookean
-from fefinger.fem.linalg import multifrontal_single, threads
+from fefinger.fem.linalg import multifrontal_single
 from fefinger.fem.linalg import system as solve
-from fefinger.support import processes
+from fefinger.support import processes, threads
 
 
 @pytest.fixture(params=[1, 2, 5])
