@@ -40,6 +40,9 @@ NAMES = ("hertz", "layered", "lumped")
 
 NODES = 48
 
+MANY = 500
+"""Half of the largest number of times at which forces are compared."""
+
 HERTZIAN = 1.5
 """Power of the depth that forces begin with."""
 
@@ -84,10 +87,8 @@ def error(candidate: Candidate, case: Situation, law: Prony | None = None) -> Kn
         margin = math.hypot(margin, carried)
     if not math.isfinite(margin):
         return None
-    found = _through(case, main.presses[low], ratio, part, law)
-    bounds = [
-        _through(case, main.presses[low], ratio + each, part, law) for each in (-margin, margin)
-    ]
+    ratios = (ratio, ratio - margin, ratio + margin)
+    found, *bounds = _through(case, main.presses[low], ratios, part, law)
     more = max(*bounds, found) - found
     if back:  # on retreat one of the largest force: memory of what was deeper
         more = math.hypot(more, carried)
@@ -255,29 +256,44 @@ def _part(case: Situation, press: Measured) -> float:
 
 
 def _through(
-    case: Situation, press: Measured, ratio: Array, part: float, law: Prony | None
-) -> float:
+    case: Situation, press: Measured, ratios: Iterable[Array], part: float, law: Prony | None
+) -> list[float]:
     """Return the error of the force through time, over the largest: at the depth under a force.
 
-    press: whose force of finite strain is taken, for its shape; ratio (n,): log ratios at its
-    depths.
+    press: whose force of finite strain is taken, for its shape; ratios: log ratios (n,) at its
+    depths, each of which gives an error.
     """
     if case.motion.control == "force":
-        return abs(math.expm1(float(np.interp(part, press.part, ratio))))
+        return [abs(math.expm1(float(np.interp(part, press.part, ratio)))) for ratio in ratios]
     true = table().presses(FORMULAS, "force", Candidate("solid"))[press.press].values
-    thickness, time, prony = case.finger.thickness, case.times, case.finger.prony
-    depth = np.asarray(case.motion.value(time)) / thickness
+    prony = case.finger.prony
+    time = _fewer(case.times)
+    depth = np.asarray(case.motion.value(time)) / case.finger.thickness
     nodes = radius_nodes(part * (1 + 1e-9), NODES)
     curve = _forces(press.part, true, nodes)
-    formula = curve * np.exp(np.interp(nodes, press.part, ratio))
     history = press_by_depth(prony, time, depth, nodes)
     right = history.stress(curve) / prony.long_time
-    if law is None:
-        answered = history.stress(formula) / prony.long_time
-    else:
-        elastic = np.interp(depth, nodes, formula)
-        answered = np.maximum(hereditary_integral(law, time, elastic), 0.0) / law.long_time
-    return float(np.abs(answered - right).max() / right.max())
+    errors = []
+    for ratio in ratios:
+        formula = curve * np.exp(np.interp(nodes, press.part, ratio))
+        if law is None:
+            answered = history.stress(formula) / prony.long_time
+        else:
+            elastic = np.interp(depth, nodes, formula)
+            answered = np.maximum(hereditary_integral(law, time, elastic), 0.0) / law.long_time
+        errors.append(float(np.abs(answered - right).max() / right.max()))
+    return errors
+
+
+def _fewer(time: Array) -> Array:
+    """Return at most 2 MANY times: the first ones, and of the others every so many and the last.
+
+    Both forces see the same motion, so that what is left out between them hardly counts.
+    """
+    rest = time[MANY:]
+    if len(rest) <= MANY:
+        return time
+    return np.concatenate([time[:MANY], rest[:: -(-len(rest) // MANY)], time[-1:]])
 
 
 def _forces(parts: Array, forces: Array, wanted: Array) -> Array:
