@@ -70,12 +70,11 @@ def test_the_rough_factor_takes_indefinite_matrices_and_one_or_many_loads(
     reduced = bent.tocsr()[system.free][:, system.free]
     exact = np.random.default_rng(0).normal(size=(len(system.free), 3))
     loads = reduced @ exact
-    found = np.zeros_like(exact)
-    for _ in range(8):
-        found += rough.solve(loads - reduced @ found)
-    assert np.linalg.norm(found - exact) < 1e-8 * np.linalg.norm(exact)
-    alone, among = rough.solve(loads[:, 0]), rough.solve(loads)[:, 0]
-    assert np.linalg.norm(alone - among) < 0.02 * np.linalg.norm(among)
+    for wanted, load in ((exact, loads), (exact[:, 0], loads[:, 0])):
+        found = np.zeros_like(wanted)
+        for _ in range(8):
+            found += rough.solve(load - reduced @ found)
+        assert np.linalg.norm(found - wanted) < 1e-8 * np.linalg.norm(wanted)
 
 
 def test_a_singular_matrix_has_no_rough_factor(space: Space) -> None:
