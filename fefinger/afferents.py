@@ -129,7 +129,7 @@ def mesh_check(
     lean = replace(scene, finger=finger, ask=replace(scene.ask, fields=False, pressure=False))
     case = mechanics.name, lean
     if seconds >= SLOW and processes.threads() > 1:
-        with processes.beside(_spikes, case) as coarser:
+        with processes.in_background(_spikes, case) as coarser:
             yield partial(_with_mesh_check, coarser, f"the mesh is {finger.mesh}")
     else:
         yield partial(_with_mesh_check, lambda: _spikes(case), f"the mesh is {finger.mesh}")

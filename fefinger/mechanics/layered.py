@@ -191,7 +191,7 @@ def _doubts(case: Situation) -> list[Doubt]:
 
 
 def _doubts_of_tissue(finger: Finger) -> list[Doubt]:
-    """Return how the tissues differ from the measured ones; their common modulus cancels."""
+    """Differences of the tissues from the measured ones; their common modulus cancels."""
     doubts, measured = [], reports.layered_tissue()
     contrast = finger.skin.modulus / finger.subcutaneous.modulus
     known = measured["skin_over_subcutaneous"]

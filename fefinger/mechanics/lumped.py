@@ -134,7 +134,7 @@ def _beyond(ask: Ask) -> list[Doubt]:
 
 
 def _doubts(case: Situation) -> list[Doubt]:
-    """Return how the scene differs from the measured conditions, with the numbers."""
+    """Differences of the scene from the measured conditions, with the numbers."""
     flat, found = case.indenter.flat, law(case)
     doubts = [Doubt("finger", found.doubt)] if found.doubt else []
     if not math.isnan(found.error):

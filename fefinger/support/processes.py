@@ -176,8 +176,8 @@ def serve() -> None:
 
 
 @contextmanager
-def beside(function: Callable[[Item], Value], item: Item) -> Iterator[Callable[[], Value]]:
-    """Evaluate `function(item)` in a process beside this one; yield a function that waits for it.
+def in_background(function: Callable[[Item], Value], item: Item) -> Iterator[Callable[[], Value]]:
+    """Evaluate `function(item)` in a process of its own; yield a function that waits for it.
 
     It returns or raises as `Worker.call`. The process ends with the block.
     """

@@ -39,19 +39,22 @@ def test_nothing_to_do_starts_nothing(monkeypatch):
     assert list(processes.each(process_calls.square, [], 2)) == []
 
 
-def test_a_call_beside_this_process_has_its_value_or_its_error():
-    with processes.beside(process_calls.square, 3.0) as value:
+def test_a_call_in_the_background_has_its_value_or_its_error():
+    with processes.in_background(process_calls.square, 3.0) as value:
         assert value() == 9.0
     with (
-        processes.beside(process_calls.fail, 3.0) as value,
+        processes.in_background(process_calls.fail, 3.0) as value,
         pytest.raises(ValueError, match=r"number 3"),
     ):
         value()
-    with processes.beside(process_calls.end_for_odd, 1) as value, pytest.raises(processes.Died):
+    with (
+        processes.in_background(process_calls.end_for_odd, 1) as value,
+        pytest.raises(processes.Died),
+    ):
         value()
 
 
-def test_a_process_beside_ends_with_the_block(monkeypatch):
+def test_a_process_in_the_background_ends_with_the_block(monkeypatch):
     started = []
 
     class Kept(processes.Worker):
@@ -60,7 +63,7 @@ def test_a_process_beside_ends_with_the_block(monkeypatch):
             return started[-1]
 
     monkeypatch.setattr(processes, "Worker", Kept)
-    with processes.beside(process_calls.print_and_sleep, 600.0):
+    with processes.in_background(process_calls.print_and_sleep, 600.0):
         assert started[0].poll() is None
     assert len(started) == 1
     assert started[0].poll() is not None

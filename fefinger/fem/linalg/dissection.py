@@ -56,10 +56,10 @@ class Dissection:
 
     @cached_property
     def branches(self) -> tuple[Integers, ...]:
-        """Numbers of the fronts of BRANCHES disjoint subtrees, or so; at last, of those above them.
+        """Numbers of the fronts of disjoint subtrees, then of the fronts above all of them.
 
-        A subtree depends on no other; the largest one, by entries, is divided first. One that is
-        not divided is alone, with none above it.
+        The tree is divided at its largest subtree, by entries, until there are BRANCHES. A tree of
+        a single front is the only branch.
         """
         firsts, sizes = np.arange(len(self.fronts)), list(map(_entries, self.fronts))
         for number, front in enumerate(self.fronts):

@@ -1,16 +1,15 @@
-"""What the force of a closed formula or of the lumped law errs by: signed, between presses.
+"""Stated error of the force of a closed formula or of the lumped law.
 
-`reports/formula-force.json` holds, for every press of a finger by a plate or a ball in the middle
-of the pad, the logarithm of the formula's elastic force over that of finite strain, over the depth.
-It is smooth in angle, curvature and depth and crosses zero, so it is interpolated with its sign:
-errors without sign are largest where a formula is right by crossing. Under an object it is that of
-the finger of MAIN, with what the scene's own finger differed by under the objects that it was
-pressed by. Formula and finite strain are then both taken through the motion, the former as it is
-answered.
+`reports/formula-force.json` holds log ratios: of the formula's elastic force over that of finite
+strain, by depth, for presses of a finger by a plate or a ball in the middle of the pad. The log
+ratio is smooth in angle, curvature and depth, and changes sign, so it is interpolated with its
+sign. The value of a scene is that of the finger of MAIN under its object, corrected by the
+difference of the scene's own finger under the objects that both were pressed by. Both forces are
+then evolved through the motion, and their largest difference is the error.
 
-The margin is in the logarithm, of causes that do not know of each other: what lies between the
-presses of MAIN and what lies between fingers, both by leaving presses out; the mesh of the presses;
-and what carrying finite strain through time errs by.
+The margin, in the log ratio, is the root of the sum of squares of independent causes: the
+interpolation between presses of MAIN and between fingers, both by leaving presses out; the mesh of
+the presses; and the error of finite strain through time (`carrying`).
 """
 
 import math
@@ -38,7 +37,11 @@ from fefinger.theory.relaxation import Prony, hereditary_integral
 NAMES = ("hertz", "layered", "lumped")
 """Mechanics that are formulas or laws."""
 
+CALIBRATED = "calibrated"
+"""Tissue of the presses of fingers that were calibrated."""
+
 NODES = 48
+"""Depths at which the elastic forces are tabulated."""
 
 MANY = 500
 """Half of the largest number of times at which forces are compared."""
@@ -64,7 +67,7 @@ def error(candidate: Candidate, case: Situation, law: Prony | None = None) -> Kn
     if where is None or not tissue:
         return None
     axis, here = where
-    main, own = _row(candidate, tissue, MAIN, axis), _own(candidate, tissue, case, axis)
+    main, own = row_of(candidate, tissue, MAIN, axis), _own(candidate, tissue, case, axis)
     if own is None and candidate.mechanics == "lumped":
         return None  # the law is of one finger
     if not (len(main.presses) and main.places[0] <= here <= main.places[-1]):
@@ -74,7 +77,7 @@ def error(candidate: Candidate, case: Situation, law: Prony | None = None) -> Kn
     if not any(part <= BEYOND * main.presses[at].part[-1] for at in (low, high)):
         return None
     curve = main.presses[low].part
-    ratio = np.array([_ratio(main, own, here, float(each)) for each in curve])
+    ratio = np.array([log_ratio(main, own, here, float(each)) for each in curve])
     margin = math.hypot(
         _between(candidate, tissue, axis, part) * _middle(main, here),
         0.0 if own is main else _fingers(candidate, tissue, axis, own, here, part),
@@ -98,18 +101,15 @@ def error(candidate: Candidate, case: Situation, law: Prony | None = None) -> Kn
 
 
 def _tissue(case: Situation) -> str:
-    """Return which tissue of the presses a finger has, "" for none of them."""
+    """Name of the finger's tissue among those of the presses; "" where it is none of them."""
     if case.measured_tissue:
         return library.PUBLISHED
     return CALIBRATED if press_mesh.stiffening(case.finger) else ""
 
 
-CALIBRATED = "calibrated"
-
-
 @cache
-def _row(candidate: Candidate, tissue: str, subject: str, axis: str) -> Row:
-    """Return the presses of a finger on an axis."""
+def row_of(candidate: Candidate, tissue: str, subject: str, axis: str) -> Row:
+    """Return the presses of a finger on an axis, "angle" or "curvature"."""
     found = {}
     for press in table().all(FORMULAS, "log ratio of force", candidate):
         row = press.conditions
@@ -124,7 +124,7 @@ def _own(candidate: Candidate, tissue: str, case: Situation, axis: str) -> Row |
     """Return the presses of the finger of a scene; None of a finger that was not pressed so."""
     finger = case.finger
     for subject in _subjects():
-        row = _row(candidate, tissue, subject, axis)
+        row = row_of(candidate, tissue, subject, axis)
         if row.presses:
             size = tuple(row.presses[0].conditions["size_mm"])
             fitted = tissue == library.PUBLISHED or press_mesh.subject(finger) == subject
@@ -145,7 +145,7 @@ def _beside(row: Row, here: float) -> tuple[int, int]:
     return max(high - (row.places[high] > here + 1e-9), 0), high
 
 
-def _ratio(main: Row, own: Row | None, here: float, part: float) -> float:
+def log_ratio(main: Row, own: Row | None, here: float, part: float) -> float:
     """Return the log ratio at a place and a depth over thickness."""
     at_main = _values(main, part)
     found = float(np.interp(here, main.places, at_main))
@@ -179,7 +179,7 @@ def _between(candidate: Candidate, tissue: str, axis: str, part: float) -> float
 
 @cache
 def _left_out(candidate: Candidate, tissue: str, axis: str) -> tuple[tuple[float, float], ...]:
-    main = _row(candidate, tissue, MAIN, axis)
+    main = row_of(candidate, tissue, MAIN, axis)
     missed: list[tuple[float, float]] = []
     for at in range(1, len(main.presses) - 1):
         others = Row(np.delete(main.places, at), _without(main.presses, at))
@@ -205,9 +205,9 @@ def _fingers(
 
 @cache
 def _by_size(candidate: Candidate, axis: str) -> tuple[tuple[float, float], ...]:
-    main, missed = _row(candidate, library.PUBLISHED, MAIN, axis), list[tuple[float, float]]()
+    main, missed = row_of(candidate, library.PUBLISHED, MAIN, axis), list[tuple[float, float]]()
     for subject in _subjects():
-        row = _row(candidate, library.PUBLISHED, subject, axis)
+        row = row_of(candidate, library.PUBLISHED, subject, axis)
         for at, press in zip(row.places, row.presses, strict=True):
             if subject != MAIN:
                 missed += _missed(press, main, None, float(at))
@@ -216,9 +216,9 @@ def _by_size(candidate: Candidate, axis: str) -> tuple[tuple[float, float], ...]
 
 @cache
 def _by_finger(candidate: Candidate, tissue: str, axis: str) -> tuple[tuple[float, float], ...]:
-    main, missed = _row(candidate, tissue, MAIN, axis), list[tuple[float, float]]()
+    main, missed = row_of(candidate, tissue, MAIN, axis), list[tuple[float, float]]()
     for subject in _subjects():
-        row = _row(candidate, tissue, subject, axis)
+        row = row_of(candidate, tissue, subject, axis)
         if subject == MAIN or len(row.presses) < 2:
             continue
         for at, press in enumerate(row.presses):
@@ -234,15 +234,15 @@ def _without(presses: tuple[Measured, ...], at: int) -> tuple[Measured, ...]:
 def _missed(
     press: Measured, main: Row, own: Row | None, here: float
 ) -> Iterable[tuple[float, float]]:
-    """Give the depths of a press over the thickness, and what its log ratio is off from others."""
+    """Yield the depths of a press over the thickness, and its difference from the interpolation."""
     deepest = max(each.part[-1] for each in main.presses)
     for part, value in zip(press.part, press.values, strict=True):
         if part <= deepest:
-            yield float(part), abs(float(value) - _ratio(main, own, here, float(part)))
+            yield float(part), abs(float(value) - log_ratio(main, own, here, float(part)))
 
 
 def _quantile(missed: tuple[tuple[float, float], ...], part: float) -> float:
-    """Quantile QUANTILE of what was missed about a depth; infinite where nothing was left out."""
+    """Quantile QUANTILE of the differences about a depth; infinite where nothing was left out."""
     if not missed:
         return math.inf
     near = [value for at, value in missed if part / DEPTHS < at < part * DEPTHS]
@@ -286,9 +286,10 @@ def _through(
 
 
 def _fewer(time: Array) -> Array:
-    """Return at most 2 MANY times: the first ones, and of the others every so many and the last.
+    """Thin out the times to some 2 MANY: the first MANY, and equally many of the others.
 
-    Both forces see the same motion, so that what is left out between them hardly counts.
+    A motion of very many cycles or a very long one would take minutes. Both forces are evolved
+    through the same thinned motion, so that their difference hardly changes.
     """
     rest = time[MANY:]
     if len(rest) <= MANY:

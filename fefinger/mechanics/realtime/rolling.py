@@ -1,7 +1,7 @@
 """A plate that rolls over a finger in real time: its angle changes from step to step.
 
 As the normal turns, so does the traction of the stress history, so the history is one of vectors
- in the medial plane (`fem/contact/rolling_step.py`). The operator is that of
+in the medial plane (`fem/contact/rolling_step.py`). The operator is that of
 `mechanics/condensed.py`. A step that turns costs a few times one of `Condensed`, where the indenter
 keeps its direction.
 """

@@ -15,7 +15,7 @@ from fefinger.results.candidate import Candidate
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Bar, Flat, Sphere
-from fefinger.scene.motions import ForceRampHold, Ramp, Sinusoid
+from fefinger.scene.motions import ForceRampHold, Ramp, Sampled, Sinusoid
 from fefinger.scene.scene import Scene
 from fefinger.support.package_data import report
 from fefinger.theory.relaxation import Prony
@@ -67,12 +67,12 @@ def test_of_tissue_that_does_not_relax_a_press_has_its_own_largest_difference(na
 def test_a_ball_between_presses_of_another_finger_has_the_error_of_its_press(subject) -> None:
     """The press by the ball of 10 mm is left out: the finger differs there as at 0 and at 0.2."""
     candidate, missed = Candidate("layered"), []
-    main = formulas._row(candidate, "calibrated", "a.h.", "curvature")
-    own = formulas._row(candidate, "calibrated", subject, "curvature")
+    main = formulas.row_of(candidate, "calibrated", "a.h.", "curvature")
+    own = formulas.row_of(candidate, "calibrated", subject, "curvature")
     at = int(np.flatnonzero(np.isclose(own.places, 0.1))[0])
     left = formulas.Row(np.delete(own.places, at), own.presses[:at] + own.presses[at + 1 :])
     for part, value in zip(own.presses[at].part, own.presses[at].values, strict=True):
-        missed.append(abs(value - formulas._ratio(main, left, 0.1, float(part))))
+        missed.append(abs(value - formulas.log_ratio(main, left, 0.1, float(part))))
     assert max(missed) < 0.1
 
 
@@ -85,6 +85,19 @@ def test_on_retreat_the_error_of_carrying_is_added_to_the_largest_force() -> Non
         Candidate("layered"), case(Sphere(5), 0.08, motion=Sinusoid(there / 2, 2.0, 2))
     )
     assert waving.error > loading.error
+
+
+@pytest.mark.parametrize("name", ["hertz", "layered"])
+def test_many_times_are_thinned_out_without_another_error(name, monkeypatch) -> None:
+    """Shallow cycles, and a deep one late: at all of its times and at a thousand."""
+    time = np.linspace(0.0, 40.0, 4001)
+    depth = (0.1 + 0.7 * (time > 20.0) * (time < 30.0)) * np.sin(np.pi * time / 10.0) ** 2
+    motion = Sampled(tuple(time.tolist()), tuple(depth.tolist()))
+    asked = case(Sphere(5), 0.08, motion=motion)
+    assert len(asked.times) > 3 * formulas.MANY
+    thinned = formulas.error(Candidate(name), asked).error
+    monkeypatch.setattr(formulas, "MANY", len(asked.times))
+    assert thinned == pytest.approx(formulas.error(Candidate(name), asked).error, rel=0.02)
 
 
 def test_under_a_force_it_is_that_at_the_depth_that_the_force_reaches() -> None:
