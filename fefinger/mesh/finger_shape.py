@@ -167,22 +167,35 @@ def check_room(under: SmoothSurface, bone: Array, recipe: Recipe) -> None:
     """Raise InputError unless the points (n, 3) of the bone are ROOM below the surface `under`."""
     least = -float(under.level(bone).max())
     if least < ROOM:
+        field, remedy = "thickness", "a thinner skin"
+        if recipe.tip_tissue is not None:
+            field, remedy = "tip_tissue", f"a larger one than {recipe.tip_tissue:g} mm"
         raise InputError(
-            f"finger.thickness: expected at least {ROOM:g} mm of subcutaneous tissue around the "
+            f"finger.{field}: expected at least {ROOM:g} mm of subcutaneous tissue around the "
             f"bone of a finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick, "
-            f"received {least:.2f} mm; use a thinner skin, other dimensions or, for a scan, its "
-            "frame"
+            f"received {least:.2f} mm; use {remedy}, other dimensions or, for a scan, its frame"
         )
 
 
 def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> Shell:
-    """Build the distal phalanx: a base at the cut, a narrow shaft and a flat wide tuft."""
+    """Build the distal phalanx: a base at the cut, a narrow shaft and a flat wide tuft.
+
+    Raises InputError where it would end behind the cut.
+    """
     width, thickness = recipe.width, recipe.thickness
     pulp = BONE * thickness
     middle = top - recipe.skin_thickness - 0.14 * thickness
     depth = np.clip(middle - pulp * np.cos(PLATE), 0.07 * thickness, 0.18 * thickness)
     # A pad that rises steeply comes close to the nail: there the bone ends short of the pulp.
     end = min(tip - 0.42 * thickness, -np.sqrt(max(pulp**2 - middle**2, 0.0)))
+    if recipe.tip_tissue is not None:
+        end = tip - recipe.tip_tissue
+        if end < cut + 0.6 * width:
+            raise InputError(
+                f"finger.tip_tissue: expected at most {tip - cut - 0.6 * width:.1f} mm, so that "
+                "the finger has the base of a bone at its cut, received "
+                f"{recipe.tip_tissue:g} mm"
+            )
     x = end - (end - cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
     base = smooth(1.0 - (x - cut) / (0.6 * width))
     tuft = np.exp(-(((x - end + 0.16 * width) / (0.2 * width)) ** 2))

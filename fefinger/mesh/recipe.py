@@ -29,7 +29,8 @@ class Recipe:
 
     `surface` is a file with the outer skin surface (STL, PLY, OBJ, ...) in mm; it replaces the
     parametric shape, whose width, thickness and pad radius then only scale the inside;
-    `bone_surface` is one with the bone, in the same place.
+    `bone_surface` is one with the bone, in the same place. `tip_tissue` is the soft tissue ahead of
+    a parametric bone, along x from its end to the tip; None leaves it to the shape.
     `touch` is the center of the fine facets: the angle in degrees of a plate, for its first touch,
     or a place (x, y) in mm on the pad; None is the touch of the 30 degree plate, which every mesh
     resolves.
@@ -43,6 +44,7 @@ class Recipe:
     surface: str | None = None
     touch: Touch = None
     bone_surface: str | None = None
+    tip_tissue: float | None = None
 
     def __post_init__(self) -> None:
         for name, above, at_most in (
@@ -67,13 +69,14 @@ class Recipe:
             resolution=finger.mesh,
             surface=finger.surface,
             bone_surface=finger.bone_surface,
+            tip_tissue=finger.tip_tissue,
             touch=touch,
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the recipe as plain values, without `touch` and `bone_surface` where None."""
+        """Return the recipe as plain values, without the optional ones that are None."""
         values = asdict(self)
-        for name in ("touch", "bone_surface"):
+        for name in ("touch", "bone_surface", "tip_tissue"):
             if values[name] is None:
                 del values[name]
         if isinstance(self.touch, tuple):

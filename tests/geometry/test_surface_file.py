@@ -292,3 +292,6 @@ def test_missing_files_are_named(tmp_path: Path) -> None:
         ff.Finger.from_surface(path, bone_surface="none.stl", tissue="maeno1998")
     with pytest.raises(InputError, match=r"expected finger\.surface beside it"):
         ff.Finger(14, 10, bone_surface=str(path), tissue="maeno1998")
+    both = {"surface": str(path), "bone_surface": str(path), "tip_tissue": 4.0}
+    with pytest.raises(InputError, match=r"tip_tissue: expected none beside finger\.bone_sur"):
+        ff.Finger(14, 10, tissue="maeno1998", **both)

@@ -1,5 +1,7 @@
 """The parametric fingertip before it is meshed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
@@ -87,6 +89,27 @@ def test_shells_are_nested_with_room_for_an_element(shape: Shape) -> None:
     for outer, inner in zip(shape.shells, shape.shells[1:], strict=False):
         points = shell_triangles.half(inner, 0.5)[0]
         assert outer.level(points).max() < -0.4
+
+
+@pytest.mark.parametrize("ahead", [3.8, 6.0, 10.0])
+def test_the_bone_ends_where_it_is_told_to_and_stays_inside(recipe: Recipe, ahead: float) -> None:
+    shape, plain = parametric(replace(recipe, tip_tissue=ahead)), parametric(recipe)
+    assert shape.skin.tip - shape.bone.tip == pytest.approx(ahead, abs=1e-9)
+    assert (shape.skin.tip, shape.skin.cut) == (plain.skin.tip, plain.skin.cut)
+    bone = shell_triangles.half(shape.bone, 0.5)[0]
+    assert shape.subcutaneous.level(bone).max() < -0.2
+    # A longer bone has more volume, taken from the subcutaneous tissue.
+    longer = ahead < plain.skin.tip - plain.bone.tip
+    assert (shape.volumes["bone"] > plain.volumes["bone"]) == longer
+    assert sum(shape.volumes.values()) == pytest.approx(sum(plain.volumes.values()), rel=1e-9)
+
+
+def test_a_bone_that_leaves_the_pulp_or_has_no_base_is_refused() -> None:
+    finger = Recipe(14, 10, 14)
+    with pytest.raises(InputError, match=r"finger\.tip_tissue: .* around the bone .* a larger"):
+        parametric(replace(finger, tip_tissue=0.3))
+    with pytest.raises(InputError, match=r"finger\.tip_tissue: expected at most 15\.\d mm"):
+        parametric(replace(finger, tip_tissue=25.0))
 
 
 @pytest.mark.parametrize("step", [0.8, 0.4])
