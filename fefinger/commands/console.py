@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fefinger.support.text import brief, shown, strict_json, table
+from fefinger.support.text import brief, percent, shown, strict_json, table
 
 
 if TYPE_CHECKING:
@@ -138,12 +138,32 @@ def mesh_record(mesh: "FingerMesh") -> dict[str, Any]:
 
 
 def mesh_summary(mesh: "FingerMesh") -> str:
-    """Format size, recipe and quality of a mesh as text."""
-    record = mesh_record(mesh)
-    rows = [(key, str(record[key])) for key in ("name", "half", "points", "tetrahedra")]
-    for part in ("recipe", "quality"):
-        rows += [(f"{part}.{key}", _short(value)) for key, value in record[part].items()]
-    return table(rows)
+    """Format what a mesh is of, its size and its quality; `mesh_record` has all figures."""
+    recipe, quality = mesh.recipe, mesh.quality
+    made = f"shaped from {quality['template']}" if "template" in quality else "made by the mesher"
+    shape = recipe["surface"] or f"pad radius {recipe['pad_radius']:g} mm"
+    volumes = ", ".join(f"{name} {value:.0f}" for name, value in quality["volumes"].items())
+    off = max(abs(error) for error in quality["volume_errors"].values())
+    angles = f"{quality['min_dihedral_deg']:.0f} to {quality['max_dihedral_deg']:.0f} degrees"
+    along, across = quality["radii"]
+    lines = [
+        ("mesh", f"{mesh.name}, {'half a' if mesh.half else 'the whole'} finger, {made}"),
+        ("finger", f"{recipe['width']:g} mm wide, {recipe['thickness']:g} mm thick, {shape}"),
+        ("size", f"{len(mesh.points)} points, {len(mesh.cells)} tetrahedra"),
+        (
+            "pad",
+            f"edges of {quality['pad_edge_mean']:.2g} mm (at most {quality['pad_edge_max']:.2g}), "
+            f"radii {along:.3g} mm along and {across:.3g} mm across the finger",
+        ),
+        (
+            "soft tissue",
+            f"{quality['pulp_thickness']:.2g} mm from first touch (30 degrees) to bone",
+        ),
+        ("volumes", f"{volumes} mm³, within {percent(off)} of the smooth surfaces"),
+        ("quality", f"dihedral angles of {angles}; all checks passed"),
+        *(("note", note) for note in quality.get("notes", ())),
+    ]
+    return table(lines)
 
 
 def spikes_record(trains: "SpikeTrains", files: list[str]) -> dict[str, Any]:

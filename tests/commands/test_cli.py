@@ -217,7 +217,14 @@ def test_mesh_takes_the_ready_one_and_writes_it(capsys, tmp_path):
     assert record["quality"]["min_volume"] > 0
     assert file.is_file()
     assert main(["mesh", *QUICK[:2], "--whole"]) == 0
-    assert "recipe.width" in capsys.readouterr().out
+    text = capsys.readouterr().out
+    assert "the whole finger" in text
+    assert "14 mm wide, 10 mm thick, pad radius 17.14 mm" in text
+    points, cells = 2 * record["points"], 2 * record["tetrahedra"]
+    assert (
+        int(text.split(" points")[0].split()[-1]) < points
+    )  # those of the medial plane are shared
+    assert f"{cells} tetrahedra" in text
 
 
 def test_validate_fails_only_on_a_verdict_that_says_so(capsys, monkeypatch, tmp_path):
