@@ -157,7 +157,7 @@ def mesh_summary(mesh: "FingerMesh") -> str:
         ),
         (
             "soft tissue",
-            f"{quality['pulp_thickness']:.2g} mm from first touch (30 degrees) to bone",
+            f"{quality['pulp_thickness']:.2g} mm from first touch at 30 degrees to bone",
         ),
         ("volumes", f"{volumes} mm³, within {percent(off)} of the smooth surfaces"),
         ("quality", f"dihedral angles of {angles}; all checks passed"),

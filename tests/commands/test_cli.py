@@ -221,9 +221,7 @@ def test_mesh_takes_the_ready_one_and_writes_it(capsys, tmp_path):
     assert "the whole finger" in text
     assert "14 mm wide, 10 mm thick, pad radius 17.14 mm" in text
     points, cells = 2 * record["points"], 2 * record["tetrahedra"]
-    assert (
-        int(text.split(" points")[0].split()[-1]) < points
-    )  # those of the medial plane are shared
+    assert int(text.split(" points")[0].split()[-1]) < points  # the medial plane's once
     assert f"{cells} tetrahedra" in text
 
 
