@@ -97,7 +97,7 @@ def fingers(start: Finger) -> Iterator[tuple[str, Finger, Laws]]:
     yield "nail free (held)", replace(start, nail="free"), both
     for ahead in (3.8, 5.5):
         longer = replace(start, tip_tissue=ahead)
-        yield f"bone ends {ahead:g} mm before the tip (7.2)", longer, both
+        yield f"bone ends {ahead:g} mm before the tip (4.2)", longer, both
     yield "bone elastic, 17 GPa (rigid)", replace(start, bone=Hard(17e6)), both
     yield "proximal cut held by bone and nail alone", replace(start, cut="nail"), both
     yield "skin alone stiffens", start, skin_alone
