@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.neural.gains import responds, threshold_gain
 
 from fefinger.neural.afferents import simulate
-from fefinger.neural.gains import GAINS, RAMP_SPEED, THRESHOLDS, responds, threshold_gain
+from fefinger.neural.gains import GAINS, RAMP_SPEED, THRESHOLDS
 from fefinger.support.vocabulary import TYPES
 
 

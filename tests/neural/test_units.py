@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation.neural.preliminary import spring
+from fefinger.validation.oracles.chains import SpringDamper, fast_chain, slow_chain
 
 from fefinger.neural import units
 from fefinger.neural.afferents import equivalent_displacements, from_strain, simulate
-from fefinger.neural.chains import SpringDamper, fast_chain, slow_chain
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import transduce

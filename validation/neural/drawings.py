@@ -211,7 +211,7 @@ def _course(name: str) -> Any:
 
 
 def _force() -> Any:
-    from fefinger.neural.chains import under_force
+    from fefinger.validation.oracles.chains import under_force
 
     drawn, axis = _axes()
     after = np.geomspace(1e-3, 10.0, 300)
