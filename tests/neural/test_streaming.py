@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from fefinger.neural.afferents import equivalent_displacements
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import transduce
 from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire
-from fefinger.neural.reference import Reference
+from fefinger.neural.reference import Reference, equivalent_displacements
 from fefinger.neural.streaming import Afferents
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
