@@ -16,8 +16,6 @@ from typing import TYPE_CHECKING, Any
 
 
 if TYPE_CHECKING:
-    from fefinger.neural.maps import rate_profile as rate_profile
-    from fefinger.neural.maps import receptive_fields as receptive_fields
     from fefinger.neural.statistics import interval_variation as interval_variation
     from fefinger.neural.statistics import intervals as intervals
     from fefinger.neural.statistics import locking as locking
@@ -28,7 +26,6 @@ if TYPE_CHECKING:
     from fefinger.neural.statistics import victor_purpura as victor_purpura
 
 _HOMES = {
-    "maps": ("rate_profile", "receptive_fields"),
     "statistics": (
         *("interval_variation", "intervals", "locking", "mean_rates", "per_cycle", "psth"),
         *("van_rossum", "victor_purpura"),

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.neural.connor_stevens import ConnorStevens
 from scipy.integrate import solve_ivp
 
-from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire
+from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.neural.units import simulate_units
 from fefinger.support.checks import InputError
 

@@ -6,9 +6,10 @@ from functools import cache, partial
 import numpy as np
 from fefinger.validation.extremes.invariants import not_finite, off
 from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Kind, Trial
+from fefinger.validation.neural.connor_stevens import ConnorStevens
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
-from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire, Membrane
+from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire, Membrane
 from fefinger.neural.units import simulate_units
 from fefinger.support.arrays import Array
 
