@@ -53,7 +53,8 @@ class Window:
         solid, made = show.rolling.solid, pv.PolyData.from_regular_faces
         self.pad: Any = made(solid.space.points, np.asarray(solid.pad, int))
         self.pad["pressure, kPa"] = np.zeros(len(solid.space.points))
-        self.section: Any = made(solid.space.points[show.section], section_triangles(show))
+        triangles: Any = section_triangles(show)
+        self.section: Any = made(solid.space.points[show.section], triangles)
         self.section["compressive strain"] = np.zeros(len(show.section))
         self._add_finger()
         self._add_chart()

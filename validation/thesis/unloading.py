@@ -34,8 +34,9 @@ def retracted() -> tuple[Array, Array]:
     First by Eq. 3.13 as printed, then right; b as printed.
     """
     means = pad("means", "instantaneous")
-    depth = np.concatenate([np.linspace(0.0, 2.0, 401), np.linspace(2.0, 1.0, 201)[1:]])
-    time = np.arange(len(depth)) * 5e-4
+    parts = np.linspace(0.0, 2.0, 401), np.linspace(2.0, 1.0, 201)[1:]
+    depth: Array = np.concatenate(parts, dtype=np.float64)
+    time: Array = np.arange(len(depth), dtype=np.float64) * 5e-4
     r = np.array(PLACES)
     history = means.press(time, depth)
     right = history.stress(means.pressure(r, history.nodes[:, None]))
