@@ -54,7 +54,6 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
     strain, sites, reference = _strain_at_sites(ask, response)
     units: dict[str, Any] = {
         "types": sites.types,
-        "unit": np.arange(len(sites.types)),
         "positions": sites.points,
         "depths": sites.depths,
     }
@@ -81,7 +80,7 @@ def _recorded(
     layout: Layout | None, time: Array, strain: Array, sites: "Sites", options: dict[str, Any]
 ) -> "SpikeTrains":
     """Spikes of units of the family `recorded`."""
-    from fefinger.neural.afferents import driven_displacements
+    from fefinger.neural.drives import driven_displacements
     from fefinger.neural.recorded import fitted
     from fefinger.neural.recorded_simulation import simulate_recorded
 
@@ -103,7 +102,7 @@ def _thesis(
     options: dict[str, Any],
 ) -> "SpikeTrains":
     """Spikes of units of the family `thesis`."""
-    from fefinger.neural.afferents import equivalent_displacements
+    from fefinger.neural.reference import equivalent_displacements
     from fefinger.neural.units import simulate_units
 
     x_in = equivalent_displacements(

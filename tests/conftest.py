@@ -4,6 +4,7 @@ import importlib
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,6 +31,14 @@ TYPES = ("SAI", "SAII", "FAI", "FAII")
 DEPTHS = (0.8, 1.8, 0.6, 3.0)
 AXIS = np.array([-0.5, 0.0, np.sqrt(0.75)])  # travel of a plate at 30 degrees
 DEPTH = 1.5  # mm
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Keep the tests of a file in one process: what they share is then made and compiled once."""
+    from xdist.scheduler import LoadFileScheduling
+
+    return LoadFileScheduling(config, log)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -7,6 +7,7 @@ checking counts as well: for the direction, and for cycles. `reports` and `meshe
 import ast
 import re
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -259,7 +260,13 @@ def _edges(name: str, text: str, modules: Mapping[str, str]) -> Iterator[Edge]:
             else:
                 yield from visit(child, when)
 
-    yield from visit(ast.parse(text), "import")
+    yield from visit(tree(text), "import")
+
+
+@cache
+def tree(text: str) -> ast.Module:
+    """Parse a source, once for all checks."""
+    return ast.parse(text)
 
 
 def _inside(module: str, packages: tuple[str, ...] | str) -> bool:
@@ -289,16 +296,15 @@ def _wrong_directions(every: list[Edge]) -> Iterator[str]:
 
 def _private_names(modules: Mapping[str, str]) -> Iterator[str]:
     for name, text in modules.items():
-        tree = ast.parse(text)
-        siblings = set()
-        for node in ast.walk(tree):
+        siblings, nodes = set(), list(ast.walk(tree(text)))
+        for node in nodes:
             if isinstance(node, ast.ImportFrom) and _inside(str(node.module), "fefinger"):
                 for alias in node.names:
                     if alias.name.startswith("_"):
                         yield f"{name} imports {node.module}.{alias.name}: a private name"
                     if f"{node.module}.{alias.name}" in modules:
                         siblings.add(alias.asname or alias.name)
-        for node in ast.walk(tree):
+        for node in nodes:
             if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
                 private = node.attr.startswith("_") and not node.attr.startswith("__")
                 if private and node.value.id in siblings:

@@ -22,11 +22,10 @@ def live(output: str | None, subject: str, resolution: str) -> None:
     from fefinger.support.outputs import output_file
     from fefinger.view import film
     from fefinger.view import live as shows
-    from fefinger.view.live_window import watch
 
     finger = Finger.subject(subject, resolution=resolution)
     if output is None:
-        last = watch(finger)
+        last = shows.watch(finger)
     else:
         film.check(output, "-o")
         output_file(output, "-o")

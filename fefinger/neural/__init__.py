@@ -1,10 +1,10 @@
 """Afferent units, from strain or displacement to spikes: drives, filters, generators, membranes.
 
 A spike is made in `recorded_compiled.py` (family `recorded`, called by `recorded_simulation.py`) or
-`membranes/` (family `thesis`, called by `units.py` and `afferents.py`).
+`membranes/` (family `thesis`, called by `units.py`).
 
 The room takes arrays and is independent of mesh, finite elements and scene. The public names work
-on the spikes of a run, `ff.run(scene).spikes` and its `times`, or build end organs:
+on the spikes of a run, `ff.run(scene).spikes` and its `times`:
 
     from fefinger.neural import locking, psth
 
@@ -16,13 +16,6 @@ from typing import TYPE_CHECKING, Any
 
 
 if TYPE_CHECKING:
-    from fefinger.neural.chains import Chain as Chain
-    from fefinger.neural.chains import SpringDamper as SpringDamper
-    from fefinger.neural.chains import fast_chain as fast_chain
-    from fefinger.neural.chains import realize as realize
-    from fefinger.neural.chains import slow_chain as slow_chain
-    from fefinger.neural.maps import rate_profile as rate_profile
-    from fefinger.neural.maps import receptive_fields as receptive_fields
     from fefinger.neural.statistics import interval_variation as interval_variation
     from fefinger.neural.statistics import intervals as intervals
     from fefinger.neural.statistics import locking as locking
@@ -33,8 +26,6 @@ if TYPE_CHECKING:
     from fefinger.neural.statistics import victor_purpura as victor_purpura
 
 _HOMES = {
-    "chains": ("Chain", "SpringDamper", "fast_chain", "realize", "slow_chain"),
-    "maps": ("rate_profile", "receptive_fields"),
     "statistics": (
         *("interval_variation", "intervals", "locking", "mean_rates", "per_cycle", "psth"),
         *("van_rossum", "victor_purpura"),

@@ -4,9 +4,10 @@ Each takes strain (..., n_sites, 3, 3), positive in tension, and the unit normal
 the sites (n_sites, 3), inward or outward, and returns a dimensionless drive (..., n_sites).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
@@ -78,6 +79,37 @@ DEFAULT_DRIVE: dict[str, str] = {
     "FAII": "compressive",
 }
 """Drive per afferent type; the docstring of each drive gives the source."""
+
+
+def driven_displacements(
+    strain: ArrayLike,
+    normals: ArrayLike,
+    types: Sequence[str],
+    drives: Mapping[str, str],
+    lengths: Mapping[str, float],
+) -> Array:
+    """Convert strain at end organs to x_in (n_t, n_sites) in mm: drive times length, by type.
+
+    InputError for arrays that do not fit the types, or strain that is not finite.
+    """
+    strain, normals = np.asarray(strain, float), np.asarray(normals, float)
+    n = len(types)
+    if strain.ndim != 4 or strain.shape[1:] != (n, 3, 3) or normals.shape != (n, 3):
+        msg = (
+            f"strain, normals: expected (n_t, {n}, 3, 3) and ({n}, 3) for {n} sites, received "
+            f"{strain.shape} and {normals.shape}"
+        )
+        raise InputError(msg)
+    if not np.isfinite(strain).all():
+        msg = "strain: expected finite values"
+        raise InputError(msg)
+    x_in = np.empty(strain.shape[:2])
+    for kind in dict.fromkeys(types):
+        of_kind = np.array([other == kind for other in types])
+        x_in[:, of_kind] = lengths[kind] * DRIVE_BY_NAME[drives[kind]](
+            strain[:, of_kind], normals[of_kind]
+        )
+    return x_in
 
 
 def _principal(strain: Array) -> Array:

@@ -19,18 +19,10 @@ lower and leave every SA unit silent in a hold of 1.5 mm.
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from fefinger.neural.generators import transduce
-from fefinger.neural.membranes import HodgkinHuxley
-
 
 RAMP_SPEED = 4.0
 """mm/s. From 4 to 400 mm/s the gains change by up to 3 % (FAII: 30 %); slower ramps raise those of
 FAI (1 mm/s: by 23 %) and FAII (3.2 times)."""
-
-HOLD, SUSTAINED = 4.0, 0.5
-"""s: length of the hold, and of its end in which a sustained response must still fire."""
 
 
 @dataclass(frozen=True)
@@ -72,30 +64,5 @@ THRESHOLDS: dict[str, Threshold] = {
 }
 
 GAINS: dict[str, float] = {"SAI": 319.9, "SAII": 101.0, "FAI": 127.0, "FAII": 13190.0}
-"""Generator gains in uA/cm² per mm: what `threshold_gain` computes, rounded up to four
-digits, so that the response is there at the threshold itself."""
-
-
-def threshold_gain(kind: str, *, generator: str = "saturating", digits: float = 1e-5) -> float:
-    """Compute the gain in uA/cm² per mm of an afferent type by the rule.
-
-    Bisection on the logarithm of the gain, to the relative precision `digits`; deterministic.
-    """
-    low, high = 1.0, 1e6
-    while high / low > 1.0 + digits:
-        middle = float(np.sqrt(low * high))
-        low, high = (low, middle) if responds(kind, middle, generator) else (middle, high)
-    return high
-
-
-def responds(kind: str, gain: float, generator: str = "saturating") -> bool:
-    """Test whether a type with this gain gives its defining response at its threshold."""
-    threshold = THRESHOLDS[kind]
-    end = threshold.displacement / RAMP_SPEED
-    time = np.array([0.0, end, end + (HOLD if threshold.sustained else 0.1)])
-    x_in = np.array([0.0, threshold.displacement, threshold.displacement])
-    at = np.linspace(0.0, time[-1], int(np.ceil(time[-1] / 5e-5)) + 1)
-    current = transduce(kind, time, x_in, gain=gain, generator=generator, at=at)
-    (times,) = HodgkinHuxley().fire(at, current, stimulus_driven=False).times
-    since = time[-1] - SUSTAINED if threshold.sustained else 0.0
-    return bool(np.any(times >= since))
+"""Generator gains in uA/cm² per mm by the rule, rounded up to four digits, so that the response is
+there at the threshold itself; `validation/neural/gains.py` computes them again."""

@@ -4,8 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from fefinger.neural.drives import DEFAULT_DRIVE, DRIVE_BY_NAME
+from fefinger.neural.drives import DEFAULT_DRIVE, DRIVE_BY_NAME, driven_displacements
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.vocabulary import DRIVES, TYPES
@@ -78,3 +79,35 @@ class Reference:
             )
             raise InputError(msg)
         return self.depth / value
+
+
+def equivalent_displacements(
+    strain: ArrayLike,
+    normals: ArrayLike,
+    types: Sequence[str],
+    reference: Reference,
+    *,
+    drives: Mapping[str, str] | None = None,
+) -> Array:
+    """Convert strain at end organs to equivalent skin displacement x_in (n_t, n_sites) in mm.
+
+    x_in is the drive of each site's type times its length, so that a flat probe gives the
+    one-dimensional case of the thesis.
+
+    Parameters
+    ----------
+    strain, normals, types
+        (n_t, n_sites, 3, 3); unit normals (n_sites, 3); afferent type of each site.
+    reference
+        A small flat press of the same finger.
+    drives
+        Drive per type, where it is not DEFAULT_DRIVE.
+
+    Raises
+    ------
+    InputError
+        As `driven_displacements` and `Reference.lengths`.
+    """
+    lengths = reference.lengths(types, drives)
+    chosen = {**DEFAULT_DRIVE, **(drives or {})}
+    return driven_displacements(strain, normals, types, chosen, lengths)

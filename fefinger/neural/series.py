@@ -137,7 +137,7 @@ def fire(
         Allowed error of spike times in ms, which sets integrator and step; None: Runge-Kutta at
         50 us.
     generator
-        As in `neural.afferents.simulate`.
+        As in `neural.units.simulate_units`.
     family
         Family of the afferents; "recorded" has neither tolerance nor generator.
 
@@ -209,10 +209,10 @@ def _recorded(tolerance: float | None, generator: str) -> "Callable[..., SpikeTr
 
 def _thesis(tolerance: float | None, generator: str) -> "Callable[..., SpikeTrains]":
     """Choose the simulation of the family `thesis`."""
-    from fefinger.neural.afferents import simulate
+    from fefinger.neural.units import simulate_units
 
     seconds = None if tolerance is None else _seconds(tolerance)
-    return partial(simulate, generator=generator, tolerance=seconds)
+    return partial(simulate_units, generator=generator, tolerance=seconds)
 
 
 def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[str], list[str]]:

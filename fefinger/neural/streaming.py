@@ -159,7 +159,7 @@ class Afferents:
         reference: Reference,
         **options: Any,
     ) -> Self:
-        """Build units with lengths from a small flat press, as in `afferents.from_strain`."""
+        """Build units with lengths from a small flat press, as `equivalent_displacements`."""
         lengths = reference.lengths(types, options.get("drives"))
         return cls(types, normals, lengths, **options)
 
@@ -213,7 +213,7 @@ def _stepped(membrane: object, n: int, method: str, dt: float | None) -> Stepped
         return _Axons(membrane, n, method, dt)
     message = (
         "membrane: expected IntegrateAndFire or HodgkinHuxley for stepped units, received "
-        f"{type(membrane).__name__}; use neural.afferents on the whole strain"
+        f"{type(membrane).__name__}; use neural.units on the whole strain"
     )
     raise InputError(message)
 
@@ -248,7 +248,7 @@ def _code(kind: str, drive: str) -> int:
     if drive not in STREAMED:
         message = (
             f"drives.{kind}: expected one of {', '.join(STREAMED)} for stepped units, "
-            f"received {drive!r}; use neural.afferents on the whole strain"
+            f"received {drive!r}; use neural.units on the whole strain"
         )
         raise InputError(message)
     return STREAMED.index(drive)

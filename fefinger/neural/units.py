@@ -1,4 +1,4 @@
-"""Simulation of units with several end organs: branching, conduction delay, noise, variation."""
+"""Simulation of afferent units: end organs, branching, conduction delay, noise, variation."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -167,7 +167,7 @@ def simulate_units(
     drive: ArrayLike,
     *,
     types: Sequence[str],
-    unit: ArrayLike,
+    unit: ArrayLike | None = None,
     lengths: ArrayLike = 1.0,
     rule: str = "mean",
     delays: ArrayLike = 0.0,
@@ -185,18 +185,26 @@ def simulate_units(
 ) -> SpikeTrains:
     """Simulate the spikes of afferent units, each with one or more end organs.
 
-    Every end organ has its filter, rectification and generator; `rule` combines their currents.
+    The chain: x_in = length * drive, end-organ filter, half-wave rectification, generator,
+    membrane. The drive is linear between its samples and the filter exact for that, so the sampling
+    may be uneven. Every end organ has its filter, rectification and generator; `rule` combines
+    their currents.
     `x_in` of the result is the mean of a unit's end organs, `current` their mean, or with the rules
     "max" and "first" their largest, at the given times; neither includes noise.
 
     Parameters
     ----------
-    time, drive, lengths
-        As in `simulate`, with one column of drive per end organ: (n_t, n_organs).
+    time
+        (n_t,) s, not decreasing; a repeated time is a jump. The drive is zero before `time[0]`.
+    drive
+        (n_t, n_organs), dimensionless; or mm of skin displacement with the default length 1.
+    lengths
+        (n_organs,) or one number: mm of skin displacement per unit of drive.
     types
         (n_units,) afferent type of each unit.
     unit
         (n_organs,) index of the unit that each end organ belongs to; every unit has one or more.
+        By default one each.
     rule
         One of RULES.
     delays
@@ -206,18 +214,26 @@ def simulate_units(
     rectifier, organs
         One of RECTIFIERS; filters by type, where they are not those of END_ORGANS.
     names, positions, depths
-        Of the units: names, (n_units, 3) mm and (n_units,) mm.
-    generator, membrane, dt, tolerance, check
-        As in `simulate`.
+        Of the units: names (default: types, numbered where they repeat), (n_units, 3) mm and
+        (n_units,) mm.
+    generator
+        "saturating" or "linear".
+    membrane
+        Default HodgkinHuxley() with rates / 6.
+    dt, tolerance
+        Longest integration step in s; or allowed error of spike times in s, from which integrator
+        and step (`HodgkinHuxley.integrator`) and the sampling of the current are chosen.
+    check
+        Repeat with half the step and with half of the samples; differences of counts become notes.
 
     Raises
     ------
     InputError
-        As in `simulate`; also a unit without an end organ, or a rule that the membrane does not
-        support.
+        Arrays that do not fit, unknown names, values that are not finite, times that decrease, a
+        unit without an end organ, or a rule that the membrane does not support.
     """
     types = checked_types(types)
-    columns = organ_columns(unit, len(types))
+    columns = organ_columns(np.arange(len(types)) if unit is None else unit, len(types))
     time, x_in = checked_signals(time, drive, lengths, sum(map(len, columns)))
     names, later = unit_names(types, names), unit_delays(delays, len(types))
     positions = unit_array("positions", positions, (len(types), 3))

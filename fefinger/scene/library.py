@@ -8,7 +8,7 @@ import math
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Literal
 
@@ -56,6 +56,7 @@ class Quasistatic:
     b: float
 
 
+@cache
 def pawluk_bulk() -> dict[str, Lumped]:
     """Table 2.1 of the thesis: lumped force at 60 mm/s, per subject (confidence high)."""
     rows = {
@@ -235,6 +236,7 @@ def calibrated_name(subject: str) -> str:
     return f"calibrated_{subject.replace('.', '')}"
 
 
+@cache
 def _calibrated(subject: str) -> TissueSet:
     """Fit of the model (Demiray's law in both layers) to a subject; not a measurement of tissue.
 

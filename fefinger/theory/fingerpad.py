@@ -16,7 +16,7 @@ from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
 from fefinger.theory.contact.ting import ContactHistory, press_by_depth, radius_nodes
 from fefinger.theory.lumped.spring import LARGEST
-from fefinger.theory.relaxation import Prony, exprel, hereditary_integral
+from fefinger.theory.relaxation import Prony, exprel
 
 
 Reading = Literal["relaxed", "instantaneous"]
@@ -123,23 +123,3 @@ class Fingerpad:
         """
         deepest = float(elastic.numbers("fingerpad", "depth", depth).max())
         return press_by_depth(self.prony, time, depth, radius_nodes(deepest, count))
-
-    def pressure_as_printed(self, time: ArrayLike, depth: ArrayLike, r: ArrayLike) -> Array:
-        """Return the pressure (n_t, m) kPa at r (m,) mm by Eq. 3.13 as printed.
-
-        Valid only while the contact grows: on unloading it keeps the history of places that have
-        left the contact, where the pressure becomes negative. For comparison only.
-        """
-        table = self.pressure(np.asarray(r, float), np.asarray(depth, float)[:, None])
-        return hereditary_integral(self.prony, time, table)
-
-    def lumped_ratio(self, depth: ArrayLike, m: float, b: float) -> Array:
-        """Ratio of the lumped T of Eq. 3.4 to that of Eq. 3.16 at depths > 0 in mm.
-
-        m in 1/mm and b in N/mm are those of Table 2.1. It would be 1 if both chapters described
-        the same finger; T of Eq. 3.16 starts as x^(5/2), and its m differs from that of Eq. 3.4.
-        """
-        elastic.require_positive("fingerpad", m=m, b=b)
-        depth = elastic.numbers("fingerpad", "depth", depth, above=0.0)
-        lumped = 1e3 * b / m * np.expm1(m * depth)
-        return np.asarray(lumped / self.force(depth))

@@ -190,19 +190,16 @@ def hereditary_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDA
     with x = v dt, stable for any dt.
     """
     time, signal = _checked("hereditary_integral", time, signal)
-    step = np.diff(time)
-    flat = signal.reshape(len(time), -1)
-    weights = np.array(prony.weights)
-    x = np.multiply.outer(step, np.array(prony.v))
-    decay = np.exp(-x)[:, :, None]
-    ramp = exprel(-x)[:, :, None]
+    flat, weights = signal.reshape(len(time), -1), np.array(prony.weights)
+    x = np.multiply.outer(np.diff(time), np.array(prony.v))[:, :, None]
+    decay, added = np.exp(-x), exprel(-x) * np.diff(flat, axis=0)[:, None]
+    terms = np.empty((len(time), len(prony.v), flat.shape[1]))
     # At rest before: the first value is a jump, which every exponential takes whole.
-    memory = np.repeat(flat[:1], len(prony.v), axis=0)
-    out = weights[0] * flat
-    out[0] += weights[1:] @ memory
-    for i, change in enumerate(np.diff(flat, axis=0)):
-        memory = decay[i] * memory + ramp[i] * change
-        out[i + 1] += weights[1:] @ memory
+    terms[0] = flat[0]
+    for before, after, fading, more in zip(terms, terms[1:], decay, added, strict=False):
+        np.multiply(fading, before, out=after)
+        after += more
+    out = weights[0] * flat + np.tensordot(weights[1:], terms, (0, 1))
     return out.reshape(signal.shape)
 
 

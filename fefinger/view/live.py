@@ -1,4 +1,4 @@
-"""Live view of a finger that is pressed and rolled: pressure, strain section and spikes.
+"""`fefinger live`: half of the finger in space, pressed and rolled, and the spikes beneath it.
 
 The finger is stepped at 1 kHz of its own time; the picture is drawn every FRAME of it and says how
 many steps a second the machine made.
@@ -9,93 +9,119 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.mechanics.realtime.show import FRAME, Frame, Show, compressive, status_line
 from fefinger.scene.finger import Finger
-from fefinger.support.arrays import Array, Integers
-from fefinger.view import film
+from fefinger.support.arrays import Integers
+from fefinger.support.checks import InputError
+from fefinger.view import film, renderer
 
 
 COLORS = {"SAI": "#1b6ca8", "SAII": "#5aa469", "FAI": "#d35d6e", "FAII": "#8d6cab"}
 WINDOW = 2.0  # s of spikes on screen
 LARGEST_PRESSURE, LARGEST_STRAIN = 60.0, 0.35  # kPa and 1, the ends of the color bars
+SIZE = (900, 900)
+BAR: dict[str, Any] = {"color": "black", "height": 0.08, "width": 0.4, "n_labels": 3}
+NOWHERE = np.full(1, -1e3)  # a point beyond the axes: VTK draws no empty series
+
+
+class Window:
+    """The finger seen from below, cut open: pressure on the pad, strain in the section.
+
+    `off_screen` draws the same where there is no display.
+
+    Raises
+    ------
+    InputError
+        Where no window can be opened.
+    """
+
+    def __init__(self, show: Show, *, off_screen: bool = False) -> None:
+        require(off_screen=off_screen)
+        import pyvista as pv
+
+        self.show = show
+        plotter: Any = pv.Plotter(
+            off_screen=off_screen,
+            shape=(2, 1),
+            row_weights=[7, 3],
+            border=False,
+            window_size=list(SIZE),
+        )
+        plotter.set_background("white", all_renderers=True)
+        self.plotter = plotter
+        solid, made = show.rolling.solid, pv.PolyData.from_regular_faces
+        self.pad: Any = made(solid.space.points, np.asarray(solid.pad, int))
+        self.pad["pressure, kPa"] = np.zeros(len(solid.space.points))
+        triangles: Any = section_triangles(show)
+        self.section: Any = made(solid.space.points[show.section], triangles)
+        self.section["compressive strain"] = np.zeros(len(show.section))
+        self._add_finger()
+        self._add_chart()
+        self.text = self.plotter.add_text("", color="black", font_size=10, name="status_line")
+        self.open = True
+        self.plotter.show(interactive_update=True, auto_close=False)
+        if not off_screen:
+            self.plotter.iren.add_observer("ExitEvent", self._close)
+
+    def draw(self, frame: Frame) -> None:
+        """Draw a frame, and process the mouse and keyboard."""
+        self.pad["pressure, kPa"][self.show.rolling.vertices] = frame.pressure
+        self.section["compressive strain"][:] = compressive(frame.strain)
+        for part in (self.pad, self.section):
+            part.Modified()
+        kinds = np.array(self.show.organs.types)
+        recent = [(t, unit) for unit, t in frame.spikes if t > frame.time - WINDOW]
+        times, units = np.array(recent).reshape(-1, 2).T
+        for kind, series in self.series.items():
+            same = kinds[units.astype(int)] == kind
+            series.update(*((times[same], units[same]) if same.any() else (NOWHERE, NOWHERE)))
+        self.chart.x_range = [frame.time - WINDOW, frame.time + 0.05]
+        self.text.set_text("upper_left", status_line(frame))
+        self.plotter.update()
+
+    def _add_finger(self) -> None:
+        self.plotter.subplot(0, 0)
+        for part, scalars, top, colors, place in (
+            (self.pad, "pressure, kPa", LARGEST_PRESSURE, "YlOrRd", 0.07),
+            (self.section, "compressive strain", LARGEST_STRAIN, "viridis", 0.53),
+        ):
+            bar = {"title": scalars, "position_x": place, "position_y": 0.03, **BAR}
+            self.plotter.add_mesh(
+                part,
+                scalars=scalars,
+                clim=(0, top),
+                cmap=colors,
+                scalar_bar_args=bar,
+                ambient=0.5,
+            )
+        self.plotter.camera_position = [(0, -26, -32), (-6, 0, 2), (0, 0, 1)]
+        self.plotter.camera.zoom(1.2)
+
+    def _add_chart(self) -> None:
+        import pyvista as pv
+
+        self.plotter.subplot(1, 0)
+        self.chart: Any = pv.Chart2D(x_label="time, s", y_label="unit")
+        self.series = {
+            kind: self.chart.scatter(NOWHERE, NOWHERE, color=color, size=6, style="s", label=kind)
+            for kind, color in COLORS.items()
+        }
+        self.chart.y_range = [-1, len(self.show.organs.types)]
+        self.plotter.add_chart(self.chart)
+        self.plotter.subplot(0, 0)
+
+    def _close(self, *_: object) -> None:
+        self.open = False
 
 
 def section_triangles(show: Show) -> Integers:
     """Return the triangles of the medial section, in the numbers of `show.section`."""
     space = show.rolling.solid.space
-    return _within(space.scalar.mesh.facets.T, show.section, len(space.points))
-
-
-def _within(faces: Integers, kept: Integers, count: int) -> Integers:
-    """Return the faces that have all corners among `kept`, in their numbers."""
-    number = np.full(count, -1)
-    number[kept] = np.arange(len(kept))
-    inside = number[faces]
+    number = np.full(len(space.points), -1)
+    number[show.section] = np.arange(len(show.section))
+    inside = number[space.scalar.mesh.facets.T]
     return inside[(inside >= 0).all(axis=1)]
-
-
-class Picture:
-    """The three panels of a recording, redrawn for every frame."""
-
-    def __init__(self, show: Show) -> None:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-
-        self.show, self.figure = show, Figure(figsize=(7, 8.5), dpi=80, layout="constrained")
-        self.canvas = FigureCanvasAgg(self.figure)
-        self.title = self.figure.suptitle("")
-        top, middle, bottom = self.figure.subplots(3, 1, height_ratios=(3, 3, 2))
-        solid, vertices = show.rolling.solid, show.rolling.vertices
-        triangles = _within(solid.pad, vertices, len(solid.space.points))
-        x, y, _ = solid.space.points[vertices].T
-        both = np.concatenate([triangles, triangles + len(x)])
-        self.pressure = self._field(
-            top, (np.tile(x, 2), np.concatenate([y, -y])), both, "magma", LARGEST_PRESSURE
-        )
-        self.figure.colorbar(self.pressure, ax=top, label="pressure, kPa")
-        top.set(ylabel="y, mm", title="pad, from below")
-        x, _, z = solid.space.points[show.section].T
-        self.strain = self._field(
-            middle, (x, z), section_triangles(show), "viridis", LARGEST_STRAIN
-        )
-        self.figure.colorbar(self.strain, ax=middle, label="compressive strain")
-        middle.set(ylabel="z, mm", xlabel="x, mm", title="medial section")
-        self._draw_raster(bottom)
-
-    def _field(
-        self,
-        axes: Any,
-        at: tuple[Array, Array],
-        triangles: Integers,
-        colors: str,
-        top: float,
-    ) -> Any:
-        axes.set(aspect="equal")
-        return axes.tripcolor(
-            *at, triangles, np.zeros(len(at[0])), shading="gouraud", cmap=colors, vmin=0, vmax=top
-        )
-
-    def _draw_raster(self, axes: Any) -> None:
-        axes.set(xlabel="time, s", ylabel="unit", ylim=(-1, len(self.show.organs.types)))
-        self.raster, self.spikes = axes, axes.scatter([], [], s=6, marker="|")
-        self.colors = np.array([COLORS[kind] for kind in self.show.organs.types])
-        for kind, color in COLORS.items():
-            axes.plot([], [], "|", color=color, label=kind)
-        axes.legend(loc="upper left", ncols=4, fontsize="small", frameon=False)
-
-    def draw(self, frame: Frame) -> NDArray[np.uint8]:
-        """Draw a frame in the panels and return the picture, (height, width, 3)."""
-        self.pressure.set_array(np.tile(frame.pressure, 2))
-        self.strain.set_array(compressive(frame.strain))
-        recent = [(t, unit) for unit, t in frame.spikes if t > frame.time - WINDOW]
-        self.spikes.set_offsets(np.array(recent).reshape(-1, 2))
-        self.spikes.set_color(self.colors[[unit for _, unit in recent]] if recent else [])
-        self.raster.set_xlim(frame.time - WINDOW, frame.time + 0.05)
-        self.title.set_text(status_line(frame))
-        self.canvas.draw()
-        return np.asarray(self.canvas.buffer_rgba())[..., :3].copy()
 
 
 def record(finger: Finger, path: Path) -> Frame:
@@ -104,16 +130,44 @@ def record(finger: Finger, path: Path) -> Frame:
     Raises
     ------
     InputError
-        For another kind of file, or an MP4 without the extra `film`.
+        For another kind of file, an MP4 without the extra `film`, or where VTK cannot draw.
     """
     film.check(path, "-o")
-    show = Show(finger)
-    picture, last = Picture(show), list[Frame]()
+    window, last = Window(Show(finger), off_screen=True), list[Frame]()
 
-    def pictures() -> Iterator[NDArray[np.uint8]]:
-        for frame in show.frames():
+    def pictures() -> Iterator[film.Picture]:
+        for frame in window.show.frames():
             last[:] = [frame]
-            yield picture.draw(frame)
+            window.draw(frame)
+            yield window.plotter.screenshot(return_img=True)
 
     film.write(path, pictures(), round(1 / FRAME))
+    window.plotter.close()
     return last[0]
+
+
+def watch(finger: Finger) -> Frame:
+    """Show the finger in a window, as fast as it goes, and return the last frame.
+
+    Raises
+    ------
+    InputError
+        Where no window can be opened.
+    """
+    require()
+    show = Show(finger)
+    window = Window(show)
+    for frame in show.frames():
+        window.draw(frame)
+        if not window.open:
+            break
+    return frame
+
+
+def require(*, off_screen: bool = False) -> None:
+    """Raise InputError where VTK cannot draw, or there is no display for a window."""
+    missing = renderer.renderer_lacking()
+    if not (missing or off_screen or renderer.has_display()):
+        missing = "live: expected a display for a window, found none. Record with -o FILE.gif"
+    if missing:
+        raise InputError(missing)

@@ -1,4 +1,4 @@
-"""Figures of many afferent units: raster, map of rates on the pad, frequency response.
+"""Figures of many afferent units: raster, map of rates on the pad, receptive fields.
 
 Siblings of `figures.py`, which draws the few units of an ordinary scene one by one.
 """
@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from fefinger.neural.statistics import mean_rates
 from fefinger.neural.trains import SpikeTrains
@@ -91,31 +90,6 @@ def receptive_fields(
             axis.grid(visible=False)
             drawn.colorbar(shown, ax=axis, label="impulses", shrink=0.8)
         axes[0].set_ylabel("y (radial) / mm")
-        return drawn
-
-
-def frequency_response(
-    frequencies: ArrayLike,
-    curves: Mapping[str, ArrayLike],
-    *,
-    size: tuple[float, float] = (5.6, 3.6),
-) -> Any:
-    """Draw impulses per cycle over frequency in Hz, one curve for each name; zeros are left out."""
-    from matplotlib import colormaps
-
-    with style():
-        drawn = figure(*size)
-        axis = drawn.subplots()
-        shades = colormaps["viridis"](np.linspace(0.0, 0.88, len(curves)))  # large to small
-        for (name, values), color in zip(curves.items(), shades, strict=True):
-            shown = np.where(np.asarray(values, float) > 0, values, np.nan)
-            axis.plot(frequencies, shown, "o-", ms=3, lw=1.3, color=color, label=name)
-        axis.set(xscale="log", yscale="log", xlabel="frequency / Hz", ylabel="impulses / cycle")
-        axis.set_xticks(np.asarray(frequencies), [f"{f:g}" for f in np.asarray(frequencies)])
-        axis.minorticks_off()
-        axis.legend(
-            ncols=1 + len(curves) // 8, fontsize=7, title="amplitude / dB", title_fontsize=7
-        )
         return drawn
 
 

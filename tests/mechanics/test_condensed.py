@@ -61,9 +61,7 @@ def test_every_step_is_that_of_linear(press: str) -> None:
 
 def test_the_seconds_of_an_answer_hold_those_of_its_area() -> None:
     asked = scene("re-contact", ask=ff.Ask(fields=False))
-    run = ff.Condensed(FINGER, ff.Flat(30)).run(ff.Ramp(9, 1))
-    for response in (condensed.respond(asked), run):
-        assert response.seconds["pressure"] > 0
+    assert condensed.respond(asked).seconds["pressure"] > 0
 
 
 def test_one_operator_serves_every_modulus_of_the_same_ratio(operators: Path) -> None:

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fefinger.neural.afferents import from_strain, simulate
 from fefinger.neural.checked_signals import count_changes
 from fefinger.neural.membranes import IntegrateAndFire
-from fefinger.neural.reference import Reference
+from fefinger.neural.reference import Reference, equivalent_displacements
+from fefinger.neural.units import simulate_units
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 
@@ -40,7 +40,7 @@ def press(speed=60.0, depth=1.5, hold=2.0, retract=0.0):
 
 
 def respond(time, x, types=TYPES, **options):
-    return simulate(time, np.tile(x[:, None], len(types)), types=types, **options)
+    return simulate_units(time, np.tile(x[:, None], len(types)), types=types, **options)
 
 
 def test_a_press_fires_every_type_in_its_own_way():
@@ -94,25 +94,26 @@ def test_sampling_the_same_signal_more_finely_gives_the_same_spikes(generator):
 def test_a_flat_press_of_the_reference_gives_the_one_dimensional_case():
     time, x = press(hold=0.5)
     strain = (x / 0.2)[:, None, None, None] * np.array([FLAT] * 4)
-    trains = from_strain(time, strain, np.array([UP] * 4), TYPES, REFERENCE)
+    x_in = equivalent_displacements(strain, np.array([UP] * 4), TYPES, REFERENCE)
+    trains = simulate_units(time, x_in, types=TYPES)
     np.testing.assert_allclose(trains.x_in, np.tile(x[:, None], 4), rtol=1e-12, atol=1e-15)
     np.testing.assert_array_equal(trains.count(), respond(time, x).count())
 
 
 def test_drives_can_be_chosen_per_type():
-    time, x = press(hold=0.1)
+    _, x = press(hold=0.1)
     strain = (x / 0.2)[:, None, None, None] * np.diag([0.02, 0.0, -0.05])[None, None]
-    trains = from_strain(
-        time, strain, UP[None], ("SAI",), REFERENCE, drives={"SAI": "tensile"}, check=False
+    x_in = equivalent_displacements(
+        strain, UP[None], ("SAI",), REFERENCE, drives={"SAI": "tensile"}
     )
-    np.testing.assert_allclose(trains.x_in[:, 0], 0.02 / 0.05 * x, atol=1e-15)
+    np.testing.assert_allclose(x_in[:, 0], 0.02 / 0.05 * x, atol=1e-15)
 
 
 def test_the_current_at_corners_is_that_of_the_filter_and_not_all_the_membrane_gets():
     time, x = np.array([0, 0.1, 0.35, 0.6]), np.array([[0.0], [0.0], [2.0], [2.0]])
     fine = np.union1d(time, np.linspace(0, 0.6, 601))
-    few = simulate(time, x, types=["FAI"], check=False)
-    many = simulate(fine, np.interp(fine, time, x[:, 0])[:, None], types=["FAI"], check=False)
+    few = simulate_units(time, x, types=["FAI"], check=False)
+    many = simulate_units(fine, np.interp(fine, time, x[:, 0])[:, None], types=["FAI"], check=False)
     np.testing.assert_allclose(few.times[0], many.times[0], atol=1e-6)
     at = np.searchsorted(fine, time)
     np.testing.assert_allclose(few.current, many.current[at], atol=1e-9)
@@ -181,7 +182,7 @@ def test_counts_that_change_are_named():
 )
 def test_unusable_signals_are_refused(time, drive, options, message):
     with pytest.raises(InputError, match=message):
-        simulate(time, drive, **options)
+        simulate_units(time, drive, **options)
 
 
 @pytest.mark.parametrize(
@@ -207,17 +208,17 @@ def test_unusable_signals_are_refused(time, drive, options, message):
 def test_unusable_references_are_refused(change, drives, message):
     reference, strain = replace(REFERENCE, **change), np.zeros((2, 1, 3, 3))
     with pytest.raises(InputError, match=message):
-        from_strain([0, 1], strain, UP[None], ("SAI",), reference, drives=drives)
+        equivalent_displacements(strain, UP[None], ("SAI",), reference, drives=drives)
 
 
 def test_strain_of_the_wrong_shape_is_refused():
     with pytest.raises(InputError, match="expected \\(n_t, 1, 3, 3\\)"):
-        from_strain([0, 1], np.zeros((2, 3, 3)), UP[None], ("SAI",), REFERENCE)
+        equivalent_displacements(np.zeros((2, 3, 3)), UP[None], ("SAI",), REFERENCE)
 
 
 def test_numba_is_imported_only_when_a_membrane_runs():
     code = (
-        "import sys, fefinger.neural.afferents, fefinger.neural.gains;"
+        "import sys, fefinger.neural.reference, fefinger.neural.units;"
         "sys.exit(any(name in sys.modules for name in ('numba', 'scipy')))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
@@ -239,15 +240,15 @@ def test_many_units_are_fired_as_each_by_itself():
     time, x = press(hold=0.3)
     scale = np.linspace(0.2, 1.0, 37)
     types = tuple(np.tile(TYPES, 10)[:37])
-    many = simulate(time, np.outer(x, scale), types=types, check=False)
+    many = simulate_units(time, np.outer(x, scale), types=types, check=False)
     for i in (0, 5, 18, 35, 36):
-        one = simulate(time, scale[i] * x[:, None], types=types[i : i + 1], check=False)
+        one = simulate_units(time, scale[i] * x[:, None], types=types[i : i + 1], check=False)
         np.testing.assert_allclose(many.times[i], one.times[0], atol=2e-6)
 
 
 def test_many_sentences_of_a_kind_become_one():
     time, x = press(hold=0.3)
-    trains = simulate(time, np.outer(x, np.ones(9)), types=("SAI",) * 9, generator="linear")
+    trains = simulate_units(time, np.outer(x, np.ones(9)), types=("SAI",) * 9, generator="linear")
     assert any("(this or similar for 9 units)" in note for note in trains.notes)
     assert len(trains.notes) < 9
 

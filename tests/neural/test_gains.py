@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.neural.gains import responds, threshold_gain
 
-from fefinger.neural.afferents import simulate
-from fefinger.neural.gains import GAINS, RAMP_SPEED, THRESHOLDS, responds, threshold_gain
+from fefinger.neural.gains import GAINS, RAMP_SPEED, THRESHOLDS
+from fefinger.neural.units import simulate_units
 from fefinger.support.vocabulary import TYPES
 
 
@@ -27,7 +28,8 @@ def test_the_response_begins_at_the_gain(kind):
 def test_sustained_rates_of_sai_lie_in_the_published_range(depth, lowest, highest):
     """Noise-free rates of TouchSim's SA1 units under pins of 0.5 and 1 mm."""
     time = np.array([0.0, depth / RAMP_SPEED, depth / RAMP_SPEED + 3.0])
-    (times,) = simulate(time, np.minimum(time, time[1])[:, None] * RAMP_SPEED, types=("SAI",)).times
+    shape = np.minimum(time, time[1])[:, None]
+    (times,) = simulate_units(time, shape * RAMP_SPEED, types=("SAI",)).times
     assert lowest <= np.sum(times > time[-1] - 1.0) <= highest
 
 

@@ -9,9 +9,9 @@ import pytest
 
 from fefinger.__main__ import main
 from fefinger.neural import series
-from fefinger.neural.afferents import simulate
 from fefinger.neural.recorded import fitted
 from fefinger.neural.trains import SpikeTrains
+from fefinger.neural.units import simulate_units
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 
@@ -37,7 +37,7 @@ def press(tmp_path):
 
 def test_one_column_drives_a_unit_of_every_type(press):
     trains = fire(series.read(press))
-    expected = simulate(TIME, np.tile(PRESS[:, None], 4), types=TYPES)
+    expected = simulate_units(TIME, np.tile(PRESS[:, None], 4), types=TYPES)
     assert trains.types == trains.names == TYPES
     assert expected.count().min() > 0
     for a, b in zip(trains.times, expected.times, strict=True):

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.neural.connor_stevens import ConnorStevens
 from scipy.integrate import solve_ivp
 
-from fefinger.neural.afferents import simulate
-from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire
+from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
+from fefinger.neural.units import simulate_units
 from fefinger.support.checks import InputError
 
 
@@ -188,7 +189,9 @@ def test_integrate_and_fire_is_exact_in_any_piecewise_linear_current(seed):
 def test_integrate_and_fire_takes_a_jump_as_a_steep_ramp(kind, depth):
     x = np.array([0.0, 0.0, depth, depth])[:, None]
     jump, ramp = (
-        simulate([0, 0.1, end, 0.5], x, types=[kind], membrane=IntegrateAndFire(), check=False)
+        simulate_units(
+            [0, 0.1, end, 0.5], x, types=[kind], membrane=IntegrateAndFire(), check=False
+        )
         for end in (0.1, 0.1 + 1e-9)
     )
     assert jump.count()[0] > 0
@@ -239,7 +242,7 @@ def test_impossible_membranes_are_refused(kind, options):
 
 @MEMBRANES
 def test_every_membrane_serves_an_afferent(membrane):
-    from fefinger.neural.afferents import simulate
-
-    trains = simulate([0.0, 0.1, 0.3], [[0.0], [1.0], [1.0]], types=["SAI"], membrane=membrane)
+    trains = simulate_units(
+        [0.0, 0.1, 0.3], [[0.0], [1.0], [1.0]], types=["SAI"], membrane=membrane
+    )
     assert len(trains.times[0]) > 2

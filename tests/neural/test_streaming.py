@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.neural.connor_stevens import ConnorStevens
 
-from fefinger.neural.afferents import equivalent_displacements
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import transduce
-from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire
-from fefinger.neural.reference import Reference
+from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
+from fefinger.neural.reference import Reference, equivalent_displacements
 from fefinger.neural.streaming import Afferents
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES

@@ -5,15 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation.neural.preliminary import spring
+from fefinger.validation.oracles.chains import SpringDamper, fast_chain, slow_chain
 
 from fefinger.neural import units
-from fefinger.neural.afferents import equivalent_displacements, from_strain, simulate
-from fefinger.neural.chains import SpringDamper, fast_chain, slow_chain
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import transduce
 from fefinger.neural.membranes import HodgkinHuxley
-from fefinger.neural.reference import Reference
+from fefinger.neural.reference import Reference, equivalent_displacements
 from fefinger.neural.units import simulate_units
 from fefinger.neural.variation import Variation
 from fefinger.support.checks import InputError
@@ -41,7 +40,7 @@ def test_a_flat_probe_gives_the_answer_of_one_end_organ(rule):
     order = np.random.default_rng(0).permutation(len(unit))
     drive = np.tile(RAMP[:, None], len(unit))
     many = simulate_units(TIME, drive, types=types, unit=unit[order], rule=rule)
-    single = simulate(TIME, np.tile(RAMP[:, None], 4), types=types)
+    single = simulate_units(TIME, np.tile(RAMP[:, None], 4), types=types)
     assert single.count().min() > 0
     for a, b in zip(many.times, single.times, strict=True):
         np.testing.assert_allclose(a, b, atol=1e-9)
@@ -63,7 +62,7 @@ def test_the_largest_current_is_taken_at_every_time():
     rise = np.column_stack([RAMP, np.where(TIME > 0.2, 3.0, 0.0) * (TIME - 0.2)])
     unit = np.zeros(2, int)
     both = simulate_units(TIME, rise, types=("SAI",), unit=unit, rule="max", check=False)
-    each = [simulate(TIME, rise[:, i : i + 1], types=("SAI",), check=False) for i in (0, 1)]
+    each = [simulate_units(TIME, rise[:, i : i + 1], types=("SAI",), check=False) for i in (0, 1)]
     np.testing.assert_allclose(both.current, np.maximum(each[0].current, each[1].current))
     np.testing.assert_allclose(both.x_in[:, 0], rise.mean(axis=1))
 
@@ -193,9 +192,7 @@ def test_strain_at_the_sites_becomes_displacement_and_then_spikes():
     x_in = equivalent_displacements(strain, np.array([up] * 5), of_site, reference)
     np.testing.assert_allclose(x_in, np.tile(RAMP[:, None], 5), rtol=1e-12)
     both = simulate_units(TIME, x_in, types=("SAI", "FAI"), unit=[0, 0, 1, 0, 1], check=False)
-    single = from_strain(
-        TIME, strain[:, [0, 2]], np.array([up] * 2), ("SAI", "FAI"), reference, check=False
-    )
+    single = simulate_units(TIME, x_in[:, [0, 2]], types=("SAI", "FAI"), check=False)
     np.testing.assert_array_equal(both.count(), single.count())
 
 

@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 from fefinger.validation.oracles import synthetic
+from fefinger.validation.thesis.ball import fit_ball
+from fefinger.validation.thesis.force_filter import two_pole
 
 from fefinger.theory import fingerpad, relaxation
 from fefinger.theory.array import sensor, sensor_fit
@@ -70,8 +72,6 @@ CALLS = [
     lambda: PAD.depth_at(-1.0),
     lambda: PAD.depth_at(NAN),
     lambda: PAD.depth_at(INF),
-    lambda: PAD.lumped_ratio(0.0, 1.0, 1.0),
-    lambda: PAD.lumped_ratio(1.0, NAN, 1.0),
     lambda: PAD.press(TIME, [0, NAN, 1.0]),
     lambda: PAD.press([], []),
     lambda: PAD.press(TIME, [-1.0, -1.0, -1.0]),
@@ -108,14 +108,14 @@ CALLS = [
     lambda: sensor.isobar([[0, 0]], [[0, 0, 0]], [NAN], 1.0),
     lambda: sensor.blurred(HERTZ.pressure, NAN, [0.0]),
     lambda: sensor.blurred(HERTZ.pressure, 1.0, [0.0], 0.0),
-    lambda: sensor.two_pole([0, 0.0], [1.0, 2.0]),
-    lambda: sensor.two_pole([0, 1.0], [1.0, NAN]),
-    lambda: sensor.two_pole([0, 1.0], [1.0, 2.0], 0.0),
-    lambda: sensor.two_pole([], []),
+    lambda: two_pole([0, 0.0], [1.0, 2.0]),
+    lambda: two_pole([0, 1.0], [1.0, NAN]),
+    lambda: two_pole([0, 1.0], [1.0, 2.0], 0.0),
+    lambda: two_pole([], []),
     lambda: sensor_fit.fit_fingerpad([[0.1, NAN]], [[1.0, 2.0]], [0.0, 1.0]),
-    lambda: sensor_fit.fit_ball([[0.1, 0.2]], [[1.0, NAN]], [0.0, 1.0]),
-    lambda: sensor_fit.fit_ball(np.zeros((0, 2)), np.zeros((0, 2)), [0.0, 1.0]),
-    lambda: sensor_fit.fit_ball([[0.1, 0.2]], [[1.0, 1.0]], [0.0, -1.0]),
+    lambda: fit_ball([[0.1, 0.2]], [[1.0, NAN]], [0.0, 1.0]),
+    lambda: fit_ball(np.zeros((0, 2)), np.zeros((0, 2)), [0.0, 1.0]),
+    lambda: fit_ball([[0.1, 0.2]], [[1.0, 1.0]], [0.0, -1.0]),
     lambda: identify.thesis([0, 1], [0, 1], [0, 1]),
 ]
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from fefinger.validation import suites
 from fefinger.validation.neural import filters, gains, phases, ramps, sinusoids, sweep
+from fefinger.validation.neural.connor_stevens import ConnorStevens
 
-from fefinger.neural.membranes import ConnorStevens, IntegrateAndFire
+from fefinger.neural.membranes import IntegrateAndFire
 
 
 @pytest.fixture(scope="module")

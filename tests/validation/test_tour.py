@@ -105,15 +105,15 @@ def test_the_tour_validation_gives_a_page_that_says_what_was_found(
 def test_the_tour_a_study_of_the_contact_angle(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Press at three angles of one mesh; read area and asymmetry from the table and the page."""
+    """Press at two angles of one mesh; read area and asymmetry from the table and the page."""
     asked = ["finger.resolution=coarse", "motion.hold=0.05", "motion.depth=0.8", "ask.spikes=[]"]
     changes = [word for change in asked for word in ("--set", change)]
-    grid = ["--over", "indenter.angle=26:34:3", "--workers", "1"]
+    grid = ["--over", "indenter.angle=30:34:2", "--workers", "1"]
     assert main(["study", "flat-press", *grid, *changes, "-o", str(tmp_path)]) == 0
-    assert "3 of 3 scenes" in capsys.readouterr().out
+    assert "2 of 2 scenes" in capsys.readouterr().out
     table = pd.read_csv(tmp_path / "table.csv")
     peak = table[table["at"] == "peak"]
-    assert peak["indenter.angle_deg"].tolist() == [26, 30, 34]
+    assert peak["indenter.angle_deg"].tolist() == [30, 34]
     assert (peak["contact_area_mm2"] > 0).all()
     assert (peak["asymmetry"].abs() < 1).all()
     page = (tmp_path / "report.html").read_text(encoding="utf-8")

@@ -16,8 +16,11 @@ from fefinger.calibration import slow_press
 from fefinger.calibration.calibrate import SMALLER, calibrate
 from fefinger.calibration.outcome import FREQUENCIES, errors
 from fefinger.calibration.record import Calibration
+from fefinger.mechanics.press.pad import on_seen, whole_pad
+from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.mechanics.realtime.stiffening import Stiffening
+from fefinger.results.records import Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.motions import Ramp, RampSinusoid
 from fefinger.support.arrays import Array
@@ -81,7 +84,7 @@ def twin(mesh: str = COARSE) -> Twin:
     time = np.arange(0.0, end + HOLD, 1 / RATE)
     position = np.minimum(SPEED * time, SPEED * end)
     scene = slow_press.pressed(finger(mesh))
-    response = condensed.run(Ramp(SLOW, PRESS, corner=0.0))
+    response = slowly(condensed)
     chosen = np.linspace(0, len(response.time) - 1, FRAMES + 1).astype(int)[1:]
     read = slow_press.array_pressure(scene, response)[chosen]
     return Twin(
@@ -100,6 +103,29 @@ def stepped(condensed: Condensed, time: Array, depth: Array) -> Array:
     lengths = np.diff(time, prepend=time[0])
     depths = np.maximum(depth, 0.0)
     return np.array([condensed.step(d, dt).force for d, dt in zip(depths, lengths, strict=True)])
+
+
+def slowly(condensed: Condensed) -> Response:
+    """Return the pressure of a finger that is stepped through a slow press."""
+    motion = Ramp(SLOW, PRESS, corner=0.0)
+    time = time_grid(motion, fast=False)
+    depth, lengths = motion.value(time), np.diff(time, prepend=0.0)
+    condensed.reset()
+    steps = (condensed.step(d, dt) for d, dt in zip(depth, lengths, strict=True))
+    force, pressure = zip(*((now.force, now.pressure.copy()) for now in steps), strict=True)
+    seen = condensed.patch.neighborhood
+    pad, column = whole_pad(condensed.solid, seen)
+    return Response(
+        mechanics="condensed",
+        time=time,
+        depth=depth,
+        force=np.array(force),
+        pad=pad,
+        pressure=on_seen(np.array(pressure), seen)[:, column],
+        status="Stepped.",
+        seconds={},
+        notes=(),
+    )
 
 
 @cache

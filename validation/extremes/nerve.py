@@ -6,10 +6,11 @@ from functools import cache, partial
 import numpy as np
 from fefinger.validation.extremes.invariants import not_finite, off
 from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Kind, Trial
+from fefinger.validation.neural.connor_stevens import ConnorStevens
 
-from fefinger.neural.afferents import simulate
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
-from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire, Membrane
+from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire, Membrane
+from fefinger.neural.units import simulate_units
 from fefinger.support.arrays import Array
 
 
@@ -143,7 +144,7 @@ def _afferents() -> Iterator[Row]:
 def _driven(generator: str, size: float) -> Findings:
     time = np.linspace(0, 0.2, 401)
     drive = size * np.minimum(time / 0.05, 1.0)[:, None] * np.ones(4)
-    trains = simulate(time, drive, types=tuple(END_ORGANS), generator=generator, check=False)
+    trains = simulate_units(time, drive, types=tuple(END_ORGANS), generator=generator, check=False)
     count = float(trains.count().sum())
     return {
         "finite": not_finite(trains.current, trains.peak_mV, trains.x_in),

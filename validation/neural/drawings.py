@@ -1,12 +1,13 @@
 """Figures of chapters 4 and 5 of Pawluk (1997), drawn from the models in the thesis's own axes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from fefinger.validation.neural import gains, ramps, skin
 from fefinger.validation.neural.filters import SLOW, same_rate
 from fefinger.validation.neural.sweep import MODELS, SLOWED, STANDARD, impulses, swing
+from numpy.typing import ArrayLike
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
@@ -14,7 +15,6 @@ from fefinger.neural.generators import saturating
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support.arrays import Array
 from fefinger.view.figures import COLORS, INK, STEEL, figure, style
-from fefinger.view.unit_figures import frequency_response
 
 
 SIZE = (5.6, 3.6)  # inches; two stand side by side
@@ -211,7 +211,7 @@ def _course(name: str) -> Any:
 
 
 def _force() -> Any:
-    from fefinger.neural.chains import under_force
+    from fefinger.validation.oracles.chains import under_force
 
     drawn, axis = _axes()
     after = np.geomspace(1e-3, 10.0, 300)
@@ -264,3 +264,28 @@ def _population() -> Any:
     bottom.set(xlabel="y (radial) / mm", ylabel="rate / Hz")
     top.legend()
     return drawn
+
+
+def frequency_response(
+    frequencies: ArrayLike,
+    curves: Mapping[str, ArrayLike],
+    *,
+    size: tuple[float, float] = (5.6, 3.6),
+) -> Any:
+    """Draw impulses per cycle over frequency in Hz, one curve for each name; zeros are left out."""
+    from matplotlib import colormaps
+
+    with style():
+        drawn = figure(*size)
+        axis = drawn.subplots()
+        shades = colormaps["viridis"](np.linspace(0.0, 0.88, len(curves)))  # large to small
+        for (name, values), color in zip(curves.items(), shades, strict=True):
+            shown = np.where(np.asarray(values, float) > 0, values, np.nan)
+            axis.plot(frequencies, shown, "o-", ms=3, lw=1.3, color=color, label=name)
+        axis.set(xscale="log", yscale="log", xlabel="frequency / Hz", ylabel="impulses / cycle")
+        axis.set_xticks(np.asarray(frequencies), [f"{f:g}" for f in np.asarray(frequencies)])
+        axis.minorticks_off()
+        axis.legend(
+            ncols=1 + len(curves) // 8, fontsize=7, title="amplitude / dB", title_fontsize=7
+        )
+        return drawn

@@ -17,8 +17,8 @@ from fefinger.validation.neural.sweep import (
     swing,
     tallest,
 )
+from fefinger.validation.oracles.chains import Resonant, realize, under_force
 
-from fefinger.neural.chains import Resonant, realize, under_force
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import saturating

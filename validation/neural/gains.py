@@ -8,10 +8,13 @@ from fefinger.validation.case import Case, Expected
 from fefinger.validation.neural.sweep import SLOWED, current
 
 from fefinger.neural.endorgans import END_ORGANS
-from fefinger.neural.gains import GAINS, RAMP_SPEED, THRESHOLDS, threshold_gain
+from fefinger.neural.gains import GAINS, RAMP_SPEED, THRESHOLDS
 from fefinger.neural.generators import saturating, transduce
-from fefinger.neural.membranes import Firing
+from fefinger.neural.membranes import Firing, HodgkinHuxley
 
+
+HOLD, SUSTAINED = 4.0, 0.5
+"""s: length of the hold, and of its end in which a sustained response must still fire."""
 
 BANDS = {
     ("SAI", 0.1): (0.0, 0.0, "TouchSim"),
@@ -55,6 +58,31 @@ FALLING = (
     "rectifier behind it turns what passes into a mean current of 1 / pi of its amplitude, which "
     "fires the membrane however fast the tone. Nothing in the chain takes high tones away."
 )
+
+
+def threshold_gain(kind: str, *, generator: str = "saturating", digits: float = 1e-5) -> float:
+    """Compute the gain in uA/cm² per mm of an afferent type by the rule.
+
+    Bisection on the logarithm of the gain, to the relative precision `digits`; deterministic.
+    """
+    low, high = 1.0, 1e6
+    while high / low > 1.0 + digits:
+        middle = float(np.sqrt(low * high))
+        low, high = (low, middle) if responds(kind, middle, generator) else (middle, high)
+    return high
+
+
+def responds(kind: str, gain: float, generator: str = "saturating") -> bool:
+    """Test whether a type with this gain gives its defining response at its threshold."""
+    threshold = THRESHOLDS[kind]
+    end = threshold.displacement / RAMP_SPEED
+    time = np.array([0.0, end, end + (HOLD if threshold.sustained else 0.1)])
+    x_in = np.array([0.0, threshold.displacement, threshold.displacement])
+    at = np.linspace(0.0, time[-1], int(np.ceil(time[-1] / 5e-5)) + 1)
+    current = transduce(kind, time, x_in, gain=gain, generator=generator, at=at)
+    (times,) = HodgkinHuxley().fire(at, current, stimulus_driven=False).times
+    since = time[-1] - SUSTAINED if threshold.sustained else 0.0
+    return bool(np.any(times >= since))
 
 
 @cache

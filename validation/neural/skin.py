@@ -12,7 +12,7 @@ from fefinger.validation.case import Case, Expected
 
 from fefinger.afferents import fire
 from fefinger.mechanics import get
-from fefinger.neural.maps import rate_profile
+from fefinger.neural.statistics import mean_rates
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
@@ -104,10 +104,10 @@ def _answer(
     scene = Scene(finger=finger, indenter=touching, motion=motion, ask=ask)
     trains = fire(scene.ask, get(mechanics).respond(scene))
     end = trains.t_stop
-    place, rate = rate_profile(trains, (0.0, 1.0, 0.0), end - LATE, end, kind)
     assert trains.positions is not None
     order = np.argsort(trains.positions[:, 1], kind="stable")
-    return Profile(place, trains.x_in[-1][order], rate)
+    rate = mean_rates(trains, end - LATE, end)[order]
+    return Profile(trains.positions[order, 1], trains.x_in[-1][order], rate)
 
 
 def steps(mechanics: str, what: str, force: float) -> float:

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
+from fefinger.validation.neural.connor_stevens import ConnorStevens
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
-from fefinger.neural.membranes import ConnorStevens, HodgkinHuxley, IntegrateAndFire, Membrane
+from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire, Membrane
 from fefinger.support.arrays import Array
 
 

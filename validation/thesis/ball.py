@@ -8,10 +8,12 @@ from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles.layer import Faced, Sheet
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import BALL_DEPTH, BALLS, SENSOR, ball
+from numpy.typing import ArrayLike
 
 from fefinger.support.arrays import Array
 from fefinger.theory.array.sensor import ArraySensor, blurred
-from fefinger.theory.array.sensor_fit import fit_ball
+from fefinger.theory.array.sensor_fit import BlurredCap, Fit, search
+from fefinger.theory.contact.curvature import series_modulus
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import Contact, paraboloid_at
 
@@ -59,6 +61,29 @@ def press(cover: str) -> tuple[Array, Array, Array]:
 def fitted(cover: str) -> dict[str, float]:
     """Apply the thesis's fit to the press of the nominal ball."""
     return fit_ball(*press(cover)).parameters
+
+
+def fit_ball(
+    depth: ArrayLike,
+    pressure: ArrayLike,
+    distance: ArrayLike,
+    *,
+    sensor_modulus: float = SENSOR,
+    start: tuple[float, float] = (31.0, 540.0),
+    sigma: float = 0.96,
+) -> Fit:
+    """Fit radius mm and modulus kPa of an incompressible ball on the array (A.2 to A.4).
+
+    The array is an incompressible half-space of `sensor_modulus`, as in the thesis; a 2 mm cover
+    on a rigid plane is actually much stiffer. Arguments and errors as `fit_fingerpad`.
+    """
+
+    def predict(radius: float, modulus: float, reach: Array, cap: BlurredCap) -> Array:
+        plane = series_modulus((modulus, 0.5), (sensor_modulus, 0.5))
+        a = np.minimum(np.sqrt(radius * reach), cap.widest)
+        return 2 * plane / (np.pi * radius) * cap(a, distance)
+
+    return search(predict, ("radius", "modulus"), start, depth, pressure, distance, sigma)
 
 
 def direct(name: str) -> float:

@@ -7,11 +7,11 @@ from functools import cache, partial
 import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.thesis.energy import slope
+from fefinger.validation.thesis.force_filter import two_pole
 from fefinger.validation.thesis.lumped import DIGITS, finger, ratio, vibrated
 
 from fefinger.scene.library import pawluk_bulk
 from fefinger.support.arrays import Array
-from fefinger.theory.array.sensor import two_pole
 from fefinger.theory.lumped.spring import Spring, constant_velocity, force
 from fefinger.theory.relaxation import hereditary_integral
 

@@ -5,8 +5,8 @@ from functools import partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
+from fefinger.validation.oracles.chains import SpringDamper, slow_chain
 
-from fefinger.neural.chains import SpringDamper, slow_chain
 from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.membranes import HodgkinHuxley
 

@@ -86,9 +86,14 @@ def ball_quantity(name: str, index: int) -> float:
 
 
 def lumped_ratio(subject: str, reading: Reading, depth: float) -> float:
-    """Return T of Eq. 2.1 over T of Eq. 3.16."""
+    """Return T of Eq. 2.1 over T of Eq. 3.16 at a depth in mm.
+
+    It would be 1 if both chapters described the same finger; T of Eq. 3.16 starts as x^(5/2), and
+    its m differs from that of Eq. 3.4.
+    """
     row = pawluk_bulk()[subject]
-    return float(pad(subject, reading).lumped_ratio(depth, row.m, row.b))
+    lumped = 1e3 * row.b / row.m * np.expm1(row.m * depth)
+    return float(lumped / pad(subject, reading).force(depth))
 
 
 def profile(reading: Reading, newtons: float, index: int) -> float:

@@ -97,9 +97,9 @@ def spikes(
     """Return the spikes of the four central units; `reference` ran the press that sets lengths."""
     from fefinger.validation.tradeoff.scenes import TYPES
 
-    from fefinger.neural.afferents import from_strain
     from fefinger.neural.membranes import LARGEST_STEP
-    from fefinger.neural.reference import Reference
+    from fefinger.neural.reference import Reference, equivalent_displacements
+    from fefinger.neural.units import simulate_units
 
     arrays = runs.load(reference)
     assert arrays is not None
@@ -109,12 +109,11 @@ def spikes(
         arrays["reference_normals"],
         arrays["reference"],
     )
-    return from_strain(
+    x_in = equivalent_displacements(history.strain, arrays["normals"], TYPES, reference_press)
+    return simulate_units(
         history.time,
-        history.strain,
-        arrays["normals"],
-        TYPES,
-        reference_press,
+        x_in,
+        types=TYPES,
         dt=dt or LARGEST_STEP,
         tolerance=tolerance,
         check=False,

@@ -248,11 +248,9 @@ def _through(case: Situation, press: Measured, part: float, error: float, quanti
     depth = (
         np.asarray(case.motion.value(time)) / case.finger.thickness * _sooner(press, case.finger)
     )
-    whole, wrong = (
-        np.abs(hereditary_integral(case.finger.prony, time, np.interp(depth, parts, values)))
-        for values in (forces, apart)
-    )
-    return max(error, float(wrong.max() / whole.max()))
+    both = np.column_stack([np.interp(depth, parts, values) for values in (forces, apart)])
+    whole, wrong = np.abs(hereditary_integral(case.finger.prony, time, both)).max(axis=0)
+    return max(error, float(wrong / whole))
 
 
 def _share(where: tuple[str, float] | None, parts: list[tuple[Measured, float]]) -> float | None:

@@ -11,7 +11,7 @@ indenter is placed in about a second, and no memory is allocated from one step t
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 import numpy as np
 
@@ -19,32 +19,24 @@ from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.condensation import OutsideError, faces_down
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.obstacle import Obstacle, Rigid
+from fefinger.fem.contact.obstacle import Rigid
 from fefinger.fem.contact.patch import Patch, patch
-from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
-from fefinger.mechanics import condensed
 from fefinger.mechanics.press import limits, operator, placement, problem
-from fefinger.mechanics.press.history import SmallStrainHistory
 from fefinger.mechanics.press.pad import first_moments, whole_pad
-from fefinger.mechanics.press.reference import reference_of, reference_press
-from fefinger.mechanics.press.response import small_strain_response
+from fefinger.mechanics.press.reference import reference_press
 from fefinger.mechanics.press.sites import central_sites
-from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.realtime.step import Step
-from fefinger.mesh.store import load_or_build
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.streaming import Afferents
-from fefinger.results.records import Response, Sites
+from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
-from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError, choice, number
-from fefinger.support.progress import Stages
 from fefinger.support.tolerances import COMPLEMENTARITY
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.support.vocabulary import FAMILIES
@@ -232,54 +224,6 @@ class Condensed:
     def _read(self) -> Step:
         return read_summary(self.now, self._memory, self.output, self._sides)
 
-    def run(self, motion: Motion, *, fast: bool = False) -> Response:
-        """Return the Response to a whole motion from rest; `fast` limits the step to 0.2 ms.
-
-        Raises
-        ------
-        InputError, ConvergenceError
-            As `step`.
-        """
-        stages = Stages()
-        press = self._press(motion, time_grid(motion, fast=fast))
-        with stages.stage("contact"):
-            contact = self._history(motion, press.time)
-        with stages.stage("reference"):
-            reference = reference_of(press, self.reduced, float(contact.depth.max()))
-        history = SmallStrainHistory(self.reduced, contact, reference)
-        return small_strain_response(press, history, stages)
-
-    def _press(self, motion: Motion, time: Array) -> problem.Press:
-        """Return the motion of this finger's own indenter as a press."""
-        return problem.Press(
-            mechanics=condensed.name,
-            method=operator.METHOD,
-            mesh=load_or_build(self.finger, half=self.solid.half),
-            body=self.solid,
-            finger=self.finger,
-            obstacle=cast(Obstacle, self.touch),  # small strain asks for its axis and gap alone
-            standard=self.indenter == STANDARD,
-            motion=motion,
-            time=time,
-            sites=self.sites,
-            reference=_reference_plate(self.finger, self.solid, self.sites),
-            pressure=True,
-            fields=False,
-            notes=condensed.NOTES,
-        )
-
-    def _history(self, motion: Motion, time: Array) -> History:
-        """Step through a motion from rest."""
-        self.reset()
-        shape = (len(time), len(self.now.pressure))
-        depth, pressure, elastic = np.empty(len(time)), np.empty(shape), np.empty(shape)
-        values, lengths = motion.value(time), np.diff(time, prepend=time[0])
-        take = self.step if motion.control == "depth" else self.step_force
-        for k, (value, dt) in enumerate(zip(values.tolist(), lengths.tolist(), strict=True)):
-            depth[k] = take(value, dt).depth
-            pressure[k], elastic[k] = self.now.pressure, self.output.elastic
-        return History(depth, pressure, elastic, int(self._state.counts[lcp_compiled.SOLVED]))
-
 
 def reduced_to_candidates(
     deepest: float,
@@ -343,14 +287,9 @@ def afferents(
         if sites.unit is not None:
             types = tuple(types[i] for i in np.unique(sites.unit, return_index=True)[1])
         return RecordedAfferents(types, sites.normals, unit=sites.unit, **options)
-    plate = _reference_plate(finger, solid, sites)
+    plate = problem.reference_plate(finger, solid, Ask(spikes=tuple(dict.fromkeys(sites.types))))
     reference = reference_press(solid, plate, operator.METHOD)
     return Afferents.of(sites.types, sites.normals, reference, **options)
-
-
-def _reference_plate(finger: Finger, solid: Solid, sites: Sites) -> problem.ReferencePlate:
-    """Return the standard plate on a finger, with one site for each type of `sites` below it."""
-    return problem.reference_plate(finger, solid, Ask(spikes=tuple(dict.fromkeys(sites.types))))
 
 
 def unfolded(solid: Solid, points: Array, strain: Array) -> Array:

@@ -1,6 +1,5 @@
 """Membranes: models from generator current to spikes, with one interface."""
 
-from fefinger.neural.membranes.connor_stevens import ConnorStevens
 from fefinger.neural.membranes.firing import LARGEST_STEP, Firing, Membrane
 from fefinger.neural.membranes.hodgkin_huxley import (
     BLOCK_AFTER,
@@ -18,7 +17,6 @@ __all__ = [
     "BLOCK_MV",
     "LARGEST_STEP",
     "METHODS",
-    "ConnorStevens",
     "Firing",
     "HodgkinHuxley",
     "IntegrateAndFire",

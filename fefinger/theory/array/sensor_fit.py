@@ -2,7 +2,7 @@
 
 A Hertz pressure is convolved with the response of the elements; a simplex search minimizes the
 squared error over the whole press. Lengths in mm, pressures and moduli in kPa.
-Source: Pawluk (1997), section 3.4.2 and appendix A.3.
+Source: Pawluk (1997), section 3.4.2.
 """
 
 from collections.abc import Callable
@@ -13,15 +13,8 @@ from numpy.typing import ArrayLike
 
 from fefinger.theory.array.sensor import blurred
 from fefinger.theory.contact import elastic
-from fefinger.theory.contact.curvature import series_modulus
 from fefinger.theory.contact.elastic import Array
 
-
-SENSOR_MODULUS = 1000.0
-"""Modulus of the cover of the array in kPa, taken as an incompressible half-space (A.3)."""
-
-BALL = (31.0, 540.0)
-"""Radius in mm and modulus in kPa of the rubber ball of appendix A.3."""
 
 TABLE = 120  # number of contact radii, and of distances, in the table of the blurred pressure
 
@@ -86,33 +79,10 @@ def fit_fingerpad(
         a = np.minimum(np.sqrt(radius * reach), cap.widest)
         return 4 * b / (np.pi * radius * m) * np.expm1(m * reach) * cap(a, distance)
 
-    return _search(predict, ("radius", "c0_b", "m"), start, depth, pressure, distance, sigma)
+    return search(predict, ("radius", "c0_b", "m"), start, depth, pressure, distance, sigma)
 
 
-def fit_ball(
-    depth: ArrayLike,
-    pressure: ArrayLike,
-    distance: ArrayLike,
-    *,
-    sensor_modulus: float = SENSOR_MODULUS,
-    start: tuple[float, float] = BALL,
-    sigma: float = 0.96,
-) -> Fit:
-    """Fit radius mm and modulus kPa of an incompressible ball on the array (A.2 to A.4).
-
-    The array is an incompressible half-space of `sensor_modulus`, as in the thesis; a 2 mm cover
-    on a rigid plane is actually much stiffer. Arguments and errors as `fit_fingerpad`.
-    """
-
-    def predict(radius: float, modulus: float, reach: Array, cap: BlurredCap) -> Array:
-        plane = series_modulus((modulus, 0.5), (sensor_modulus, 0.5))
-        a = np.minimum(np.sqrt(radius * reach), cap.widest)
-        return 2 * plane / (np.pi * radius) * cap(a, distance)
-
-    return _search(predict, ("radius", "modulus"), start, depth, pressure, distance, sigma)
-
-
-def _search(
+def search(
     predict: Callable[..., Array],
     names: tuple[str, ...],
     start: tuple[float, ...],
@@ -121,7 +91,10 @@ def _search(
     distance: ArrayLike,
     sigma: float,
 ) -> Fit:
-    """Minimize the squared error of `predict` over the logarithms of the parameters (simplex)."""
+    """Minimize the squared error of `predict` over the logarithms of the parameters (simplex).
+
+    Arguments and errors as `fit_fingerpad`.
+    """
     from scipy.optimize import minimize
 
     depth = elastic.numbers("fit", "depth", depth)

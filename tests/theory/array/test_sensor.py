@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.thesis.ball import fit_ball
+from fefinger.validation.thesis.force_filter import two_pole
 from scipy.signal import butter, lfilter
 
 from fefinger.scene import library
@@ -10,9 +12,8 @@ from fefinger.theory.array.sensor import (
     blurred,
     centroid,
     isobar,
-    two_pole,
 )
-from fefinger.theory.array.sensor_fit import BlurredCap, fit_ball, fit_fingerpad
+from fefinger.theory.array.sensor_fit import BlurredCap, fit_fingerpad
 from fefinger.theory.contact.curvature import series_modulus
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.fingerpad import Fingerpad

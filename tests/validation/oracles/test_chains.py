@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy import signal
-
-from fefinger.neural.chains import (
+from fefinger.validation.oracles.chains import (
     Chain,
     Resonant,
     SpringDamper,
@@ -13,6 +11,8 @@ from fefinger.neural.chains import (
     slow_chain,
     under_force,
 )
+from scipy import signal
+
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.support.checks import InputError
 

@@ -54,9 +54,8 @@ class ConnorStevens:
 
     def rest(self) -> Array:
         """Find the lowest state without net current: absolute potential in mV and n, m, h, a, b."""
+        from fefinger.validation.neural import connor_stevens_compiled as compiled
         from scipy.optimize import brentq
-
-        from fefinger.neural.membranes import connor_stevens_compiled as compiled
 
         def state(e: float) -> Array:
             return np.array([e, *compiled.kinetics(e)[1::2]])
@@ -94,7 +93,7 @@ class ConnorStevens:
         frozen: bool,
     ) -> Run:
         """Integrate all units: spike times in ms; per unit final state, peak in mV, ms in block."""
-        from fefinger.neural.membranes import connor_stevens_compiled as compiled
+        from fefinger.validation.neural import connor_stevens_compiled as compiled
 
         rest = self.rest()
         numbers = self.transient, 1.0 / self.rate_divisor, 1e3 * BLOCK_AFTER * self.rate_divisor
