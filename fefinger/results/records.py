@@ -15,6 +15,7 @@ from fefinger.results.harmonic import Harmonic
 from fefinger.scene.inertia import quasistatic
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.text import outline
 
 
 if TYPE_CHECKING:
@@ -132,6 +133,8 @@ class Pad:
     normals: Array
     triangles: Integers
 
+    __repr__ = outline
+
 
 @dataclass(frozen=True)
 class Sites:
@@ -149,6 +152,8 @@ class Sites:
     types: tuple[str, ...]
     unit: Integers | None = None
     number: Integers | None = None
+
+    __repr__ = outline
 
 
 @dataclass(frozen=True)
@@ -171,6 +176,8 @@ class Lateral:
     slip: Array | None = None
     work: Array | None = None
 
+    __repr__ = outline
+
 
 @dataclass(frozen=True)
 class Fields:
@@ -189,6 +196,8 @@ class Fields:
     displacement: Array
     strain: Array
     pressure: Array
+
+    __repr__ = outline
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -229,6 +238,8 @@ class Response:
     moment: Array | None = None
     harmonic: Harmonic | None = None
     lateral: Lateral | None = None
+
+    __repr__ = outline
 
     @property
     def inertia(self) -> bool:

@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from fefinger.studies.columns import MISSED
 from fefinger.support.checks import InputError, number
 from fefinger.support.text import plain
 
@@ -140,7 +141,7 @@ def _not_reached(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> Iter
     """Yield a sentence for each level that some row did not reach."""
     levels: dict[str, list[str]] = {}
     for row in rows:
-        if row["status"].startswith("not reached"):
+        if row["status"].startswith(MISSED):
             where = ", ".join(f"{name} = {row[name]}" for name in over)
             levels.setdefault(row["at"], []).append(f"{where}, at {row['at']}: {row['status']}")
     for at, missed in levels.items():
