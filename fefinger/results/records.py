@@ -15,7 +15,7 @@ from fefinger.results.harmonic import Harmonic
 from fefinger.scene.inertia import quasistatic
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.text import outline
+from fefinger.support.text import duration, outline, percent, table
 
 
 if TYPE_CHECKING:
@@ -106,6 +106,16 @@ class Plan:
     settings: Settings | None = None
     machine: str = ""
     trust: str = ""
+
+    def __repr__(self) -> str:
+        """Show the choice, its reason and its trust, and every candidate with its first refusal."""
+        rows = []
+        for rung in self.rungs:
+            reason = rung.refusals[0].reason if rung.refusals else "-"
+            cost = percent(rung.error), duration(rung.seconds)
+            rows.append((rung.mechanics, rung.resolution or "-", *cost, reason))
+        ladder = table(rows, ("mechanics", "mesh", "error", "time", "refused because"))
+        return "\n".join([f"Plan: {self.on}", self.sentence, self.trust, ladder])
 
     @property
     def on(self) -> str:
