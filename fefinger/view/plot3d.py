@@ -321,7 +321,7 @@ class Stage:
         self.props += [Prop(actor, ()) for actor in (line, labels_actor)]
 
     def _add_indenter(self) -> None:
-        """Add the indenter, clear as glass; before a whole pad the lines of a plate or ball alone."""
+        """Add the indenter, clear as glass; before a whole pad the rim of a plate or ball."""
         result = self.shown.result
         touch, texture = indenter_pose.pose(result, 0.0), indenter_pose.texture(result)
         drawn = touch if texture is None else texture.first

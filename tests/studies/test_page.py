@@ -110,10 +110,10 @@ def test_rows_of_other_meshes_are_told():
 
 
 def test_a_failure_with_a_table_is_told_by_its_first_and_its_last_line():
-    said = "ask: no mechanics is known to answer\n\n  mechanics  error\n  linear  9 %\n\nName a mechanics."
+    said = "ask: no mechanics is able\n\n  mechanics  error\n  linear  9 %\n\nName a mechanics."
     about = {"grid": {X: [1.0]}, "mechanics": None}
     study = Study("press", (X,), (), (({X: 1.0}, said),), 1, 0, about)
-    short = "ask: no mechanics is known to answer [...] Name a mechanics."
+    short = "ask: no mechanics is able [...] Name a mechanics."
     assert short in report.html(study)
     assert short in console.study_summary(console.study_record(study, []))
     assert "one line" in report.html(Study("p", (X,), (), (({X: 1.0}, "one line"),), 1, 0, about))

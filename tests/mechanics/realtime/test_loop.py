@@ -16,7 +16,7 @@ from fefinger.support.text import percent
 
 SOFT = ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse")
 STIFFENING = ff.Finger.subject("a.h.", resolution="coarse")
-SITES = Sites(np.zeros((1, 3)) + [0, 0, 0.9], -np.eye(3)[2:], np.array([0.8]), ("SAI",))
+SITES = Sites(np.array([[0, 0, 0.9]]), -np.eye(3)[2:], np.array([0.8]), ("SAI",))
 
 
 @pytest.fixture(autouse=True)
