@@ -32,7 +32,7 @@ from fefinger.mechanics.press.reference import reference_of, reference_press
 from fefinger.mechanics.press.response import small_strain_response
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.press.time_steps import time_grid
-from fefinger.mechanics.realtime.loop import described, units, warn_of_softness
+from fefinger.mechanics.realtime.loop import check_finger, described, units, warn_of_softness
 from fefinger.mechanics.realtime.step import Step
 from fefinger.mesh.store import load_or_build
 from fefinger.neural.recorded_streaming import RecordedAfferents
@@ -92,6 +92,7 @@ class Condensed:
         stiffening: Callable[[float], float] | None = None,
         tolerance: float = COMPLEMENTARITY,
     ) -> None:
+        check_finger(finger)
         self.finger, self.indenter = finger, indenter
         self.deepest = number("deepest", deepest, above=0, unit="mm")
         choice("precision", precision, ("double", "single"))

@@ -28,6 +28,13 @@ SPEED = 10.0
 it."""
 
 
+def check_finger(finger: object) -> None:
+    """Raise InputError for what is no Finger, such as the name of a subject."""
+    if not isinstance(finger, Finger):
+        msg = f'finger: expected a Finger, as ff.Finger.subject("a.h."), received {finger!r}'
+        raise InputError(msg)
+
+
 def units(
     sites: Sites, reference: Callable[[], Reference], *, family: str = FAMILIES[0], **options: Any
 ) -> Afferents | RecordedAfferents:

@@ -19,7 +19,7 @@ from fefinger.mechanics.press.carried import METHOD, CarriedPress
 from fefinger.mechanics.press.notes import apart, yielding
 from fefinger.mechanics.press.pad import first_moments, on_seen, whole_pad
 from fefinger.mechanics.press.problem import Press
-from fefinger.mechanics.realtime.loop import described, units
+from fefinger.mechanics.realtime.loop import check_finger, described, units
 from fefinger.mechanics.realtime.step import Step
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.reference import Reference
@@ -70,6 +70,7 @@ class Pressed:
         sites: Sites | None = None,
         progress: Progress | None = None,
     ) -> None:
+        check_finger(finger)
         self.deepest = number("deepest", deepest, above=0, unit="mm")
         for reason in (*apart(finger), *yielding(finger)):
             raise InputError(f"{reason}; use the mechanics 'solid'")

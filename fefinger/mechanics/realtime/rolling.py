@@ -21,7 +21,7 @@ from fefinger.fem.contact.patch import Patch, patch, smooth_places
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.fem.elements.spaces import trace
 from fefinger.mechanics.press import operator, placement, problem
-from fefinger.mechanics.realtime.loop import described, warn_of_softness
+from fefinger.mechanics.realtime.loop import check_finger, described, warn_of_softness
 from fefinger.mechanics.realtime.step import Step
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
@@ -65,6 +65,7 @@ class Rolling:
         deepest: float = 1.5,
         sites: Sites,
     ) -> None:
+        check_finger(finger)
         self.finger, self.deepest = finger, number("deepest", deepest, above=0, unit="mm")
         if not len(angles):
             message = "angles: expected the degrees between which the plate turns, received none"

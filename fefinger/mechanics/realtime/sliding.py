@@ -27,7 +27,7 @@ from fefinger.mechanics.press import operator, placement
 from fefinger.mechanics.press import sliding as press_sliding
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.realtime.condensed import reduced_to_candidates, reference, step_output
-from fefinger.mechanics.realtime.loop import described, units, warn_of_softness
+from fefinger.mechanics.realtime.loop import check_finger, described, units, warn_of_softness
 from fefinger.mechanics.realtime.step import Step
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.streaming import Afferents
@@ -99,6 +99,7 @@ class Sliding:
         sites: Sites | None = None,
         precision: Literal["double", "single"] = "double",
     ) -> None:
+        check_finger(finger)
         self.finger, self.indenter = finger, indenter
         self.deepest = number("deepest", deepest, above=0, unit="mm")
         self.reach = number("reach", reach, at_least=0, unit="mm")

@@ -55,6 +55,20 @@ def test_units_are_of_either_family(kind: type) -> None:
         finger.afferents(family="theses")
 
 
+@pytest.mark.parametrize("kind", [ff.Condensed, ff.Pressed, ff.Sliding, ff.Modal])
+def test_the_name_of_a_subject_is_no_finger(kind: type) -> None:
+    with pytest.raises(ff.InputError, match=r"expected a Finger, as ff.Finger.subject.*'a.h.'"):
+        kind("a.h.", ff.Flat(30))
+
+
+def test_a_force_beyond_the_press_is_refused_with_the_largest_one() -> None:
+    finger = ff.Pressed(SOFT, ff.Flat(30), deepest=0.8)
+    with pytest.raises(ff.InputError, match="expected at most") as caught:
+        finger.step_force(50.0, 1e-3)
+    most = float(str(caught.value).split()[4].rstrip(","))
+    assert finger.step_force(0.99 * most, 1e-3).force == pytest.approx(0.99 * most)
+
+
 def test_a_finger_and_a_step_are_a_line_with_units() -> None:
     finger = ff.Condensed(SOFT, ff.Flat(30), deepest=0.8)
     about = "finger a.h., maeno1998 tissue, coarse mesh, under Flat(angle=30.0, tilt=0.0)"
