@@ -21,6 +21,8 @@ OVER = "expected FIELD=START:STOP:COUNT or FIELD=A,B,C, as in indenter.angle=0:6
 
 AT = "expected a force or a depth, as in 1N or 0.5mm"
 
+MESH = "finger.resolution"
+
 DIGITS = 12
 """Significant digits of the values of a range, so that steps of 0.1 give 0.3 and not
 0.30000000000000004."""
@@ -126,7 +128,11 @@ def product(over: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
 def remarks(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> list[str]:
     """Sentences on forces and depths not reached, and on rows of different mechanics."""
     sentences = list(_not_reached(rows, over))
-    names = [f"{row['mechanics']} {row.get('mesh') or ''}" for row in rows if row.get("mechanics")]
+    answered = [row for row in rows if row.get("mechanics")]
+    if MESH in over:  # whose answers are meant to be of several meshes
+        names = [row["mechanics"] for row in answered]
+    else:
+        names = [f"{row['mechanics']} {row.get('mesh') or ''}" for row in answered]
     used = list(dict.fromkeys(name.strip() for name in names))
     if len(used) > 1:
         sentences.append(

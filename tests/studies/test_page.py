@@ -6,7 +6,7 @@ import pytest
 from fefinger.commands import console
 from fefinger.studies import figures
 from fefinger.studies import page as report
-from fefinger.studies.grid import remarks
+from fefinger.studies.grid import MESH, remarks
 from fefinger.studies.measures import READINGS
 from fefinger.studies.study import Study
 
@@ -107,6 +107,17 @@ def test_rows_of_other_meshes_are_told():
     rows = [row(0.0, mesh="coarse"), row(30.0, mesh="standard")]
     (said,) = remarks(rows, (X,))
     assert said.startswith("The rows are answers of linear coarse, linear standard: ")
+
+
+def test_meshes_that_are_compared_on_purpose_need_no_remark():
+    rows = [
+        {MESH: mesh, "at": "end", "status": "done", "mechanics": "linear", "mesh": mesh}
+        for mesh in ("coarse", "standard")
+    ]
+    assert remarks(rows, (MESH,)) == []
+    assert len(remarks(rows, ("indenter.angle_deg",))) == 1
+    other = rows[0] | {"mechanics": "solid"}
+    assert "linear, solid" in remarks([*rows, other], (MESH,))[0]
 
 
 def test_a_failure_with_a_table_is_told_by_its_first_and_its_last_line():
