@@ -208,7 +208,7 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
     if willing:
         return min(willing, key=lambda rung: rung.seconds)
     raise InputError(
-        f"ask: no mechanics can answer this scene within the limits. {_relaxing(rungs)}"
+        f"ask: no mechanics is known to answer this scene within the limits. {_relaxing(rungs)}"
         f"{_unchecked(case)}{vibration.advice(case)}{_by_name(rungs)}\n\n{written(rungs)}"
     )
 
@@ -225,8 +225,8 @@ def _by_name(rungs: tuple[Rung, ...]) -> str:
 
     best = min(able, key=ranked)
     return (
-        f"Name {best.mechanics} (--mechanics {best.mechanics}) to run it all the same, in about "
-        f"{duration(best.seconds)}; the result then records what speaks against it: "
+        f"To run it all the same, in about {duration(best.seconds)}, name {best.mechanics} "
+        f"(--mechanics {best.mechanics}); the result then notes: "
         f"{'; '.join(refusal.reason for refusal in best.refusals)}."
     )
 

@@ -208,7 +208,7 @@ def test_what_to_relax_is_read_from_the_field_of_a_refusal_and_not_from_its_sent
 
 
 def test_when_spike_counts_cost_too_much_the_mesh_that_they_are_not_checked_on_is_offered():
-    with pytest.raises(InputError, match="no mechanics can answer") as caught:
+    with pytest.raises(InputError, match="no mechanics is known to answer") as caught:
         plan.explain(scene(rel_error=0.4, seconds=3, spikes=["SAI"]))
     assert "Or set finger.resolution to 'coarse' and linear answers in " in str(caught.value)
     own = {"finger.resolution": "coarse", "ask.rel_error": 0.4, "ask.seconds": 3}
@@ -237,7 +237,7 @@ IMPOSSIBLE = [
 
 @pytest.mark.parametrize(("changes", "reason"), IMPOSSIBLE)
 def test_what_cannot_be_run_or_was_measured_nowhere_near_is_not_chosen(changes, reason):
-    with pytest.raises(InputError, match="no mechanics can answer") as caught:
+    with pytest.raises(InputError, match="no mechanics is known to answer") as caught:
         plan.explain(published.load("flat-press", changes))
     said = [line for line in str(caught.value).splitlines() if reason in line]
     assert len(said) >= 3, caught.value
@@ -276,11 +276,19 @@ def test_the_ladder_is_a_table_with_errors_times_refusals_and_sources():
     assert "Times are for this machine" in text
 
 
+def test_a_plan_is_read_in_a_notebook() -> None:
+    chosen = plan.explain("flat-press")
+    first, sentence, trust, _, *rows = repr(chosen).splitlines()
+    assert first == f"Plan: {chosen.on}"
+    assert (sentence, trust) == (chosen.sentence, chosen.trust)
+    assert [row.split()[0] for row in rows] == [rung.mechanics for rung in chosen.rungs]
+
+
 def test_a_scene_that_all_refuse_names_first_what_runs_it_all_the_same():
     with pytest.raises(InputError) as refused:
         plan.choose(builtin.load("sphere-press", {"indenter.radius": 0.9}))
     first, _, table = str(refused.value).partition("\n\n")
-    assert "Name pressed (--mechanics pressed)" in first
+    assert "name pressed (--mechanics pressed)" in first
     assert "round objects are measured to radii of 1 mm" in first
     assert "refused because" in table.splitlines()[0]
 

@@ -26,7 +26,7 @@ for k in range(n):
     step = finger.step(depth=max(depth[k], 0.0), dt=dt)
     units.step(step.strain, dt)
     force[k] = step.force
-    fired += [(unit, t[k]) for unit in np.flatnonzero(units.fired())]
+    fired += units.fired()  # (unit, time in s) of each spike
 each = (time.perf_counter() - began) / n
 print(f"{1e6 * each:.0f} us a step, for a step of {1e6 * dt:.0f} us")
 

@@ -40,7 +40,6 @@ print(f"{finger.width:.1f} mm wide, {finger.thickness:.1f} mm thick")
 scanned = ff.run(replace(press, finger=finger), mechanics="linear")
 fig, axes = plt.subplots(1, 2, figsize=(8.5, 3.4), sharey=True, layout="constrained")
 fingers = {"shipped": shipped, "scanned": scanned}
-fingers = {"shipped": shipped, "scanned": scanned}
 for axis, (name, result) in zip(axes, fingers.items(), strict=True):
     pad = result.pad
     x, y, _ = pad.points.T

@@ -14,16 +14,18 @@ import click
 def live(output: str | None, subject: str, resolution: str) -> None:
     """Watch a finger being pressed and rolled.
 
-    Shows pressure, strain in the medial section and spikes as they are computed. The first run
+    Shows pressure, strain in the medial section and spikes as they are computed. Strain is small,
+    so that the tissue is one that does not stiffen: that of Maeno et al. (1998). The first run
     builds the operator of the finger, which takes about a minute.
     """
     from fefinger.mechanics.realtime import show
     from fefinger.scene.finger import Finger
+    from fefinger.scene.library import PUBLISHED
     from fefinger.support.outputs import output_file
     from fefinger.view import film
     from fefinger.view import live as shows
 
-    finger = Finger.subject(subject, resolution=resolution)
+    finger = Finger.subject(subject, resolution=resolution, tissue=PUBLISHED)
     if output is None:
         last = shows.watch(finger)
     else:

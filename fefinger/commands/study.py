@@ -33,7 +33,8 @@ GOES_ON = "the same command continues from the finished scenes"
     "--at",
     multiple=True,
     metavar="FORCE|DEPTH",
-    help="Also report at this force or depth on loading, by default 1N and 1mm (repeatable).",
+    help="Also report at this force or depth on loading, by default 1N and 1mm where they are "
+    "reached (repeatable).",
 )
 @changes_option
 @click.option(
@@ -72,7 +73,6 @@ def study(
     """
     from fefinger.scene.builtin import settings
     from fefinger.studies.grid import parse_over
-    from fefinger.studies.study import AT
     from fefinger.studies.study import study as answer
     from fefinger.studies.tables import check, write
 
@@ -85,7 +85,7 @@ def study(
             scene,
             over,
             changes=changed,
-            at=at or AT,
+            at=at,
             mechanics=mechanics,
             folder=output,
             workers=workers,

@@ -71,14 +71,12 @@ class Compliance:
             tractions[:, start : start + BLOCK] = work[len(work) - len(tractions) :]
         return tractions
 
-    def displacements(self, pad: Array, size: int) -> Array:
-        """Recover all unknowns (size, k) from displacements (n_pad, k) of the pad."""
+    def displacements(self, pad: Array) -> Array:
+        """Recover the free unknowns (n, k), in their `order`, from those (n_pad, k) of the pad."""
         work = np.zeros((len(self.order), pad.shape[1]))
         work[len(work) - len(pad) :] = pad
         multifrontal.Factor(self.order, self.fronts).backward(work)
-        unknowns = np.zeros((size, pad.shape[1]))
-        unknowns[self.order] = work
-        return unknowns
+        return work
 
 
 @dataclass(frozen=True)
@@ -209,15 +207,15 @@ def _read(compliance: Compliance, rows: sparse.csr_matrix, moved: Array) -> Arra
     """
     if rows.shape[0] <= moved.shape[1]:
         return np.asarray(compliance.tractions(rows).T @ moved)
-    values = np.empty((rows.shape[0], moved.shape[1]))
+    values, rows = np.empty((rows.shape[0], moved.shape[1])), rows[:, compliance.order]
     for start in range(0, moved.shape[1], BLOCK):
         block = slice(start, start + BLOCK)
-        values[:, block] = rows @ compliance.displacements(moved[:, block], rows.shape[1])
+        values[:, block] = rows @ compliance.displacements(moved[:, block])
     return values
 
 
 @one_thread
-def displaced(operator: Operator, loads: Array) -> Array:
+def displaced(operator: Operator, loads: Array | sparse.csc_matrix) -> Array:
     """Compute the unknowns (n_unknowns, k) under `loads` (n_unknowns, k) on the pad.
 
     The pressure unknowns on the pad itself are zero.
@@ -227,12 +225,15 @@ def displaced(operator: Operator, loads: Array) -> Array:
     InputError
         If a load lies outside the palmar part of the pad.
     """
-    unknowns = np.zeros_like(loads)
-    for part in operator.parts:
-        on_pad = _on_pad(operator, part, sparse.csc_matrix(loads))
-        pad = part.scale * (on_pad.T @ part.compliance.matrix).T
-        unknowns += part.unfold @ part.compliance.displacements(pad, part.unfold.shape[1])
-    return unknowns
+    first, *others = (_displaced(operator, part, loads) for part in operator.parts)
+    return sum(others, start=first)
+
+
+def _displaced(operator: Operator, part: Part, loads: Array | sparse.csc_matrix) -> Array:
+    """Share (n_unknowns, k) of an even or odd part in the unknowns."""
+    on_pad = _on_pad(operator, part, sparse.csc_matrix(loads))
+    pad = part.scale * (on_pad.T @ part.compliance.matrix).T
+    return np.asarray(part.unfold[:, part.compliance.order] @ part.compliance.displacements(pad))
 
 
 def _on_pad(operator: Operator, part: Part, loads: sparse.csc_matrix) -> sparse.csc_matrix:

@@ -49,14 +49,19 @@ def height_map(file: Path, pitch: float) -> tuple[Array, Array, Array]:
     if not np.isfinite(heights).all():
         share = float(np.isinf(heights).mean())
         raise InputError(
-            f"indenter.file: expected a surface in {str(file)!r} that covers its box as seen along "
-            f"z, received one that leaves {100 * share:.2g} % of it open"
+            f"indenter.file: expected a surface in {str(file)!r} that covers its box of "
+            f"{' x '.join(f'{size:.3g}' for size in high - low)} mm as seen along z, received one "
+            f"that leaves {100 * share:.0f} % of it open; cut it to a rectangle or put it on a "
+            "plate, and check that it is in mm"
         )
     return x, y, heights
 
 
 def _raise(heights: Array, x: Array, y: Array, triangle: Array, pitch: float) -> None:
-    """Raise the heights under a triangle (3, 3) to it."""
+    """Raise the heights under a triangle (3, 3) to it; a vertical one has no places under it."""
+    across = triangle[1:, :2] - triangle[0, :2]
+    if abs(np.linalg.det(across)) <= MARGIN * np.square(across).max(initial=0.0):
+        return
     low, high = triangle[:, :2].min(axis=0), triangle[:, :2].max(axis=0)
     slack = 1e-6 * pitch
     part = tuple(

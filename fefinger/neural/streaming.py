@@ -19,6 +19,7 @@ from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire
 from fefinger.neural.reference import Reference
 from fefinger.neural.streaming_step import State
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.text import counted
 
 
 STREAMED = ("compressive", "tangent")
@@ -150,6 +151,10 @@ class Afferents:
         )
         self.step(np.zeros(self._shape), 1e-3)  # compiles the step now, so that no later one waits
         self.reset()
+
+    def __repr__(self) -> str:
+        """Show the units, not the arrays."""
+        return f"<Afferents (thesis) of {counted(self.types)}>"
 
     @classmethod
     def of(

@@ -212,6 +212,7 @@ def _indenter(result: ResultRecord, blob: Blob) -> dict[str, Any]:
     line = np.linspace(-1, 1, count)
     across = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)
     reach = np.full(2, REACH)
+    rimmed = pose.profile.plane or pose.profile.half_axes is not None
     if pose.profile.half_axes is not None:  # a disk of the square, so that its rim is round
         across = across * np.sqrt(1 - across[..., ::-1] ** 2 / 2) * (1 - 1e-9)
         reach = np.minimum(REACH, np.sin(np.radians(FLANK)) * np.array(pose.profile.half_axes[:2]))
@@ -227,6 +228,6 @@ def _indenter(result: ResultRecord, blob: Blob) -> dict[str, Any]:
     return {
         "points": blob.add(places, "f4"),
         "triangles": blob.add(triangles, "u4"),
-        "rim": blob.add(boundary_edges(triangles) if pose.profile.plane else [], "u4"),
+        "rim": blob.add(boundary_edges(triangles) if rimmed else [], "u4"),
         "axis": pose.axis.tolist(),
     }

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.support.arrays import Array
+from fefinger.support.text import outline
 
 
 Complex = NDArray[np.complex128]
@@ -41,6 +42,8 @@ class Harmonic:
     preload_force: float
     contact_area: float
     notes: tuple[str, ...] = field(default=())
+
+    __repr__ = outline
 
     @property
     def stiffness(self) -> Complex:

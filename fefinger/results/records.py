@@ -15,6 +15,7 @@ from fefinger.results.harmonic import Harmonic
 from fefinger.scene.inertia import quasistatic
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.text import duration, outline, percent, table
 
 
 if TYPE_CHECKING:
@@ -106,6 +107,16 @@ class Plan:
     machine: str = ""
     trust: str = ""
 
+    def __repr__(self) -> str:
+        """Show the choice, its reason and its trust, and every candidate with its first refusal."""
+        rows = []
+        for rung in self.rungs:
+            reason = rung.refusals[0].reason if rung.refusals else "-"
+            cost = percent(rung.error), duration(rung.seconds)
+            rows.append((rung.mechanics, rung.resolution or "-", *cost, reason))
+        ladder = table(rows, ("mechanics", "mesh", "error", "time", "refused because"))
+        return "\n".join([f"Plan: {self.on}", self.sentence, self.trust, ladder])
+
     @property
     def on(self) -> str:
         """Mechanics and mesh, as in "pressed on the standard mesh"."""
@@ -132,6 +143,8 @@ class Pad:
     normals: Array
     triangles: Integers
 
+    __repr__ = outline
+
 
 @dataclass(frozen=True)
 class Sites:
@@ -149,6 +162,8 @@ class Sites:
     types: tuple[str, ...]
     unit: Integers | None = None
     number: Integers | None = None
+
+    __repr__ = outline
 
 
 @dataclass(frozen=True)
@@ -171,6 +186,8 @@ class Lateral:
     slip: Array | None = None
     work: Array | None = None
 
+    __repr__ = outline
+
 
 @dataclass(frozen=True)
 class Fields:
@@ -189,6 +206,8 @@ class Fields:
     displacement: Array
     strain: Array
     pressure: Array
+
+    __repr__ = outline
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -229,6 +248,8 @@ class Response:
     moment: Array | None = None
     harmonic: Harmonic | None = None
     lateral: Lateral | None = None
+
+    __repr__ = outline
 
     @property
     def inertia(self) -> bool:

@@ -11,6 +11,10 @@ from fefinger.support.outputs import check_input
 
 
 Numbers = tuple[float, ...]
+MEANING = {
+    "pitch": "the mm between the pixels of a PNG or the samples of an STL, as 0.1",
+    "height": "the mm from black to white of a PNG, as 0.5",
+}
 COLUMNS = ("x", "y", "height")
 
 
@@ -31,10 +35,13 @@ def read_relief(
     kind = file.suffix.lower()
     needs = {".png": ("pitch", "height"), ".stl": ("pitch",)}.get(kind, ())
     for name, value in (("pitch", pitch), ("height", height)):
-        if (value is not None) != (name in needs):
-            expected = "a number in mm" if name in needs else "none, which is for PNG and STL"
-            wanted = f"indenter.{name}: expected {expected} with the file {str(file)!r}"
-            raise InputError(f"{wanted}, received {value!r}")
+        if name in needs and value is None:
+            raise InputError(f"indenter.{name}: missing; {str(file)!r} needs {MEANING[name]}")
+        if name not in needs and value is not None:
+            message = (
+                f"indenter.{name}: expected none with {str(file)!r}, received {value!r}; it is"
+            )
+            raise InputError(f"{message} {MEANING[name]}")
     check_input("indenter.file", file, "a file of heights")
     if not needs:
         return read_heights(file)

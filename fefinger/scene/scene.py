@@ -39,7 +39,8 @@ class Scene:
         for name, kind in kinds.items():
             if not isinstance(getattr(self, name), kind):
                 received = type(getattr(self, name)).__name__
-                raise InputError(f"{name}: expected a {kind.__name__}, received {received}")
+                article = "an" if kind.__name__[0] in "AI" else "a"
+                raise InputError(f"{name}: expected {article} {kind.__name__}, received {received}")
         self._check_depths()
         self._check_place()
         self._check_path()

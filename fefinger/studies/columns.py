@@ -3,6 +3,9 @@
 from collections.abc import Mapping
 
 
+MISSED = "not reached"
+"""Start of the `status` of a row at a force or depth that its scene does not reach."""
+
 _TYPES = ("SAI", "SAII", "FAI", "FAII")
 
 _LAYER = {"modulus": "kPa", "thickness": "mm", "density": "kg_per_m3"}

@@ -28,6 +28,13 @@ SHARED: dict[str, tuple[Any, str, dict[str, str]]] = {
 }
 """Prefixes of columns that are drawn in the same panel: line style, label, other names."""
 
+LEGEND = (
+    "Solid lines are the finger that was simulated, with a point per scene; bars are its stated "
+    "error. Dashed lines are what the array of the thesis, between plate and pad, would read. "
+    "Dotted lines are Hertz's formula for the same curvatures at the same depth, without bone."
+)
+"""Caption of panels that have lines of all kinds."""
+
 LINES = {"sensor_contact_area_mm2": "sensor_area_mm2"}
 
 SAME = 0.005

@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from fefinger.studies.columns import MISSED
 from fefinger.support.checks import InputError, number
 from fefinger.support.text import plain
 
@@ -19,6 +20,8 @@ MOST = 10_000
 OVER = "expected FIELD=START:STOP:COUNT or FIELD=A,B,C, as in indenter.angle=0:60:13"
 
 AT = "expected a force or a depth, as in 1N or 0.5mm"
+
+MESH = "finger.resolution"
 
 DIGITS = 12
 """Significant digits of the values of a range, so that steps of 0.1 give 0.3 and not
@@ -125,7 +128,11 @@ def product(over: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
 def remarks(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> list[str]:
     """Sentences on forces and depths not reached, and on rows of different mechanics."""
     sentences = list(_not_reached(rows, over))
-    names = [f"{row['mechanics']} {row.get('mesh') or ''}" for row in rows if row.get("mechanics")]
+    answered = [row for row in rows if row.get("mechanics")]
+    if MESH in over:  # whose answers are meant to be of several meshes
+        names = [row["mechanics"] for row in answered]
+    else:
+        names = [f"{row['mechanics']} {row.get('mesh') or ''}" for row in answered]
     used = list(dict.fromkeys(name.strip() for name in names))
     if len(used) > 1:
         sentences.append(
@@ -140,7 +147,7 @@ def _not_reached(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> Iter
     """Yield a sentence for each level that some row did not reach."""
     levels: dict[str, list[str]] = {}
     for row in rows:
-        if row["status"].startswith("not reached"):
+        if row["status"].startswith(MISSED):
             where = ", ".join(f"{name} = {row[name]}" for name in over)
             levels.setdefault(row["at"], []).append(f"{where}, at {row['at']}: {row['status']}")
     for at, missed in levels.items():

@@ -148,7 +148,10 @@ def _parts(study: "StudyRows") -> Iterator[dict[str, Any]]:
             yield part(f"The contact {where}", SAME)
             continue
         picture = page.svg(figures.panels(rows, x, series, skip))
-        yield part(f"The contact {where}", picture=picture)
+        lines = (
+            [figures.LEGEND] if any(row.get("hertz_force_N") is not None for row in rows) else []
+        )
+        yield part(f"The contact {where}", *lines, picture=picture)
     ends = [row for row in done if row["at"] == "end"]
     if any("spikes" in row for row in ends):
         yield part("Spikes of the whole scene", picture=page.svg(figures.spikes(ends, x, series)))

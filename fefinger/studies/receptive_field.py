@@ -17,6 +17,7 @@ import numpy as np
 
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, choices, number
+from fefinger.support.text import outline
 from fefinger.support.vocabulary import TYPES
 
 
@@ -53,6 +54,8 @@ class ReceptiveField:
     scene: str
     mechanics: str
     left_out: tuple[tuple[tuple[float, float], str], ...] = ()
+
+    __repr__ = outline
 
     def of(self, kind: str) -> Integers:
         """Impulses (n_places,) of the unit of a kind; InputError for another kind."""

@@ -27,6 +27,12 @@ class StudyRows:
     reused: int
     about: dict[str, Any]
 
+    def __repr__(self) -> str:
+        """Show the grid and the numbers of scenes, not the rows."""
+        grid = ", ".join(f"{name} ({len(each)})" for name, each in self.about["grid"].items())
+        done = self.scenes - len(self.failures)
+        return f"<Study of {self.name} over {grid}: {done} of {self.scenes} scenes answered>"
+
     def table(self) -> "pd.DataFrame":
         """Make a table with one row per scene and time, and units in the names of its columns.
 

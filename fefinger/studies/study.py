@@ -25,11 +25,8 @@ if TYPE_CHECKING:
     from fefinger.studies.tasks import Answer, StudyRequest, Task
     from fefinger.support.progress import Progress
 
-AT = ("1N", "1mm")
-"""Default force and depth of the rows, besides the peak and the end."""
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Study(StudyRows):
     """Rows of a study, with conversion to arrays and writing to files."""
 
@@ -79,7 +76,7 @@ def study(
     over: Mapping[str, Sequence[Any]],
     *,
     changes: Mapping[str, Any] | None = None,
-    at: Sequence[str] = AT,
+    at: Sequence[str] = (),
     mechanics: str | None = None,
     folder: str | Path | None = None,
     workers: int | None = None,
@@ -98,7 +95,8 @@ def study(
     changes
         Values that all scenes have instead of their own; "ask.fields" is False by default.
     at
-        Forces and depths of the rows, as "1N" and "0.5mm", on the loading branch.
+        Forces and depths of the rows, as "1N" and "0.5mm", on the loading branch; by default those
+        of 1 N and 1 mm that are reached.
     mechanics
         Name of the mechanics; by default one for all scenes, the cheapest that refuses none of
         them. Either is on one mesh, the finest that one of the scenes needs, unless they state
@@ -115,7 +113,8 @@ def study(
     Raises
     ------
     InputError
-        If the grid or all scenes are unusable; single unusable scenes are listed in `failures`.
+        If the grid is unusable, or a value of it in every scene that has it: then nothing is run.
+        Other unusable scenes are listed in `failures`.
     """
     from fefinger.mechanics import names
     from fefinger.studies.grid import EACH, checked
@@ -131,8 +130,7 @@ def study(
         raise InputError(msg)
     request = StudyRequest(scene, checked(over), changes or {}, mechanics, at)
     tasks, failed = request.tasks()
-    if not tasks:
-        raise InputError(next(iter(failed.values())))
+    request.check(failed)
     with ExitStack() as opened:
         place = None
         if folder is not None:
@@ -210,7 +208,7 @@ def _collected(
     for i, values in enumerate(points):
         first = {columns[field]: _entry(value) for field, value in values.items()}
         none = [{"at": "", "status": f"failed: {failed.get(i)}"}]
-        of_scene = none if i in failed else answers[i]["rows"]
+        of_scene = none if i in failed else list(filter(request.wanted, answers[i]["rows"]))
         last = {"scene": key(tasks[i])} if i in tasks else {}
         rows += [{**first, **row, **last} for row in of_scene]
     return Study(

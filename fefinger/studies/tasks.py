@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fefinger.studies.columns import column
+from fefinger.studies.columns import MISSED, column
 from fefinger.studies.grid import EACH, parse_at, product
 from fefinger.support.atomic_write import in_place
 from fefinger.support.checks import InputError
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 FORMAT = 3
 """Version of the measures in the hash; increased when they change, to compute scenes again."""
+
+AT = "1N", "1mm"
+"""Default force and depth of the rows, besides the peak and the end."""
 
 LEAN = {"ask.fields": False}
 """Changes to every scene: a study does not use fields on the mesh."""
@@ -48,9 +51,23 @@ class StudyRequest:
         """The combinations of the values, in order."""
         return product(self.over)
 
+    def check(self, unusable: Mapping[int, str]) -> None:
+        """Raise InputError for a value of the grid that makes every scene with it unusable."""
+        points = self.points
+        for field, values in self.over.items():
+            for value in values:
+                errors = [unusable.get(i) for i, at in enumerate(points) if at[field] == value]
+                if all(errors):
+                    count = f"none of the {len(points)} scenes was run"
+                    raise InputError(f"{errors[0]} (--over {field} = {value}; {count})")
+
+    def wanted(self, row: Mapping[str, Any]) -> bool:
+        """Whether a row belongs into the table: at levels of AT only those that are reached."""
+        return bool(self.at) or not row["status"].startswith(MISSED)
+
     def tasks(self) -> tuple[dict[int, Task], dict[int, str]]:
         """Make the tasks by their number in the grid; also the errors of unusable scenes."""
-        forces, depths = parse_at(self.at)
+        forces, depths = parse_at(self.at or AT)
         named = None if self.mechanics == EACH else self.mechanics
         shared = {"mechanics": named, "forces": list(forces), "depths": list(depths)}
         tasks: dict[int, Task] = {}
@@ -75,7 +92,7 @@ class StudyRequest:
             "grid": grid,
             "changes": dict(self.changes),
             "mechanics": self.mechanics or "the cheapest that refuses no scene",
-            "at": list(self.at),
+            "at": list(self.at or AT),
         }
 
 

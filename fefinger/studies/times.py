@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fefinger.studies.columns import MISSED
 from fefinger.support.arrays import Array
 
 
@@ -38,7 +39,7 @@ def moments(
     ):
         for level in levels:
             where = _reached(signal, level)
-            reason = f"not reached: {name} = {signal[-1]:.4g} {unit} at most"
+            reason = f"{MISSED}: {name} = {signal[-1]:.4g} {unit} at most"
             missed = reason if np.isnan(where) else ""
             times.append(Moment(f"{level:g} {unit}", where, missed, given=name))
     return times

@@ -6,6 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 
+BRIEF = 60
+"""Longest value in the text of a record."""
+
+
 def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
     """Format rows as aligned columns."""
     every = [list(heading), *rows] if heading else list(rows)
@@ -29,6 +33,25 @@ def finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [finite(entry) for entry in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def counted(names: Sequence[str]) -> str:
+    """List names that differ, with their numbers where there are several, as in "4 SAI, FAI"."""
+    numbers = {name: names.count(name) for name in names}
+    return ", ".join(name if n == 1 else f"{n} {name}" for name, n in numbers.items())
+
+
+def outline(record: object) -> str:
+    """Text of a record: arrays by their shapes; long values by their types; without None."""
+    parts = []
+    for name, value in vars(record).items():
+        if hasattr(value, "shape"):
+            parts.append(f"{name} {value.shape}")
+        elif value is not None:
+            text = f"{value:.6g}" if isinstance(value, float) else repr(value)
+            short = len(text) <= BRIEF and "\n" not in text
+            parts.append(f"{name}={text}" if short else f"{name}: {type(value).__name__}")
+    return f"{type(record).__name__}({', '.join(parts)})"
 
 
 def plain(text: str) -> float | str:

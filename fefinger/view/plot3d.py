@@ -321,19 +321,23 @@ class Stage:
         self.props += [Prop(actor, ()) for actor in (line, labels_actor)]
 
     def _add_indenter(self) -> None:
-        """Add the indenter, clear as glass where it would hide what is shown."""
+        """Add the indenter, clear as glass; before a whole pad the rim of a plate or ball."""
         result = self.shown.result
         touch, texture = indenter_pose.pose(result, 0.0), indenter_pose.texture(result)
         drawn = touch if texture is None else texture.first
         shape = _shape(drawn).translate(-CLEAR * touch.axis)
         if not self.shown.whole:
             shape = shape.clip("-y", origin=(0.0, 0.0, 0.0))
-        added = [self.plotter.add_mesh(shape, color="#8fa3b5", opacity=0.15, show_edges=False)]
+        added, line = [], {"color": "#51606e", "line_width": 2}
         if drawn.profile.plane:
             rim = shape.extract_surface(algorithm=None).extract_feature_edges(
                 feature_edges=False, manifold_edges=False
             )
-            added.append(self.plotter.add_mesh(rim, color="#51606e", line_width=2))
+            added.append(self.plotter.add_mesh(rim, **line))
+        elif self.shown.whole and drawn.profile.half_axes is not None:
+            added.append(self.plotter.add_silhouette(shape, **line))
+        if not (self.shown.whole and added):  # glass changes the colors behind it
+            added.append(self.plotter.add_mesh(shape, color="#8fa3b5", opacity=0.15))
         self.props += [Prop(actor, ("indenter",)) for actor in added]
 
         def move(frame: int) -> None:

@@ -158,6 +158,17 @@ def test_a_preload_is_the_same_by_depth_and_by_force(loop: ff.Modal) -> None:
     )
 
 
+def test_a_preload_is_answered_alike_after_any_other(loop: ff.Modal) -> None:
+    frequency, depths = [20.0, 200.0], (0.4, 1.0, 0.7)  # alone, of more nodes, of fewer again
+    before = [loop.harmonic(frequency, depth=depth) for depth in depths]
+    for found, depth in zip(before, depths, strict=True):
+        loop.__dict__.pop("vibrating")
+        alone = loop.harmonic(frequency, depth=depth)
+        for name in ("stiffness", "strain", "skin", "error"):
+            one, other = getattr(found, name), getattr(alone, name)
+            assert np.abs(one - other).max() < 1e-9 * np.abs(other).max(), name
+
+
 @pytest.mark.parametrize(
     ("frequency", "preload", "sentence"),
     [

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista as pv
 from scipy.interpolate import RectBivariateSpline
 
 import fefinger as ff
@@ -205,6 +206,14 @@ def test_a_relief_is_read_from_a_picture_an_array_and_a_surface(tmp_path: Path):
     assert np.array(ramp.heights)[:, 0] == pytest.approx(np.linspace(0, 1, 9), abs=1e-6)
 
 
+def test_the_sides_of_a_block_are_no_part_of_its_relief(tmp_path: Path):
+    block = pv.Box((-1.1, 1.1, -1.1, 1.1, 0, 0.7)).triangulate()
+    block.save(tmp_path / "block.stl")
+    found = ff.Relief.from_file(tmp_path / "block.stl", pitch=0.1)
+    assert len(found.x) == len(found.y) == 23
+    assert np.array(found.heights) == pytest.approx(0.7, abs=1e-6)
+
+
 def stl(facets: list) -> bytes:
     """Return a binary STL of triangles."""
     body = b"".join(
@@ -217,12 +226,12 @@ def stl(facets: list) -> bytes:
 @pytest.mark.parametrize(
     ("name", "options", "message"),
     [
-        ("a.png", {"height": 1.0}, "indenter.pitch: expected a number in mm"),
-        ("a.png", {"pitch": 1.0}, "indenter.height: expected a number in mm"),
+        ("a.png", {"height": 1.0}, "indenter.pitch: missing; .* needs the mm between"),
+        ("a.png", {"pitch": 1.0}, "indenter.height: missing; .* from black to white"),
         ("a.csv", {"pitch": 1.0}, "indenter.pitch: expected none"),
         ("a.png", {"pitch": 1.0, "height": 1.0}, "cannot read the picture"),
         ("a.stl", {"pitch": 1.0}, "expected triangles in"),
-        ("hole.stl", {"pitch": 0.5}, "leaves .* % of it open"),
+        ("hole.stl", {"pitch": 0.5}, "leaves .* % of it open; cut it to a rectangle"),
     ],
 )
 def test_files_that_are_no_relief_get_a_sentence(tmp_path: Path, name, options, message):

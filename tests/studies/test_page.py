@@ -6,7 +6,7 @@ import pytest
 from fefinger.commands import console
 from fefinger.studies import figures
 from fefinger.studies import page as report
-from fefinger.studies.grid import remarks
+from fefinger.studies.grid import MESH, remarks
 from fefinger.studies.measures import READINGS
 from fefinger.studies.study import Study
 
@@ -109,11 +109,22 @@ def test_rows_of_other_meshes_are_told():
     assert said.startswith("The rows are answers of linear coarse, linear standard: ")
 
 
+def test_meshes_that_are_compared_on_purpose_need_no_remark():
+    rows = [
+        {MESH: mesh, "at": "end", "status": "done", "mechanics": "linear", "mesh": mesh}
+        for mesh in ("coarse", "standard")
+    ]
+    assert remarks(rows, (MESH,)) == []
+    assert len(remarks(rows, ("indenter.angle_deg",))) == 1
+    other = rows[0] | {"mechanics": "solid"}
+    assert "linear, solid" in remarks([*rows, other], (MESH,))[0]
+
+
 def test_a_failure_with_a_table_is_told_by_its_first_and_its_last_line():
-    said = "ask: no mechanics can answer\n\n  mechanics  error\n  linear  9 %\n\nName a mechanics."
+    said = "ask: no mechanics is able\n\n  mechanics  error\n  linear  9 %\n\nName a mechanics."
     about = {"grid": {X: [1.0]}, "mechanics": None}
     study = Study("press", (X,), (), (({X: 1.0}, said),), 1, 0, about)
-    short = "ask: no mechanics can answer [...] Name a mechanics."
+    short = "ask: no mechanics is able [...] Name a mechanics."
     assert short in report.html(study)
     assert short in console.study_summary(console.study_record(study, []))
     assert "one line" in report.html(Study("p", (X,), (), (({X: 1.0}, "one line"),), 1, 0, about))

@@ -232,20 +232,63 @@ def test_rows_come_in_the_order_of_the_grid_with_units_and_files(tmp_path, capsy
     assert "4 of 4 scenes by lumped, 4 of them reused" in capsys.readouterr().out
 
 
+THICK_OR_DEEP = {"finger.thickness": (10, 20), "motion.depth": (0.3, 6)}
+"""A grid of which one scene cannot be used, because it goes deeper than half the finger."""
+
+
 def test_a_scene_that_fails_costs_itself_alone(capsys):
-    command = ["study", "flat-press", "--over", "motion.depth=0.3,9,0.2", "--mechanics", "hertz"]
-    command += ["--set", "ask.spikes=[]", "--set", "motion.speed=10"]
-    assert main([*command, "--json"]) == 1
+    command = ["study", "flat-press", "--mechanics", "lumped", "--json"]
+    for field, values in THICK_OR_DEEP.items():
+        command += ["--over", f"{field}={','.join(map(str, values))}"]
+    command += [
+        "--set",
+        "ask.spikes=[]",
+        "--set",
+        "ask.pressure=false",
+        "--set",
+        "ask.strain=false",
+    ]
+    assert main(command) == 1
     record = json.loads(capsys.readouterr().out)
     (failed,) = record["failed"]
-    assert failed["scene"] == {"motion.depth": 9}
+    bad = {"finger.thickness": 10, "motion.depth": 6}
+    assert failed["scene"] == bad
     assert "expected less than 5 mm" in failed["error"]
-    assert [row["motion.depth_mm"] for row in record["rows"] if row["at"] == "peak"] == [0.3, 0.2]
-    assert record["rows"][4] == {
-        "motion.depth_mm": 9,
+    assert [row["motion.depth_mm"] for row in record["rows"] if row["at"] == "peak"] == [
+        0.3,
+        0.3,
+        6,
+    ]
+    assert next(row for row in record["rows"] if not row["at"]) == {
+        **{f"{field}_mm": value for field, value in bad.items()},
         "at": "",
         "status": f"failed: {failed['error']}",
     }
+
+
+@pytest.mark.parametrize(
+    ("field", "good", "bad", "sentence"),
+    [
+        ("motion.depth", 0.3, 9, "expected less than 5 mm"),
+        ("finger.subject", "a.h.", "h.a.", "a.h."),
+    ],
+)
+def test_a_value_that_no_scene_can_have_ends_a_study_before_it_runs(
+    monkeypatch, field, good, bad, sentence
+):
+    monkeypatch.setattr(workers, "local", lambda *inputs: pytest.fail("a scene was run"))
+    over = {field: (good, bad), "indenter.angle": (20, 30)}
+    with pytest.raises(InputError, match=f"{sentence}.*{field} = {bad}; none of the 4 scenes"):
+        ff.study("flat-press", over, changes=QUICK, mechanics="hertz")
+
+
+def test_levels_that_were_not_asked_for_have_rows_where_they_are_reached():
+    changes = {**QUICK, "ask.pressure": False, "ask.strain": False}
+    options = {"changes": changes, "mechanics": "lumped", "workers": 1}
+    found = ff.study("flat-press", {"motion.depth": (0.2, 1.2)}, **options)
+    assert [row["at"] for row in found.rows] == ["peak", "end", "peak", "end", "1 mm"]
+    asked = ff.study("flat-press", {"motion.depth": (0.2, 1.2)}, at=("1mm",), **options)
+    assert [row["at"] for row in asked.rows] == 2 * ["peak", "end", "1 mm"]
 
 
 def test_one_that_no_mechanics_can_answer_fails_in_its_process_alone():
@@ -334,8 +377,8 @@ def test_an_error_of_the_program_is_a_sentence_too():
 @pytest.mark.filterwarnings("ignore")  # of the cluster's own libraries
 def test_a_cluster_gives_the_same():
     distributed = pytest.importorskip("distributed", reason="needs the extra 'distributed'")
-    over = {"indenter.angle": (20, 30), "motion.depth": (0.2, 99)}
-    options = {"changes": QUICK, "mechanics": "hertz"}
+    over, lean = THICK_OR_DEEP, {"ask.spikes": [], "ask.pressure": False, "ask.strain": False}
+    options = {"changes": QUICK | lean, "mechanics": "lumped"}
     cluster = distributed.LocalCluster(
         n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
     )
@@ -375,8 +418,8 @@ def test_a_page_over_names_and_one_where_all_failed(tmp_path):
     assert found.table()["finger.subject"].unique().tolist() == ["a.h.", "d.p."]
     found.save(tmp_path)
     assert "finger.subject a.h., d.p." in (tmp_path / "report.html").read_text()
-    options["mechanics"] = "hertz"
-    none = ff.study("sphere-press", {"indenter.kind": ("cylinder", "bar")}, **options)
+    options |= {"mechanics": "hertz", "changes": options["changes"] | {"indenter.kind": "cylinder"}}
+    none = ff.study("sphere-press", {"indenter.radius": (3, 4)}, **options)
     assert len(none.failures) == 2
     none.save(tmp_path)
     assert "0 of 2 scenes were answered" in (tmp_path / "report.html").read_text()

@@ -12,12 +12,13 @@ from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics.realtime import show as shows
 from fefinger.mechanics.realtime.show import Show
 from fefinger.scene.finger import Finger
+from fefinger.scene.library import PUBLISHED
 from fefinger.support.checks import InputError
 from fefinger.view import live, renderer_lacking
 from fefinger.view.live import Window, watch
 
 
-FINGER = Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
+FINGER = Finger.subject("a.h.", resolution="coarse", tissue=PUBLISHED)
 SCRIPT = shows.SCRIPT
 SHORT = ((0.0, 0.0, 25.0), (0.06, 0.6, 25.0), (0.12, 0.6, 20.0))
 
@@ -118,6 +119,6 @@ def test_the_script_stays_within_the_contact_of_every_subject(
 ) -> None:
     monkeypatch.setattr(shows, "SCRIPT", SCRIPT)
     monkeypatch.setattr(shows, "DT", 0.01)
-    frames = list(Show(Finger.subject(subject, resolution="coarse")).frames())
+    frames = list(Show(Finger.subject(subject, resolution="coarse", tissue=PUBLISHED)).frames())
     assert frames[-1].steps == 361
     assert max(frame.depth for frame in frames) == pytest.approx(1.0)

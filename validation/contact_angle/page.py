@@ -72,11 +72,13 @@ def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
             if row["at"] == at and row["status"] == "done" and row["case"] in (MAIN[at], OTHER[at])
         ]
         how = {"1 mm": "a ramp at 60 mm/s", "1 N": "a ramp of the force at 40 N/s"}[at]
-        text = f"On the loading, at {at}: {how}. Coarse mesh, tissue of Maeno et al. (1998)."
-        picture = page.svg(figures.panels(chosen, ANGLE, ["case"], [skip]))
-        yield part(
-            f"At a fixed {'depth' if at == '1 mm' else 'force'}, {at}", text, picture=picture
+        text = (
+            f"Fingers of subjects a.h. and p.w. on the loading, at {at}: {how}. Coarse mesh, "
+            "tissue of Maeno et al. (1998)."
         )
+        picture = page.svg(figures.panels(chosen, ANGLE, ["case"], [skip]))
+        title = f"At a fixed {'depth' if at == '1 mm' else 'force'}, {at}"
+        yield part(title, text, figures.LEGEND, picture=picture)
     yield from _by_force(rows)
     with_array = [
         row

@@ -77,7 +77,7 @@ def _with_many(loop: Modal, depth: float) -> ClosedContact:
     active = np.flatnonzero(prepared.preload(depth, None)[1] > 0)
     o, here = prepared.body.oscillators, prepared.body.shares
     # The second static term: that of the modes at hand, less that of the further ones.
-    total = prepared.inertia + (here.T / o.squares**2) @ here
+    total = prepared.static(np.arange(here.shape[1])).inertia + (here.T / o.squares**2) @ here
     rest = static.flexibility - (shares.T / squares) @ shares
     inertia = total - (shares.T / squares**2) @ shares
     block = np.ix_(active, active)

@@ -14,7 +14,7 @@ from fefinger.validation.case import Noted
 from fefinger.validation.waves import loops
 from scipy import sparse
 
-from fefinger.fem.condensation import reduce
+from fefinger.fem.condensation import displaced, reduce
 from fefinger.fem.contact.closed_contact import ClosedContact
 from fefinger.mechanics.press import placement
 from fefinger.mechanics.press.harmonic import RimError
@@ -76,10 +76,10 @@ def impedance(tissue: str, preload: float) -> Complex:
     static = reduce(solid, replace(three, loads=loads, vertices=three.vertices[loaded]), nothing)
     body = body_of_modes(finger, loop.modes, static, lambda: nothing)
     along: Array = np.concatenate([np.zeros_like(on.areas), on.areas, np.zeros_like(on.areas)])
-    o, every = body.oscillators, np.eye(int(loaded.sum()))
+    o = body.oscillators
     held = ClosedContact.of(
         *(o.squares, body.shares, body.rest, along[loaded], o.weights, o.rates),
-        rest_inertia(finger, solid, body, every),
+        rest_inertia(finger, solid, displaced(solid, loads), body.shares / o.squares[:, None]),
     )
     sides = 2.0 if solid.half else 1.0
     stiffness = sides * NEWTON_PER_MILLINEWTON * held.stiffness(BAND)

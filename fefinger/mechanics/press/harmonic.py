@@ -6,13 +6,13 @@ derivative with respect to the amplitude. Two static terms stand for the modes t
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 from scipy import sparse
 
-from fefinger.fem.condensation import Operator, reduce
+from fefinger.fem.condensation import Operator, displaced, reduce
 from fefinger.fem.contact.closed_contact import ClosedContact
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.obstacle import Rigid
@@ -48,21 +48,46 @@ class RimError(InputError):
 
 
 @dataclass(frozen=True)
+class Static:
+    """Response of the body to unit loads at some of the candidates, in ascending order.
+
+    rows (n_rows, k): strain and displacement of the skin, without the share of the modes; inertia
+    (k, k): the second static term.
+    """
+
+    candidates: Integers
+    rows: Array
+    inertia: Array
+
+    def at(self, candidates: Integers) -> Self:
+        """Return the response to the loads at fewer candidates."""
+        place = np.searchsorted(self.candidates, candidates)
+        return replace(
+            self,
+            candidates=candidates,
+            rows=self.rows[:, place],
+            inertia=self.inertia[np.ix_(place, place)],
+        )
+
+
+@dataclass
 class Vibrating:
     """A finger under an indenter, prepared for harmonic answers at any preload.
 
-    body: on the candidates, with rows for the strain at `sites` and then for the displacement of
-    the skin at the vertices `line`; inertia (n_pad, n_pad): its second static term; complete: the
-    relaxed frequency in Hz below which no mode lacks; deepest: largest preload in mm.
+    body: on the candidates, without strain in its statics; its modes have rows for the strain at
+    `sites` and then for the displacement of the skin at the vertices `line`; complete: the relaxed
+    frequency in Hz below which no mode lacks; deepest: largest preload in mm.
     """
 
+    finger: Finger
     solid: Operator
     body: ModalBody
-    inertia: Array
     sites: Sites | None
     line: Integers
     complete: float
     deepest: float
+    stiffening: float
+    _static: Static | None = None
 
     @classmethod
     def of(
@@ -89,12 +114,29 @@ class Vibrating:
             raise InputError(limits.NOTHING_UNDER)
         line = skin_line(solid)
         rows = _rows(solid, sites, line)
-        static = stiffened(reduce(solid, on_pad, rows), stiffening)
-        body = body_of_modes(finger, modes, static, lambda: rows, stiffening)
-        every = np.eye(len(on_pad.vertices))
-        inertia = rest_inertia(finger, solid, body, every, stiffening)
+        still = stiffened(reduce(solid, on_pad, rows[:0]), stiffening)
+        body = body_of_modes(finger, modes, still, lambda: rows, stiffening)
         last = modes.complete * float(np.sqrt(stiffening))
-        return cls(solid, body, inertia, sites, line, last, deepest)
+        return cls(finger, solid, body, sites, line, last, deepest, stiffening)
+
+    def static(self, candidates: Integers) -> Static:
+        """Return the static response to unit loads at some of the candidates (k,).
+
+        What was computed is kept: first for the candidates that were wanted, which takes half the
+        time, and for all of them where others are wanted later.
+        """
+        if self._static is None or not np.isin(candidates, self._static.candidates).all():
+            everywhere = np.arange(self.body.shares.shape[1])
+            self._static = self._respond(candidates if self._static is None else everywhere)
+        return self._static.at(candidates)
+
+    def _respond(self, candidates: Integers) -> Static:
+        """Compute the static response to unit loads at some of the candidates."""
+        body = self.body
+        moved = displaced(self.solid, body.static.patch.loads[:, candidates]) / self.stiffening
+        work = body.shares[:, candidates] / body.oscillators.squares[:, None]
+        rows = _rows(self.solid, self.sites, self.line) @ moved - body.strain @ work
+        return Static(candidates, rows, rest_inertia(self.finger, self.solid, moved, work))
 
     def harmonic(
         self, frequency: Array, *, depth: float | None = None, force: float | None = None
@@ -111,12 +153,13 @@ class Vibrating:
         depth, pressure = self.preload(depth, force)
         active = np.flatnonzero(pressure > 0)
         body, on_pad = self.body, self.body.static.patch
-        held, first = self._held(active)
+        static = self.static(active)
+        held, first = self._held(static)
         stiffness, rough = held.stiffness(frequency), first.stiffness(frequency)
         ratio = (2 * np.pi * frequency) ** 2 / np.abs(
             held.modulus(frequency) * body.oscillators.squares[-1]
         )
-        strain, skin = self._read(held, active, frequency)
+        strain, skin = self._read(held, static, frequency)
         sides = 2.0 if self.solid.half else 1.0
         unit = sides * NEWTON_PER_MILLINEWTON
         return Harmonic(
@@ -156,23 +199,22 @@ class Vibrating:
             )
         return float(depth), pressure
 
-    def _held(self, active: Integers) -> tuple[ClosedContact, ClosedContact]:
+    def _held(self, static: Static) -> tuple[ClosedContact, ClosedContact]:
         """Return the body held at its contact, with two static terms and with the first alone."""
-        body, o, block = self.body, self.body.oscillators, np.ix_(active, active)
+        body, o, active = self.body, self.body.oscillators, static.candidates
         parts = (
-            *(o.squares, body.shares[:, active], body.rest[block]),
+            *(o.squares, body.shares[:, active], body.rest[np.ix_(active, active)]),
             *(body.static.patch.projected[active], o.weights, o.rates),
         )
-        return ClosedContact.of(*parts, self.inertia[block]), ClosedContact.of(*parts)
+        return ClosedContact.of(*parts, static.inertia), ClosedContact.of(*parts)
 
     def _read(
-        self, held: ClosedContact, active: Integers, frequency: Array
+        self, held: ClosedContact, static: Static, frequency: Array
     ) -> tuple[Complex, Complex]:
         """Strain (n_f, n_sites, 3, 3) and displacement (n_f, n_skin, 3) per mm of oscillation."""
         pressure, amplitude = held.amplitudes(frequency)
-        complete, sites = self.body.complete.strain, self.sites
-        modes = complete[:, self.body.shares.shape[1] :]
-        rows = pressure @ complete[:, active].T + amplitude @ modes.T
+        sites = self.sites
+        rows = pressure @ static.rows.T + amplitude @ self.body.strain.T
         n_sites = 0 if sites is None else len(sites.points)
         flat = rows[:, : 6 * n_sites].reshape(len(frequency), n_sites, 6)
         strain = tensors(flat.real) + 1j * tensors(flat.imag)

@@ -27,8 +27,10 @@ from fefinger.mechanics.press import limits, operator, placement, problem
 from fefinger.mechanics.press.pad import first_moments, whole_pad
 from fefinger.mechanics.press.reference import reference_press
 from fefinger.mechanics.press.sites import central_sites
+from fefinger.mechanics.realtime.loop import check_finger, described, units, warn_of_softness
 from fefinger.mechanics.realtime.step import Step
 from fefinger.neural.recorded_streaming import RecordedAfferents
+from fefinger.neural.reference import Reference
 from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
@@ -39,7 +41,6 @@ from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.tolerances import COMPLEMENTARITY
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
-from fefinger.support.vocabulary import FAMILIES
 
 
 class Condensed:
@@ -50,7 +51,8 @@ class Condensed:
     finger, indenter
         As in a scene; or an obstacle with an `axis` and a `gap(points)`, as
         `fem.contact.obstacle.Rigid`.
-        Tissue that stiffens is taken as soft as it is at first touch: use `Pressed` for it.
+        Tissue that stiffens is taken as soft as it is at first touch, with a warning: use `Pressed`
+        for it.
     deepest
         Depth in mm that the pad has to answer; the candidate vertices follow from it.
     sites
@@ -82,9 +84,12 @@ class Condensed:
         stiffening: Callable[[float], float] | None = None,
         tolerance: float = COMPLEMENTARITY,
     ) -> None:
+        check_finger(finger)
         self.finger, self.indenter = finger, indenter
         self.deepest = number("deepest", deepest, above=0, unit="mm")
         choice("precision", precision, ("double", "single"))
+        if stiffening is None:
+            warn_of_softness(finger, indenter, self.deepest)
         half = not isinstance(indenter, Rigid) and indenter.mirrored
         solid = operator.operator(finger, half=half)
         if isinstance(indenter, Rigid):
@@ -120,6 +125,10 @@ class Condensed:
         self._advance(0.0, 0.0, False)  # compiles or loads what a step needs: none of them waits
         self.reset()
 
+    def __repr__(self) -> str:
+        """Show finger, object and end organs, not the arrays."""
+        return described(self, f"{len(self.patch.vertices)} vertices may touch")
+
     @property
     def counts(self) -> Integers:
         """Counts (5,) of the work of the solver, by the indices of `fem.contact.lcp_compiled`."""
@@ -142,9 +151,9 @@ class Condensed:
     def afferents(self, **options: Any) -> Afferents | RecordedAfferents:
         """Return the units of the sites, to be stepped with the strain of every step.
 
-        `options` as for the function `afferents` of this module.
+        `options` as for the function `loop.units`.
         """
-        return afferents(self.finger, self.solid, self.sites, **options)
+        return units(self.sites, lambda: reference(self.finger, self.solid, self.sites), **options)
 
     def reset(self) -> None:
         """Lift the indenter off and clear the stress history."""
@@ -269,27 +278,10 @@ def read_summary(
     return now
 
 
-def afferents(
-    finger: Finger, solid: Solid, sites: Sites, *, family: str = FAMILIES[0], **options: Any
-) -> Afferents | RecordedAfferents:
-    """Return the units of sites, of a family of afferents.
-
-    "thesis": one per site, `options` as for `neural.streaming.Afferents`. "recorded": those of the
-    sites, `options` as for `neural.recorded_streaming.RecordedAfferents`.
-
-    Raises
-    ------
-    InputError
-        An unknown family, or as the classes.
-    """
-    if choice("family", family, FAMILIES) == "recorded":
-        types = sites.types
-        if sites.unit is not None:
-            types = tuple(types[i] for i in np.unique(sites.unit, return_index=True)[1])
-        return RecordedAfferents(types, sites.normals, unit=sites.unit, **options)
+def reference(finger: Finger, solid: Solid, sites: Sites) -> Reference:
+    """Return the press that scales the strain at sites for units of the thesis."""
     plate = problem.reference_plate(finger, solid, Ask(spikes=tuple(dict.fromkeys(sites.types))))
-    reference = reference_press(solid, plate, operator.METHOD)
-    return Afferents.of(sites.types, sites.normals, reference, **options)
+    return reference_press(solid, plate, operator.METHOD)
 
 
 def unfolded(solid: Solid, points: Array, strain: Array) -> Array:

@@ -28,6 +28,7 @@ from fefinger.mechanics.press.modal_body import body_of_modes
 from fefinger.mechanics.press.mode_store import finger_modes
 from fefinger.mechanics.press.time_steps import RESOLVED
 from fefinger.mechanics.realtime.condensed import Condensed, read_summary, unfolded
+from fefinger.mechanics.realtime.loop import described
 from fefinger.mechanics.realtime.step import Step
 from fefinger.mesh.store import load_or_build
 from fefinger.neural.recorded_streaming import RecordedAfferents
@@ -54,8 +55,8 @@ class Modal:
     Parameters
     ----------
     finger, indenter
-        As in a scene. Tissue that stiffens is taken as soft as it is at first touch; a scene with a
-        vibration has the stiffness at its preload.
+        As in a scene. Tissue that stiffens is taken as soft as it is at first touch, with a
+        warning; a scene with a vibration has the stiffness at its preload.
     deepest
         Depth in mm that the pad has to answer.
     sites
@@ -87,6 +88,7 @@ class Modal:
         self.dt = number("dt", dt, above=0, unit="s")
         still = Condensed(finger, indenter, deepest=deepest, sites=sites, precision=precision)
         self.finger, self.sites, self.deepest = finger, still.sites, still.deepest
+        self.indenter = indenter
         self._still = still
         self.modes = finger_modes(finger, still.solid)
         half, points = still.solid.half, self.sites.points
@@ -114,6 +116,11 @@ class Modal:
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._contact.lcp.x, strain)
         self._advance(self.dt, 0.0, by_force=False)  # compiles or loads what a step needs
         self.reset()
+
+    def __repr__(self) -> str:
+        """Show finger, object, modes and end organs, not the arrays."""
+        low, high = self.frequencies[[0, -1]]
+        return described(self, f"{len(self.frequencies)} modes, {low:.3g} to {high:.3g} Hz relaxed")
 
     @property
     def frequencies(self) -> Array:

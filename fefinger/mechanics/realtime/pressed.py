@@ -19,7 +19,10 @@ from fefinger.mechanics.press.carried import METHOD, CarriedPress
 from fefinger.mechanics.press.notes import apart, yielding
 from fefinger.mechanics.press.pad import first_moments, on_seen, whole_pad
 from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.realtime.loop import check_finger, described, units
 from fefinger.mechanics.realtime.step import Step
+from fefinger.neural.recorded_streaming import RecordedAfferents
+from fefinger.neural.reference import Reference
 from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
@@ -67,6 +70,7 @@ class Pressed:
         sites: Sites | None = None,
         progress: Progress | None = None,
     ) -> None:
+        check_finger(finger)
         self.deepest = number("deepest", deepest, above=0, unit="mm")
         for reason in (*apart(finger), *yielding(finger)):
             raise InputError(f"{reason}; use the mechanics 'solid'")
@@ -95,14 +99,21 @@ class Pressed:
         zeros = np.zeros(len(self._travel)), np.zeros((count, 6))
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, *zeros)
 
-    def afferents(self, **options: Any) -> Afferents:
-        """Return one unit per site, to be stepped with the strain of every step of this finger.
+    def __repr__(self) -> str:
+        """Show finger, object and end organs, not the arrays."""
+        return described(self)
 
-        `options` as for `neural.streaming.Afferents`.
+    def afferents(self, **options: Any) -> Afferents | RecordedAfferents:
+        """Return the units of the sites, to be stepped with the strain of every step.
+
+        `options` as for the function `loop.units`.
         """
+        return units(self.sites, self._reference, **options)
+
+    def _reference(self) -> Reference:
         reference = self._carried.reference()
-        assert reference is not None
-        return Afferents.of(self.sites.types, self.sites.normals, reference, **options)
+        assert reference is not None  # as spikes are asked for
+        return reference
 
     def reset(self) -> None:
         """Lift the indenter off and clear the stress history."""

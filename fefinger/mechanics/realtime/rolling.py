@@ -21,6 +21,7 @@ from fefinger.fem.contact.patch import Patch, patch, smooth_places
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.fem.elements.spaces import trace
 from fefinger.mechanics.press import operator, placement, problem
+from fefinger.mechanics.realtime.loop import check_finger, described, warn_of_softness
 from fefinger.mechanics.realtime.step import Step
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
@@ -40,7 +41,8 @@ class Rolling:
     Parameters
     ----------
     finger
-        As in a scene.
+        As in a scene. Tissue that stiffens is taken as soft as it is at first touch, with a
+        warning.
     angles
         The angles in degrees between which the plate is going to turn.
     deepest
@@ -63,12 +65,14 @@ class Rolling:
         deepest: float = 1.5,
         sites: Sites,
     ) -> None:
-        self.deepest = number("deepest", deepest, above=0, unit="mm")
+        check_finger(finger)
+        self.finger, self.deepest = finger, number("deepest", deepest, above=0, unit="mm")
         if not len(angles):
             message = "angles: expected the degrees between which the plate turns, received none"
             raise InputError(message)
         turned = [Flat(angle).angle for angle in angles]
         self.sites, self.angles = sites, (min(turned), max(turned))
+        warn_of_softness(finger, Flat(sum(self.angles) / 2), self.deepest)
         solid = self.solid = operator.operator(finger, half=True)
         surface = trace(solid.space, solid.pad)
         skin = smooth_places(solid.space.points, solid.normals, surface)[..., PLANE].reshape(-1, 2)
@@ -98,6 +102,10 @@ class Rolling:
         strain = self._strain.reshape(-1, 6)
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)
         self.reset()
+
+    def __repr__(self) -> str:
+        """Show finger, angles and end organs, not the arrays."""
+        return described(self, "a plate from {:g} to {:g} degrees".format(*self.angles))
 
     @property
     def elastic(self) -> Array:

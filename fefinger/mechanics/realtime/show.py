@@ -9,7 +9,8 @@ import numpy as np
 from fefinger.fem.body import Solid
 from fefinger.fem.elements.probe import inside, tensors
 from fefinger.mechanics.press import operator
-from fefinger.mechanics.realtime.condensed import afferents
+from fefinger.mechanics.realtime.condensed import reference
+from fefinger.mechanics.realtime.loop import units
 from fefinger.mechanics.realtime.rolling import Rolling
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.streaming import Afferents
@@ -71,7 +72,9 @@ class Show:
         angles = [angle for _, _, angle in SCRIPT]
         self.rolling = Rolling(finger, angles=angles, deepest=DEEPEST, sites=self.organs)
         self.drawn = self.rolling.strains(solid.space.points[self.section])
-        self.units: Afferents | RecordedAfferents = afferents(finger, solid, self.organs)
+        self.units: Afferents | RecordedAfferents = units(
+            self.organs, lambda: reference(finger, solid, self.organs)
+        )
 
     def frames(self) -> Iterator[Frame]:
         """Step through the script and yield its frames."""

@@ -26,7 +26,8 @@ from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press import operator, placement
 from fefinger.mechanics.press import sliding as press_sliding
 from fefinger.mechanics.press.sites import central_sites
-from fefinger.mechanics.realtime.condensed import afferents, reduced_to_candidates, step_output
+from fefinger.mechanics.realtime.condensed import reduced_to_candidates, reference, step_output
+from fefinger.mechanics.realtime.loop import check_finger, described, units, warn_of_softness
 from fefinger.mechanics.realtime.step import Step
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.streaming import Afferents
@@ -48,7 +49,7 @@ AROUND = 8
 """Number of places on the circle of radius `reach` at which candidates are sought."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False)
 class SlidingStep(Step):
     """Result of a step of `Sliding`: a `Step` with the quantities along the object's plane.
 
@@ -71,7 +72,7 @@ class Sliding:
     ----------
     finger, indenter
         As in a scene; the friction is that of the indenter. Tissue that stiffens is taken as soft
-        as it is at first touch.
+        as it is at first touch, with a warning.
     deepest
         Depth in mm that the pad has to answer.
     reach
@@ -98,10 +99,12 @@ class Sliding:
         sites: Sites | None = None,
         precision: Literal["double", "single"] = "double",
     ) -> None:
+        check_finger(finger)
         self.finger, self.indenter = finger, indenter
         self.deepest = number("deepest", deepest, above=0, unit="mm")
         self.reach = number("reach", reach, at_least=0, unit="mm")
         choice("precision", precision, ("double", "single"))
+        warn_of_softness(finger, indenter, self.deepest)
         solid = self.solid = operator.operator(finger, half=False)
         obstacle = self._obstacle = placement.obstacle(indenter, solid)
         if sites is None:
@@ -158,12 +161,16 @@ class Sliding:
 
         return reduced_to_candidates(self.deepest, candidates, reduce, lambda on: on.border)
 
+    def __repr__(self) -> str:
+        """Show finger, object and end organs, not the arrays."""
+        return described(self, f"{len(self.patch.vertices)} vertices may touch")
+
     def afferents(self, **options: Any) -> Afferents | RecordedAfferents:
         """Return the units of the sites, to be stepped with the strain of every step.
 
-        `options` as for the function `condensed.afferents`.
+        `options` as for the function `loop.units`.
         """
-        return afferents(self.finger, self.solid, self.sites, **options)
+        return units(self.sites, lambda: reference(self.finger, self.solid, self.sites), **options)
 
     def reset(self) -> None:
         """Lift the object off at its first place, and clear the stress history."""

@@ -1,6 +1,6 @@
 """Result of one step of a real-time finger."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,5 +24,11 @@ class Step:
     contact_area: float
     x: float
     y: float
-    pressure: Array = field(repr=False)
-    strain: NDArray[np.floating] = field(repr=False)
+    pressure: Array
+    strain: NDArray[np.floating]
+
+    def __repr__(self) -> str:
+        """Show the numbers with their units, not the arrays."""
+        x, y = (round(each, 4) + 0.0 for each in (self.x, self.y))
+        name, force = type(self).__name__, f"{self.force:.4g} N at {self.depth:.4g} mm"
+        return f"<{name}: {force}, {self.contact_area:.4g} mm² about x {x:g}, y {y:g} mm>"

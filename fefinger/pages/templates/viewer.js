@@ -242,16 +242,18 @@ class Scene {
     const gl = this.gl, { points, triangles, rim, axis } = this.record.indenter;
     const travel = this.record.depth[frame] - 0.05;  // a little away, so that nothing flickers
     this.attribute("place", Float32Array.from(this.read(points), (x, i) => x + travel * axis[i % 3]), 3);
-    gl.enable(gl.BLEND);
-    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-    gl.depthMask(false);
-    const cut = shown["other half"] ? -1e9 : 0;
-    this.set(GLASS, { plain: [...STEEL, 0.2], cut });
-    this.elements(gl.TRIANGLES, this.read(triangles));
-    gl.depthMask(true);
-    gl.disable(gl.BLEND);
+    const cut = shown["other half"] ? -1e9 : 0, edge = this.read(rim);
+    if (field !== "pressure" || !edge.length) {  // glass changes the colors behind it
+      gl.enable(gl.BLEND);
+      gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+      gl.depthMask(false);
+      this.set(GLASS, { plain: [...STEEL, 0.2], cut });
+      this.elements(gl.TRIANGLES, this.read(triangles));
+      gl.depthMask(true);
+      gl.disable(gl.BLEND);
+    }
     this.set(GLASS, { plain: [0.32, 0.38, 0.43, 1], cut });
-    this.elements(gl.LINES, this.read(rim));
+    this.elements(gl.LINES, edge);
   }
 
   write(frame) {

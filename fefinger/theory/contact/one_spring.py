@@ -141,8 +141,9 @@ class Spring:
         gain, past, *_ = step = self._past(dt)
         elastic = (force - float(past @ self.elastic.force)) / gain
         if elastic > self.elastic.force[-1] * (1 + SAME):
-            msg = f"force: expected one that {self.elastic.nodes[-1]:g} mm bear, received {force:g}"
-            raise ValueError(msg)
+            most = gain * self.elastic.force[-1] + float(past @ self.elastic.force)
+            where = f"that of the largest depth, {self.elastic.nodes[-1]:.4g} mm"
+            raise ValueError(f"force: expected at most {most:.4g}, {where}, received {force:g}")
         depth = max(self.elastic.depth(elastic), self._free(gain, past))
         self._finish(depth, depth, *step)
 

@@ -1,0 +1,79 @@
+"""Fingers in real time: their text, the families of their units, and the warning of soft tissue."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.mechanics import condensed
+from fefinger.mechanics.situation import Situation
+from fefinger.neural.recorded_streaming import RecordedAfferents
+from fefinger.neural.streaming import Afferents
+from fefinger.results.records import Sites
+from fefinger.support.text import percent
+
+
+SOFT = ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse")
+STIFFENING = ff.Finger.subject("a.h.", resolution="coarse")
+SITES = Sites(np.array([[0, 0, 0.9]]), -np.eye(3)[2:], np.array([0.8]), ("SAI",))
+
+
+@pytest.fixture(autouse=True)
+def _own_cache(operators: Path) -> None:
+    """Keep to the operators of this session."""
+
+
+@pytest.mark.parametrize("indenter", [ff.Flat(30), ff.Sphere(5)])
+def test_tissue_that_stiffens_is_warned_of_with_the_error_of_the_scene(indenter) -> None:
+    scene = ff.Scene(finger=STIFFENING, indenter=indenter, motion=ff.Ramp(10, 0.8))
+    error, _ = condensed.error(Situation.of(scene))
+    said = "" if np.isnan(error) else f"at 0.8 mm is wrong by some {percent(error)} "
+    with pytest.warns(UserWarning, match=f"stiffens.*{said}.*ff.Pressed"):
+        ff.Condensed(STIFFENING, indenter, deepest=0.8)
+
+
+def test_the_other_fingers_at_small_strain_warn_too() -> None:
+    with pytest.warns(UserWarning, match="calibrated_ah stiffens"):
+        ff.Sliding(STIFFENING, ff.Flat(30), deepest=0.5)
+    with pytest.warns(UserWarning, match="calibrated_ah stiffens"):
+        ff.Rolling(STIFFENING, angles=(28, 32), deepest=0.5, sites=SITES)
+    with pytest.warns(UserWarning, match="calibrated_ah stiffens"):
+        ff.Modal(STIFFENING, ff.Flat(30), deepest=0.5)
+    law = ff.Stiffening(1.0, 1.0)  # stiffens by t(u): nothing to warn of
+    ff.Condensed(STIFFENING, ff.Flat(30), deepest=0.5, stiffening=law)
+
+
+@pytest.mark.parametrize("kind", [ff.Condensed, ff.Pressed, ff.Sliding])
+def test_units_are_of_either_family(kind: type) -> None:
+    finger = kind(SOFT, ff.Flat(30), deepest=0.8)
+    assert isinstance(finger.afferents(), RecordedAfferents)
+    thesis = finger.afferents(family="thesis")
+    assert isinstance(thesis, Afferents)
+    assert repr(thesis) == "<Afferents (thesis) of SAI, SAII, FAI, FAII>"
+    with pytest.raises(ff.InputError, match="family"):
+        finger.afferents(family="theses")
+
+
+@pytest.mark.parametrize("kind", [ff.Condensed, ff.Pressed, ff.Sliding, ff.Modal])
+def test_the_name_of_a_subject_is_no_finger(kind: type) -> None:
+    with pytest.raises(ff.InputError, match=r"expected a Finger, as ff.Finger.subject.*'a.h.'"):
+        kind("a.h.", ff.Flat(30))
+
+
+def test_a_force_beyond_the_press_is_refused_with_the_largest_one() -> None:
+    finger = ff.Pressed(SOFT, ff.Flat(30), deepest=0.8)
+    with pytest.raises(ff.InputError, match="expected at most") as caught:
+        finger.step_force(50.0, 1e-3)
+    most = float(str(caught.value).split()[4].rstrip(","))
+    assert finger.step_force(0.99 * most, 1e-3).force == pytest.approx(0.99 * most)
+
+
+def test_a_finger_and_a_step_are_a_line_with_units() -> None:
+    finger = ff.Condensed(SOFT, ff.Flat(30), deepest=0.8)
+    about = "finger a.h., maeno1998 tissue, coarse mesh, under Flat(angle=30.0, tilt=0.0)"
+    assert repr(finger).startswith(f"<Condensed: {about}; to 0.8 mm; ")
+    assert repr(finger).endswith("vertices may touch; strain at SAI, SAII, FAI, FAII>")
+    step = finger.step(0.3, 1e-3)
+    assert repr(step).startswith(f"<Step: {step.force:.4g} N at 0.3 mm, ")
+    assert "Step: 0 N at 0 mm, 0 mm² about x nan" in repr(finger.step(0.0, 1e6))
