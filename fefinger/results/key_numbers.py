@@ -58,9 +58,9 @@ def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
         value = f"{np.nanmax(result.contact_area):.3g} mm²"
         yield KeyNumber("largest contact area", value, errors.get("area", math.nan), 4)
     if result.pressure is not None and result.pad is not None:
-        value = f"{highest(result.pad, result.pressure):.3g} kPa"
-        error = errors.get("pressure", math.nan)
-        yield KeyNumber("highest pressure over 1 mm²", value, error, 6)
+        pressure, (x, y, _) = highest(result.pad, result.pressure)
+        error, where = errors.get("pressure", math.nan), f"at x = {x:z.1f} mm, y = {y:z.1f} mm"
+        yield KeyNumber("highest pressure over 1 mm²", f"{pressure:.3g} kPa", error, 6, where)
     if result.strain is not None and result.sites is not None and result.strain.size:
         yield _strain(result, errors.get("strain", math.nan))
     if result.spikes is not None:

@@ -59,9 +59,11 @@ def net(pad: Pad, parts: int) -> Net:
     return Net(between, (loads @ sparse.diags(share)).tocsr())
 
 
-def highest(pad: Pad, pressure: Array) -> float:
-    """Largest mean pressure in kPa over 1 mm² at any time, see `peaks`."""
-    return float(peaks(pad, pressure).max())
+def highest(pad: Pad, pressure: Array) -> tuple[float, Array]:
+    """Largest mean pressure in kPa over 1 mm² at any time, see `peaks`, and its place (3,) mm."""
+    points, means = _means(pad, pressure)
+    number = int(means.max(axis=1).argmax())
+    return float(means[number].max()), points[number]
 
 
 def peaks(pad: Pad, pressure: Array) -> Array:
@@ -71,11 +73,19 @@ def peaks(pad: Pad, pressure: Array) -> Array:
     point, which varies by a quarter at the rim of a plate on the standard mesh, it does not depend
     on the mesh.
     """
+    return np.asarray(_means(pad, pressure)[1].max(axis=0))
+
+
+def _means(pad: Pad, pressure: Array) -> tuple[Array, Array]:
+    """Compute the points (n, 3) mm that ever bear pressure, and the means (n, n_t) kPa about them.
+
+    The first point of the pad, with zeros, where none does.
+    """
     from scipy.spatial import KDTree
 
     used = np.any(pressure > 0, axis=0)
     if not used.any():
-        return np.zeros(len(pressure))
+        return pad.points[:1], np.zeros((1, len(pressure)))
     pad = pressed(pad, used)
     fine = net(pad, cuts(pad, SPREAD))
     tree = KDTree(fine.between @ pad.points)
@@ -83,8 +93,7 @@ def peaks(pad: Pad, pressure: Array) -> Array:
         tree, FAR * SPREAD, output_type="coo_matrix"
     )
     near.data = np.exp(-(near.data**2) / (2 * SPREAD**2)) / (2 * np.pi * SPREAD**2)
-    means = (near @ fine.loads)[:, used] @ pressure[:, used].T
-    return np.asarray(means.max(axis=0))
+    return pad.points[used], np.asarray((near @ fine.loads)[:, used] @ pressure[:, used].T)
 
 
 def pressed(pad: Pad, used: Flags) -> Pad:

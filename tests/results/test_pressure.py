@@ -59,8 +59,10 @@ def test_the_highest_pressure_is_that_of_a_convolution_with_1_mm2():
     """Gaussians convolve: 40 kPa of variance 1 mm² and one of 1 / (2 pi) mm²."""
     exact = 40 / (1 + pressures.SPREAD**2)
     pads = [disk(seed, 3000) for seed in range(2)]
-    found = [pressures.highest(pad, bump(pad)[None]) for pad in pads]
-    assert found == pytest.approx([exact] * 2, rel=0.015)
+    for pad in pads:
+        found, place = pressures.highest(pad, bump(pad)[None])
+        assert found == pytest.approx(exact, rel=0.015)
+        assert place == pytest.approx([0.3, -0.2, 0.0], abs=0.3)  # points are 0.13 mm apart
 
 
 def test_a_pressure_at_one_point_counts_with_its_area():
@@ -69,8 +71,10 @@ def test_a_pressure_at_one_point_counts_with_its_area():
     at = int(np.argmin((pad.points**2).sum(axis=1)))
     pressure[1, at] = 100.0
     share = 100.0 * pad.areas[at]
-    assert 0.7 * share < pressures.highest(pad, pressure) < share
-    assert pressures.highest(pad, 0 * pressure) == 0.0
+    value, place = pressures.highest(pad, pressure)
+    assert 0.7 * share < value < share
+    assert place == pytest.approx(pad.points[at])
+    assert pressures.highest(pad, 0 * pressure)[0] == 0.0
 
 
 def test_an_array_feels_a_pressure_that_is_linear_between_coarse_points():
