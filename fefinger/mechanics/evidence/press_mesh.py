@@ -8,12 +8,11 @@ over the thickness of the finger.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.mechanics.evidence import carrying, reached_depth
 from fefinger.mechanics.evidence.pressed_objects import (
@@ -31,6 +30,7 @@ from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
+from fefinger.support.arrays import Array
 from fefinger.support.text import percent
 from fefinger.theory.relaxation import hereditary_integral
 
@@ -66,6 +66,48 @@ UNKNOWN = Known(math.nan, "not known: it was not measured")
 
 def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Known:
     """Return the measured error of a quantity: of finite strain that of its mesh."""
+    told = _told(candidate, case, quantity)
+    if isinstance(told, str):
+        return Known(math.nan, f"not known: {told}")
+    margin, value = math.hypot(*_margins(told, candidate, case, quantity)), told.value
+    carried = carrying.error(case, quantity) if _carried(candidate, case) else 0.0
+    if case.measured_tissue:  # neither is the larger by far
+        margin += math.hypot(value, carried) - value
+    else:
+        margin = math.hypot(margin, max(1 - value, 0.0) * carried)
+    pressed = " and ".join(press.press for press in told.presses)
+    source = f"reports/{PRESS_MESH}, {pressed}: {percent(value)}"
+    if margin:
+        source += f", and {percent(margin)} of margin"
+    return Known(value + margin, source)
+
+
+class _Told(NamedTuple):
+    """What presses tell of an error.
+
+    depth: over the thickness, in the first press; share: where the object lies between the presses,
+    as `_share` has it; values (n,): of each press.
+    """
+
+    presses: list[Measured]
+    depth: float
+    values: Array
+    share: float | None
+
+    @property
+    def value(self) -> float:
+        """The error: between those of two presses, else the largest."""
+        return float(self.values.max() if self.share is None else self.weighted.sum())
+
+    @property
+    def weighted(self) -> Array:
+        """What of an error between two presses is of each (2,)."""
+        assert self.share is not None
+        return self.values * [1 - self.share, self.share]
+
+
+def _told(candidate: Candidate, case: Situation, quantity: str) -> _Told | str:
+    """Return what the presses next to a scene tell of an error, or why none does."""
     names, reason = between(case.indenter)
     parts = _presses(candidate, case, quantity, names)
     if len(parts) < len(names) and aside(case.indenter):
@@ -73,39 +115,38 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     if parts and not _deep_enough(parts):
         parts = _presses(candidate, case, quantity, around(case.indenter)) or parts
     if not parts:
-        return Known(math.nan, f"not known: {reason or 'nothing like it was pressed'}")
+        return reason or "nothing like it was pressed"
     if not _deep_enough(parts):
         press, part = max(parts, key=lambda each: each[0].part[-1])
-        return Known(
-            math.nan,
-            f"not known: it goes to {part:.2g} of the finger's thickness, and presses like it were "
-            f"measured to {press.part[-1]:.2g}",
+        return (
+            f"it goes to {part:.2g} of the finger's thickness, and presses like it were measured "
+            f"to {press.part[-1]:.2g}"
         )
-    local = case.indenter.sharp and quantity != "force"
-    read = _about if local else _at
+    read = _about if case.indenter.sharp and quantity != "force" else _at
     values = [_through(case, press, part, read(press, part), quantity) for press, part in parts]
-    error, margins = max(values), [0.0]
+    share = _share(place(case.indenter), parts)
+    return _Told([press for press, _ in parts], parts[0][1], np.array(values), share)
+
+
+def _margins(told: _Told, candidate: Candidate, case: Situation, quantity: str) -> list[float]:
+    """Return the margins of an error: between presses, of other edges, of other fingers."""
     # Which vertices bear the pressure is by chance at any depth.
-    depth = None if quantity in LOCAL else parts[0][1]
-    where = place(case.indenter)
-    share = _share(where, parts)
-    if where is not None and share is not None:
-        error = (1 - share) * values[0] + share * values[1]
-        margins.append(_margin(_between(candidate, quantity, where[0]), depth))
-    if local and _object_of(parts[0][0]) not in same(case.indenter):
-        margins.append(_margin(_other_edges(candidate, quantity, case.indenter.kind), depth))
-    if not _measured_finger(case, parts, quantity):
-        margins.append(_margin(_other_fingers(_elsewhere(candidate, case), quantity), depth))
-    carried = carrying.error(case, quantity) if _carried(candidate, case) else 0.0
-    if case.measured_tissue:  # neither is the larger by far
-        margin = math.hypot(*margins) + math.hypot(error, carried) - error
-    else:
-        margin = math.hypot(*margins, max(1 - error, 0.0) * carried)
-    pressed = " and ".join(press.press for press, _ in parts)
-    source = f"reports/{PRESS_MESH}, {pressed}: {percent(error)}"
-    if margin:
-        source += f", and {percent(margin)} of margin"
-    return Known(error + margin, source)
+    depth, margins = None if quantity in LOCAL else told.depth, []
+    where, object_ = place(case.indenter), case.indenter
+    if where is not None and told.share is not None:
+        # Balls of nearly one curvature touch the same vertices; plates at an angle touch elsewhere.
+        alike = where[0] == "curvature" and quantity not in LOCAL
+        middle = 4 * told.share * (1 - told.share) if alike else 1.0
+        missed = _margin(_between(candidate, quantity, where[0]), depth)
+        margins.append(middle * missed * _unit(told.value, quantity))
+    if object_.sharp and quantity != "force" and _object_of(told.presses[0]) not in same(object_):
+        margins.append(_margin(_other_edges(candidate, quantity, object_.kind), depth))
+    elsewhere = _elsewhere(told, case, quantity)
+    if elsewhere:
+        other, value = _as_elsewhere(candidate, case, quantity, told.value)
+        missed = _margin(_other_fingers(other, quantity), depth)
+        margins.append(elsewhere * missed * _unit(value, quantity))
+    return margins
 
 
 def subject(finger: Finger) -> str:
@@ -127,28 +168,35 @@ def stiffening(finger: Finger) -> bool:
     )
 
 
-def _measured_finger(case: Situation, presses: list[tuple[Measured, float]], quantity: str) -> bool:
-    """Return whether the presses of a scene are of its finger, and tell of what is between them.
+def _elsewhere(told: _Told, case: Situation, quantity: str) -> float:
+    """Return the share of an error that was measured on another finger than that of the scene.
 
-    The margin between presses is of those of MAIN. Of another finger it is taken for the force
-    alone, which is smooth; which vertices bear the pressure is by chance on every finger.
+    All of it but for the force, which is smooth: which vertices bear the pressure is by chance on
+    every finger, and the margin between presses is mostly of those of MAIN.
     """
-    if case.measured_tissue:
-        return case.finger.subject_name == MAIN
-    own = reached_depth.calibrated(case.finger) and case.finger.subject_name
-    whose = {press.press.partition("/")[0] for press, _ in presses}
-    smooth = quantity == "force" or own == MAIN or len(presses) == 1
-    return whose == {own} and smooth
+    known = case.measured_tissue or reached_depth.calibrated(case.finger)
+    own = case.finger.subject_name if known else None
+    others = np.array([_subject_of(press) != own for press in told.presses])
+    if quantity != "force":
+        return float(others.any() or (own != MAIN and len(others) > 1))
+    if told.share is None:
+        return float(others.any())
+    return float(told.weighted[others].sum() / told.value)
 
 
-def _elsewhere(candidate: Candidate, case: Situation) -> Candidate:
-    """Return the candidate whose errors on other fingers tell the margin of one.
+def _as_elsewhere(
+    candidate: Candidate, case: Situation, quantity: str, value: float
+) -> tuple[Candidate, float]:
+    """Return the candidate whose errors on other fingers tell the margin of one, and its error.
 
     On published tissue small strain was compared on one finger: there it is that of its mesh.
     """
-    if case.measured_tissue and candidate.resolution is not None:
-        return Candidate("solid", candidate.resolution)
-    return candidate
+    small = not MECHANICS[candidate.mechanics].finite
+    if not (small and case.measured_tissue and candidate.resolution is not None):
+        return candidate, value
+    mesh = Candidate("solid", candidate.resolution)
+    told = _told(mesh, case, quantity)
+    return mesh, value if isinstance(told, str) else told.value
 
 
 def _carried(candidate: Candidate, case: Situation) -> bool:
@@ -164,12 +212,15 @@ def _presses(
     candidate: Candidate, case: Situation, quantity: str, names: Iterable[str]
 ) -> list[tuple[Measured, float]]:
     """Return the presses of some objects, and the depth over thickness that a scene is in each."""
-    published = case.measured_tissue and not MECHANICS[candidate.mechanics].finite
+    finite = MECHANICS[candidate.mechanics].finite
+    published = case.measured_tissue and not finite
     tissue = library.PUBLISHED if published else MAIN
+    # What a mesh errs by is of the finger, whatever its tissue.
+    whose = (finite and case.finger.subject_name) or subject(case.finger)
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     found = []
     for name in names:
-        own, label = f"{subject(case.finger)}/{name}", f"{tissue}/{name}"
+        own, label = f"{whose}/{name}", f"{tissue}/{name}"
         press = presses.get(own, presses.get(label)) if not published else presses.get(label)
         if press is not None:
             found.append((press, _reached(press, case) * _sooner(press, case.finger)))
@@ -257,11 +308,9 @@ def _through(case: Situation, press: Measured, part: float, error: float, quanti
 def _share(where: tuple[str, float] | None, parts: list[tuple[Measured, float]]) -> float | None:
     """Return where an object lies between two presses, from 0 at the first to 1 at the second.
 
-    None for an object that is no plate or ball in the middle of the pad, or has no two neighbors;
-    and on published tissue, where too few were pressed to tell the margin for it.
+    None for an object that is no plate or ball in the middle of the pad, or has no two neighbors.
     """
-    published = f"{library.PUBLISHED}/"
-    if where is None or len(parts) != 2 or parts[0][0].press.startswith(published):
+    if where is None or len(parts) != 2:
         return None
     axis, here = where
     low, high = (place_on(axis, _object_of(press)) for press, _ in parts)
@@ -274,7 +323,13 @@ def _object_of(press: Measured) -> str:
     return press.press.partition("/")[2]
 
 
-Missed = tuple[NDArray[np.float64], NDArray[np.float64]]
+def _subject_of(press: Measured) -> str:
+    """Return the subject of a press; on published tissue, that was MAIN."""
+    subject = press.press.partition("/")[0]
+    return MAIN if subject == library.PUBLISHED else subject
+
+
+Missed = tuple[Array, Array]
 """Depths over thickness (n,), and by what an error there exceeds what was told of it (n,)."""
 
 
@@ -286,28 +341,39 @@ def _margin(missed: Missed, part: float | None) -> float:
     return max(float(np.quantile(chosen, QUANTILE)), 0.0) if chosen.size else 0.0
 
 
+def _unit(error: float, quantity: str) -> float:
+    """Return what margins are multiples of: an error itself, as errors fall with the depth.
+
+    1 for LOCAL quantities: which vertices bear the pressure is by chance at any depth.
+    """
+    return 1.0 if quantity in LOCAL else error
+
+
 @cache
 def _between(candidate: Candidate, quantity: str, axis: str) -> Missed:
-    """Return half of what the errors in presses of MAIN exceed those between their neighbors by.
+    """Return half of what the errors in presses exceed those between their neighbors by.
 
-    Half, as leaving a press out doubles the gap.
+    The presses of one finger at a time. Half, as leaving a press out doubles the gap.
     """
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    row = {
-        where: press
-        for press in presses.values()
-        if press.press.startswith(f"{MAIN}/")
-        and (where := place_on(axis, _object_of(press))) is not None
-    }
-    places, missed = sorted(row), []
+    rows: dict[str, dict[float, Measured]] = {}
+    for name, press in presses.items():
+        finger, where = name.partition("/")[0], place_on(axis, _object_of(press))
+        if where is not None:
+            rows.setdefault(finger, {})[where] = press
+    return _columns([each for row in rows.values() for each in _left_out(row, quantity)])
+
+
+def _left_out(row: Mapping[float, Measured], quantity: str) -> Iterator[tuple[float, float]]:
+    """Yield depths over thickness of every press with two neighbors, and half of what they miss."""
+    places = sorted(row)
     for low, here, high in zip(places, places[1:], places[2:], strict=False):
         share = (here - low) / (high - low)
         deepest = min(row[low].part[-1], row[high].part[-1])
         for part, value in zip(row[here].part, row[here].values, strict=True):
             if part <= deepest:
                 told = (1 - share) * _at(row[low], part) + share * _at(row[high], part)
-                missed.append((part, (value - told) / 2))
-    return _columns(missed)
+                yield part, (value - told) / _unit(told, quantity) / 2
 
 
 @cache
@@ -342,7 +408,8 @@ def _other_fingers(candidate: Candidate, quantity: str) -> Missed:
             parts = press.part * _stiffer(main, _exponent(press))
             for part, value in zip(parts, press.values, strict=True):
                 if part <= main.part[-1]:
-                    more.append((part, value - _at(main, part)))
+                    told = _at(main, part)
+                    more.append((part, (value - told) / _unit(told, quantity)))
     return _columns(more)
 
 
