@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence import lumped_law
-from fefinger.mechanics.evidence.press_mesh import ABOUT
+from fefinger.mechanics.evidence.press_margins import ABOUT
 from fefinger.mechanics.evidence.table import PRESS_MESH
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.mechanics.situation import Situation

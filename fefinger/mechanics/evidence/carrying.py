@@ -115,13 +115,18 @@ def at_hand(case: Situation) -> bool:
 
 
 def seconds(case: Situation) -> float:
-    """Return the expected wall time in s."""
+    """Return the expected CPU time in s."""
     setup, step = (_seconds(case, stage) for stage in ("setup", "step"))
     return (setup + len(case.times) * step) * slowness(read(REPORT)) + once(case)
 
 
 def once(case: Situation) -> float:
     """Return the time in s of building mesh and press, which are kept; 0 where at hand."""
+    return 0.0 if at_hand(case) else building(case) + reports.mesh_seconds(case)
+
+
+def building(case: Situation) -> float:
+    """Return the CPU time in s of solving the press of a scene; 0 where it is at hand."""
     if at_hand(case):
         return 0.0
     deep = _part(case) / TIMED
@@ -129,8 +134,7 @@ def once(case: Situation) -> float:
         harder = deep**DEEPER
     else:  # plates go on to that depth, so that other motions find their press
         harder = 1.0 if case.indenter.flat is not None else SHALLOW + (1 - SHALLOW) * deep
-    build = _seconds(case, "build") * harder
-    return build * slowness(read(REPORT)) + reports.mesh_seconds(case)
+    return _seconds(case, "build") * harder * slowness(read(REPORT))
 
 
 def _seconds(case: Situation, stage: str) -> float:

@@ -20,7 +20,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fefinger.mechanics.evidence import carrying, press_mesh
-from fefinger.mechanics.evidence.press_mesh import DEPTHS, MAIN, QUANTILE, Known
+from fefinger.mechanics.evidence.press_margins import DEPTHS, MAIN, QUANTILE
+from fefinger.mechanics.evidence.press_mesh import Known
 from fefinger.mechanics.evidence.pressed_objects import place
 from fefinger.mechanics.evidence.table import FORMULAS, Measured, table
 from fefinger.mechanics.evidence.tradeoff import BEYOND

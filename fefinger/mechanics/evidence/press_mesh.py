@@ -8,18 +8,30 @@ over the thickness of the finger.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from functools import cache
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 
 from fefinger.mechanics.evidence import carrying, reached_depth
+from fefinger.mechanics.evidence.press_margins import (
+    LOCAL,
+    MAIN,
+    about,
+    at,
+    between_presses,
+    margin,
+    object_of,
+    other_edges,
+    other_fingers,
+    stiffer,
+    subject_of,
+    unit,
+)
 from fefinger.mechanics.evidence.pressed_objects import (
     around,
     aside,
     between,
-    objects,
     place,
     place_on,
     same,
@@ -35,23 +47,7 @@ from fefinger.support.text import percent
 from fefinger.theory.relaxation import hereditary_integral
 
 
-MAIN = "a.h."
-"""Subject whose finger was pressed by every object."""
-
 LAW = Candidate("lumped")
-
-QUANTILE = 0.95
-"""Share of the depths of all presses that a margin covers."""
-
-
-LOCAL = ("pressure", "area")
-
-DEPTHS = 2.0
-"""Factor of the depth within which presses tell a margin: errors fall steeply from first touch."""
-
-ABOUT = 1.25
-"""Factor of the depth over which local errors under edges are taken together: two to four of the
-depths that were measured."""
 
 
 class Known(NamedTuple):
@@ -122,7 +118,7 @@ def _told(candidate: Candidate, case: Situation, quantity: str) -> _Told | str:
             f"it goes to {part:.2g} of the finger's thickness, and presses like it were measured "
             f"to {press.part[-1]:.2g}"
         )
-    read = _about if case.indenter.sharp and quantity != "force" else _at
+    read = about if case.indenter.sharp and quantity != "force" else at
     values = [_through(case, press, part, read(press, part), quantity) for press, part in parts]
     share = _share(place(case.indenter), parts)
     return _Told([press for press, _ in parts], parts[0][1], np.array(values), share)
@@ -137,15 +133,15 @@ def _margins(told: _Told, candidate: Candidate, case: Situation, quantity: str) 
         # Balls of nearly one curvature touch the same vertices; plates at an angle touch elsewhere.
         alike = where[0] == "curvature" and quantity not in LOCAL
         middle = 4 * told.share * (1 - told.share) if alike else 1.0
-        missed = _margin(_between(candidate, quantity, where[0]), depth)
-        margins.append(middle * missed * _unit(told.value, quantity))
-    if object_.sharp and quantity != "force" and _object_of(told.presses[0]) not in same(object_):
-        margins.append(_margin(_other_edges(candidate, quantity, object_.kind), depth))
+        missed = margin(between_presses(candidate, quantity, where[0]), depth)
+        margins.append(middle * missed * unit(told.value, quantity))
+    if object_.sharp and quantity != "force" and object_of(told.presses[0]) not in same(object_):
+        margins.append(margin(other_edges(candidate, quantity, object_.kind), depth))
     elsewhere = _elsewhere(told, case, quantity)
     if elsewhere:
         other, value = _as_elsewhere(candidate, case, quantity, told.value)
-        missed = _margin(_other_fingers(other, quantity), depth)
-        margins.append(elsewhere * missed * _unit(value, quantity))
+        missed = margin(other_fingers(other, quantity), depth)
+        margins.append(elsewhere * missed * unit(value, quantity))
     return margins
 
 
@@ -176,7 +172,7 @@ def _elsewhere(told: _Told, case: Situation, quantity: str) -> float:
     """
     known = case.measured_tissue or reached_depth.calibrated(case.finger)
     own = case.finger.subject_name if known else None
-    others = np.array([_subject_of(press) != own for press in told.presses])
+    others = np.array([subject_of(press) != own for press in told.presses])
     if quantity != "force":
         return float(others.any() or (own != MAIN and len(others) > 1))
     if told.share is None:
@@ -233,23 +229,7 @@ def _sooner(press: Measured, finger: Finger) -> float:
     Tissue of Demiray's law stiffens by its exponent times I1 - 3, which grows as the square of the
     depth. 1 where the error is of a mesh, or on published tissue.
     """
-    return _stiffer(press, finger.subcutaneous.exponent)
-
-
-def _stiffer(press: Measured, exponent: float | None) -> float:
-    """Return the root of an exponent over that of the tissue of a press."""
-    there = _exponent(press)
-    if MECHANICS[press.candidate.mechanics].finite or exponent is None or there is None:
-        return 1.0
-    return math.sqrt(exponent / there)
-
-
-def _exponent(press: Measured) -> float | None:
-    """Return the exponent of the tissue of a press; None of published tissue."""
-    subject = press.press.partition("/")[0]
-    if subject == library.PUBLISHED:
-        return None
-    return library.tissue_set(library.calibrated_name(subject)).subcutaneous.exponent
+    return stiffer(press, finger.subcutaneous.exponent)
 
 
 def _deep_enough(parts: list[tuple[Measured, float]]) -> bool:
@@ -263,22 +243,8 @@ def _reached(press: Measured, case: Situation) -> float:
     forces = table().presses(PRESS_MESH, "force", Candidate("solid"))
     force = forces[press.press]
     if case.measured_tissue:
-        force = forces.get(f"{library.PUBLISHED}/{_object_of(press)}", force)
+        force = forces.get(f"{library.PUBLISHED}/{object_of(press)}", force)
     return case.depth_over_thickness(force)
-
-
-def _at(press: Measured, part: float) -> float:
-    """Return the error of a press at a depth over thickness: constant beyond those measured."""
-    return float(np.interp(part, press.part, press.values))
-
-
-def _about(press: Measured, part: float) -> float:
-    """Return the largest error of a press about a depth over thickness.
-
-    Which vertices an edge or ridge touches changes with the depth and by chance.
-    """
-    around_it = part * np.linspace(1 / ABOUT, ABOUT, 9)
-    return float(np.interp(around_it, press.part, press.values).max())
 
 
 def _through(case: Situation, press: Measured, part: float, error: float, quantity: str) -> float:
@@ -313,106 +279,7 @@ def _share(where: tuple[str, float] | None, parts: list[tuple[Measured, float]])
     if where is None or len(parts) != 2:
         return None
     axis, here = where
-    low, high = (place_on(axis, _object_of(press)) for press, _ in parts)
+    low, high = (place_on(axis, object_of(press)) for press, _ in parts)
     if low is None or high is None:
         return None
     return min(max((here - low) / (high - low), 0.0), 1.0)
-
-
-def _object_of(press: Measured) -> str:
-    return press.press.partition("/")[2]
-
-
-def _subject_of(press: Measured) -> str:
-    """Return the subject of a press; on published tissue, that was MAIN."""
-    subject = press.press.partition("/")[0]
-    return MAIN if subject == library.PUBLISHED else subject
-
-
-Missed = tuple[Array, Array]
-"""Depths over thickness (n,), and by what an error there exceeds what was told of it (n,)."""
-
-
-def _margin(missed: Missed, part: float | None) -> float:
-    """Quantile QUANTILE of the errors at the depths about a depth over thickness, or at all."""
-    parts, values = missed
-    near = values[[part is None or part / DEPTHS < each < part * DEPTHS for each in parts]]
-    chosen = near if near.size else values
-    return max(float(np.quantile(chosen, QUANTILE)), 0.0) if chosen.size else 0.0
-
-
-def _unit(error: float, quantity: str) -> float:
-    """Return what margins are multiples of: an error itself, as errors fall with the depth.
-
-    1 for LOCAL quantities: which vertices bear the pressure is by chance at any depth.
-    """
-    return 1.0 if quantity in LOCAL else error
-
-
-@cache
-def _between(candidate: Candidate, quantity: str, axis: str) -> Missed:
-    """Return half of what the errors in presses exceed those between their neighbors by.
-
-    The presses of one finger at a time. Half, as leaving a press out doubles the gap.
-    """
-    presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    rows: dict[str, dict[float, Measured]] = {}
-    for name, press in presses.items():
-        finger, where = name.partition("/")[0], place_on(axis, _object_of(press))
-        if where is not None:
-            rows.setdefault(finger, {})[where] = press
-    return _columns([each for row in rows.values() for each in _left_out(row, quantity)])
-
-
-def _left_out(row: Mapping[float, Measured], quantity: str) -> Iterator[tuple[float, float]]:
-    """Yield depths over thickness of every press with two neighbors, and half of what they miss."""
-    places = sorted(row)
-    for low, here, high in zip(places, places[1:], places[2:], strict=False):
-        share = (here - low) / (high - low)
-        deepest = min(row[low].part[-1], row[high].part[-1])
-        for part, value in zip(row[here].part, row[here].values, strict=True):
-            if part <= deepest:
-                told = (1 - share) * _at(row[low], part) + share * _at(row[high], part)
-                yield part, (value - told) / _unit(told, quantity) / 2
-
-
-@cache
-def _other_edges(candidate: Candidate, quantity: str, kind: str) -> Missed:
-    """Return half of what errors under edges of a kind exceed those under all others of it by."""
-    presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    missed = []
-    for tissue in (MAIN, library.PUBLISHED):
-        row = [
-            press
-            for press in presses.values()
-            if press.press.startswith(f"{tissue}/") and objects()[_object_of(press)].kind == kind
-        ]
-        for press in row:
-            others = [other for other in row if other is not press]
-            for part, value in zip(press.part, press.values, strict=True):
-                told = [_about(other, part) for other in others if part <= other.part[-1]]
-                if told:
-                    missed.append((part, (value - max(told)) / 2))
-    return _columns(missed)
-
-
-@cache
-def _other_fingers(candidate: Candidate, quantity: str) -> Missed:
-    """Excess of the errors in presses of other fingers over those of MAIN, by depth."""
-    presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    more = []
-    for name, press in presses.items():
-        subject, _, object_ = name.partition("/")
-        main = presses.get(f"{MAIN}/{object_}")
-        if main is not None and subject not in (MAIN, library.PUBLISHED):
-            parts = press.part * _stiffer(main, _exponent(press))
-            for part, value in zip(parts, press.values, strict=True):
-                if part <= main.part[-1]:
-                    told = _at(main, part)
-                    more.append((part, (value - told) / _unit(told, quantity)))
-    return _columns(more)
-
-
-def _columns(pairs: list[tuple[float, float]]) -> Missed:
-    parts, values = np.array(pairs).reshape(-1, 2).T
-    return parts, values
