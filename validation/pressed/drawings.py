@@ -10,12 +10,12 @@ SIZE = (8.0, 5.0)  # inches
 
 
 def errors(sets: Mapping[str, Mapping[str, Any]], stated: Mapping[tuple[str, str], float]) -> Any:
-    """Draw the errors of two sets of scenes over depth / thickness, with what is stated."""
+    """Draw the errors of three draws of scenes over depth / thickness, with what is stated."""
     with style():
         drawn = figure(*SIZE)
         axes = drawn.subplots(2, 3, sharex=True)
         for axis, ((phase, quantity), limit) in zip(axes.ravel(), stated.items(), strict=True):
-            for (name, rows), face in zip(sets.items(), ("none", STEEL), strict=True):
+            for (name, rows), face in zip(sets.items(), ("none", STEEL, INK), strict=True):
                 shown = [row for row in rows.values() if quantity in row.get(phase, {})]
                 axis.plot(
                     [row["part"] for row in shown],

@@ -70,9 +70,11 @@ def error(case: Situation, quantity: str) -> float:
 
 
 def sentence(carried: float, case: Situation) -> str:
-    """Return the source of an error of carrying."""
+    """Return the source of an error of carrying, and how deep it was measured if not so deep."""
     phase = "with retreat" if retreats(case.motion) else "without retreat"
-    return f"reports/{REPORT}: {percent(carried)} of carrying it through time, {phase}"
+    deepest = max(row.conditions["part"] for row in _rows("area"))
+    deeper = f", measured to {deepest:.2g} of the thickness" if _part(case) > deepest else ""
+    return f"reports/{REPORT}: {percent(carried)} of carrying it through time, {phase}{deeper}"
 
 
 def _part(case: Situation) -> float:
