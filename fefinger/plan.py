@@ -8,13 +8,13 @@ from functools import cached_property
 from pathlib import Path
 
 from fefinger import mechanics as ladder
-from fefinger.mechanics.evidence import force_control, machine, vibration
+from fefinger.mechanics.evidence import force_control, machine, vibration, wall_time
 from fefinger.mechanics.evidence.stated_errors import spikes
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, MESHED, Candidate
+from fefinger.results.plan_text import expected_time, trust
 from fefinger.results.plan_text import ladder as written
-from fefinger.results.plan_text import trust
 from fefinger.results.records import Plan, Refusal, Rung, Settings
 from fefinger.scene import builtin
 from fefinger.scene.finger import AUTO, RESOLUTIONS, STANDARD
@@ -191,8 +191,9 @@ def _rung(
         refusals = (*refusals, Refusal(name, "accuracy", reason, ERROR))
     error = max(whole, inertia.vibration) if left_out else whole
     refusals = (*refusals, *left_out)
-    if ask.seconds is not None and seconds > ask.seconds:
-        reason = f"expected time = {beyond(seconds, ask.seconds, ' s')} ({SECONDS})"
+    wall = wall_time.wall(name, case, seconds)
+    if ask.seconds is not None and wall > ask.seconds:
+        reason = f"expected time = {beyond(wall, ask.seconds, ' s')} ({SECONDS})"
         refusals = (*refusals, Refusal(name, "time", reason, SECONDS))
     errors = {what: mechanics.error(case, what)[0] for what in STATED[1:]}
     errors = {what: each for what, each in errors.items() if math.isfinite(each)}
@@ -200,7 +201,7 @@ def _rung(
         errors = force_control.errors(errors, error, case)
     # Errors of spikes were measured with the membranes of the family `thesis`.
     errors |= spikes(candidate, case) if ask.spikes and ask.afferents == "thesis" else {}
-    return Rung(name, seconds, error, evidence, refusals, candidate.resolution, errors)
+    return Rung(name, seconds, error, evidence, refusals, candidate.resolution, errors, wall)
 
 
 def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
@@ -225,7 +226,7 @@ def _by_name(rungs: tuple[Rung, ...]) -> str:
 
     best = min(able, key=ranked)
     return (
-        f"To run it all the same, in about {duration(best.seconds)}, name {best.mechanics} "
+        f"To run it all the same, in about {duration(best.wall)}, name {best.mechanics} "
         f"(--mechanics {best.mechanics}); the result then notes: "
         f"{'; '.join(refusal.reason for refusal in best.refusals)}."
     )
@@ -244,7 +245,7 @@ def _unable(rungs: tuple[Rung, ...]) -> str:
 def _relaxing(rungs: tuple[Rung, ...]) -> str:
     """Suggest the smallest error or time to allow, and name the mechanics that then answers."""
     sentences = ""
-    for quantity, field in (("error", ERROR), ("seconds", SECONDS)):
+    for quantity, field in (("error", ERROR), ("wall", SECONDS)):
         close = [
             rung
             for rung in rungs
@@ -274,7 +275,7 @@ def _unchecked(case: Situation) -> str:
     best = min(able, key=lambda rung: rung.seconds)
     return (
         f"Or set finger.resolution to {RESOLUTIONS[0]!r} and {best.mechanics} answers in "
-        f"{duration(best.seconds)}, with spike counts that no coarser mesh checks. "
+        f"{duration(best.wall)}, with spike counts that no coarser mesh checks. "
     )
 
 
@@ -336,9 +337,11 @@ def _expectation(case: Situation, rung: Rung) -> str:
     error = (
         f"expected error {percent(rung.error)}" if math.isfinite(rung.error) else "error unknown"
     )
-    sentence = f"{error} ({rung.evidence}), about {duration(rung.seconds)}"
+    sentence = f"{error} ({rung.evidence}), about {expected_time(rung)}"
     if rung.resolution is None:
         return sentence
-    first = ladder.get(rung.mechanics).once(case.on(rung.resolution))
+    on_mesh = case.on(rung.resolution)
+    again = rung.seconds - ladder.get(rung.mechanics).once(on_mesh)
+    first = rung.wall - wall_time.wall(rung.mechanics, on_mesh, again)
     built = f", {duration(first)} of it for what is built once and kept"
     return f"{sentence}{built}" if first else sentence

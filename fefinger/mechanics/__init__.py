@@ -34,7 +34,7 @@ class Mechanics(Protocol):
         """Return the reasons against this model for a scene; empty if it can answer."""
 
     def cost(self, case: Situation) -> float:
-        """Return the expected wall time in s."""
+        """Return the expected CPU time in s."""
 
     def once(self, case: Situation) -> float:
         """Return the one-time part of it, in s: what is built and cached for the next run."""

@@ -49,7 +49,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 
 def cost(case: Situation) -> float:
-    """Return the expected wall time in s, less where the finger's operator is in the cache."""
+    """Return the expected CPU time in s, less where the finger's operator is in the cache."""
     return reports.condensed_seconds(case)
 
 

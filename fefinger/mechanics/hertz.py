@@ -169,7 +169,7 @@ def lacking(case: Situation) -> list[Doubt]:
 
 
 def cost(case: Situation) -> float:
-    """Return the expected wall time in s: as the scenes of development took, to 5 %."""
+    """Return the expected CPU time in s: as the scenes of development took, to 5 %."""
     return (0.0213 + 2.3e-5 * len(case.times)) * slowness({})
 
 

@@ -119,7 +119,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 
 def cost(case: Situation) -> float:
-    """Return the expected wall time in s."""
+    """Return the expected CPU time in s."""
     return reports.layered_seconds(case)
 
 

@@ -152,7 +152,7 @@ def too_soft(finger: Finger) -> list[Doubt]:
 
 
 def cost(case: Situation) -> float:
-    """Return the expected wall time in s."""
+    """Return the expected CPU time in s."""
     return reports.linear_seconds(case)
 
 

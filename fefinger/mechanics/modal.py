@@ -52,7 +52,7 @@ def _doubts(case: Situation) -> list[Doubt]:
 
 
 def cost(case: Situation) -> float:
-    """Return the expected wall time in s, less where modes and operator are in the cache."""
+    """Return the expected CPU time in s, less where modes and operator are in the cache."""
     return _base(case.finger).cost(case) + _operator(case) + vibration.seconds(case)
 
 

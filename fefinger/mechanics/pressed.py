@@ -47,7 +47,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 
 def cost(case: Situation) -> float:
-    """Return the expected wall time in s, less where the press is shipped or cached."""
+    """Return the expected CPU time in s, less where the press is shipped or cached."""
     return carrying.seconds(case)
 
 

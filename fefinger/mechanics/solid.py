@@ -60,7 +60,7 @@ def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
 
 
 def cost(case: Situation) -> float:
-    """Return the expected wall time in s."""
+    """Return the expected CPU time in s."""
     return solid_cost.seconds(case)
 
 

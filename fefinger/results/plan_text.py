@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from fefinger.support.processes import threads
 from fefinger.support.text import duration, percent, table
 
 
@@ -33,7 +34,7 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
             reasons = [f"as on the {before.resolution} mesh"]
         before = rung
         star = "*" if rung is chosen else ""
-        mesh, error, seconds = rung.resolution or "-", percent(rung.error), duration(rung.seconds)
+        mesh, error, seconds = rung.resolution or "-", percent(rung.error), duration(rung.wall)
         first = reasons[0] if reasons else "chosen" if star else "good enough"
         rows.append((star, rung.mechanics, mesh, error, seconds, first))
         rows += [("", "", "", "", "", more) for more in reasons[1:]]
@@ -59,7 +60,13 @@ def choice_line(plan: "Plan") -> str:
     error = "error of the force not known"
     if math.isfinite(rung.error):
         error = f"force within {percent(rung.error)}"
-    return f"{rung.mechanics}{mesh}: {error}, in about {duration(rung.seconds)}."
+    return f"{rung.mechanics}{mesh}: {error}, in about {expected_time(rung)}."
+
+
+def expected_time(rung: "Rung") -> str:
+    """Return the expected wall time in words, with the number of cores that share the work."""
+    shared = rung.wall < rung.seconds
+    return duration(rung.wall) + (f" on {threads()} cores" if shared else "")
 
 
 def trust(rung: "Rung", ask: "Ask") -> str:

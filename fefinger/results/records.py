@@ -3,6 +3,7 @@
 All are frozen. `netcdf` saves and loads a ResultRecord.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -52,13 +53,15 @@ class Refusal:
 class Rung:
     """One mechanics on the ladder, on one mesh where it has one.
 
-    `seconds`: expected time on this machine; `error`: expected relative error of the force, the
-    largest through time, over its peak; both nan where it cannot answer or was not considered;
-    `evidence`: the report that measured the error; `errors`: of the highest "pressure" over 1 mm²,
-    the contact "area" and the "strain" at the end organs, where the force is largest; of the
-    "spike count", relative, and of the "first spike" in s, the worst in scenes like it. An error
-    that is not in `errors` is unknown. Where the force is prescribed, `error` is that at the depth
-    of the answer, and `errors` are at that force, with that of its "depth".
+    `seconds`: expected CPU time on this machine, by which candidates are ranked; `wall`: expected
+    wall time on its cores, which is that where they do not share the work; `error`: expected
+    relative error of the force, the largest through time, over its peak; all nan where it cannot
+    answer or was not considered; `evidence`: the report that measured the error; `errors`: of the
+    highest "pressure" over 1 mm², the contact "area" and the "strain" at the end organs, where the
+    force is largest; of the "spike count", relative, and of the "first spike" in s, the worst in
+    scenes like it. An error that is not in `errors` is unknown. Where the force is prescribed,
+    `error` is that at the depth of the answer, and `errors` are at that force, with that of its
+    "depth".
     """
 
     mechanics: str
@@ -68,6 +71,12 @@ class Rung:
     refusals: tuple[Refusal, ...] = ()
     resolution: str | None = None
     errors: Mapping[str, float] = field(default_factory=dict, hash=False)
+    wall: float = math.nan
+
+    def __post_init__(self) -> None:
+        """Expect one core to do all the work, unless told."""
+        if math.isnan(self.wall):
+            object.__setattr__(self, "wall", self.seconds)
 
     @property
     def candidate(self) -> Candidate:

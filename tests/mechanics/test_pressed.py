@@ -1,5 +1,6 @@
 """`pressed`: the tabulated elastic press against `solid`, its files, and its refusals."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -301,3 +302,20 @@ def _table() -> ElasticPress:
     asked = scene(Ramp(60, 1.0))
     press = Press.of(asked, METHOD, Stages(), mechanics="pressed", notes=())
     return elastic_press.load_or_solve(press, Flat(30), 1.0, Stages())
+
+
+def test_the_error_of_carrying_is_the_largest_of_the_scenes_about_as_deep() -> None:
+    errors = [(0.05, 0.04), (0.06, 0.03), (0.1, 0.02), (0.11, 0.025)]
+    largest = {part: carrying.largest_about(part, errors) for part in (0.01, 0.05, 0.07, 0.1, 0.3)}
+    assert largest == {0.01: 0.04, 0.05: 0.04, 0.07: 0.03, 0.1: 0.025, 0.3: 0.025}
+    assert carrying.largest_about(0.0775, errors) == 0.04  # none is as deep: about the nearest
+
+
+def test_deeper_than_carrying_was_measured_its_source_says_so() -> None:
+    finger = Finger.subject("a.h.")
+    sources = [
+        carrying.sentence(0.04, Situation.of(Scene(finger=finger, motion=Ramp(60, part * 10))))
+        for part in (0.15, 0.275)
+    ]
+    assert "measured to" not in sources[0]
+    assert re.search(r"measured to 0\.\d+ of the thickness$", sources[1])

@@ -216,7 +216,7 @@ def test_spikes_are_compared_by_count_by_the_first_and_by_distance():
 
 def test_held_out_scenes_are_many_and_drawn_by_seed():
     drawn = tradeoff_scenes.held_out()
-    assert len(drawn) >= 20
+    assert len(drawn) == len(tradeoff_scenes.OBJECTS)  # every kind as often as in the others
     assert drawn == tradeoff_scenes.held_out()
     assert len({scene.indenter for scene in drawn.values()}) > 0.8 * len(drawn)
     assert {type(scene.motion).__name__ for scene in drawn.values()} == {
@@ -226,6 +226,7 @@ def test_held_out_scenes_are_many_and_drawn_by_seed():
     seen, new = (
         {(x.finger, x.indenter, x.motion) for x in each.values()} for each in (again, drawn)
     )
+    assert len(seen) == sum(tradeoff_scenes.DEVELOPMENT.values())
     assert not seen & new
 
 

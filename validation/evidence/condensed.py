@@ -107,7 +107,7 @@ def main(folder: str, *asked: str) -> None:
         new["resolutions"] = timed(old, rows, machine)
     else:
         new = {**report(), "force_error": old["force_error"]}
-    target.write_text(json.dumps(new, indent=1) + "\n", encoding="utf-8")
+    target.write_text(json.dumps(new, separators=(",", ":")) + "\n", encoding="utf-8")
     print(target.read_text(encoding="utf-8"))
 
 

@@ -99,4 +99,4 @@ def report() -> dict[str, Any]:
 
 if __name__ == "__main__":
     target = Path(sys.argv[1]) / SOLID_COST
-    target.write_text(json.dumps(report()) + "\n", encoding="utf-8")
+    target.write_text(json.dumps(report(), separators=(",", ":")) + "\n", encoding="utf-8")

@@ -83,7 +83,7 @@ def main(folder: Path) -> None:
         "depths_mm": [float(f"{x:.4g}") for x in DEPTHS],
         "rows": {mesh: row(each) for mesh, each in errors.items()},
     }
-    (folder / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+    (folder / REPORT).write_text(json.dumps(report, separators=(",", ":")) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

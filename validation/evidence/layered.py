@@ -116,5 +116,5 @@ def report() -> dict[str, Any]:
 
 if __name__ == "__main__":
     target = Path(sys.argv[1]) / LAYERED
-    target.write_text(json.dumps(report(), indent=1) + "\n", encoding="utf-8")
+    target.write_text(json.dumps(report(), separators=(",", ":")) + "\n", encoding="utf-8")
     print(target.read_text(encoding="utf-8"))

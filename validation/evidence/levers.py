@@ -41,4 +41,6 @@ if __name__ == "__main__":
         tried = levers.of_fingers(SUBJECT)
     else:
         tried = json.loads(target.read_text(encoding="utf-8"))["finger"] if target.exists() else []
-    target.write_text(json.dumps(report(tried), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    target.write_text(
+        json.dumps(report(tried), separators=(",", ":"), allow_nan=False) + "\n", encoding="utf-8"
+    )

@@ -79,7 +79,7 @@ def main(folder: Path) -> None:
         "rows": list(rows()),
         "calibrated": {name: relaxed(name) for name in ("d.p.", "d.s.", "a.h.", "p.w.")},
     }
-    text = json.dumps(report, indent=1) + "\n"
+    text = json.dumps(report, separators=(",", ":")) + "\n"
     (folder / LUMPED).write_text(text, encoding="utf-8")
 
 

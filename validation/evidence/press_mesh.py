@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence import lumped_law
-from fefinger.mechanics.evidence.press_mesh import ABOUT
+from fefinger.mechanics.evidence.press_margins import ABOUT
 from fefinger.mechanics.evidence.table import PRESS_MESH
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.mechanics.situation import Situation
@@ -100,6 +100,9 @@ OBJECTS: dict[str, tuple[Indenter, float]] = {
     "flat-15": (Flat(15), 0.2),
     "flat-37": (Flat(37), 0.2),
     "flat-45": (Flat(45), 0.17),
+    "flat-7.5": (Flat(7.5), 0.2),
+    "flat-22.5": (Flat(22.5), 0.2),
+    "flat-52.5": (Flat(52.5), 0.17),
     "sphere-10": (Sphere(10), 0.2),
     "sphere-2": (Sphere(2), 0.08),
     "sphere-1": (Sphere(1), 0.25),
@@ -118,7 +121,10 @@ ones that more depends on first."""
 
 OTHER_SUBJECTS = ("d.s.", "d.p.", "p.w.")
 
-OTHERS = ("grating", "bar", "cylinder", "flat-60", "flat-45", "pin", "grating-6", "bar-4")
+OTHERS = (
+    *("grating", "bar", "cylinder", "flat-60", "flat-45", "pin", "grating-6", "bar-4"),
+    *("flat-52.5", "flat-37", "grating-10"),
+)
 """Objects that `tradeoff.json` does not have: all mechanics press them into published tissue."""
 
 MEASUREMENTS = {
@@ -155,7 +161,13 @@ THIRD = ("condensed standard", "condensed fine")
 """Candidates whose difference is what the fine mesh changes."""
 
 ALIKE = {
-    **dict.fromkeys(("flat-0", "flat-15", "flat-37", "flat-45", "flat-60", "tilt-15"), "flat-30"),
+    **dict.fromkeys(
+        (
+            *("flat-0", "flat-7.5", "flat-15", "flat-22.5", "flat-37", "flat-45", "flat-52.5"),
+            *("flat-60", "tilt-15"),
+        ),
+        "flat-30",
+    ),
     **dict.fromkeys(("cylinder", "sphere-5, 4 mm beside"), "sphere-5"),
     "grating-6": "grating",
 }

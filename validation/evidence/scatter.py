@@ -75,7 +75,9 @@ def main(folder: Path) -> None:
     with ProcessPoolExecutor(2, mp_context=fresh, max_tasks_per_child=1) as pool:
         rows = {mesh: {name: row(name, mesh, pool) for name in PLATES} for mesh in MESHES}
     report = provenance(command) | {"draws": DRAWS, "rows": rows}
-    (folder / SCATTER).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+    (folder / SCATTER).write_text(
+        json.dumps(report, separators=(",", ":")) + "\n", encoding="utf-8"
+    )
 
 
 if __name__ == "__main__":

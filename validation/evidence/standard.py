@@ -76,4 +76,6 @@ if __name__ == "__main__":
             **provenance("python -m fefinger.validation.evidence.standard reports"),
             "rows": {each: rows[each] for each in SUBJECTS if each in rows},
         }
-        file.write_text(json.dumps(report, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        file.write_text(
+            json.dumps(report, separators=(",", ":"), allow_nan=False) + "\n", encoding="utf-8"
+        )

@@ -306,4 +306,6 @@ if __name__ == "__main__":
     found = [row for part in named for row in rows_of(part)]
     old = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else []
     kept = [row for row in old if part_of(row) not in named]
-    target.write_text(json.dumps(report(kept + found), indent=1) + "\n", encoding="utf-8")
+    target.write_text(
+        json.dumps(report(kept + found), separators=(",", ":")) + "\n", encoding="utf-8"
+    )

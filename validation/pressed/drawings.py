@@ -1,21 +1,29 @@
 """Figures of suite `pressed`."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
+
+import numpy as np
 
 from fefinger.view.figures import INK, STEEL, figure, style
 
 
 SIZE = (8.0, 5.0)  # inches
 
+DEPTHS = np.linspace(0.05, 0.24, 96)
+"""Depths over the thickness at which the stated errors are drawn."""
 
-def errors(sets: Mapping[str, Mapping[str, Any]], stated: Mapping[tuple[str, str], float]) -> Any:
-    """Draw the errors of two sets of scenes over depth / thickness, with what is stated."""
+
+def errors(
+    sets: Mapping[str, Mapping[str, Any]],
+    stated: Mapping[tuple[str, str], Callable[[float], float]],
+) -> Any:
+    """Draw the errors of three draws of scenes over depth / thickness, with what is stated."""
     with style():
         drawn = figure(*SIZE)
         axes = drawn.subplots(2, 3, sharex=True)
         for axis, ((phase, quantity), limit) in zip(axes.ravel(), stated.items(), strict=True):
-            for (name, rows), face in zip(sets.items(), ("none", STEEL), strict=True):
+            for (name, rows), face in zip(sets.items(), ("none", STEEL, INK), strict=True):
                 shown = [row for row in rows.values() if quantity in row.get(phase, {})]
                 axis.plot(
                     [row["part"] for row in shown],
@@ -26,7 +34,7 @@ def errors(sets: Mapping[str, Mapping[str, Any]], stated: Mapping[tuple[str, str
                     mec=STEEL,
                     label=name,
                 )
-            axis.axhline(100 * limit, color=INK, lw=0.8, ls="--")
+            axis.plot(DEPTHS, [100 * limit(part) for part in DEPTHS], color=INK, lw=0.8, ls="--")
             axis.set_title(f"{quantity}, {phase}")
             axis.set_ylim(bottom=0)
         for axis in axes[1]:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.empty_cache import empty_cache
-from fefinger.validation.pressed.scenes import drawn
+from fefinger.validation.pressed.scenes import COUNTS, drawn
 from fefinger.validation.provenance import provenance
 from scipy.spatial import cKDTree
 
@@ -124,12 +124,12 @@ def _timed(scene: Scene) -> tuple[float, Response]:
 
 
 def main(folder: Path) -> None:
-    """Measure both sets and the costs, and write the report after each scene."""
+    """Measure all sets and the costs, and write the report after each scene."""
     path = folder / REPORT
     report: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
     head = provenance(f"python -m fefinger.validation.pressed.measure {folder.name}")
-    report = {**head, **{key: report.get(key, {}) for key in ("rules", "held-out", "costs")}}
-    for name in ("rules", "held-out"):
+    report = {**head, **{key: report.get(key, {}) for key in (*COUNTS, "costs")}}
+    for name in COUNTS:
         for scene in drawn(name):
             if scene.name not in report[name]:
                 report[name][scene.name] = compared(scene)

@@ -1,4 +1,4 @@
-"""Scenes on which `pressed` is compared with `solid`: those of the rules, and held-out ones."""
+"""Scenes on which `pressed` is compared with `solid`: three draws, the last of deep presses."""
 
 from dataclasses import replace
 
@@ -15,16 +15,16 @@ from fefinger.scene.motions import ForceRampHold, RampHold, RampSinusoid, Sinuso
 from fefinger.scene.scene import Scene
 
 
-SEEDS = {"rules": 24_01, "held-out": 24_02}
-COUNTS = {"rules": 30, "held-out": 48}
-STANDARD = {"rules": 2, "held-out": 4}
+SEEDS = {"rules": 24_01, "held-out": 24_02, "deep": 24_03}
+COUNTS = {"rules": 30, "held-out": 48, "deep": 8}
+STANDARD = {"rules": 2, "held-out": 4, "deep": 0}
 """How many scenes of each set, the last, are on the standard mesh; others are on the coarse one."""
 
 SUBJECTS = ("a.h.", "d.p.", "d.s.", "p.w.")
 PUBLISHED = ("maeno1998", "saal2017")
 KINDS = ("ramp-hold", "trapezoid", "ramp-sinusoid", "sinusoid", "force-ramp-hold")
 
-PART = (0.05, 0.16)
+PARTS = {"rules": (0.05, 0.16), "held-out": (0.05, 0.16), "deep": (0.16, 0.24)}
 """Least and largest depth over the thickness of the finger."""
 
 SPEED = (0.2, 500.0)
@@ -34,7 +34,7 @@ SPEED = (0.2, 500.0)
 def drawn(name: str) -> list[Scene]:
     """Return the scenes of a set, the same each time."""
     rng = np.random.default_rng(SEEDS[name])
-    scenes = [_scene(rng, f"{name} {number}") for number in range(COUNTS[name])]
+    scenes = [_scene(rng, f"{name} {number}", PARTS[name]) for number in range(COUNTS[name])]
     coarse = COUNTS[name] - STANDARD[name]
     meshes = ["coarse"] * coarse + ["standard"] * STANDARD[name]
     return [
@@ -43,13 +43,13 @@ def drawn(name: str) -> list[Scene]:
     ]
 
 
-def _scene(rng: Generator, name: str) -> Scene:
+def _scene(rng: Generator, name: str, part: tuple[float, float]) -> Scene:
     subject = str(rng.choice(SUBJECTS))
     calibrated = rng.random() < 0.75
     tissue = calibrated_name(subject) if calibrated else str(rng.choice(PUBLISHED))
     finger = Finger.subject(subject, tissue=tissue)
     indenter = _indenter(rng)
-    deepest = float(rng.uniform(*PART)) * finger.thickness
+    deepest = float(rng.uniform(*part)) * finger.thickness
     motion = _motion(rng, str(rng.choice(KINDS)), deepest)
     return Scene(name=name, finger=finger, indenter=indenter, motion=motion, ask=Ask(fields=False))
 

@@ -20,7 +20,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fefinger.mechanics.evidence import carrying, press_mesh
-from fefinger.mechanics.evidence.press_mesh import DEPTHS, MAIN, QUANTILE, Known
+from fefinger.mechanics.evidence.press_margins import DEPTHS, MAIN, QUANTILE
+from fefinger.mechanics.evidence.press_mesh import Known
 from fefinger.mechanics.evidence.pressed_objects import place
 from fefinger.mechanics.evidence.table import FORMULAS, Measured, table
 from fefinger.mechanics.evidence.tradeoff import BEYOND
@@ -45,6 +46,10 @@ NODES = 48
 
 MANY = 500
 """Half of the largest number of times at which forces are compared."""
+
+CURVED = 2.0
+"""Factor on the bound of an interpolation: the curvature between two presses may be larger than at
+them. Presses that are left out are within it but for that at 30 degrees, where curves bend."""
 
 HERTZIAN = 1.5
 """Power of the depth that forces begin with."""
@@ -74,12 +79,12 @@ def error(candidate: Candidate, case: Situation, law: Prony | None = None) -> Kn
         return None
     low, high = _beside(main, here)
     part = _part(case, main.presses[low])
-    if not any(part <= BEYOND * main.presses[at].part[-1] for at in (low, high)):
+    if part > BEYOND * min(main.presses[at].part[-1] for at in (low, high)):
         return None
     curve = main.presses[low].part
     ratio = np.array([log_ratio(main, own, here, float(each)) for each in curve])
     margin = math.hypot(
-        _between(candidate, tissue, axis, part) * _middle(main, here),
+        _between(main, here, part),
         0.0 if own is main else _fingers(candidate, tissue, axis, own, here, part),
         press_mesh.error(Candidate("solid", STANDARD), case).error,
     )
@@ -160,31 +165,20 @@ def _values(row: Row, part: float) -> Array:
     return np.array([np.interp(part, each.part, each.values) for each in row.presses])
 
 
-def _middle(row: Row, here: float) -> float:
-    """Return 4 s (1 - s) between two presses: 0 at each of them, 1 in the middle."""
+def _between(row: Row, here: float, part: float) -> float:
+    """Return the margin of a linear interpolation between two presses of a row, at a depth.
+
+    CURVED f''/2 (x - a)(b - x), where f''/2 is the larger second divided difference at the two
+    presses, of log ratios. Infinite where no press has one on either side.
+    """
     low, high = _beside(row, here)
     if low == high:
         return 0.0
-    share = (here - row.places[low]) / (row.places[high] - row.places[low])
-    return float(4 * share * (1 - share))
-
-
-def _between(candidate: Candidate, tissue: str, axis: str, part: float) -> float:
-    """Return the margin in the middle of two presses of MAIN, at a depth over thickness.
-
-    Half of what a press differs from those on either side: leaving one out doubles the gap.
-    """
-    return _quantile(_left_out(candidate, tissue, axis), part) / 2
-
-
-@cache
-def _left_out(candidate: Candidate, tissue: str, axis: str) -> tuple[tuple[float, float], ...]:
-    main = row_of(candidate, tissue, MAIN, axis)
-    missed: list[tuple[float, float]] = []
-    for at in range(1, len(main.presses) - 1):
-        others = Row(np.delete(main.places, at), _without(main.presses, at))
-        missed += _missed(main.presses[at], others, None, float(main.places[at]))
-    return tuple(missed)
+    slopes = np.diff(_values(row, part)) / np.diff(row.places)
+    curved = np.abs(np.diff(slopes)) / (row.places[2:] - row.places[:-2])
+    beside = [curved[at - 1] for at in (low, high) if 0 < at < len(row.places) - 1]
+    distances = (here - row.places[low]) * (row.places[high] - here)
+    return float(CURVED * max(beside, default=math.inf) * distances)
 
 
 def _fingers(
@@ -192,9 +186,9 @@ def _fingers(
 ) -> float:
     """Return the margin for what a finger differs from that of MAIN by, where it was not pressed.
 
-    Of a finger that was, half of what one of the presses of another finger differs from those that
-    are left: leaving one out doubles the gap. Of a finger that was not, all that the fingers of the
-    same published tissue differ by, of the size alone.
+    Of a finger that was, what one of the presses of another finger differs from those that are
+    left; half of it, as leaving one out doubles the gap. Of a finger that was not pressed, all that
+    the fingers of the same published tissue differ by, of the size alone.
     """
     if own is None:
         return _quantile(_by_size(candidate, axis), part)

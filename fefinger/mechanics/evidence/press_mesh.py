@@ -9,18 +9,29 @@ over the thickness of the finger.
 
 import math
 from collections.abc import Iterable
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.mechanics.evidence import carrying, reached_depth
+from fefinger.mechanics.evidence.press_margins import (
+    LOCAL,
+    MAIN,
+    about,
+    at,
+    between_presses,
+    margin,
+    object_of,
+    other_edges,
+    other_fingers,
+    stiffer,
+    subject_of,
+    unit,
+)
 from fefinger.mechanics.evidence.pressed_objects import (
     around,
     aside,
     between,
-    objects,
     place,
     place_on,
     same,
@@ -31,27 +42,12 @@ from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
+from fefinger.support.arrays import Array
 from fefinger.support.text import percent
 from fefinger.theory.relaxation import hereditary_integral
 
 
-MAIN = "a.h."
-"""Subject whose finger was pressed by every object."""
-
 LAW = Candidate("lumped")
-
-QUANTILE = 0.95
-"""Share of the depths of all presses that a margin covers."""
-
-
-LOCAL = ("pressure", "area")
-
-DEPTHS = 2.0
-"""Factor of the depth within which presses tell a margin: errors fall steeply from first touch."""
-
-ABOUT = 1.25
-"""Factor of the depth over which local errors under edges are taken together: two to four of the
-depths that were measured."""
 
 
 class Known(NamedTuple):
@@ -66,6 +62,48 @@ UNKNOWN = Known(math.nan, "not known: it was not measured")
 
 def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Known:
     """Return the measured error of a quantity: of finite strain that of its mesh."""
+    told = _told(candidate, case, quantity)
+    if isinstance(told, str):
+        return Known(math.nan, f"not known: {told}")
+    margin, value = math.hypot(*_margins(told, candidate, case, quantity)), told.value
+    carried = carrying.error(case, quantity) if _carried(candidate, case) else 0.0
+    if case.measured_tissue:  # neither is the larger by far
+        margin += math.hypot(value, carried) - value
+    else:
+        margin = math.hypot(margin, max(1 - value, 0.0) * carried)
+    pressed = " and ".join(press.press for press in told.presses)
+    source = f"reports/{PRESS_MESH}, {pressed}: {percent(value)}"
+    if margin:
+        source += f", and {percent(margin)} of margin"
+    return Known(value + margin, source)
+
+
+class _Told(NamedTuple):
+    """What presses tell of an error.
+
+    depth: over the thickness, in the first press; share: where the object lies between the presses,
+    as `_share` has it; values (n,): of each press.
+    """
+
+    presses: list[Measured]
+    depth: float
+    values: Array
+    share: float | None
+
+    @property
+    def value(self) -> float:
+        """The error: between those of two presses, else the largest."""
+        return float(self.values.max() if self.share is None else self.weighted.sum())
+
+    @property
+    def weighted(self) -> Array:
+        """What of an error between two presses is of each (2,)."""
+        assert self.share is not None
+        return self.values * [1 - self.share, self.share]
+
+
+def _told(candidate: Candidate, case: Situation, quantity: str) -> _Told | str:
+    """Return what the presses next to a scene tell of an error, or why none does."""
     names, reason = between(case.indenter)
     parts = _presses(candidate, case, quantity, names)
     if len(parts) < len(names) and aside(case.indenter):
@@ -73,39 +111,38 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     if parts and not _deep_enough(parts):
         parts = _presses(candidate, case, quantity, around(case.indenter)) or parts
     if not parts:
-        return Known(math.nan, f"not known: {reason or 'nothing like it was pressed'}")
+        return reason or "nothing like it was pressed"
     if not _deep_enough(parts):
         press, part = max(parts, key=lambda each: each[0].part[-1])
-        return Known(
-            math.nan,
-            f"not known: it goes to {part:.2g} of the finger's thickness, and presses like it were "
-            f"measured to {press.part[-1]:.2g}",
+        return (
+            f"it goes to {part:.2g} of the finger's thickness, and presses like it were measured "
+            f"to {press.part[-1]:.2g}"
         )
-    local = case.indenter.sharp and quantity != "force"
-    read = _about if local else _at
+    read = about if case.indenter.sharp and quantity != "force" else at
     values = [_through(case, press, part, read(press, part), quantity) for press, part in parts]
-    error, margins = max(values), [0.0]
+    share = _share(place(case.indenter), parts)
+    return _Told([press for press, _ in parts], parts[0][1], np.array(values), share)
+
+
+def _margins(told: _Told, candidate: Candidate, case: Situation, quantity: str) -> list[float]:
+    """Return the margins of an error: between presses, of other edges, of other fingers."""
     # Which vertices bear the pressure is by chance at any depth.
-    depth = None if quantity in LOCAL else parts[0][1]
-    where = place(case.indenter)
-    share = _share(where, parts)
-    if where is not None and share is not None:
-        error = (1 - share) * values[0] + share * values[1]
-        margins.append(_margin(_between(candidate, quantity, where[0]), depth))
-    if local and _object_of(parts[0][0]) not in same(case.indenter):
-        margins.append(_margin(_other_edges(candidate, quantity, case.indenter.kind), depth))
-    if not _measured_finger(case, parts, quantity):
-        margins.append(_margin(_other_fingers(_elsewhere(candidate, case), quantity), depth))
-    carried = carrying.error(case, quantity) if _carried(candidate, case) else 0.0
-    if case.measured_tissue:  # neither is the larger by far
-        margin = math.hypot(*margins) + math.hypot(error, carried) - error
-    else:
-        margin = math.hypot(*margins, max(1 - error, 0.0) * carried)
-    pressed = " and ".join(press.press for press, _ in parts)
-    source = f"reports/{PRESS_MESH}, {pressed}: {percent(error)}"
-    if margin:
-        source += f", and {percent(margin)} of margin"
-    return Known(error + margin, source)
+    depth, margins = None if quantity in LOCAL else told.depth, []
+    where, object_ = place(case.indenter), case.indenter
+    if where is not None and told.share is not None:
+        # Balls of nearly one curvature touch the same vertices; plates at an angle touch elsewhere.
+        alike = where[0] == "curvature" and quantity not in LOCAL
+        middle = 4 * told.share * (1 - told.share) if alike else 1.0
+        missed = margin(between_presses(candidate, quantity, where[0]), depth)
+        margins.append(middle * missed * unit(told.value, quantity))
+    if object_.sharp and quantity != "force" and object_of(told.presses[0]) not in same(object_):
+        margins.append(margin(other_edges(candidate, quantity, object_.kind), depth))
+    elsewhere = _elsewhere(told, case, quantity)
+    if elsewhere:
+        other, value = _as_elsewhere(candidate, case, quantity, told.value)
+        missed = margin(other_fingers(other, quantity), depth)
+        margins.append(elsewhere * missed * unit(value, quantity))
+    return margins
 
 
 def subject(finger: Finger) -> str:
@@ -128,28 +165,35 @@ def stiffening(finger: Finger) -> bool:
     )
 
 
-def _measured_finger(case: Situation, presses: list[tuple[Measured, float]], quantity: str) -> bool:
-    """Return whether the presses of a scene are of its finger, and tell of what is between them.
+def _elsewhere(told: _Told, case: Situation, quantity: str) -> float:
+    """Return the share of an error that was measured on another finger than that of the scene.
 
-    The margin between presses is of those of MAIN. Of another finger it is taken for the force
-    alone, which is smooth; which vertices bear the pressure is by chance on every finger.
+    All of it but for the force, which is smooth: which vertices bear the pressure is by chance on
+    every finger, and the margin between presses is mostly of those of MAIN.
     """
-    if case.measured_tissue:
-        return case.finger.subject_name == MAIN
-    own = reached_depth.calibrated(case.finger) and case.finger.subject_name
-    whose = {press.press.partition("/")[0] for press, _ in presses}
-    smooth = quantity == "force" or own == MAIN or len(presses) == 1
-    return whose == {own} and smooth
+    known = case.measured_tissue or reached_depth.calibrated(case.finger)
+    own = case.finger.subject_name if known else None
+    others = np.array([subject_of(press) != own for press in told.presses])
+    if quantity != "force":
+        return float(others.any() or (own != MAIN and len(others) > 1))
+    if told.share is None:
+        return float(others.any())
+    return float(told.weighted[others].sum() / told.value)
 
 
-def _elsewhere(candidate: Candidate, case: Situation) -> Candidate:
-    """Return the candidate whose errors on other fingers tell the margin of one.
+def _as_elsewhere(
+    candidate: Candidate, case: Situation, quantity: str, value: float
+) -> tuple[Candidate, float]:
+    """Return the candidate whose errors on other fingers tell the margin of one, and its error.
 
     On published tissue small strain was compared on one finger: there it is that of its mesh.
     """
-    if case.measured_tissue and candidate.resolution is not None:
-        return Candidate("solid", candidate.resolution)
-    return candidate
+    small = not MECHANICS[candidate.mechanics].finite
+    if not (small and case.measured_tissue and candidate.resolution is not None):
+        return candidate, value
+    mesh = Candidate("solid", candidate.resolution)
+    told = _told(mesh, case, quantity)
+    return mesh, value if isinstance(told, str) else told.value
 
 
 def _carried(candidate: Candidate, case: Situation) -> bool:
@@ -165,12 +209,15 @@ def _presses(
     candidate: Candidate, case: Situation, quantity: str, names: Iterable[str]
 ) -> list[tuple[Measured, float]]:
     """Return the presses of some objects, and the depth over thickness that a scene is in each."""
-    published = case.measured_tissue and not MECHANICS[candidate.mechanics].finite
+    finite = MECHANICS[candidate.mechanics].finite
+    published = case.measured_tissue and not finite
     tissue = library.PUBLISHED if published else MAIN
+    # What a mesh errs by is of the finger, whatever its tissue.
+    whose = (finite and case.finger.subject_name) or subject(case.finger)
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     found = []
     for name in names:
-        own, label = f"{subject(case.finger)}/{name}", f"{tissue}/{name}"
+        own, label = f"{whose}/{name}", f"{tissue}/{name}"
         press = presses.get(own, presses.get(label)) if not published else presses.get(label)
         if press is not None:
             found.append((press, _reached(press, case) * _sooner(press, case.finger)))
@@ -183,23 +230,7 @@ def _sooner(press: Measured, finger: Finger) -> float:
     Tissue of Demiray's law stiffens by its exponent times I1 - 3, which grows as the square of the
     depth. 1 where the error is of a mesh, or on published tissue.
     """
-    return _stiffer(press, finger.subcutaneous.exponent)
-
-
-def _stiffer(press: Measured, exponent: float | None) -> float:
-    """Return the root of an exponent over that of the tissue of a press."""
-    there = _exponent(press)
-    if MECHANICS[press.candidate.mechanics].finite or exponent is None or there is None:
-        return 1.0
-    return math.sqrt(exponent / there)
-
-
-def _exponent(press: Measured) -> float | None:
-    """Return the exponent of the tissue of a press; None of published tissue."""
-    subject = press.press.partition("/")[0]
-    if subject == library.PUBLISHED:
-        return None
-    return library.tissue_set(library.calibrated_name(subject)).subcutaneous.exponent
+    return stiffer(press, finger.subcutaneous.exponent)
 
 
 def _deep_enough(parts: list[tuple[Measured, float]]) -> bool:
@@ -213,22 +244,8 @@ def _reached(press: Measured, case: Situation) -> float:
     forces = table().presses(PRESS_MESH, "force", Candidate("solid"))
     force = forces[press.press]
     if case.measured_tissue:
-        force = forces.get(f"{library.PUBLISHED}/{_object_of(press)}", force)
+        force = forces.get(f"{library.PUBLISHED}/{object_of(press)}", force)
     return case.depth_over_thickness(force)
-
-
-def _at(press: Measured, part: float) -> float:
-    """Return the error of a press at a depth over thickness: constant beyond those measured."""
-    return float(np.interp(part, press.part, press.values))
-
-
-def _about(press: Measured, part: float) -> float:
-    """Return the largest error of a press about a depth over thickness.
-
-    Which vertices an edge or ridge touches changes with the depth and by chance.
-    """
-    around_it = part * np.linspace(1 / ABOUT, ABOUT, 9)
-    return float(np.interp(around_it, press.part, press.values).max())
 
 
 def _through(case: Situation, press: Measured, part: float, error: float, quantity: str) -> float:
@@ -256,95 +273,12 @@ def _through(case: Situation, press: Measured, part: float, error: float, quanti
 def _share(where: tuple[str, float] | None, parts: list[tuple[Measured, float]]) -> float | None:
     """Return where an object lies between two presses, from 0 at the first to 1 at the second.
 
-    None for an object that is no plate or ball in the middle of the pad, or has no two neighbors;
-    and on published tissue, where too few were pressed to tell the margin for it.
+    None for an object that is no plate or ball in the middle of the pad, or has no two neighbors.
     """
-    published = f"{library.PUBLISHED}/"
-    if where is None or len(parts) != 2 or parts[0][0].press.startswith(published):
+    if where is None or len(parts) != 2:
         return None
     axis, here = where
-    low, high = (place_on(axis, _object_of(press)) for press, _ in parts)
+    low, high = (place_on(axis, object_of(press)) for press, _ in parts)
     if low is None or high is None:
         return None
     return min(max((here - low) / (high - low), 0.0), 1.0)
-
-
-def _object_of(press: Measured) -> str:
-    return press.press.partition("/")[2]
-
-
-Missed = tuple[NDArray[np.float64], NDArray[np.float64]]
-"""Depths over thickness (n,), and by what an error there exceeds what was told of it (n,)."""
-
-
-def _margin(missed: Missed, part: float | None) -> float:
-    """Quantile QUANTILE of the errors at the depths about a depth over thickness, or at all."""
-    parts, values = missed
-    near = values[[part is None or part / DEPTHS < each < part * DEPTHS for each in parts]]
-    chosen = near if near.size else values
-    return max(float(np.quantile(chosen, QUANTILE)), 0.0) if chosen.size else 0.0
-
-
-@cache
-def _between(candidate: Candidate, quantity: str, axis: str) -> Missed:
-    """Return half of what the errors in presses of MAIN exceed those between their neighbors by.
-
-    Half, as leaving a press out doubles the gap.
-    """
-    presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    row = {
-        where: press
-        for press in presses.values()
-        if press.press.startswith(f"{MAIN}/")
-        and (where := place_on(axis, _object_of(press))) is not None
-    }
-    places, missed = sorted(row), []
-    for low, here, high in zip(places, places[1:], places[2:], strict=False):
-        share = (here - low) / (high - low)
-        deepest = min(row[low].part[-1], row[high].part[-1])
-        for part, value in zip(row[here].part, row[here].values, strict=True):
-            if part <= deepest:
-                told = (1 - share) * _at(row[low], part) + share * _at(row[high], part)
-                missed.append((part, (value - told) / 2))
-    return _columns(missed)
-
-
-@cache
-def _other_edges(candidate: Candidate, quantity: str, kind: str) -> Missed:
-    """Return half of what errors under edges of a kind exceed those under all others of it by."""
-    presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    missed = []
-    for tissue in (MAIN, library.PUBLISHED):
-        row = [
-            press
-            for press in presses.values()
-            if press.press.startswith(f"{tissue}/") and objects()[_object_of(press)].kind == kind
-        ]
-        for press in row:
-            others = [other for other in row if other is not press]
-            for part, value in zip(press.part, press.values, strict=True):
-                told = [_about(other, part) for other in others if part <= other.part[-1]]
-                if told:
-                    missed.append((part, (value - max(told)) / 2))
-    return _columns(missed)
-
-
-@cache
-def _other_fingers(candidate: Candidate, quantity: str) -> Missed:
-    """Excess of the errors in presses of other fingers over those of MAIN, by depth."""
-    presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    more = []
-    for name, press in presses.items():
-        subject, _, object_ = name.partition("/")
-        main = presses.get(f"{MAIN}/{object_}")
-        if main is not None and subject not in (MAIN, library.PUBLISHED):
-            parts = press.part * _stiffer(main, _exponent(press))
-            for part, value in zip(parts, press.values, strict=True):
-                if part <= main.part[-1]:
-                    more.append((part, value - _at(main, part)))
-    return _columns(more)
-
-
-def _columns(pairs: list[tuple[float, float]]) -> Missed:
-    parts, values = np.array(pairs).reshape(-1, 2).T
-    return parts, values

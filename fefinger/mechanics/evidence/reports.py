@@ -76,7 +76,7 @@ MESH_ERROR = "numerical error of force"
 
 
 def linear_seconds(case: Situation) -> float:
-    """Return the expected wall time of `linear` in s, from the times in the report."""
+    """Return the expected CPU time of `linear` in s, from the times in the report."""
     whole = _spent(table.LINEAR, LINEAR, case, 1.0 if case.half else WHOLE)
     return whole * slowness(read(table.LINEAR)) + mesh_seconds(case)
 
@@ -120,7 +120,7 @@ def mesh_seconds(case: Situation, *, follow: bool = True) -> float:
 
 
 def condensed_seconds(case: Situation) -> float:
-    """Return the expected wall time of `condensed` in s: more, if its operator is to be built.
+    """Return the expected CPU time of `condensed` in s: more, if its operator is to be built.
 
     A whole finger is two halves. Under a steep plate the whole mesh is expected to be solved too.
     """
@@ -214,7 +214,7 @@ def linear_press(indenter: Indenter, presses: tuple[str, ...]) -> str:
 
 
 def layered_seconds(case: Situation) -> float:
-    """Return the expected wall time of `layered` in s, from the times in the report."""
+    """Return the expected CPU time of `layered` in s, from the times in the report."""
     seconds = partial(_seconds, table.LAYERED, LAYERED)
     return (seconds("setup") + len(case.times) * seconds("step")) * slowness(read(table.LAYERED))
 

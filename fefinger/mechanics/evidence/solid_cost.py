@@ -92,7 +92,7 @@ def _steps(motion: Motion, relaxing: frozenset[Prony], friction: float, *, fast:
 
 
 def seconds(case: Situation) -> float:
-    """Return the expected wall time in s."""
+    """Return the expected CPU time in s."""
     spent, finger = cost(case.mesh), case.finger
     relaxing, friction = tissue_relaxations(finger), case.indenter.kinetic
     steps = _steps(case.motion, relaxing, friction, fast=case.fast)

@@ -122,10 +122,10 @@ def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> 
         formula = formulas.error(candidate, case)
         if formula is not None:
             return formula
-    own = stated(candidate, case, quantity)
+    finite = MECHANICS[candidate.mechanics].finite
+    own = None if finite else stated(candidate, case, quantity)
     if own is not None:
         return _on_its_mesh(own, candidate, case, quantity)
-    finite = MECHANICS[candidate.mechanics].finite
     if not finite and not _pressed(case):
         return None
     found = press_mesh.error(candidate, case, quantity)
@@ -135,7 +135,7 @@ def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> 
     if mesh is not None and mesh.error > found.error:
         found = mesh
     steps = _rule(f"error of time steps, {quantity}", Candidate(candidate.mechanics))
-    return Known(found.error + steps, found.source)
+    return Known(math.hypot(found.error, steps), found.source)  # independent of the mesh
 
 
 def _of_mesh(candidate: Candidate, case: Situation, quantity: str) -> Known | None:

@@ -32,6 +32,9 @@ CARRYING = "carrying.json"
 PRESS_MESH = "press-mesh.json"
 FORMULAS = "formula-force.json"
 
+CARRIED = ("rules", "held-out", "deep")
+"""Draws of scenes in which `pressed` was compared with `solid`."""
+
 SECONDS = ("build", "setup", "fields", "step", "area", "reference")
 """Stages whose CPU seconds are measured, as quantities "setup seconds" and so on."""
 
@@ -259,7 +262,7 @@ def _tradeoff(name: str) -> Iterator[Measured]:
 
 def _carrying(name: str) -> Iterator[Measured]:
     candidate = Candidate("pressed")
-    for scene, row in read(name)["rules"].items():
+    for row in (row for draw in CARRIED for row in read(name)[draw].values()):
         if "refused" in row:
             continue
         errors = dict(row["peak"])
@@ -267,7 +270,7 @@ def _carrying(name: str) -> Iterator[Measured]:
             errors["force"] = row["loading"]["force"]
         if "force" in row["retreat"]:
             errors["force on retreat"] = row["retreat"]["force"]
-        conditions = {"part": row["part"]}
+        conditions, scene = {"part": row["part"]}, row["scene"]["name"]
         for quantity, error in errors.items():
             what = f"error of {quantity}"
             yield _entry(name, candidate, what, scene, error, None, conditions)

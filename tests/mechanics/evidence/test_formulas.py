@@ -9,7 +9,7 @@ import pytest
 
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence import formulas
-from fefinger.mechanics.evidence.table import FORMULAS
+from fefinger.mechanics.evidence.table import FORMULAS, Measured
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.scene.ask import Ask
@@ -123,3 +123,20 @@ def test_under_a_force_it_is_that_at_the_depth_that_the_force_reaches() -> None:
 )
 def test_what_was_not_pressed_has_no_such_error(asked) -> None:
     assert formulas.error(Candidate("hertz"), asked) is None
+
+
+def test_between_presses_the_margin_is_that_of_a_curve_of_constant_curvature() -> None:
+    """Of a parabola the bound of a linear interpolation is its own error, and CURVED times that."""
+    places = np.array([0.0, 10.0, 30.0, 40.0])
+    presses = tuple(
+        Measured(
+            "", Candidate("hertz"), "", "", np.full(2, 3.0 * at**2), np.ones(2), {"thickness_mm": 1}
+        )
+        for at in places
+    )
+    row = formulas.Row(places, presses)
+    for here in (4.0, 17.0, 38.0):
+        missed = abs(formulas.log_ratio(row, None, here, 1.0) - 3.0 * here**2)
+        assert formulas._between(row, here, 1.0) == pytest.approx(formulas.CURVED * missed)
+    assert formulas._between(row, 30.0, 1.0) == 0.0
+    assert formulas._between(formulas.Row(places[:2], presses[:2]), 4.0, 1.0) == math.inf

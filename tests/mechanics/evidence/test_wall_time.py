@@ -1,0 +1,52 @@
+"""Expected wall times: CPU seconds of finite strain are shared by the cores, all others are not."""
+
+import pytest
+
+from fefinger import plan
+from fefinger.mechanics.evidence import wall_time
+from fefinger.results.plan_text import expected_time
+from fefinger.scene import builtin
+
+
+@pytest.fixture
+def rungs(monkeypatch):
+    """Return the ladder of a scene by candidate, with so many threads."""
+
+    def ladder(threads: int, **ask):
+        monkeypatch.setattr(wall_time, "threads", lambda: threads)
+        monkeypatch.setattr("fefinger.results.plan_text.threads", lambda: threads)
+        scene = builtin.load("flat-press", {f"ask.{key}": value for key, value in ask.items()})
+        return {rung.candidate.label: rung for rung in plan.rungs(scene)}
+
+    return ladder
+
+
+def test_threads_share_finite_strain_alone_and_rank_nothing(rungs) -> None:
+    one, two = rungs(1), rungs(2)
+    assert {name: rung.seconds for name, rung in one.items()} == pytest.approx(
+        {name: rung.seconds for name, rung in two.items()}, nan_ok=True
+    )
+    assert one["solid standard"].wall == one["solid standard"].seconds
+    shared = 1 - two["solid standard"].wall / two["solid standard"].seconds
+    assert shared == pytest.approx(wall_time.SHARED / 2)
+    assert two["linear standard"].wall == two["linear standard"].seconds
+
+
+def test_of_a_press_to_be_built_the_threads_share_the_building(rungs) -> None:
+    fine = rungs(4)["pressed fine"]
+    assert 1 - wall_time.SHARED < fine.wall / fine.seconds < 1 - 0.7 * wall_time.SHARED
+
+
+def test_the_time_in_words_is_on_the_cores_that_share_it(rungs) -> None:
+    found = rungs(2)
+    assert expected_time(found["solid standard"]).endswith(" s on 2 cores")
+    assert "cores" not in expected_time(found["linear standard"])
+    assert "cores" not in expected_time(rungs(1)["solid standard"])
+
+
+def test_a_limit_of_seconds_is_one_of_wall_time(rungs) -> None:
+    seconds = rungs(1)["solid standard"].seconds
+    limit = 0.9 * seconds
+    refused = [rung.field for rung in rungs(1, seconds=limit)["solid standard"].refusals]
+    assert refused == ["ask.seconds"]
+    assert not rungs(2, seconds=limit)["solid standard"].refusals
