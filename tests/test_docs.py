@@ -20,6 +20,7 @@ from fefinger.support.vocabulary import TYPES
 ROOT = Path(__file__).parents[1]
 PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
 
+
 def commands() -> Iterator[tuple[str, list[str]]]:
     """Yield page and words of each command that a page shows, in a block or in a line."""
     for page in PAGES:
