@@ -277,8 +277,8 @@ def kept() -> Iterator[str]:
     )
     share = percent(summary["within_1.2"])
     yield (
-        f"Over {summary['answered']} of {summary['scenes']} held-out scenes. In {share} of them the "
-        "choice took at most 1.2 times the time of the cheapest candidate that would have done."
+        f"Over {summary['answered']} of {summary['scenes']} held-out scenes. In {share} of them "
+        "the choice took at most 1.2 times the time of the cheapest candidate that would have done."
     )
 
 
