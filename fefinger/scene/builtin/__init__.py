@@ -36,16 +36,29 @@ def summary(name: str) -> str:
     return re.split(r"(?<=\.) (?=[A-Z])", " ".join(line.lstrip("# ") for line in lines))[0]
 
 
-def given(scene: Any) -> "Scene":
-    """Return a Scene unchanged, or load a built-in name or TOML file; errors as `load`."""
+WHOLE = ("finger.subject", "finger.surface", "finger.tissue")
+"""Fields that determine others, which a Scene object has already resolved."""
+
+
+def given(scene: Any, changes: Mapping[str, Any] | None = None) -> "Scene":
+    """Take a Scene, or load a built-in name or TOML file, with changes; errors as `load`.
+
+    A Scene has already resolved the fields WHOLE, which cannot be changed in it.
+    """
     from fefinger.scene.scene import Scene
 
     if isinstance(scene, str | Path):
-        return load(scene)
-    if isinstance(scene, Scene):
-        return scene
-    msg = f"scene: expected a Scene, the name of a built-in one or a TOML file, received {scene!r}"
-    raise InputError(msg)
+        return load(scene, changes)
+    if not isinstance(scene, Scene):
+        what = "a Scene, the name of a built-in one or a TOML file"
+        raise InputError(f"scene: expected {what}, received {scene!r}")
+    for field in WHOLE:
+        if field in (changes or {}):
+            raise InputError(
+                f"{field}: expected the name or file of a scene to change this field in, received "
+                "a Scene, in which it is already resolved to other fields"
+            )
+    return Scene.from_dict(changed(scene.to_dict(), changes)) if changes else scene
 
 
 def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene":
