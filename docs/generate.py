@@ -189,7 +189,7 @@ def commands() -> Iterator[str]:
     from fefinger.commands.cli import cli
 
     for name, command in cli.commands.items():
-        context = click.Context(command, info_name=f"fefinger {name}")
+        context = click.Context(command, info_name=f"fefinger {name}", show_default=True)
         yield f"## `fefinger {name}`"
         yield ""
         text = inspect.cleandoc((command.help or "").replace("\b", ""))
