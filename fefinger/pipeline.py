@@ -18,7 +18,9 @@ from typing import TYPE_CHECKING
 
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
+    from typing import Any
 
     from fefinger.result import Result
     from fefinger.scene.scene import Scene
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 def run(
     scene: "Scene | str | Path",
     *,
+    changes: "Mapping[str, Any] | None" = None,
     mechanics: str | None = None,
     progress: "Progress | None" = None,
 ) -> "Result":
@@ -37,6 +40,8 @@ def run(
     ----------
     scene
         A Scene, the name of a built-in one, or a TOML file.
+    changes
+        Values of fields of the scene by their path, as {"motion.depth": 1.0}.
     mechanics
         Name of the mechanics to use; by default the cheapest that does not refuse.
     progress
@@ -58,7 +63,7 @@ def run(
     from fefinger.support.checks import Stopped
     from fefinger.support.progress import Stages
 
-    scene = builtin.given(scene)
+    scene = builtin.given(scene, changes)
     plan = choose(scene, mechanics)
     chosen, planned, stages = get(plan.mechanics), settled(scene, plan), Stages(progress)
     with mesh_check(chosen, planned, plan.chosen.seconds) as checked:

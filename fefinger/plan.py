@@ -2,10 +2,11 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from fefinger import mechanics as ladder
 from fefinger.mechanics.evidence import force_control, machine, vibration, wall_time
@@ -39,10 +40,11 @@ LEFT_OUT = (
 """What expected times leave out, as timed on the machine of the reports."""
 
 
-def explain(scene: Scene | str | Path) -> Plan:
+def explain(scene: Scene | str | Path, *, changes: Mapping[str, Any] | None = None) -> Plan:
     """Return the choice for a scene and the whole ladder that it was chosen from; solve nothing.
 
-    `scene` is a Scene, the name of a built-in one, or a TOML file.
+    `scene` is a Scene, the name of a built-in one, or a TOML file; `changes` are values of its
+    fields by their path, as {"motion.depth": 1.0}.
 
     The first time it also measures how fast this machine is, in about a second.
 
@@ -52,7 +54,7 @@ def explain(scene: Scene | str | Path) -> Plan:
         A scene that cannot be used, or that every mechanics refuses; the message then shows the
         ladder and what to relax.
     """
-    return choose(scene, every=True)
+    return choose(builtin.given(scene, changes), every=True)
 
 
 def choose(scene: Scene | str | Path, mechanics: str | None = None, *, every: bool = False) -> Plan:

@@ -2,15 +2,34 @@
 
 import importlib.util
 import re
+import shlex
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from fefinger.commands.cli import cli
+from fefinger.mechanics import names as mechanics
+from fefinger.scene import builtin
 from fefinger.scene.scene import Scene
+from fefinger.studies.grid import parse_over
+from fefinger.support.vocabulary import TYPES
 
 
 ROOT = Path(__file__).parents[1]
+PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
+
+
+def commands() -> Iterator[tuple[str, list[str]]]:
+    """Yield page and words of each command that a page shows, in a block or in a line."""
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8").replace("\\\n", "")
+        shown = re.findall(r"```sh\n(.*?)```", text, re.S) + re.findall(r"`([^`\n]+)`", text)
+        for line in (part for block in shown for part in re.split(r"\n|&&", block)):
+            words = shlex.split(line, comments=True)
+            if words and words[0].rpartition("/")[2] in ("fefinger", "python", "python3"):
+                yield page.name, words
 
 
 @pytest.fixture(scope="module")
@@ -74,3 +93,37 @@ def test_what_the_page_on_scenes_says_to_write_is_a_scene():
         press = {"kind": "ramp-hold", "speed": 20, "depth": 1, "hold": 1}
         scene = Scene.from_dict({"finger": {"subject": "a.h."}, "motion": press} | {part: written})
         assert getattr(scene, part).kind == written["kind"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [words for _, words in commands() if words[0].endswith("fefinger")],
+    ids=" ".join,
+)
+def test_a_command_of_the_pages_takes_its_options_and_its_fields(words: list[str]) -> None:
+    asked = words[1 : words.index(">") if ">" in words else None]
+    if len(asked) < 2 or "..." in asked:  # a command that is named
+        assert not asked or asked[0] in cli.commands or asked[0].startswith("-")
+        return
+    command = cli.commands[asked[0]]
+    given = command.make_context(asked[0], asked[1:]).params
+    assert given.get("mechanics") in (None, "each", "NAME", *mechanics())
+    assert set(given.get("types") or ()) <= set(TYPES)
+    changes = [text for text in given.get("changes", ()) if not text.endswith(".toml")]
+    scene = given.get("name" if asked[0] == "scenes" else "scene")
+    if scene is not None:
+        fields = parse_over(given.get("grid", ()))
+        first = {field: values[0] for field, values in fields.items()}
+        own = scene.endswith(".toml") or scene == "SCENE"
+        builtin.load("flat-press" if own else scene, builtin.settings(changes) | first)
+
+
+def test_a_module_that_the_pages_run_is_one() -> None:
+    modules = {
+        words[words.index("-m") + 1]
+        for _, words in commands()
+        if "-m" in words and words[0].rpartition("/")[2].startswith("python")
+    }
+    assert "fefinger.validation.afferents.fit" in modules
+    for module in modules:
+        assert importlib.util.find_spec(module) is not None, module

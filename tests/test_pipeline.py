@@ -118,3 +118,19 @@ def test_a_run_that_stops_keeps_what_was_asked_of_it_without_spikes(monkeypatch)
     assert kept.force[-1] > 0
     assert kept.status == kept.response.status
     assert "scene_sha256" in kept.provenance
+
+
+@pytest.mark.parametrize("given", ["sphere-press", SCENE], ids=["name", "scene"])
+def test_a_scene_is_run_and_explained_with_changes(given):
+    changes = {"motion.depth": 0.25, "ask.spikes": [], "motion.hold": 0.05, "ask.fields": False}
+    found = ff.run(given, changes=changes, mechanics="hertz")
+    assert found.scene.motion.depth == found.depth.max() == 0.25
+    assert found.spikes is None
+    assert ff.explain(given, changes=changes | {"ask.rel_error": 0.9}).chosen.error < 0.9
+    with pytest.raises(ff.InputError, match="dept: unknown key"):
+        ff.run(given, changes={"motion.dept": 1})
+
+
+def test_a_class_in_place_of_an_object_gets_a_sentence():
+    with pytest.raises(ff.InputError, match="expected an Indenter, received the class Sphere"):
+        replace(SCENE, indenter=ff.Sphere)

@@ -19,7 +19,7 @@ units = finger.afferents()
 
 dt, n = 1e-3, 1500
 t = dt * np.arange(n)
-depth = 0.8 * np.clip(t / 0.2, 0, 1) + 0.15 * np.sin(2 * np.pi * 8 * t) * (t > 0.3)
+depth = 0.8 * np.clip(t / 0.2, 0, 1) + 0.15 * np.sin(2 * np.pi * 8 * (t - 0.3)) * (t > 0.3)
 force, fired = np.empty(n), []
 began = time.perf_counter()
 for k in range(n):

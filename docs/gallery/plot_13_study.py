@@ -38,5 +38,5 @@ if __name__ == "__main__":  # workers are processes of their own
             label=f"{speed} mm/s",
         )
     axis.set(xlabel="angle / degrees", ylabel="peak force / N", ylim=(0, None))
-    axis.legend()
+    axis.legend(loc="lower right")
     plt.show()

@@ -10,23 +10,19 @@ import matplotlib.pyplot as plt
 
 import fefinger as ff
 from fefinger.neural.statistics import locking
-from fefinger.scene import builtin
 
 
 frequencies = (5, 10, 20, 40, 80, 160, 300)
 rates = {kind: [] for kind in ("SAI", "FAI", "FAII")}
 for frequency in frequencies:
-    scene = builtin.load(
-        "probe-vibration",
-        {
-            "finger.resolution": "coarse",
-            "motion.frequency": frequency,
-            "motion.amplitude": 0.05,
-            "motion.held": 10.0,
-            "motion.seconds": 0.5,
-        },
-    )
-    spikes = ff.run(scene, mechanics="condensed").spikes
+    changes = {
+        "finger.resolution": "coarse",
+        "motion.frequency": frequency,
+        "motion.amplitude": 0.05,
+        "motion.held": 10.0,
+        "motion.seconds": 0.5,
+    }
+    spikes = ff.run("probe-vibration", changes=changes, mechanics="condensed").spikes
     for kind, times in zip(spikes.types, spikes.times, strict=True):
         rates[kind].append(len(times) / 0.5)
     if frequency == 40:

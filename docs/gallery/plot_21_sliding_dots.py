@@ -7,20 +7,16 @@ over the unit then: a spatial event plot.
 """
 
 import fefinger as ff
-from fefinger.scene import builtin
 from fefinger.view import event_plots
 
 
-scene = builtin.load(
-    "slide-dots",
-    {
-        "finger.resolution": "coarse",
-        "ask.rel_error": 0.9,
-        "ask.population.radius": 2,
-        "motion.distance": 18,
-    },
-)
-result = ff.run(scene)
+changes = {
+    "finger.resolution": "coarse",
+    "ask.rel_error": 0.9,
+    "ask.population.radius": 2,
+    "motion.distance": 18,
+}
+result = ff.run("slide-dots", changes=changes)
 print(result.spikes.summary())
 events = event_plots.events(result)
 

@@ -38,7 +38,10 @@ def run(arguments: list[str]) -> int:
     return int(status or DONE)
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100, "show_default": True}
+
+
+@click.group(context_settings=SETTINGS)
 @click.version_option(VERSION)
 def cli() -> None:
     """Simulate a touch with a finite-element fingertip: force, pressure, strain and spikes.

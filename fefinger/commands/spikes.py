@@ -13,14 +13,17 @@ from fefinger.commands.options import json_option, output_option, types_option
     "--length",
     type=float,
     metavar="MM",
-    help="Displacement in mm that corresponds to a strain of 1.",
+    help="Displacement in mm that corresponds to a strain of 1; of recorded afferents that of "
+    "their fit by default.",
 )
 @click.option("--corners", is_flag=True, help="Take straight lines between samples as exact.")
-@click.option("--tolerance", type=float, metavar="MS", help="Allowed error of spike times in ms.")
+@click.option(
+    "--tolerance", type=float, metavar="MS", help="Allowed error of spike times in ms, of thesis."
+)
 @click.option(
     "--afferents",
     metavar="FAMILY",
-    help="thesis, or recorded: fitted to recorded units.",
+    help="recorded (the default), fitted to recorded units, or thesis.",
 )
 @output_option("spikes.csv and spikes.npz")
 @json_option

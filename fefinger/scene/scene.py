@@ -38,7 +38,10 @@ class Scene:
         kinds = {"finger": Finger, "indenter": Indenter, "motion": Motion, "ask": Ask}
         for name, kind in kinds.items():
             if not isinstance(getattr(self, name), kind):
-                received = type(getattr(self, name)).__name__
+                value = getattr(self, name)
+                received = type(value).__name__
+                if isinstance(value, type):
+                    received = f"the class {value.__name__} itself; give it its values"
                 article = "an" if kind.__name__[0] in "AI" else "a"
                 raise InputError(f"{name}: expected {article} {kind.__name__}, received {received}")
         self._check_depths()

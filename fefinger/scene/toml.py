@@ -89,7 +89,7 @@ def read(file: str | Path) -> dict[str, Any]:
         msg = f"{file}: expected a TOML file with a scene, received a path that {reason}"
         raise InputError(msg)
     try:
-        text = Path(file).read_text(encoding="utf-8")
+        text = Path(file).read_text(encoding="utf-8-sig")  # editors on Windows put a mark first
     except UnicodeDecodeError as error:
         msg = f"{file}: expected a TOML file (UTF-8 text), received other bytes at {error.start}"
         raise InputError(msg) from None

@@ -28,6 +28,8 @@ MEANING = (
     "force over the depth in its last cycles."
 )
 
+HOW = "How the measures are defined"
+
 SAME = "Every measure is the same in all of these rows, but for rounding of half a percent."
 
 ARRAY = (
@@ -65,8 +67,8 @@ def html(study: "StudyRows") -> str:
         title=f"{study.name} over {', '.join(study.about['grid'])}",
         answer=f"{done} of {study.scenes} scenes were answered: {swept.removesuffix('.')}.",
         notes=[*filter(None, [study.about.get("chosen")]), *remarks(study.rows, study.over)],
-        lines=(errors(study.rows), MEANING, *([ARRAY] if has_readings else [])),
-        parts=list(_parts(study)),
+        lines=(errors(study.rows), *([figures.LEGEND] if has_readings else [])),
+        parts=[*_parts(study), part(HOW, MEANING, *([ARRAY] if has_readings else []))],
         provenance=list(page.flat(study.about)),
     )
 
@@ -148,10 +150,7 @@ def _parts(study: "StudyRows") -> Iterator[dict[str, Any]]:
             yield part(f"The contact {where}", SAME)
             continue
         picture = page.svg(figures.panels(rows, x, series, skip))
-        lines = (
-            [figures.LEGEND] if any(row.get("hertz_force_N") is not None for row in rows) else []
-        )
-        yield part(f"The contact {where}", *lines, picture=picture)
+        yield part(f"The contact {where}", picture=picture)
     ends = [row for row in done if row["at"] == "end"]
     if any("spikes" in row for row in ends):
         yield part("Spikes of the whole scene", picture=page.svg(figures.spikes(ends, x, series)))

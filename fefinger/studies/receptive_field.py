@@ -7,7 +7,7 @@ The units stay under the first touch of the 30 degree plate, with their end orga
 its motion are those of the scene.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -111,6 +111,7 @@ def receptive_field(
     scene: "Scene | str | Path",
     kinds: Sequence[str] = ("SAI", "FAI"),
     *,
+    changes: Mapping[str, Any] | None = None,
     reach: float = 3.0,
     spacing: float = 1.0,
     branched: bool = True,
@@ -126,6 +127,8 @@ def receptive_field(
         A Scene, the name of a built-in one, or a TOML file; its object has a place (`indenter.at`).
     kinds
         Types of the units.
+    changes
+        Values of fields of the scene by their path.
     reach, spacing
         Half the side of the square of places, and the distance between them, in mm.
     branched, seed
@@ -152,7 +155,9 @@ def receptive_field(
             f"spacing: expected at most {MOST} places, received {(2 * count + 1) ** 2}; choose a "
             "larger spacing or a smaller reach"
         )
-    prepared = _with_units(builtin.given(scene), choices("kinds", kinds, TYPES), branched, seed)
+    prepared = _with_units(
+        builtin.given(scene, changes), choices("kinds", kinds, TYPES), branched, seed
+    )
     lines = spacing * np.arange(-count, count + 1)
     places = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
     aside = _moved(prepared, ASIDE)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fefinger.scene.builtin import given
 from fefinger.studies.columns import MISSED, column
 from fefinger.studies.grid import EACH, parse_at, product
 from fefinger.support.atomic_write import in_place
@@ -28,9 +29,6 @@ AT = "1N", "1mm"
 
 LEAN = {"ask.fields": False}
 """Changes to every scene: a study does not use fields on the mesh."""
-
-WHOLE = ("finger.subject", "finger.surface", "finger.tissue")
-"""Fields that determine others, which a Scene object has already resolved."""
 
 Task = dict[str, Any]
 Answer = dict[str, Any]
@@ -74,7 +72,7 @@ class StudyRequest:
         unusable: dict[int, str] = {}
         for i, values in enumerate(self.points):
             try:
-                scene = changed(self.scene, {**LEAN, **self.changes, **values})
+                scene = given(self.scene, {**LEAN, **self.changes, **values})
             except InputError as error:
                 unusable[i] = str(error)
             else:
@@ -94,28 +92,6 @@ class StudyRequest:
             "mechanics": self.mechanics or "the cheapest that refuses no scene",
             "at": list(self.at or AT),
         }
-
-
-def changed(scene: "Scene | str | Path", overrides: Mapping[str, Any]) -> "Scene":
-    """Load a scene by its name or file, or take a Scene, and apply changes.
-
-    Raises
-    ------
-    InputError
-        For an unknown scene, an invalid change, or a field that a Scene has already resolved.
-    """
-    from fefinger.scene import builtin
-    from fefinger.scene.scene import Scene
-
-    if not isinstance(scene, Scene):
-        return builtin.load(scene, overrides)
-    for field in WHOLE:
-        if field in overrides:
-            raise InputError(
-                f"{field}: expected the name or file of a scene to change this field in, received "
-                "a Scene, in which it is already resolved to other fields"
-            )
-    return Scene.from_dict(builtin.changed(scene.to_dict(), overrides))
 
 
 def key(task: Task) -> str:

@@ -136,7 +136,8 @@ def choices(name: str, values: Any, options: Iterable[str]) -> tuple[str, ...]:
     """Return `values` as a tuple of different strings, all of them among `options`."""
     allowed = list(options)
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
-        msg = f"{name}: expected a list out of {', '.join(allowed)}, received {values!r}"
+        advice = f'; write ["{values}"]' if values in allowed else ""
+        msg = f"{name}: expected a list out of {', '.join(allowed)}, received {values!r}{advice}"
         raise InputError(msg)
     result = tuple(choice(f"{name}[{i}]", value, allowed) for i, value in enumerate(values))
     if len(set(result)) != len(result):

@@ -100,7 +100,7 @@ def test_a_wave_needs_its_scale(capsys, settings, message):
 
 def test_a_scene_that_does_not_exist_is_refused_with_the_names_that_do(capsys):
     err = refused(capsys, ["run", "flat-pres"])
-    assert "no such file" in err
+    assert "no file of that name" in err
     assert "Did you mean 'flat-press'?" in err
     assert "Did you mean 'flat-press'?" in refused(capsys, ["scenes", "flat-pres"])
 

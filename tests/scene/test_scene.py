@@ -267,7 +267,10 @@ BAD_TABLES = [
         r"motion.file: 'no.csv': expected a CSV file, received a path that does not exist",
     ),
     ({"ask": {"force": "yes"}}, r"ask.force: expected true or false, received 'yes'"),
-    ({"ask": {"spikes": "SAI"}}, r"ask.spikes: expected a list out of SAI, SAII"),
+    (
+        {"ask": {"spikes": "SAI"}},
+        r"""ask.spikes: expected a list out of SAI, SAII.*; write \["SAI"\]""",
+    ),
     ({"ask": {"spikes": ["SA1"]}}, r"ask.spikes\[0\]: .*Did you mean 'SAI'\?"),
     ({"ask": {"spikes": ["SAI", "SAI"]}}, r"ask.spikes: expected every name once"),
     ({"ask": {"rel_error": 0}}, r"ask.rel_error: .*above 0 and at most 1"),
@@ -316,9 +319,26 @@ def test_files_that_are_no_scenes_are_refused(tmp_path, content, message):
         Scene.from_toml(file)
 
 
+def test_a_scene_from_an_editor_on_windows_is_read(tmp_path):
+    text = builtin.text("flat-press")
+    file = tmp_path / "scene.toml"
+    file.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
+    assert Scene.from_toml(file) == builtin.load("flat-press")
+
+
+def test_lists_that_a_shell_has_unquoted_are_lists():
+    given = builtin.settings(["ask.spikes=[SAI, FAI]", "motion.kind=ramp", "indenter.at=[1, .5]"])
+    assert given["ask.spikes"] == ["SAI", "FAI"]
+    assert given["indenter.at"] == [1.0, 0.5]
+
+
 def test_a_scene_that_is_nowhere_gets_the_nearest_name(tmp_path):
-    with pytest.raises(InputError, match=r"no such file.*Did you mean 'flat-press'\?"):
+    with pytest.raises(InputError, match=r"no file of that name.*Did you mean 'flat-press'\?"):
         builtin.load("flat-pres")
+    (tmp_path / "my scene.toml").touch()
+    near = str(tmp_path / "my_scene.toml")
+    with pytest.raises(InputError, match=r"no such file in .*Did you mean '.*my scene.toml'\?"):
+        builtin.load(near)
     with pytest.raises(InputError, match="a path that does not exist"):
         Scene.from_toml(tmp_path / "no.toml")
     with pytest.raises(InputError, match="a path that is a folder"):

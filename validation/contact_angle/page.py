@@ -23,7 +23,7 @@ from fefinger.validation.contact_angle.sure import experiment, sure
 from fefinger.pages import page
 from fefinger.studies import figures
 from fefinger.studies.measures import READINGS
-from fefinger.studies.page import ARRAY, MEANING, errors, part, table
+from fefinger.studies.page import ARRAY, HOW, MEANING, errors, part, table
 from fefinger.view.figures import COLORS
 
 
@@ -34,8 +34,8 @@ def html(rows: Rows, provenance: Mapping[str, Any]) -> str:
         data=("contact-angle.csv",),
         title="Contact angle, 0 to 60 degrees",
         answer=answer(rows),
-        lines=(errors(rows), MEANING, ARRAY),
-        parts=list(_parts(rows)),
+        lines=(errors(rows), figures.LEGEND),
+        parts=[*_parts(rows), part(HOW, MEANING, ARRAY)],
         provenance=list(page.flat(provenance)),
     )
 
@@ -78,7 +78,7 @@ def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
         )
         picture = page.svg(figures.panels(chosen, ANGLE, ["case"], [skip]))
         title = f"At a fixed {'depth' if at == '1 mm' else 'force'}, {at}"
-        yield part(title, text, figures.LEGEND, picture=picture)
+        yield part(title, text, picture=picture)
     yield from _by_force(rows)
     with_array = [
         row

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from fefinger.fem.contact.obstacle import Rigid
 from fefinger.mechanics import condensed
 from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.situation import Situation
@@ -68,7 +69,7 @@ def described(loop: Any, *more: str) -> str:
     return f"<{type(loop).__name__}: finger {who}, {tissue}{under}; {parts}>"
 
 
-def warn_of_softness(finger: Finger, indenter: object, deepest: float) -> None:
+def warn_of_softness(finger: Finger, indenter: Indenter | Rigid, deepest: float) -> None:
     """Warn that tissue stiffens, which a finger at small strain leaves out, with the error of it.
 
     The error is that of the force in a press to `deepest` mm, where it is known.
@@ -76,7 +77,7 @@ def warn_of_softness(finger: Finger, indenter: object, deepest: float) -> None:
     if not stiffens(finger):
         return
     number = ""
-    if isinstance(indenter, Indenter):
+    if not isinstance(indenter, Rigid):
         with suppress(InputError):  # a press that no scene can have has no known error
             scene = Scene(finger=finger, indenter=indenter, motion=Ramp(SPEED, deepest))
             error, source = condensed.error(Situation.of(scene))

@@ -36,16 +36,29 @@ def summary(name: str) -> str:
     return re.split(r"(?<=\.) (?=[A-Z])", " ".join(line.lstrip("# ") for line in lines))[0]
 
 
-def given(scene: Any) -> "Scene":
-    """Return a Scene unchanged, or load a built-in name or TOML file; errors as `load`."""
+WHOLE = ("finger.subject", "finger.surface", "finger.tissue")
+"""Fields that determine others, which a Scene object has already resolved."""
+
+
+def given(scene: Any, changes: Mapping[str, Any] | None = None) -> "Scene":
+    """Take a Scene, or load a built-in name or TOML file, with changes; errors as `load`.
+
+    A Scene has already resolved the fields WHOLE, which cannot be changed in it.
+    """
     from fefinger.scene.scene import Scene
 
     if isinstance(scene, str | Path):
-        return load(scene)
-    if isinstance(scene, Scene):
-        return scene
-    msg = f"scene: expected a Scene, the name of a built-in one or a TOML file, received {scene!r}"
-    raise InputError(msg)
+        return load(scene, changes)
+    if not isinstance(scene, Scene):
+        what = "a Scene, the name of a built-in one or a TOML file"
+        raise InputError(f"scene: expected {what}, received {scene!r}")
+    for field in WHOLE:
+        if field in (changes or {}):
+            raise InputError(
+                f"{field}: expected the name or file of a scene to change this field in, received "
+                "a Scene, in which it is already resolved to other fields"
+            )
+    return Scene.from_dict(changed(scene.to_dict(), changes)) if changes else scene
 
 
 def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene":
@@ -75,13 +88,21 @@ def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene
     elif Path(name).exists():
         tables, folder = read(name), Path(name).parent
     else:
-        raise InputError(
-            f"scene {str(name)!r}: no such file, and no built-in scene of that name"
-            f" ({', '.join(names())}).{nearest(str(name), names())}"
-        )
+        raise InputError(_missing(str(name)))
     tables.setdefault("name", Path(name).stem)
     _check_tissue(tables, overrides or {})
     return Scene.from_dict(changed(tables, overrides or {}), folder=folder)
+
+
+def _missing(name: str) -> str:
+    """Error message for a name that is no scene and no file, with the nearest one."""
+    path = Path(name)
+    if path.suffix or len(path.parts) > 1:
+        folder = path.parent
+        files = [str(folder / each.name) for each in folder.glob("*.toml")]
+        return f"scene {name!r}: no such file in {str(folder.resolve())!r}.{nearest(name, files)}"
+    advice = f"{nearest(name, names())} `fefinger scenes` lists the built-in ones."
+    return f"scene {name!r}: no built-in scene and no file of that name.{advice}"
 
 
 def _check_tissue(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> None:
@@ -118,7 +139,7 @@ def changed(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str
 
 
 def settings(texts: Iterable[str]) -> dict[str, Any]:
-    """Parse overrides such as "motion.depth=2": TOML values, numbers (".3") or bare text."""
+    """Parse overrides such as "motion.depth=2": TOML values, numbers (".3"), bare text or lists."""
     overrides: dict[str, Any] = {}
     for line in texts:
         path, equals, value = (part.strip() for part in line.partition("="))
@@ -127,8 +148,15 @@ def settings(texts: Iterable[str]) -> dict[str, Any]:
         try:
             overrides[path] = tomllib.loads(f"value = {value}")["value"]
         except tomllib.TOMLDecodeError:
-            overrides[path] = plain(value)
+            overrides[path] = _unquoted(value)
     return overrides
+
+
+def _unquoted(value: str) -> Any:
+    """Read a value as a shell leaves it without quotes: a number, a text, or a list of them."""
+    if value.startswith("[") and value.endswith("]"):
+        return [plain(part.strip()) for part in value[1:-1].split(",")]
+    return plain(value)
 
 
 def _forget_others(part: str, table: dict[str, Any], key: str, value: Any) -> None:
