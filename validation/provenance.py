@@ -1,5 +1,6 @@
-"""Provenance of the numbers in `reports/`."""
+"""Provenance of the numbers in `reports/`, and their format."""
 
+import json
 import platform
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -19,3 +20,8 @@ def provenance(command: str) -> dict[str, Any]:
         "machine_seconds": machine.seconds(),
         "versions": {name: version(name) for name in ("fefinger", "numpy", "scipy", "scikit-fem")},
     }
+
+
+def compact(report: Any) -> str:
+    """Format a report as one line of JSON, without spaces: `reports/` has a limited size."""
+    return json.dumps(report, separators=(",", ":"), allow_nan=False) + "\n"

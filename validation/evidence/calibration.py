@@ -12,7 +12,7 @@ from typing import Any
 from fefinger.validation.calibration import split
 from fefinger.validation.calibration.split import PARTS
 from fefinger.validation.problems.chain import SUBJECTS
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 
 from fefinger.calibration import pad_radius
 from fefinger.calibration.calibrate import calibrate
@@ -72,4 +72,4 @@ if __name__ == "__main__":
     target = Path(sys.argv[1]) / CALIBRATED
     rows = {name: row(name) for name in sys.argv[2:] or SUBJECTS}
     stored = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else {}
-    target.write_text(json.dumps(report(stored | rows), allow_nan=False) + "\n", encoding="utf-8")
+    target.write_text(compact(report(stored | rows)), encoding="utf-8")

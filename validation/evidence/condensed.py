@@ -18,7 +18,7 @@ from fefinger.validation.empty_cache import empty_cache
 from fefinger.validation.evidence.linear import PRESSES, TIMED, costs, timed
 from fefinger.validation.evidence.scene_costs import setup_and_area
 from fefinger.validation.problems import published
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 
 from fefinger.mechanics import condensed
 from fefinger.mechanics.evidence.table import CONDENSED, LINEAR, read
@@ -107,7 +107,7 @@ def main(folder: str, *asked: str) -> None:
         new["resolutions"] = timed(old, rows, machine)
     else:
         new = {**report(), "force_error": old["force_error"]}
-    target.write_text(json.dumps(new, separators=(",", ":")) + "\n", encoding="utf-8")
+    target.write_text(compact(new), encoding="utf-8")
     print(target.read_text(encoding="utf-8"))
 
 

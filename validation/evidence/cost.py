@@ -4,14 +4,13 @@ Run as `python -m fefinger.validation.evidence.cost reports` on a machine that d
 takes some ten minutes of one core.
 """
 
-import json
 import sys
 import time
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 from fefinger.validation.tradeoff.runs import only_meshes
 
 from fefinger.mechanics import solid
@@ -99,4 +98,4 @@ def report() -> dict[str, Any]:
 
 if __name__ == "__main__":
     target = Path(sys.argv[1]) / SOLID_COST
-    target.write_text(json.dumps(report(), separators=(",", ":")) + "\n", encoding="utf-8")
+    target.write_text(compact(report()), encoding="utf-8")

@@ -5,7 +5,6 @@ process and a cache of its own, and takes some five minutes of two cores. `calib
 what is found.
 """
 
-import json
 import multiprocessing
 import sys
 from concurrent.futures import ProcessPoolExecutor
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.calibration import twin
 from fefinger.validation.empty_cache import empty_cache
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 from scipy.optimize import minimize
 
 from fefinger.calibration import slow_press
@@ -83,7 +82,7 @@ def main(folder: Path) -> None:
         "depths_mm": [float(f"{x:.4g}") for x in DEPTHS],
         "rows": {mesh: row(each) for mesh, each in errors.items()},
     }
-    (folder / REPORT).write_text(json.dumps(report, separators=(",", ":")) + "\n", encoding="utf-8")
+    (folder / REPORT).write_text(compact(report), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ Run as `python -m fefinger.validation.evidence.formulas reports`, in seconds: th
 of `press-mesh.json`, `tradeoff.json` and `solid-force.json`.
 """
 
-import json
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -13,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from fefinger.validation.evidence.press_mesh import MEASUREMENTS
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 from fefinger.validation.tradeoff import scenes
 
 from fefinger.mechanics import get
@@ -152,5 +151,5 @@ def report() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    text = json.dumps(report(), separators=(",", ":")) + "\n"
+    text = compact(report())
     (Path(sys.argv[1]) / FORMULAS).write_text(text, encoding="utf-8")

@@ -3,7 +3,6 @@
 Run as `python -m fefinger.validation.evidence.layered reports`; it takes about two minutes.
 """
 
-import json
 import sys
 import time
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.problems import published
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 
 from fefinger.mechanics import layered, linear
 from fefinger.mechanics.evidence.reports import LAYERED_PRESSES
@@ -116,5 +115,5 @@ def report() -> dict[str, Any]:
 
 if __name__ == "__main__":
     target = Path(sys.argv[1]) / LAYERED
-    target.write_text(json.dumps(report(), separators=(",", ":")) + "\n", encoding="utf-8")
+    target.write_text(compact(report()), encoding="utf-8")
     print(target.read_text(encoding="utf-8"))

@@ -13,7 +13,7 @@ from typing import Any
 
 from fefinger.validation.calibration import levers
 from fefinger.validation.calibration.report import LEVERS, calibrated, rows
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 
 
 SUBJECT = "a.h."
@@ -41,6 +41,4 @@ if __name__ == "__main__":
         tried = levers.of_fingers(SUBJECT)
     else:
         tried = json.loads(target.read_text(encoding="utf-8"))["finger"] if target.exists() else []
-    target.write_text(
-        json.dumps(report(tried), separators=(",", ":"), allow_nan=False) + "\n", encoding="utf-8"
-    )
+    target.write_text(compact(report(tried)), encoding="utf-8")

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.evidence.scene_costs import setup_and_area
 from fefinger.validation.problems import published
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence.table import LINEAR
@@ -180,7 +180,7 @@ def main(folder: str, *asked: str) -> None:
         new["resolutions"] = timed(old, rows, machine)
     else:
         new = report()
-    target.write_text(json.dumps(new, separators=(",", ":")) + "\n", encoding="utf-8")
+    target.write_text(compact(new), encoding="utf-8")
     print(target.read_text(encoding="utf-8"))
 
 

@@ -4,7 +4,6 @@ Run as `python -m fefinger.validation.evidence.lumped reports`; it reads what ot
 `solid` under plates, in seconds.
 """
 
-import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.calibration.subjects import calibrated
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 from fefinger.validation.tradeoff.errors import law, spring
 
 from fefinger.mechanics.evidence.reports import SOLID_SUBJECT
@@ -79,7 +78,7 @@ def main(folder: Path) -> None:
         "rows": list(rows()),
         "calibrated": {name: relaxed(name) for name in ("d.p.", "d.s.", "a.h.", "p.w.")},
     }
-    text = json.dumps(report, separators=(",", ":")) + "\n"
+    text = compact(report)
     (folder / LUMPED).write_text(text, encoding="utf-8")
 
 

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.empty_cache import empty_cache
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 from fefinger.validation.tradeoff.errors import Press, left_on, norm
 from numpy.typing import NDArray
 
@@ -349,7 +349,7 @@ def main(folder: Path) -> None:
         command = "python -m fefinger.validation.evidence.press_mesh reports"
         ordered = {key: rows[key] for key in MEASUREMENTS if key in rows}
         report = provenance(command) | {"third": third_mesh, "rows": ordered}
-        path.write_text(json.dumps(report, separators=(",", ":")) + "\n", encoding="utf-8")
+        path.write_text(compact(report), encoding="utf-8")
         print(name, np.round(rows[name].get("force_N", [0])[-1], 3), flush=True)  # progress
 
 

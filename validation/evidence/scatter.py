@@ -4,7 +4,6 @@ Run as `python -m fefinger.validation.evidence.scatter reports`; it builds each 
 process and a cache of its own, and takes some twenty minutes of two cores.
 """
 
-import json
 import multiprocessing
 import sys
 from concurrent.futures import ProcessPoolExecutor
@@ -14,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.empty_cache import empty_cache
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 from fefinger.validation.tradeoff import runs
 from fefinger.validation.tradeoff.runs import Run
 
@@ -75,9 +74,7 @@ def main(folder: Path) -> None:
     with ProcessPoolExecutor(2, mp_context=fresh, max_tasks_per_child=1) as pool:
         rows = {mesh: {name: row(name, mesh, pool) for name in PLATES} for mesh in MESHES}
     report = provenance(command) | {"draws": DRAWS, "rows": rows}
-    (folder / SCATTER).write_text(
-        json.dumps(report, separators=(",", ":")) + "\n", encoding="utf-8"
-    )
+    (folder / SCATTER).write_text(compact(report), encoding="utf-8")
 
 
 if __name__ == "__main__":

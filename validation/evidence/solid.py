@@ -22,7 +22,7 @@ from fefinger.validation.problems.chain import (
     scene,
     stiffening,
 )
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 
 from fefinger.mechanics import solid
 from fefinger.mechanics.evidence.reports import SOLID_SUBJECT
@@ -162,6 +162,4 @@ if __name__ == "__main__":
     rows = {name: row(name) for name in sys.argv[2:] or ROWS}
     # Read last, so that rows may be measured at the same time.
     stored = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else {}
-    target.write_text(
-        json.dumps(report(stored | rows), separators=(",", ":")) + "\n", encoding="utf-8"
-    )
+    target.write_text(compact(report(stored | rows)), encoding="utf-8")

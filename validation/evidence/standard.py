@@ -14,7 +14,7 @@ import numpy as np
 from fefinger.validation.calibration.report import calibrated
 from fefinger.validation.calibration.subjects import STANDARD, fresh
 from fefinger.validation.problems.chain import SUBJECTS
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 
 from fefinger.calibration import pad_radius, targets
 from fefinger.calibration.force import stiffness
@@ -76,6 +76,4 @@ if __name__ == "__main__":
             **provenance("python -m fefinger.validation.evidence.standard reports"),
             "rows": {each: rows[each] for each in SUBJECTS if each in rows},
         }
-        file.write_text(
-            json.dumps(report, separators=(",", ":"), allow_nan=False) + "\n", encoding="utf-8"
-        )
+        file.write_text(compact(report), encoding="utf-8")

@@ -17,7 +17,7 @@ import numpy as np
 from fefinger.validation.fem import exact as fem_exact
 from fefinger.validation.fem import hertz
 from fefinger.validation.problems.quarter import Exact, Pressed, Quarter, turned
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 from scipy import sparse
 
 from fefinger.fem.contact.complementarity import Complementarity
@@ -306,6 +306,4 @@ if __name__ == "__main__":
     found = [row for part in named for row in rows_of(part)]
     old = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else []
     kept = [row for row in old if part_of(row) not in named]
-    target.write_text(
-        json.dumps(report(kept + found), separators=(",", ":")) + "\n", encoding="utf-8"
-    )
+    target.write_text(compact(report(kept + found)), encoding="utf-8")

@@ -4,13 +4,12 @@ Run as `python -m fefinger.validation.human.presses reports`; it solves deep pre
 minutes on one core. The suite reads the report, and solves the presses of shipped tables again.
 """
 
-import json
 import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 
 from fefinger.mechanics import pressed
 from fefinger.results.pressure import peaks
@@ -130,7 +129,7 @@ def main(folder: Path) -> None:
         "angles": {f"{angle:g}": held(DEFAULT, 0.7, angle) for angle in ANGLES},
         "deep": {name: deep(name) for name in (DEFAULT, "means")},
     }
-    (folder / REPORT).write_text(json.dumps(report) + "\n", encoding="utf-8")
+    (folder / REPORT).write_text(compact(report), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.empty_cache import empty_cache
 from fefinger.validation.pressed.scenes import COUNTS, drawn
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 from scipy.spatial import cKDTree
 
 from fefinger.mechanics import pressed, solid
@@ -133,12 +133,10 @@ def main(folder: Path) -> None:
         for scene in drawn(name):
             if scene.name not in report[name]:
                 report[name][scene.name] = compared(scene)
-                path.write_text(
-                    json.dumps(_short(report), separators=(",", ":")) + "\n", encoding="utf-8"
-                )
+                path.write_text(compact(_short(report)), encoding="utf-8")
                 print(scene.name, report[name][scene.name].get("loading"), flush=True)
     report["costs"] = costs()
-    path.write_text(json.dumps(_short(report), separators=(",", ":")) + "\n", encoding="utf-8")
+    path.write_text(compact(_short(report)), encoding="utf-8")
 
 
 def _short(value: Any) -> Any:

@@ -5,7 +5,6 @@ reads, first the rules and then what the planner makes of them. The runs are kep
 cache; what is missing is run first, in processes of its own, and takes an hour or two on one core.
 """
 
-import json
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -15,7 +14,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.case import Case, Expected, Outcome
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import compact, provenance
 from fefinger.validation.tradeoff import held_out, runs, scenes, study
 from fefinger.validation.tradeoff import rules as tradeoff_rules
 
@@ -330,7 +329,7 @@ def write(folder: Path) -> None:
 
 def _put(target: Path, data: dict[str, Any]) -> None:
     with moved(target) as new:
-        new.write_text(json.dumps(finite(data), allow_nan=False) + "\n", encoding="utf-8")
+        new.write_text(compact(finite(data)), encoding="utf-8")
 
 
 if __name__ == "__main__":
