@@ -1,9 +1,9 @@
-"""What `pressed` errs by beside the mesh, and what it costs: measured against `solid`.
+"""Error of `pressed` against `solid` on the same mesh, and its cost.
 
-Of the scenes that were measured and are about as deep the largest error is taken, with a margin:
-shallow contact errs most on retreat, deep contact in its pressure. They hardly depend on the object
-and the tissue. Tissue of which less relaxes than of all of these errs less, and not at all without
-relaxation.
+The error is the largest of the measured scenes of about the same relative depth (indentation over
+thickness), times a margin: shallow contact has the largest error of force on retreat, deep contact
+that of pressure. The object and the tissue hardly matter. The error is reduced in proportion for
+tissue that relaxes less than in all measured scenes; it vanishes without relaxation.
 """
 
 from collections.abc import Sequence
@@ -24,14 +24,14 @@ REPORT = CARRYING
 PRESSED = Candidate("pressed")
 
 PLATE = "a.h./flat-30"
-"""The press that tells how deep a force brings a finger."""
+"""Press whose force curve gives the depth under force control."""
 
 MARGIN = 1.2
-"""Factor on the largest error in the scenes that were measured, for what lies between them."""
+"""Factor on the largest error of the measured scenes, for scenes between them."""
 
 ABOUT = 1.25
-"""Factor of the depth within which scenes have the errors of a scene. With the margin, 0.99 of the
-scenes have a force, and 0.95 a pressure, area and strain, within the error that all others give."""
+"""Factor of the depth within which measured scenes count. Left out one at a time, 0.99 of the
+scenes have a force, and 0.95 a pressure, area and strain, within the error that the others give."""
 
 RELAXING = 0.67
 """Least 1 - G(infinity) of the scenes that were measured."""
@@ -40,11 +40,11 @@ TIMED = 0.16
 """Depth over the thickness of the press whose cost was measured."""
 
 DEEPER = 2.0
-"""Power of the depth that the cost of deeper presses grows with: 79 and 33 s at 0.28 of the
+"""Exponent of the cost of deeper presses over the depth: 79 and 33 s at 0.28 of the
 thickness under the plate at 30 degrees and the ball of 5 mm on the standard mesh."""
 
 SHALLOW = 0.5
-"""Cost of a press that ends at first touch over that of one as deep as TIMED: 0.4 to 0.6 under 12
+"""Cost of a press to first touch over that of one to TIMED: 0.4 to 0.6 under 12
 balls, bars, gratings and cylinders of the held-out scenes on both meshes."""
 
 FINE = 2.5
@@ -61,7 +61,7 @@ def retreats(motion: Motion) -> bool:
 
 
 def error(case: Situation, quantity: str) -> float:
-    """Return the error of carrying: of the force the largest through time, else at its peak."""
+    """Return the error: of the force the largest through time, of other quantities at the peak."""
     rows = _rows(quantity)
     if quantity == "force" and retreats(case.motion):
         rows = [*rows, *_rows("force on retreat")]
@@ -71,7 +71,7 @@ def error(case: Situation, quantity: str) -> float:
 
 
 def sentence(carried: float, case: Situation) -> str:
-    """Return the source of an error of carrying, and how deep it was measured if not so deep."""
+    """Return the source of an error, with the largest measured depth if the scene is deeper."""
     phase = "with retreat" if retreats(case.motion) else "without retreat"
     deepest = max(row.conditions["part"] for row in _rows("area"))
     deeper = f", measured to {deepest:.2g} of the thickness" if _part(case) > deepest else ""
@@ -79,7 +79,7 @@ def sentence(carried: float, case: Situation) -> str:
 
 
 def _part(case: Situation) -> float:
-    """Return the depth over thickness, under force control by presses like it or by PLATE."""
+    """Return the relative depth; under force control by neighboring presses, or by PLATE."""
     if case.among_neighbors is not None:
         return case.among_neighbors
     forces = table().presses(PRESS_MESH, "force", Candidate("solid"))
@@ -87,9 +87,9 @@ def _part(case: Situation) -> float:
 
 
 def largest_about(part: float, errors: Sequence[tuple[float, float]]) -> float:
-    """Return the largest error at about a depth over thickness, of pairs of depth and error.
+    """Return the largest error within ABOUT of a relative depth, of pairs of depth and error.
 
-    Of the nearest where none is about as deep.
+    Without any, that about the nearest depth.
     """
     parts = np.array([each for each, _ in errors])
     nearest = parts[np.argmin(np.abs(parts - part))]
@@ -103,7 +103,7 @@ def _rows(quantity: str) -> list[Measured]:
 
 def at_hand(case: Situation) -> bool:
     """Return whether the press of a scene is shipped or cached, to its depth or force."""
-    # Imported here: errors are asked of scenes that need no mesh.
+    # Imported here, because errors are also read for scenes without a mesh.
     from fefinger.mechanics.press.elastic_store import deepest_at_hand
 
     depth, force = deepest_at_hand(case.finger, case.indenter, case.motion)

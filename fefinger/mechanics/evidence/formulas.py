@@ -3,13 +3,13 @@
 `reports/formula-force.json` holds log ratios: of the formula's elastic force over that of finite
 strain, by depth, for presses of a finger by a plate or a ball in the middle of the pad. The log
 ratio is smooth in angle, curvature and depth, and changes sign, so it is interpolated with its
-sign. The value of a scene is that of the finger of MAIN under its object, corrected by the
-difference of the scene's own finger under the objects that both were pressed by. Both forces are
-then evolved through the motion, and their largest difference is the error.
+sign. For a scene it is read on the finger of MAIN under the same object, and corrected by the
+difference between the two fingers under the objects that both were pressed by. Both forces are
+then evolved through the motion; their largest difference over the peak force is the error.
 
-The margin, in the log ratio, is the root of the sum of squares of independent causes: the
-interpolation between presses of MAIN and between fingers, both by leaving presses out; the mesh of
-the presses; and the error of finite strain through time (`carrying`).
+The margin of the log ratio is the root of the sum of squares of independent causes: interpolation
+between presses of MAIN, by their curvature; interpolation between fingers, by leaving presses out;
+the mesh of the presses; and the error of finite strain through time (`carrying`).
 """
 
 import math
@@ -48,11 +48,11 @@ MANY = 500
 """Half of the largest number of times at which forces are compared."""
 
 CURVED = 2.0
-"""Factor on the bound of an interpolation: the curvature between two presses may be larger than at
-them. Presses that are left out are within it but for that at 30 degrees, where curves bend."""
+"""Factor on the error bound of linear interpolation, for a curvature between two presses that is
+larger than at them. Left out one at a time, all presses but that at 30 degrees are within it."""
 
 HERTZIAN = 1.5
-"""Power of the depth that forces begin with."""
+"""Exponent of force over depth at first touch."""
 
 
 class Row(NamedTuple):
@@ -63,7 +63,7 @@ class Row(NamedTuple):
 
 
 def error(candidate: Candidate, case: Situation, law: Prony | None = None) -> Known | None:
-    """Return the error of the force of a formula, and its source; None where no press is like it.
+    """Return the error of the force of a formula, and its source; None without comparable presses.
 
     law: the relaxation of the lumped law, which answers by Eq. 2.3.
     """
@@ -106,7 +106,7 @@ def error(candidate: Candidate, case: Situation, law: Prony | None = None) -> Kn
 
 
 def _tissue(case: Situation) -> str:
-    """Name of the finger's tissue among those of the presses; "" where it is none of them."""
+    """Name of the finger's tissue among those of the presses; empty for other tissue."""
     if case.measured_tissue:
         return library.PUBLISHED
     return CALIBRATED if press_mesh.stiffening(case.finger) else ""
@@ -126,7 +126,7 @@ def row_of(candidate: Candidate, tissue: str, subject: str, axis: str) -> Row:
 
 
 def _own(candidate: Candidate, tissue: str, case: Situation, axis: str) -> Row | None:
-    """Return the presses of the finger of a scene; None of a finger that was not pressed so."""
+    """Return the presses of the scene's own finger; None if it was not pressed along this axis."""
     finger = case.finger
     for subject in _subjects():
         row = row_of(candidate, tissue, subject, axis)
@@ -145,13 +145,13 @@ def _subjects() -> tuple[str, ...]:
 
 
 def _beside(row: Row, here: float) -> tuple[int, int]:
-    """Return the numbers of the presses on either side of a place."""
+    """Return the indices of the presses on either side of a place."""
     high = int(np.searchsorted(row.places, here - 1e-9))
     return max(high - (row.places[high] > here + 1e-9), 0), high
 
 
 def log_ratio(main: Row, own: Row | None, here: float, part: float) -> float:
-    """Return the log ratio at a place and a depth over thickness."""
+    """Return the log ratio at a place on the axis and a relative depth."""
     at_main = _values(main, part)
     found = float(np.interp(here, main.places, at_main))
     if own is None:
@@ -161,7 +161,7 @@ def log_ratio(main: Row, own: Row | None, here: float, part: float) -> float:
 
 
 def _values(row: Row, part: float) -> Array:
-    """Return the log ratios (n,) of the presses of a row at a depth over thickness."""
+    """Return the log ratios (n,) of the presses of a row at a relative depth."""
     return np.array([np.interp(part, each.part, each.values) for each in row.presses])
 
 
@@ -184,11 +184,11 @@ def _between(row: Row, here: float, part: float) -> float:
 def _fingers(
     candidate: Candidate, tissue: str, axis: str, own: Row | None, here: float, part: float
 ) -> float:
-    """Return the margin for what a finger differs from that of MAIN by, where it was not pressed.
+    """Return the margin for the difference of a finger from that of MAIN.
 
-    Of a finger that was, what one of the presses of another finger differs from those that are
-    left; half of it, as leaving one out doubles the gap. Of a finger that was not pressed, all that
-    the fingers of the same published tissue differ by, of the size alone.
+    For a finger with presses of its own: half the deviation of a press of another finger from its
+    interpolation without it, as leaving one out doubles the gap. For a finger without: the scatter
+    between fingers of published tissue, which differ in size alone.
     """
     if own is None:
         return _quantile(_by_size(candidate, axis), part)
@@ -228,7 +228,7 @@ def _without(presses: tuple[Measured, ...], at: int) -> tuple[Measured, ...]:
 def _missed(
     press: Measured, main: Row, own: Row | None, here: float
 ) -> Iterable[tuple[float, float]]:
-    """Yield the depths of a press over the thickness, and its difference from the interpolation."""
+    """Yield the relative depths of a press, and its deviations from the interpolation."""
     deepest = max(each.part[-1] for each in main.presses)
     for part, value in zip(press.part, press.values, strict=True):
         if part <= deepest:
@@ -236,7 +236,7 @@ def _missed(
 
 
 def _quantile(missed: tuple[tuple[float, float], ...], part: float) -> float:
-    """Quantile QUANTILE of the differences about a depth; infinite where nothing was left out."""
+    """Quantile QUANTILE of the deviations about a relative depth; infinite without any."""
     if not missed:
         return math.inf
     near = [value for at, value in missed if part / DEPTHS < at < part * DEPTHS]
@@ -244,7 +244,7 @@ def _quantile(missed: tuple[tuple[float, float], ...], part: float) -> float:
 
 
 def _part(case: Situation, press: Measured) -> float:
-    """Return the largest depth over thickness, under force control by the force of a press."""
+    """Return the largest relative depth of a scene; under force control by the force of a press."""
     forces = table().presses(FORMULAS, "force", Candidate("solid"))
     return case.depth_over_thickness(forces[press.press])
 
@@ -252,10 +252,10 @@ def _part(case: Situation, press: Measured) -> float:
 def _through(
     case: Situation, press: Measured, ratios: Iterable[Array], part: float, law: Prony | None
 ) -> list[float]:
-    """Return the error of the force through time, over the largest: at the depth under a force.
+    """Return the largest error of the force through time over its peak, for each curve of ratios.
 
-    press: whose force of finite strain is taken, for its shape; ratios: log ratios (n,) at its
-    depths, each of which gives an error.
+    press: gives the force at finite strain over the depth; ratios: log ratios (n,) at its depths.
+    Under force control the error is that at the depth reached.
     """
     if case.motion.control == "force":
         return [abs(math.expm1(float(np.interp(part, press.part, ratio)))) for ratio in ratios]
@@ -292,7 +292,7 @@ def _fewer(time: Array) -> Array:
 
 
 def _forces(parts: Array, forces: Array, wanted: Array) -> Array:
-    """Return forces at depths, whose root of HERTZIAN is joined by lines, and goes on beyond."""
+    """Interpolate forces at depths, linear in force^(1 / HERTZIAN), extrapolated at the end."""
     roots = np.concatenate([[0.0], forces ** (1 / HERTZIAN)])
     known = np.concatenate([[0.0], parts])
     slope = (roots[-1] - roots[-2]) / (known[-1] - known[-2])

@@ -1,7 +1,8 @@
-"""Margins of the errors between measured presses: by what a press differs from those around it.
+"""Margins of errors read between measured presses, from the scatter of those presses.
 
-Of `reports/press-mesh.json`: from one press to the next on a finger, to other edges, and to other
-fingers. Margins are shares of an error, as errors fall with the depth, but for LOCAL quantities.
+The presses are those of `reports/press-mesh.json`. There are margins for the interpolation between
+two presses of a finger, for other edges, and for other fingers. They are relative to the error,
+because errors decrease with the depth; for LOCAL quantities they are absolute.
 """
 
 import math
@@ -21,43 +22,41 @@ MAIN = "a.h."
 """Subject whose finger was pressed by every object."""
 
 QUANTILE = 0.95
-"""Share of the depths of all presses that a margin covers."""
+"""Quantile of the deviations, over all presses and depths, that is taken as margin."""
 
 
 LOCAL = ("pressure", "area")
+"""Quantities that depend by chance on which vertices bear the pressure, at any depth."""
 
 DEPTHS = 2.0
-"""Factor of the depth within which presses tell a margin: errors fall steeply from first touch."""
+"""Factor of the depth within which deviations count: errors fall steeply from first touch on."""
 
 ABOUT = 1.25
 """Factor of the depth over which local errors under edges are taken together: two to four of the
 depths that were measured."""
 
-Missed = tuple[Array, Array]
-"""Depths over thickness (n,), and by what an error there exceeds what was told of it (n,)."""
+Excess = tuple[Array, Array]
+"""Relative depths (n,), and the excess (n,) of an error there over its estimate without it."""
 
 
-def margin(missed: Missed, part: float | None) -> float:
-    """Quantile QUANTILE of the errors at the depths about a depth over thickness, or at all."""
-    parts, values = missed
+def margin(excess: Excess, part: float | None) -> float:
+    """Quantile QUANTILE of the excess within DEPTHS of a relative depth; of all for None."""
+    parts, values = excess
     near = values[[part is None or part / DEPTHS < each < part * DEPTHS for each in parts]]
     chosen = near if near.size else values
     return max(float(np.quantile(chosen, QUANTILE)), 0.0) if chosen.size else 0.0
 
 
 def unit(error: float, quantity: str) -> float:
-    """Return what margins are multiples of: an error itself, as errors fall with the depth.
-
-    1 for LOCAL quantities: which vertices bear the pressure is by chance at any depth.
-    """
+    """Return the unit of a margin: the error itself, or 1 for LOCAL quantities."""
     return 1.0 if quantity in LOCAL else error
 
 
 @cache
-def between_presses(candidate: Candidate, quantity: str, axis: str) -> Missed:
-    """Return half of what the errors in presses exceed those between their neighbors by.
+def between_presses(candidate: Candidate, quantity: str, axis: str) -> Excess:
+    """Leave-one-out excess of the errors over their interpolation between two neighbors.
 
-    The presses of one finger at a time. Half, as leaving a press out doubles the gap.
+    The presses of one finger at a time; halved, as leaving a press out doubles the gap.
     """
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     rows: dict[str, dict[float, Measured]] = {}
@@ -69,22 +68,22 @@ def between_presses(candidate: Candidate, quantity: str, axis: str) -> Missed:
 
 
 def _left_out(row: Mapping[float, Measured], quantity: str) -> Iterator[tuple[float, float]]:
-    """Yield depths over thickness of every press with two neighbors, and half of what they miss."""
+    """Yield the relative depth and half the excess of every press that has two neighbors."""
     places = sorted(row)
     for low, here, high in zip(places, places[1:], places[2:], strict=False):
         share = (here - low) / (high - low)
         deepest = min(row[low].part[-1], row[high].part[-1])
         for part, value in zip(row[here].part, row[here].values, strict=True):
             if part <= deepest:
-                told = (1 - share) * at(row[low], part) + share * at(row[high], part)
-                yield part, (value - told) / unit(told, quantity) / 2
+                estimate = (1 - share) * at(row[low], part) + share * at(row[high], part)
+                yield part, (value - estimate) / unit(estimate, quantity) / 2
 
 
 @cache
-def other_edges(candidate: Candidate, quantity: str, kind: str) -> Missed:
-    """Return half of what errors under edges of a kind exceed those under all others of it by."""
+def other_edges(candidate: Candidate, quantity: str, kind: str) -> Excess:
+    """Half the excess of the error under each edge of a kind over the largest under the others."""
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    missed = []
+    excess = []
     for tissue in (MAIN, library.PUBLISHED):
         row = [
             press
@@ -94,14 +93,14 @@ def other_edges(candidate: Candidate, quantity: str, kind: str) -> Missed:
         for press in row:
             others = [other for other in row if other is not press]
             for part, value in zip(press.part, press.values, strict=True):
-                told = [about(other, part) for other in others if part <= other.part[-1]]
-                if told:
-                    missed.append((part, (value - max(told)) / 2))
-    return _columns(missed)
+                estimate = [about(other, part) for other in others if part <= other.part[-1]]
+                if estimate:
+                    excess.append((part, (value - max(estimate)) / 2))
+    return _columns(excess)
 
 
 @cache
-def other_fingers(candidate: Candidate, quantity: str) -> Missed:
+def other_fingers(candidate: Candidate, quantity: str) -> Excess:
     """Excess of the errors in presses of other fingers over those of MAIN, by depth."""
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     more = []
@@ -112,32 +111,32 @@ def other_fingers(candidate: Candidate, quantity: str) -> Missed:
             parts = press.part * stiffer(main, exponent_of(press))
             for part, value in zip(parts, press.values, strict=True):
                 if part <= main.part[-1]:
-                    told = at(main, part)
-                    more.append((part, (value - told) / unit(told, quantity)))
+                    estimate = at(main, part)
+                    more.append((part, (value - estimate) / unit(estimate, quantity)))
     return _columns(more)
 
 
-def _columns(pairs: list[tuple[float, float]]) -> Missed:
+def _columns(pairs: list[tuple[float, float]]) -> Excess:
     parts, values = np.array(pairs).reshape(-1, 2).T
     return parts, values
 
 
 def at(press: Measured, part: float) -> float:
-    """Return the error of a press at a depth over thickness: constant beyond those measured."""
+    """Return the error of a press at a relative depth, constant beyond the measured ones."""
     return float(np.interp(part, press.part, press.values))
 
 
 def about(press: Measured, part: float) -> float:
-    """Return the largest error of a press about a depth over thickness.
+    """Return the largest error of a press within ABOUT of a relative depth.
 
-    Which vertices an edge or ridge touches changes with the depth and by chance.
+    The vertices that an edge or ridge touches change with the depth, by chance.
     """
     around_it = part * np.linspace(1 / ABOUT, ABOUT, 9)
     return float(np.interp(around_it, press.part, press.values).max())
 
 
 def stiffer(press: Measured, exponent: float | None) -> float:
-    """Return the root of an exponent over that of the tissue of a press."""
+    """Root of an exponent of stiffening over that of the tissue of a press; 1 for finite strain."""
     there = exponent_of(press)
     if MECHANICS[press.candidate.mechanics].finite or exponent is None or there is None:
         return 1.0
@@ -145,7 +144,7 @@ def stiffer(press: Measured, exponent: float | None) -> float:
 
 
 def exponent_of(press: Measured) -> float | None:
-    """Return the exponent of the tissue of a press; None of published tissue."""
+    """Return the exponent of stiffening of the tissue of a press; None for published tissue."""
     subject = press.press.partition("/")[0]
     if subject == library.PUBLISHED:
         return None
@@ -158,6 +157,6 @@ def object_of(press: Measured) -> str:
 
 
 def subject_of(press: Measured) -> str:
-    """Return the subject of a press; on published tissue, that was MAIN."""
+    """Return the subject of a press; those of published tissue are of the finger of MAIN."""
     subject = press.press.partition("/")[0]
     return MAIN if subject == library.PUBLISHED else subject

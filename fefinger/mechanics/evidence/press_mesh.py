@@ -1,10 +1,10 @@
 """Errors measured under many objects: of the mesh at finite strain, and of all that is cheaper.
 
 `reports/press-mesh.json` holds presses of the calibrated fingers, and of published tissue under
-objects that the trade-off does not have. Finite strain on each mesh is compared with a finer one,
-every other mechanics with finite strain. A plate or ball has the error between those of the presses
-on either side of it, any other object the largest of the presses that it lies between; at its depth
-over the thickness of the finger.
+objects that the trade-off does not have. Finite strain on each mesh is compared with a finer mesh,
+every other mechanics with finite strain. The error of a plate or ball is interpolated between the
+presses on either side of it; that of any other object is the largest of its neighboring presses.
+Errors are read at the relative depth of the scene: indentation over the thickness of the finger.
 """
 
 import math
@@ -61,28 +61,28 @@ UNKNOWN = Known(math.nan, "not known: it was not measured")
 
 
 def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Known:
-    """Return the measured error of a quantity: of finite strain that of its mesh."""
-    told = _told(candidate, case, quantity)
-    if isinstance(told, str):
-        return Known(math.nan, f"not known: {told}")
-    margin, value = math.hypot(*_margins(told, candidate, case, quantity)), told.value
+    """Return the measured error of a quantity; at finite strain, that of the mesh."""
+    estimate = _estimate(candidate, case, quantity)
+    if isinstance(estimate, str):
+        return Known(math.nan, f"not known: {estimate}")
+    margin, value = math.hypot(*_margins(estimate, candidate, case, quantity)), estimate.value
     carried = carrying.error(case, quantity) if _carried(candidate, case) else 0.0
     if case.measured_tissue:  # neither is the larger by far
         margin += math.hypot(value, carried) - value
     else:
         margin = math.hypot(margin, max(1 - value, 0.0) * carried)
-    pressed = " and ".join(press.press for press in told.presses)
+    pressed = " and ".join(press.press for press in estimate.presses)
     source = f"reports/{PRESS_MESH}, {pressed}: {percent(value)}"
     if margin:
         source += f", and {percent(margin)} of margin"
     return Known(value + margin, source)
 
 
-class _Told(NamedTuple):
-    """What presses tell of an error.
+class _Estimate(NamedTuple):
+    """Error of a quantity by the neighboring presses, without margins.
 
-    depth: over the thickness, in the first press; share: where the object lies between the presses,
-    as `_share` has it; values (n,): of each press.
+    depth: relative depth in the first press; share: position of the object between the presses, see
+    `_share`; values (n,): error in each press.
     """
 
     presses: list[Measured]
@@ -92,18 +92,18 @@ class _Told(NamedTuple):
 
     @property
     def value(self) -> float:
-        """The error: between those of two presses, else the largest."""
+        """The error, interpolated between two presses if possible, else the largest."""
         return float(self.values.max() if self.share is None else self.weighted.sum())
 
     @property
     def weighted(self) -> Array:
-        """What of an error between two presses is of each (2,)."""
+        """Contributions (2,) of the two presses to an interpolated error."""
         assert self.share is not None
         return self.values * [1 - self.share, self.share]
 
 
-def _told(candidate: Candidate, case: Situation, quantity: str) -> _Told | str:
-    """Return what the presses next to a scene tell of an error, or why none does."""
+def _estimate(candidate: Candidate, case: Situation, quantity: str) -> _Estimate | str:
+    """Estimate an error by the presses next to a scene; a sentence where none is comparable."""
     names, reason = between(case.indenter)
     parts = _presses(candidate, case, quantity, names)
     if len(parts) < len(names) and aside(case.indenter):
@@ -121,39 +121,45 @@ def _told(candidate: Candidate, case: Situation, quantity: str) -> _Told | str:
     read = about if case.indenter.sharp and quantity != "force" else at
     values = [_through(case, press, part, read(press, part), quantity) for press, part in parts]
     share = _share(place(case.indenter), parts)
-    return _Told([press for press, _ in parts], parts[0][1], np.array(values), share)
+    return _Estimate([press for press, _ in parts], parts[0][1], np.array(values), share)
 
 
-def _margins(told: _Told, candidate: Candidate, case: Situation, quantity: str) -> list[float]:
-    """Return the margins of an error: between presses, of other edges, of other fingers."""
+def _margins(
+    estimate: _Estimate, candidate: Candidate, case: Situation, quantity: str
+) -> list[float]:
+    """Return the margins of an estimate: interpolation, other edges, other fingers."""
     # Which vertices bear the pressure is by chance at any depth.
-    depth, margins = None if quantity in LOCAL else told.depth, []
+    depth, margins = None if quantity in LOCAL else estimate.depth, []
     where, object_ = place(case.indenter), case.indenter
-    if where is not None and told.share is not None:
+    if where is not None and estimate.share is not None:
         # Balls of nearly one curvature touch the same vertices; plates at an angle touch elsewhere.
         alike = where[0] == "curvature" and quantity not in LOCAL
-        middle = 4 * told.share * (1 - told.share) if alike else 1.0
-        missed = margin(between_presses(candidate, quantity, where[0]), depth)
-        margins.append(middle * missed * unit(told.value, quantity))
-    if object_.sharp and quantity != "force" and object_of(told.presses[0]) not in same(object_):
+        middle = 4 * estimate.share * (1 - estimate.share) if alike else 1.0
+        excess = margin(between_presses(candidate, quantity, where[0]), depth)
+        margins.append(middle * excess * unit(estimate.value, quantity))
+    if (
+        object_.sharp
+        and quantity != "force"
+        and object_of(estimate.presses[0]) not in same(object_)
+    ):
         margins.append(margin(other_edges(candidate, quantity, object_.kind), depth))
-    elsewhere = _elsewhere(told, case, quantity)
+    elsewhere = _measured_elsewhere(estimate, case, quantity)
     if elsewhere:
-        other, value = _as_elsewhere(candidate, case, quantity, told.value)
-        missed = margin(other_fingers(other, quantity), depth)
-        margins.append(elsewhere * missed * unit(value, quantity))
+        other, value = _scatter_of(candidate, case, quantity, estimate.value)
+        excess = margin(other_fingers(other, quantity), depth)
+        margins.append(elsewhere * excess * unit(value, quantity))
     return margins
 
 
 def subject(finger: Finger) -> str:
-    """Return the name of the calibrated finger in the report that has the tissue of a finger."""
+    """Return the subject whose calibrated tissue a finger has; empty for other tissue."""
     names = (*library.pawluk_bulk(), library.MEANS)
     fitted = {library.calibrated_name(name): name for name in names}
     return fitted.get(finger.tissue, "")
 
 
 def stiffening(finger: Finger) -> bool:
-    """Return whether the tissue of a finger is a calibrated one, with nothing changed."""
+    """Whether a finger has calibrated tissue and is otherwise as in the presses."""
     tissues = library.tissue_set(finger.tissue)
     return (
         bool(subject(finger))
@@ -165,41 +171,42 @@ def stiffening(finger: Finger) -> bool:
     )
 
 
-def _elsewhere(told: _Told, case: Situation, quantity: str) -> float:
-    """Return the share of an error that was measured on another finger than that of the scene.
+def _measured_elsewhere(estimate: _Estimate, case: Situation, quantity: str) -> float:
+    """Return the share of an estimate that was measured on another finger than the scene's.
 
-    All of it but for the force, which is smooth: which vertices bear the pressure is by chance on
-    every finger, and the margin between presses is mostly of those of MAIN.
+    The force varies smoothly, so its share is that of the presses of other fingers. Other
+    quantities depend by chance on which vertices bear the pressure, so one such press counts fully.
     """
     known = case.measured_tissue or reached_depth.calibrated(case.finger)
     own = case.finger.subject_name if known else None
-    others = np.array([subject_of(press) != own for press in told.presses])
+    others = np.array([subject_of(press) != own for press in estimate.presses])
     if quantity != "force":
         return float(others.any() or (own != MAIN and len(others) > 1))
-    if told.share is None:
+    if estimate.share is None:
         return float(others.any())
-    return float(told.weighted[others].sum() / told.value)
+    return float(estimate.weighted[others].sum() / estimate.value)
 
 
-def _as_elsewhere(
+def _scatter_of(
     candidate: Candidate, case: Situation, quantity: str, value: float
 ) -> tuple[Candidate, float]:
-    """Return the candidate whose errors on other fingers tell the margin of one, and its error.
+    """Return the candidate whose scatter between fingers gives the margin, and its error.
 
-    On published tissue small strain was compared on one finger: there it is that of its mesh.
+    On published tissue, small strain was compared on one finger only; the scatter there is that of
+    finite strain on the same mesh.
     """
     small = not MECHANICS[candidate.mechanics].finite
     if not (small and case.measured_tissue and candidate.resolution is not None):
         return candidate, value
     mesh = Candidate("solid", candidate.resolution)
-    told = _told(mesh, case, quantity)
-    return mesh, value if isinstance(told, str) else told.value
+    estimate = _estimate(mesh, case, quantity)
+    return mesh, value if isinstance(estimate, str) else estimate.value
 
 
 def _carried(candidate: Candidate, case: Situation) -> bool:
-    """Return whether an error is of small strain, and of a motion.
+    """Whether the error of a candidate grows through the motion: small strain at a given depth.
 
-    Not that of a law of the force, whose relaxation is compared with measured presses.
+    Not that of the lumped law, whose relaxation is compared with measured presses.
     """
     small = candidate != LAW and not MECHANICS[candidate.mechanics].finite
     return small and case.motion.control == "depth"
@@ -208,11 +215,11 @@ def _carried(candidate: Candidate, case: Situation) -> bool:
 def _presses(
     candidate: Candidate, case: Situation, quantity: str, names: Iterable[str]
 ) -> list[tuple[Measured, float]]:
-    """Return the presses of some objects, and the depth over thickness that a scene is in each."""
+    """Return the presses by some objects, each with the relative depth at which it is read."""
     finite = MECHANICS[candidate.mechanics].finite
     published = case.measured_tissue and not finite
     tissue = library.PUBLISHED if published else MAIN
-    # What a mesh errs by is of the finger, whatever its tissue.
+    # The error of a mesh depends on the finger, hardly on its tissue.
     whose = (finite and case.finger.subject_name) or subject(case.finger)
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     found = []
@@ -225,10 +232,10 @@ def _presses(
 
 
 def _sooner(press: Measured, finger: Finger) -> float:
-    """Return by what a finger is less deep than a press where small strain errs as much.
+    """Factor on the relative depth for which small strain has the same error as in a press.
 
     Tissue of Demiray's law stiffens by its exponent times I1 - 3, which grows as the square of the
-    depth. 1 where the error is of a mesh, or on published tissue.
+    depth. 1 for the error of a mesh, and on published tissue.
     """
     return stiffer(press, finger.subcutaneous.exponent)
 
@@ -238,7 +245,7 @@ def _deep_enough(parts: list[tuple[Measured, float]]) -> bool:
 
 
 def _reached(press: Measured, case: Situation) -> float:
-    """Return the depth of a scene over the thickness, by the force of presses of its tissue."""
+    """Return the relative depth of a scene; under force control by the force of a press."""
     if case.among_neighbors is not None:
         return case.among_neighbors
     forces = table().presses(PRESS_MESH, "force", Candidate("solid"))
@@ -249,11 +256,11 @@ def _reached(press: Measured, case: Situation) -> float:
 
 
 def _through(case: Situation, press: Measured, part: float, error: float, quantity: str) -> float:
-    """Return the error through a motion of small strain.
+    """Return the error of small strain through a motion, from that in a press at a depth.
 
-    What of the force is wrong grows faster with the depth than the force, and relaxation weighs
-    the latest growth most: both are carried by the hereditary integral, as the force is. Highest
-    pressures follow the force. Where the force is prescribed it is the error at its depth.
+    The difference of the forces grows faster with the depth than the force, and relaxation weights
+    the latest growth most, so the hereditary integral is taken of both. Highest pressures follow
+    the force. Under force control it is the error at the depth reached.
     """
     if not _carried(press.candidate, case) or quantity not in ("force", "pressure"):
         return error
@@ -271,9 +278,9 @@ def _through(case: Situation, press: Measured, part: float, error: float, quanti
 
 
 def _share(where: tuple[str, float] | None, parts: list[tuple[Measured, float]]) -> float | None:
-    """Return where an object lies between two presses, from 0 at the first to 1 at the second.
+    """Position of an object between two presses, from 0 at the first to 1 at the second.
 
-    None for an object that is no plate or ball in the middle of the pad, or has no two neighbors.
+    None for an object that is no plate or ball in the middle of the pad, or has one neighbor.
     """
     if where is None or len(parts) != 2:
         return None
