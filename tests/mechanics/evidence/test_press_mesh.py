@@ -18,6 +18,7 @@ from fefinger.scene.motions import ForceRampHold, Ramp
 from fefinger.scene.scene import Scene
 from fefinger.scene.textured import Grating, Relief
 from fefinger.support.package_data import report
+from fefinger.theory.relaxation import Prony
 
 
 ROWS = json.loads(report(PRESS_MESH))["rows"]
@@ -261,7 +262,7 @@ def test_tissue_of_a_larger_exponent_errs_as_much_less_deep() -> None:
     reports_of = []
     for finger, depth in ((soft, 1.0), (steep, 1.0 * shallower)):
         scene = Scene(
-            finger=replace(finger, resolution="standard"),
+            finger=replace(finger, resolution="standard", prony=Prony((1.0,), ())),
             indenter=Flat(37),
             motion=Ramp(60, depth, corner=0.0),
         )
@@ -323,7 +324,10 @@ def test_on_published_tissue_small_strain_has_the_error_of_the_same_object(name,
     known = np.interp(about, parts, curve).max()
     carried = carrying.error(Situation.of(there), "area")
     of_steps = read(TRADEOFF)["rules"]["steps"][name]["area"]
-    assert found == pytest.approx(np.hypot(known, np.hypot(carried, of_steps)), rel=1e-2)
+    of_mesh = press_mesh.error(Candidate("solid", "standard"), Situation.of(there), "area").error
+    least = of_mesh if name != "layered" else 0.0
+    both = max(np.hypot(known, carried), least)
+    assert found == pytest.approx(np.hypot(both, of_steps), rel=1e-2)
 
 
 @pytest.mark.parametrize("mesh", ["coarse", "standard"])
