@@ -1,4 +1,4 @@
-"""Errors under force control, from those at a depth: of the depth, and of the rest there."""
+"""Errors under force control, from those at a given depth."""
 
 import math
 from collections.abc import Mapping
@@ -11,10 +11,10 @@ from fefinger.mechanics.situation import Situation
 
 
 def errors(at_depth: Mapping[str, float], force: float, case: Situation) -> dict[str, float]:
-    """Return the relative errors at a force, of those `at_depth` and that of the `force` there.
+    """Convert relative errors at a depth, `at_depth` and that of the `force`, to those at a force.
 
-    What grows no faster than the force is wrong by no more than the force in addition. The force
-    grows as depth to a power p, so that the depth is wrong by (1 - force)^(-1/p) - 1 at most.
+    A quantity that grows no faster than the force gains at most the error of the force. The force
+    grows as a power p of the depth, so the error of the depth is at most (1 - force)^(-1/p) - 1.
     """
     depth = (1 - force) ** (-1 / steepness(case)) - 1 if force < 1 else math.inf
     return {"depth": depth} | {name: error + force for name, error in at_depth.items()}
@@ -23,7 +23,7 @@ def errors(at_depth: Mapping[str, float], force: float, case: Situation) -> dict
 def steepness(case: Situation) -> float:
     """Return the smallest exponent p of force = a depth^p in the measured presses around a scene.
 
-    It is 1 for a scene that is like none of them: a contact only stiffens as it grows.
+    It is 1 for a scene without comparable presses: a contact stiffens as it grows.
     """
     if case.place is None or not case.measured_tissue:
         return 1.0
@@ -32,7 +32,7 @@ def steepness(case: Situation) -> float:
 
 
 def _power(force: Measured, part: float) -> float:
-    """Return the smallest exponent of force over depth, near a depth over thickness of a press."""
+    """Return the smallest exponent of force over depth near a relative depth of a press."""
     depth = np.asarray(force.depth)
     powers = np.diff(np.log(force.values)) / np.diff(np.log(depth))
     at = int(np.searchsorted(depth, part * force.conditions["thickness_mm"]))

@@ -1,8 +1,8 @@
-"""Which b and m the `lumped` finger has for a scene, where they are from and what they err by.
+"""b and m of the `lumped` law for a scene, their source and their error.
 
-Its law is one of a whole finger under a plate. Presses of `solid` have identified it for fingers of
-published tissue (`reports/lumped-force.json`). A finger that was calibrated on a subject of the
-thesis has the law of Table 2.1, which it was fitted to.
+The law is of a whole finger under a plate. For fingers of published tissue it was identified from
+presses of `solid` (`reports/lumped-force.json`). A finger that was calibrated on a subject of the
+thesis has the law of Table 2.1, to which it was fitted.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -24,16 +24,15 @@ from fefinger.theory.relaxation import Prony
 LAW = Candidate("lumped")
 
 SAME = 1e-3
-"""Relative difference up to which sizes and ratios of moduli are taken for the same, by rounding
-alone."""
+"""Relative difference below which sizes and ratios of moduli count as equal."""
 
 
 class Law(NamedTuple):
-    """The law of a finger: b in N/mm, m in 1/mm, G, and where they are from.
+    """The law of a finger: b in N/mm, m in 1/mm, G, and their source.
 
     printed: whether they are those of Table 2.1. error: relative error of the force against `solid`
-    of the same finger, and its source; not a number where it is not known. doubt: why the law may
-    not be that of the scene, if so.
+    of the same finger, not a number if unknown; evidence: its source. doubt: reason why the law may
+    not be that of the scene; empty without one.
     """
 
     spring: Spring
@@ -75,7 +74,7 @@ def _printed(
 
 
 def _own(case: Situation, rows: Sequence[Mapping[str, Any]], b: float, m: float) -> Law:
-    """Return the law of a finger that was pressed, with all moduli as large as the scene's."""
+    """Return the identified law of a finger, scaled to the moduli of the scene."""
     finger = case.finger
     stiffer = finger.subcutaneous.modulus / rows[0]["subcutaneous_kPa"]
     # The presses are of relaxed tissue, b of the law is that of an instant.
@@ -89,9 +88,9 @@ def _own(case: Situation, rows: Sequence[Mapping[str, Any]], b: float, m: float)
 
 
 def between(rows: Iterable[Mapping[str, Any]], angle: float) -> tuple[float, float] | None:
-    """Return b and m under a plate at an angle in degrees, log-linear between those of presses.
+    """Interpolate b and m, log-linear in the angle of the plate in degrees.
 
-    None beyond the angles that were pressed.
+    None outside of the measured angles.
     """
     known = sorted(rows, key=lambda row: float(row["angle"]))
     angles = [row["angle"] for row in known]
@@ -102,7 +101,7 @@ def between(rows: Iterable[Mapping[str, Any]], angle: float) -> tuple[float, flo
 
 
 def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
-    """Return whether a finger is one that was pressed, but for a factor on its moduli and for G."""
+    """Whether a finger is one that was pressed, but for a factor on its moduli and for G."""
     contrast = finger.skin.modulus / finger.subcutaneous.modulus
     skin = finger.skin.thickness or 0.0
     own = [finger.width, finger.thickness, finger.pad_radius, contrast, skin]
@@ -111,7 +110,7 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
 
 
 def _misfit(case: Situation) -> tuple[float, str]:
-    """Return by what Table 2.1 differs from the finger that was fitted to it, and the source."""
+    """Return the difference of Table 2.1 from the finger that was fitted to it, and the source."""
     subject = case.finger.subject_name
     assert subject is not None  # of a calibrated finger
     found = formulas.error(LAW, case, library.pawluk_bulk()[subject].prony)

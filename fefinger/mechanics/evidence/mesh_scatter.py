@@ -1,4 +1,4 @@
-"""Scatter of the answers between meshes of the same finger, as the mesher is random."""
+"""Scatter of results between meshes of the same finger: the mesher is not deterministic."""
 
 import numpy as np
 
@@ -7,14 +7,14 @@ from fefinger.results.candidate import Candidate
 
 
 DRAWN = 2.0
-"""Standard deviations of it in a stated error."""
+"""Standard deviations that a stated error includes."""
 
 
 def scatter(candidate: Candidate, part: float, quantity: str) -> float:
-    """Return the relative standard deviation of a quantity at a depth over the thickness.
+    """Return the relative standard deviation of a quantity at a relative depth.
 
-    The larger of the presses that were measured, by `linear`; that of the fine mesh is taken for as
-    large as that of the standard one. 0 without a mesh.
+    The largest of the presses, measured by `linear`; the fine mesh is assumed to have that of the
+    standard one. 0 without a mesh.
     """
     drawn = Candidate("linear", candidate.measured.resolution)
     rows = table().all(SCATTER, f"scatter of {quantity}", drawn)

@@ -1,4 +1,4 @@
-"""The objects of the presses in `reports/press-mesh.json`, and between which an object lies."""
+"""Objects of the presses in `reports/press-mesh.json`, and neighbors of an object among them."""
 
 from collections.abc import Iterable, Mapping
 from functools import cache
@@ -13,10 +13,10 @@ from fefinger.scene.indenters import INDENTERS
 
 
 PLATE = "flat-30"
-"""The plate that a ball of no curvature is."""
+"""The plate that counts as a ball without curvature."""
 
 SAME = 1e-9
-"""Relative difference of sizes that are the same."""
+"""Relative difference below which sizes count as equal."""
 
 
 @cache
@@ -38,10 +38,11 @@ def _object(fields: Mapping[str, Any]) -> Indenter:
 
 
 def between(indenter: Indenter) -> tuple[tuple[str, ...], str]:
-    """Return the names of the presses that an object lies between, and why there are none.
+    """Return the names of the neighboring presses of an object; without any, the reason.
 
-    A plate lies between plates by its angle, a ball by its curvature, of which that of the 30
-    degree plate is 0; an object with edges is like those of its kind that are as sharp or sharper.
+    Neighbors of a plate are plates of the next smaller and larger angle; those of a ball are balls
+    of the next curvatures, the 30 degree plate having 0; those of an object with edges are all of
+    its kind that are as sharp or sharper.
     """
     if indenter.flat is not None:
         return _plates(indenter)
@@ -51,12 +52,12 @@ def between(indenter: Indenter) -> tuple[tuple[str, ...], str]:
 
 
 def same(indenter: Indenter) -> tuple[str, ...]:
-    """Return the names of an object among those that were pressed."""
+    """Return the names under which the same object was pressed."""
     return tuple(name for name, each in objects().items() if each == indenter)
 
 
 def around(indenter: Indenter) -> tuple[str, ...]:
-    """Return the plates or balls next to one on either side, without itself; none beside others."""
+    """Return the neighbors of a plate or ball without itself; none for other objects."""
     where = place(indenter)
     if where is None:
         return ()
@@ -81,7 +82,7 @@ def _plates(indenter: Indenter) -> tuple[tuple[str, ...], str]:
 
 
 def _round(indenter: Indenter) -> tuple[tuple[str, ...], str]:
-    """Return the balls next to a round object, by its smallest and its largest radius."""
+    """Return the neighboring balls of a round object, by its smallest and its largest radius."""
     balls = {
         name: 1 / each.ball_radius
         for name, each in objects().items()
@@ -114,9 +115,9 @@ def _round(indenter: Indenter) -> tuple[tuple[str, ...], str]:
 
 
 def _edges(indenter: Indenter) -> tuple[tuple[str, ...], str]:
-    """Return the presses by objects of a kind that are as sharp or sharper, and the next blunter.
+    """Return the presses by objects of the same kind that are as sharp or sharper, or blunter.
 
-    At the angles around, of those that were pressed at several.
+    Blunter ones unless one as sharp was pressed; of several angles, those on either side.
     """
     kind = {name: each for name, each in objects().items() if each.kind == indenter.kind}
     if not kind:
@@ -143,34 +144,34 @@ def _edges(indenter: Indenter) -> tuple[tuple[str, ...], str]:
 
 
 def _as_sharp(one: Indenter, other: Indenter) -> bool:
-    """Return whether an object with edges is as sharp as another, or sharper."""
+    """Whether an object with edges is as sharp as another, or sharper."""
     return one.least_radius <= other.least_radius * (
         1 + SAME
     ) and one.narrowest <= other.narrowest * (1 + SAME)
 
 
 def _beside(known: Mapping[str, float], value: float) -> tuple[str, ...]:
-    """Return the names on either side of a value, or those at it; the last beyond all."""
+    """Return the names on either side of a value, or at it; beyond all values, the last."""
     return tuple(dict.fromkeys((_last(known, value, -1), _last(known, value, 1))))
 
 
 def _last(known: Mapping[str, float], value: float, side: int) -> str:
-    """Return the name next to a value on one side of it, or the nearest of all."""
+    """Return the name nearest to a value on one side of it; without any, the nearest of all."""
     there = [name for name, each in known.items() if side * (each - value) >= -SAME]
     candidates: Iterable[str] = there or known
     return min(candidates, key=lambda name: abs(known[name] - value))
 
 
 def aside(indenter: Indenter) -> bool:
-    """Return whether an object is tilted, or away from the middle of the pad."""
+    """Whether an object is tilted, or away from the middle of the pad."""
     away = float(np.hypot(*(indenter.place or (0.0, 0.0)))) > NEAR
     return away or bool(indenter.plate is not None and indenter.plate.tilt)
 
 
 def place(indenter: Indenter) -> tuple[str, float] | None:
-    """Return the axis on which an object lies among others, and where: plates by their angle.
+    """Return the axis of comparison of an object and its value: "angle" of a plate in degrees.
 
-    Balls by their curvature, of which that of the 30 degree plate is 0; None for all others.
+    "curvature" of a ball in 1/mm, where the 30 degree plate has 0; None for other objects.
     """
     if aside(indenter):
         return None
@@ -182,7 +183,7 @@ def place(indenter: Indenter) -> tuple[str, float] | None:
 
 
 def place_on(axis: str, name: str) -> float | None:
-    """Return where an object that was pressed lies on an axis; None where it does not."""
+    """Return the value of a pressed object on an axis; None if it has none."""
     if (axis, name) == ("curvature", PLATE):
         return 0.0
     found = place(objects()[name])

@@ -9,7 +9,7 @@ from fefinger.scene.finger import Finger
 
 
 def calibrated(finger: Finger) -> str:
-    """Return the press of a finger that was calibrated, with nothing changed; "" for others."""
+    """Return the name of the press of an unchanged calibrated finger; empty for other fingers."""
     name = finger.subject_name
     if name not in library.pawluk_bulk() or finger.tissue != library.calibrated_name(name):
         return ""
@@ -25,11 +25,10 @@ def force_curve(press: str) -> Measured:
 def under_force(
     finger: Finger, force: float, measured: Measured, own: Measured | None = None
 ) -> float:
-    """Return depth over thickness under a force in N, by the forces of a press that was measured.
+    """Return the depth over the thickness under a force in N, by the force curve of a press.
 
     Forces scale with the modulus and the square of the size; a calibrated finger may have a curve
-    of its `own`. Beyond the largest force the depth is taken to grow on as before, more than it
-    does.
+    of its `own`. Beyond the largest force the depth is extrapolated linearly, an upper bound.
     """
     if own is not None:
         return _extended(force, own) / finger.thickness

@@ -1,4 +1,4 @@
-"""Measured cost and error of each mechanics, as the reports have them."""
+"""Measured cost and error of the mechanics at small strain, and cost of meshes, by the reports."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -22,7 +22,7 @@ from fefinger.support.text import percent
 
 
 LINEAR_RADIUS = 2.0
-"""Radius of an indenter in mm below which the mesh error of `linear` has not been measured."""
+"""Radius of an indenter in mm below which the mesh error of `linear` was not measured."""
 
 LINEAR_EDGE = 1.0
 """Radius of an edge, ridge or crest in mm below which the mesh error has not been measured."""
@@ -87,7 +87,7 @@ def _seconds(report: str, candidate: Candidate, stage: str) -> float:
 
 
 def _spent(report: str, mechanics: Candidate, case: Situation, bodies: float) -> float:
-    """Return the expected time in s of a press as in a report, on so many times its body.
+    """Return the expected time in s of a press as in a report, of a body `bodies` times as large.
 
     The area is that of the whole pad, and read where contact changes.
     """
@@ -144,7 +144,7 @@ def condensed_once(case: Situation) -> float:
 def linear_error(case: Situation) -> tuple[float, str]:
     """Return the measured error of the force of `linear`, and its source.
 
-    It is the sum of the errors of the mesh and of small strain, which do not know of each other.
+    The sum of the errors of the mesh and of small strain.
     """
     mesh, press = linear_mesh_error(case)
     return _with_small_strain(case, mesh, f"reports/{table.LINEAR}, {press}")
@@ -165,10 +165,10 @@ def linear_mesh_error(case: Situation) -> tuple[float, str]:
 
 
 def _mesh_error(report: str, mechanics: Candidate, case: Situation) -> tuple[float, str]:
-    """Return the error of a mesh, at least that of the finer ones, and on which press.
+    """Return the error of a mesh, at least that of the finer ones (it may be small by chance).
 
-    The press is the one next to the scene's: by angle for a plate, by the smallest radius for a
-    round indenter. A small error may be by chance; infinite where the mesh is too coarse for it.
+    The press is the nearest to the scene: by angle for a plate, by the smallest radius for a round
+    indenter. Infinite where the mesh is too coarse.
     """
     if case.indenter.raised:
         return RAISED[case.mesh], "raised parts as of reports/friction.json"
@@ -222,8 +222,7 @@ def layered_seconds(case: Situation) -> float:
 def layered_error(indenter: Indenter, depth: float) -> tuple[float, str]:
     """Return the measured error of the force of `layered` at `depth` mm, and its source.
 
-    It is that of the subject whose finger is worst; linear between the measured depths, and
-    constant beyond their ends.
+    The largest of four fingers; linear between the measured depths, constant beyond them.
     """
     measured = _layered_curve(indenter)
     source = f"reports/{table.LAYERED}, {measured.press}: against linear, the worst of four fingers"
@@ -247,7 +246,7 @@ def _layered_curve(indenter: Indenter) -> Measured:
 
 
 def layered_press(indenter: Indenter) -> str:
-    """Return the measured press whose object is next blunter, because the error grows with it."""
+    """Return the press with the next blunter object: the error grows with bluntness."""
     radius = max(indenter.hertzian or (indenter.least_radius,))
     blunter = [press for press, measured in LAYERED_PRESSES.items() if measured >= radius]
     return min(blunter, key=LAYERED_PRESSES.__getitem__)
@@ -261,9 +260,9 @@ def _forces(mechanics: Candidate, quantity: str = "force") -> dict[str, Measured
 
 
 def solid_press(case: Situation) -> str:
-    """Return the measured press whose object is next blunter and that was measured so deep.
+    """Return the press with the next blunter object that was measured to the depth of the scene.
 
-    Small strain errs more under a blunter object; an edge or ridge is none of these.
+    The error of small strain grows with bluntness; edges and ridges count as a plate.
     """
     if case.indenter.sharp:
         return "flat-30"
@@ -281,15 +280,15 @@ def solid_reach(press: str) -> float:
 
 
 def small_strain_part(case: Situation) -> float:
-    """Return the depth of the scene over the finger's thickness, which small strain errs by."""
+    """Return the relative depth of a scene, which determines the error of small strain."""
     return case.depth_over_thickness(_forces(SOLID)[solid_press(case)])
 
 
 def small_strain_error(case: Situation) -> float:
     """Return the measured difference of the forces of `linear` and `solid` to the scene's depth.
 
-    It is the largest on the way, of the force there; linear between the measured depths, constant
-    beyond them, and none at first touch; of tissue that relaxes, where that was measured.
+    The largest difference up to a depth over the force there; linear between the measured depths,
+    constant beyond them, 0 at first touch; of relaxing tissue where that was measured.
     """
     press = solid_press(case)
     relaxing = _forces(SOLID, "relaxing force").get(press)

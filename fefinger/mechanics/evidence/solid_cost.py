@@ -19,21 +19,20 @@ from fefinger.theory.relaxation import Prony
 
 
 MESHES = ("coarse", "standard")
-"""The measured ones; the fine one costs more as these do with their unknowns."""
-
+"""The measured meshes; the cost on the fine one is extrapolated in the number of unknowns."""
 
 SIZE, LARGER = 140.0, 0.6
-"""Width times thickness in mm² of the finger that most presses are of, and the power of it that
-cost grows with: unknowns on the coarse mesh grow as its root (12 560, 13 267 and 15 547 at 140, 161
-and 221 mm²), cost a little faster than they do."""
+"""Width times thickness in mm² of the finger of most presses, and the exponent of cost over it:
+unknowns on the coarse mesh grow as its root (12 560, 13 267 and 15 547 at 140, 161 and 221 mm²),
+cost a little faster."""
 
 
 class Cost(NamedTuple):
     """CPU seconds on half a finger: of setting up, of the press that scales spikes, of a step.
 
-    That of a step is at first touch; its logarithm grows by `growth` per depth over thickness, by
+    `step` is that at first touch; its logarithm grows by `growth` times the relative depth, by
     `sharp` under an edge or ridge and by `stiffening` on tissue of another law; `deepest` is the
-    largest depth over thickness that was timed.
+    largest relative depth that was timed.
     """
 
     setup: float
@@ -47,7 +46,7 @@ class Cost(NamedTuple):
 
 @cache
 def cost(mesh: str) -> Cost:
-    """Return the cost on a mesh: medians of the presses, of the steps by least squares."""
+    """Return the cost on a mesh: medians of the presses, for steps a least-squares fit."""
     every = table().entries
     timed = [x for x in every if (x.report, x.quantity) == (SOLID_COST, "step seconds")]
     basis = [
@@ -75,7 +74,7 @@ def cost(mesh: str) -> Cost:
 
 
 def _part(timed: Measured) -> float:
-    """Return the depth of a press that was timed, over the finger's thickness."""
+    """Return the relative depth of a timed press."""
     return float(timed.conditions["depth_mm"] / timed.conditions["thickness_mm"])
 
 

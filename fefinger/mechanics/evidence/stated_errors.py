@@ -27,7 +27,7 @@ from fefinger.support.text import percent
 
 
 FARTHEST = 1.25
-"""Depth over that of the deepest press beyond which what other reports tell is not taken either.
+"""Depth over that of the deepest press beyond which errors of other reports are not used either.
 
 At 30 degrees the forces of `solid` on the coarse and the standard mesh are 0.7 % apart there, 1 %
 above it and 1.3 % at 1.58."""
@@ -46,7 +46,7 @@ class Stated(NamedTuple):
 
 
 def difference(case: Situation) -> str:
-    """Return in which way a scene that has no stated error differs from all measured presses."""
+    """Name the feature of a scene without a stated error that no measured press has."""
     other = tradeoff.other_object(case.indenter)
     if other:
         return other
@@ -102,12 +102,12 @@ def _rule(quantity: str, candidate: Candidate) -> float:
 
 
 def motion_shares(candidate: Candidate, quantity: str) -> dict[str, float]:
-    """Return by which share presses tell too little of motions, by press."""
+    """Return the share by which the error through a motion exceeds that of the press, by press."""
     return table().values(REPORT, f"share of motion, {quantity}", candidate)
 
 
 def moving(shares: Mapping[str, float], names: Collection[str]) -> float:
-    """Return by which share presses tell too little of motions: the largest of all, if unknown."""
+    """Return the largest share of some presses, see `motion_shares`; of all, if one is unknown."""
     known = names if all(name in shares for name in names) else shares
     return max((shares[name] for name in known), default=0.0)
 
@@ -115,8 +115,8 @@ def moving(shares: Mapping[str, float], names: Collection[str]) -> float:
 def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> Known | None:
     """Return the measured error of a quantity and its source.
 
-    None for small strain where nothing like the scene was measured; of finite strain then the
-    error is not a number, and the source says why.
+    Where nothing comparable was measured: None for small strain; for finite strain the error is not
+    a number, and the source states the reason.
     """
     if candidate.mechanics in formulas.NAMES and quantity == "force":
         formula = formulas.error(candidate, case)
@@ -139,10 +139,10 @@ def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> 
 
 
 def _of_mesh(candidate: Candidate, case: Situation, quantity: str) -> Known | None:
-    """Return the error of the mesh of a candidate in presses under the same object, but of force.
+    """Return the mesh error of a quantity other than the force, in presses under the same object.
 
-    The mesh of an object decides which points bear the pressure, whatever the tissue and the
-    strain: so it was compared with a finer one. The force has its own evidence.
+    The mesh decides which points bear the pressure, whatever the tissue and the strain, so the
+    comparison of meshes at finite strain applies. The force has evidence of its own.
     """
     if quantity == "force" or candidate.resolution is None:
         return None
@@ -150,7 +150,7 @@ def _of_mesh(candidate: Candidate, case: Situation, quantity: str) -> Known | No
 
 
 def _on_its_mesh(own: Stated, candidate: Candidate, case: Situation, quantity: str) -> Known:
-    """Return a stated error whose part of the mesh is no smaller than in presses like the scene."""
+    """Return a stated error with at least the mesh error of comparable presses."""
     mesh = _of_mesh(candidate, case, quantity)
     if mesh is None or not mesh.error > own.numerical:
         return Known(own.error, own.source)
@@ -159,7 +159,7 @@ def _on_its_mesh(own: Stated, candidate: Candidate, case: Situation, quantity: s
 
 
 def _pressed(case: Situation) -> bool:
-    """Return whether small strain was compared with finite strain on such a finger and object."""
+    """Whether small strain was compared with finite strain on such a finger and object."""
     if case.indenter.raised:  # measured while they slide, by `reports.RAISED`
         return False
     published = case.measured_tissue and case.place is None
@@ -169,8 +169,8 @@ def _pressed(case: Situation) -> bool:
 def spikes(candidate: Candidate, case: Situation) -> dict[str, float]:
     """Return the largest errors of spike counts and first spikes in the base scenes, over types.
 
-    "spike count": missing or extra ones over all, relative; "first spike": in s. Empty for a scene
-    that is like no press.
+    "spike count": missing or extra spikes over all; "first spike": in s. Empty for a scene without
+    a comparable press.
     """
     if case.place is None or not case.measured_tissue:
         return {}
@@ -189,9 +189,9 @@ def without_press(
 ) -> tuple[float, str]:
     """Return the error of another report, with those of steps and motions added; and its source.
 
-    That was measured under another object, or of another finger: no margin is known for that. It
-    is no smaller than what is stated of the nearest plate or ball that was pressed. Not a number
-    far beyond the depths of the presses.
+    It was measured under another object or on another finger, for which no margin is known. It is
+    at least the stated error of the nearest plate or ball that was pressed, and not a number for
+    scenes much deeper than the presses.
     """
     nearest = case.under(tradeoff.nearest(case.indenter))
     deep, deepest = _depths(case, nearest)
@@ -209,7 +209,7 @@ def without_press(
 
 
 def _largest_share(mechanics: str) -> float:
-    """Return by which share presses tell too little of motions at most, on any mesh."""
+    """Return the largest share of any press and mesh, see `motion_shares`."""
     meshes = (None, *RESOLUTIONS)
     shares = [motion_shares(Candidate(mechanics, mesh), "force") for mesh in meshes]
     return max((share for each in shares for share in each.values()), default=0.0)
@@ -218,7 +218,7 @@ def _largest_share(mechanics: str) -> float:
 def _least(candidate: Candidate, case: Situation, nearest: Situation) -> Stated | None:
     """Return the stated error of the measured press nearest to a scene, at or near its depth.
 
-    Nothing that is known less of has a smaller error, and no smaller margins.
+    A lower bound for scenes of which less is known.
     """
     object_ = nearest.indenter
     plate_or_ball = object_.flat is not None or object_.ball_radius is not None
@@ -238,9 +238,9 @@ def _least(candidate: Candidate, case: Situation, nearest: Situation) -> Stated 
 
 
 def _depths(case: Situation, nearest: Situation) -> tuple[float, float]:
-    """Return depth over thickness, and that of the deepest press next to the scene's.
+    """Return the relative depth of a scene, and that of its deepest neighboring press.
 
-    Of an object unlike all plates and balls, those of all presses.
+    For an object unlike all plates and balls: of all presses.
     """
     presses = tradeoff.forces()
     press = max(nearest.neighbors or presses, key=lambda name: tradeoff.reach(presses[name]))

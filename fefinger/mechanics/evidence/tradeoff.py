@@ -1,8 +1,8 @@
-"""The measured presses of the trade-off, and where an object lies among them.
+"""The measured presses of the trade-off, and the neighbors of an object among them.
 
-A plate lies among them by its angle, a ball by its curvature, of which that of the 30 degree plate
-is 0. Each press holds errors over its depth, of what its mesh does ("numerical") and of what its
-mechanics leaves out ("model").
+Plates are compared by their angle, balls by their curvature, where the 30 degree plate has 0. Each
+press has errors over its depth: "numerical", of its mesh, and "model", of what its mechanics leaves
+out.
 """
 
 from collections.abc import Mapping
@@ -35,7 +35,7 @@ HELD = ("rigid", None, "fixed")
 KINDS = ("numerical", "model")
 
 BEYOND = 1.06
-"""Depth over that of the deepest press up to which its errors are taken to grow on as they did."""
+"""Depth over that of the deepest press up to which its errors are extrapolated."""
 
 MEANT = {
     "force": "the force",
@@ -43,8 +43,8 @@ MEANT = {
     "area": "the contact area",
     "strain": "the strain at the end organs, as a Frobenius norm",
 }
-"""What errors are stated of, as far as a mechanics gives it: of the force the largest through time,
-of its peak; of the rest that when the force is largest."""
+"""Quantities with stated errors: of the force the largest error through time over the peak, of the
+others the error when the force is largest."""
 
 STATED = tuple(MEANT)
 
@@ -53,7 +53,7 @@ NEAR = 2.0
 
 
 class Place(NamedTuple):
-    """Where a press lies among the measured ones: "angle" in degrees, or "curvature" in 1/mm."""
+    """Axis of comparison and value: "angle" in degrees, or "curvature" in 1/mm."""
 
     axis: str
     value: float
@@ -71,7 +71,7 @@ def _sizes(name: str) -> list[float]:
 
 
 def place(angle: float | None, radius: float | None) -> Place:
-    """Return the place of a plate by its angle, or of a ball by its radius."""
+    """Return the axis and value of a plate with an angle, or of a ball with a radius."""
     if radius is not None:
         return Place("curvature", 1 / radius)
     assert angle is not None
@@ -79,9 +79,9 @@ def place(angle: float | None, radius: float | None) -> Place:
 
 
 def neighbors(presses: Mapping[str, Measured], where: Place) -> dict[str, float]:
-    """Return the presses on either side of a place, or the one at it, with their weights.
+    """Return the presses on either side of a place with their weights, or the one at it.
 
-    Beyond all, that is the last.
+    Beyond all presses, the last one.
     """
     known: dict[str, float] = {}
     for name, press in presses.items():
@@ -103,16 +103,16 @@ def neighbors(presses: Mapping[str, Measured], where: Place) -> dict[str, float]
 
 
 def reach(press: Measured) -> float:
-    """Return the largest depth over thickness that a press was measured at."""
+    """Return the largest relative depth of a press: indentation over thickness."""
     return float(press.part[-1])
 
 
 def interpolated(
     known: Table, candidate: Candidate, where: Place, part: float, quantity: str = "force"
 ) -> tuple[float, float] | None:
-    """Return numerical and model error of a quantity at a place, between those of its neighbors.
+    """Interpolate numerical and model error of a quantity between the neighboring presses.
 
-    None where no neighbor was pressed so deep; one that was not counts with those at its deepest.
+    None where no neighbor was pressed so deep; of a shallower one, the errors at its deepest.
     """
     presses, errors = forces(known), _errors(known, candidate, quantity)
     weights = {name: each for name, each in neighbors(presses, where).items() if name in errors[0]}
@@ -129,8 +129,8 @@ def largest(
 ) -> tuple[float, float] | None:
     """Return the largest errors over all measured plates for a plate, over two balls for a ball.
 
-    An upper bound for fingers that were measured by their force alone: which points of their
-    meshes bear the pressure of a rim, and how a flat pad is rounded, differs between fingers.
+    An upper bound for fingers of which only the force was measured: the points of the mesh that
+    bear the pressure of a rim, and the rounding of a flat pad, differ between fingers.
     """
     if interpolated(known, candidate, where, part, quantity) is None:
         return None
@@ -149,9 +149,9 @@ def _errors(known: Table, candidate: Candidate, quantity: str) -> list[dict[str,
 
 
 def _errors_at(errors: list[dict[str, Measured]], press: str, part: float) -> Array:
-    """Return numerical and model error (2,) in a press at a depth over thickness.
+    """Return numerical and model error (2,) in a press at a relative depth.
 
-    Beyond its deepest they grow on as before it, up to BEYOND.
+    Beyond its deepest point they are extrapolated, up to BEYOND.
     """
     parts = errors[0][press].part
     known = np.array([each[press].values for each in errors])
@@ -161,7 +161,7 @@ def _errors_at(errors: list[dict[str, Measured]], press: str, part: float) -> Ar
 
 
 def place_of(indenter: Indenter) -> Place | None:
-    """Return the place of an object among the presses, None where no press is like it."""
+    """Return axis and value of an object; None without comparable presses."""
     if other_object(indenter):
         return None
     flat, radius = indenter.flat, indenter.ball_radius
@@ -184,7 +184,7 @@ def other_object(indenter: Indenter) -> str:
 
 
 def measured_tissue(finger: Finger) -> bool:
-    """Return whether the tissues of a finger are, up to one modulus, those that were measured."""
+    """Whether the tissues of a finger are, but for a common factor, those that were measured."""
     known = next(iter(forces().values())).conditions["tissue"]
     contrast = finger.skin.modulus / finger.subcutaneous.modulus / known["skin_over_subcutaneous"]
     layers = (finger.skin, finger.subcutaneous)
@@ -213,7 +213,7 @@ def nearest(indenter: Indenter) -> Indenter:
 
 
 def measured_size(finger: Finger, press: Measured) -> bool:
-    """Return whether a finger has the size of the one that was pressed."""
+    """Whether a finger has the size of the one that was pressed."""
     row = press.conditions
     size = (finger.width, finger.thickness, finger.pad_radius)
     return size == (row["width_mm"], row["thickness_mm"], row["pad_radius_mm"])

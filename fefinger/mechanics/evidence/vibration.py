@@ -1,4 +1,4 @@
-"""What inertia changes of a force, and what `modal` errs by and costs.
+"""Error of neglecting inertia, and error and cost of `modal`.
 
 Measured in `reports/modal.json` on the fingers of four subjects under a plate and a ball: the
 change of the dynamic stiffness by inertia over frequency x thickness / wave speed, with the modulus
@@ -44,8 +44,7 @@ BEYOND = 0.7
 """Frequency over that of the last mode beyond which the answer through time is not trusted."""
 
 SUDDEN = 0.5
-"""Suddenness of a press beyond which the modes do not follow it: some tenths of its force are off.
-"""
+"""Suddenness of a press beyond which the modes cannot follow: the force is off by some tenths."""
 
 RESONANT = 0.2
 """Frequency x thickness / wave speed from which fingers resonate under a plate."""
@@ -54,8 +53,7 @@ SHARE = 5.0
 """Force of a vibration over the peak, by amplitude over depth: at most 4.6 of the measured ones."""
 
 DAMPED = 0.8
-"""Share of the loss factor of the viscous relaxation at a frequency from which a finger damps as it
-does."""
+"""Share of the loss factor of the viscous relaxation from which a finger counts as damped."""
 
 NEGLIGIBLE = 0.02
 """Change by inertia that is not worth a sentence."""
@@ -66,7 +64,7 @@ large on the coarse mesh."""
 
 
 def statics_error(case: Situation) -> tuple[float, str]:
-    """Return the measured error of leaving inertia out, of what vibrates or of a ramp, and why."""
+    """Return the measured error of neglecting inertia in a vibration or a ramp, and the reason."""
     frequency, speed = case.motion.highest_frequency or 0.0, _speed(case)
     wave = wave_speed(case.finger)
     reduced = _reduced(case, frequency)
@@ -108,7 +106,7 @@ def modal_error(case: Situation) -> float:
 
 
 def press_error(case: Situation) -> float:
-    """Return the error of the force of a press by what the modes leave out, over its peak."""
+    """Return the error of the force of a press by the truncation of modes, over its peak."""
     return left_out_by_modes(suddenness(case.motion, 1 / _last(case)))
 
 
@@ -177,7 +175,7 @@ def sentence(case: Situation) -> str:
 
 
 def _damped_set(finger: Finger) -> str:
-    """Name the set of a finger's tissue that damps vibrations, where there is one."""
+    """Name the viscous variant of a finger's tissue, if there is one."""
     name = f"{finger.tissue}{library.VISCOUS}"
     if name not in library.TISSUE_SETS:
         return ""
@@ -185,7 +183,7 @@ def _damped_set(finger: Finger) -> str:
 
 
 def advice(case: Situation) -> str:
-    """Suggest the tissue that damps vibrations, where one near resonances hardly does."""
+    """Suggest the viscous variant of a tissue whose resonances are hardly damped."""
     frequency = case.motion.highest_frequency
     if frequency is None or _damping(case, frequency) != "published":
         return ""
@@ -194,7 +192,7 @@ def advice(case: Situation) -> str:
 
 
 def notes(case: Situation) -> tuple[str, ...]:
-    """Return the note on how certain the oscillation itself is, where there is one."""
+    """Return the note on the error of the oscillation itself, if there is one."""
     frequency = case.motion.highest_frequency
     if frequency is None:
         return ()

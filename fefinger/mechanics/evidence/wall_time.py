@@ -1,6 +1,6 @@
-"""Expected wall time on the cores of this machine, of the CPU seconds that costs are in.
+"""Expected wall time on the cores of this machine, from expected CPU seconds.
 
-Finite strain is solved on all cores, in part. The rest of all that is expected takes one.
+A share of the solution at finite strain uses all cores; everything else uses one.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,11 +24,11 @@ SOLVED: Mapping[str, Callable[[Situation], float]] = {
     "pressed": carrying.building,
     "modal": carrying.building,
 }
-"""CPU seconds of finite strain in what a mechanics is expected to take."""
+"""Expected CPU seconds of finite strain within the cost of a mechanics."""
 
 
 def wall(mechanics: str, case: Situation, seconds: float) -> float:
-    """Return the expected wall time in s of so many CPU seconds of a mechanics, on a free machine.
+    """Convert expected CPU seconds of a mechanics to wall time in s on an idle machine.
 
     As many threads work as this process may use (`processes.threads`).
     """
