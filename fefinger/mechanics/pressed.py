@@ -60,7 +60,7 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     """Return the expected relative error, of mesh and carrying, and its source."""
     error, source = solid.error(case, quantity)
     carried = carrying.error(case, quantity)
-    # Not their sum: on loading a mesh makes the force too large, and carrying it too small.
+    # Not their sum: on loading a mesh makes the force too large, the table too small.
     return math.hypot(error, carried), f"{source}; {carrying.sentence(carried, case)}"
 
 
