@@ -75,7 +75,9 @@ def sentence(carried: float, case: Situation) -> str:
     phase = "with retreat" if retreats(case.motion) else "without retreat"
     deepest = max(row.conditions["part"] for row in _rows("area"))
     deeper = f", measured to {deepest:.2g} of the thickness" if _part(case) > deepest else ""
-    return f"reports/{REPORT}: {percent(carried)} of the tabulated press through time, {phase}{deeper}"
+    return (
+        f"reports/{REPORT}: {percent(carried)} of the tabulated press through time, {phase}{deeper}"
+    )
 
 
 def _part(case: Situation) -> float:
