@@ -277,7 +277,7 @@ def test_the_ladder_is_a_table_with_errors_times_refusals_and_sources():
 
 
 def test_a_depth_in_meters_is_asked_about() -> None:
-    with pytest.raises(InputError, match="It presses 0.0015 mm deep: lengths are in mm, not in m"):
+    with pytest.raises(InputError, match="lengths are in mm, not in m"):
         plan.explain("flat-press", changes={"motion.depth": 1.5e-3})
 
 
