@@ -142,8 +142,23 @@ def mesh_summary(mesh: "FingerMesh") -> str:
     record = mesh_record(mesh)
     rows = [(key, str(record[key])) for key in ("name", "half", "points", "tetrahedra")]
     for part in ("recipe", "quality"):
-        rows += [(f"{part}.{key}", _short(value)) for key, value in record[part].items()]
+        rows += [
+            (f"{part}.{key}", f"{_short(value)} {unit}".rstrip())
+            for key, value in record[part].items()
+            for unit in [MESH_UNITS.get(key, "") if value is not None else ""]
+        ]
     return table(rows)
+
+
+MESH_UNITS = {
+    **dict.fromkeys(("width", "thickness", "pad_radius", "skin_thickness"), "mm"),
+    **dict.fromkeys(("min_volume", "volumes", "surface_volumes"), "mm³"),
+    **dict.fromkeys(("radii", "radii_wanted", "surface_gap", "first_touch"), "mm"),
+    **dict.fromkeys(("pulp_thickness", "pad_edge_mean", "pad_edge_max"), "mm"),
+    "nail_area": "mm²",
+    **dict.fromkeys(("min_dihedral_deg", "dihedral_1pct_deg", "max_dihedral_deg"), "degrees"),
+}
+"""Units of the numbers of a mesh."""
 
 
 def spikes_record(trains: "SpikeTrains", files: list[str]) -> dict[str, Any]:
@@ -178,6 +193,11 @@ def spikes_summary(record: dict[str, Any]) -> str:
 
 
 def _short(value: Any) -> str:
+    """Text of a value, or of several, with four digits."""
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {_short(each)}" for key, each in value.items())
+    if isinstance(value, list | tuple):
+        return ", ".join(map(_short, value))
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 

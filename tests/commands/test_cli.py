@@ -4,6 +4,7 @@ import importlib
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -217,7 +218,9 @@ def test_mesh_takes_the_ready_one_and_writes_it(capsys, tmp_path):
     assert record["quality"]["min_volume"] > 0
     assert file.is_file()
     assert main(["mesh", *QUICK[:2], "--whole"]) == 0
-    assert "recipe.width" in capsys.readouterr().out
+    text = capsys.readouterr().out
+    assert re.search(r"^recipe.width +14 mm$", text, re.M)
+    assert re.search(r"^quality.volumes +skin [\d.]{5}, subcutaneous .* mm³$", text, re.M)
 
 
 def test_validate_fails_only_on_a_verdict_that_says_so(capsys, monkeypatch, tmp_path):
