@@ -33,6 +33,9 @@ MODAL = "modal"
 USELESS = 1.0
 """Relative error from which on a larger `ask.rel_error` is not suggested."""
 
+TINY = 0.01
+"""Depth in mm below which a scene that is refused may have been written in m."""
+
 LEFT_OUT = (
     "They are of solving: saving with a report takes some 3 to 10 s more, and compiling, once "
     "after the installation, some 20 s."
@@ -211,9 +214,17 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
     if willing:
         return min(willing, key=lambda rung: rung.seconds)
     raise InputError(
-        f"ask: no mechanics is known to answer this scene within the limits. {_relaxing(rungs)}"
+        f"ask: no mechanics is known to answer this scene within the limits. {_tiny(case)}"
+        f"{_relaxing(rungs)}"
         f"{_unchecked(case)}{vibration.advice(case)}{_by_name(rungs)}\n\n{written(rungs)}"
     )
+
+
+def _tiny(case: Situation) -> str:
+    """Ask whether a depth that no finger shows is in mm."""
+    if case.motion.control != "depth" or case.peak >= TINY:
+        return ""
+    return f"It presses {case.peak:g} mm deep: lengths are in mm, not in m. "
 
 
 def _by_name(rungs: tuple[Rung, ...]) -> str:

@@ -276,6 +276,11 @@ def test_the_ladder_is_a_table_with_errors_times_refusals_and_sources():
     assert "Times are for this machine" in text
 
 
+def test_a_depth_in_meters_is_asked_about() -> None:
+    with pytest.raises(InputError, match="lengths are in mm, not in m"):
+        plan.explain("flat-press", changes={"motion.depth": 1.5e-3})
+
+
 def test_a_plan_is_read_in_a_notebook() -> None:
     chosen = plan.explain("flat-press")
     first, sentence, trust, _, *rows = repr(chosen).splitlines()

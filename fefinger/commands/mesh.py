@@ -43,4 +43,6 @@ def mesh(
         from fefinger import view
 
         view.draw_mesh(built, picture)
+    for file in filter(None, (output, picture)):
+        console.remark(f"wrote {file}")
     console.print_answer(console.mesh_record(built), console.mesh_summary(built), as_json=as_json)

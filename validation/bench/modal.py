@@ -82,7 +82,7 @@ def _loop() -> list[Figure]:
     again = time.process_time() - started
     return [
         *measured,
-        Figure(f"harmonic answer at {POINTS} frequencies, first", first, "CPU s"),
+        Figure(f"harmonic answer at {POINTS} frequencies, first", first, "CPU s", AIMS["points"]),
         Figure(f"harmonic answer at {POINTS} frequencies, again", again, "CPU s", AIMS["points"]),
     ]
 

@@ -78,7 +78,7 @@ class Condensed:
         finger: Finger,
         indenter: Indenter | Rigid = STANDARD,
         *,
-        deepest: float = 2.0,
+        deepest: float = 1.5,
         sites: Sites | None = None,
         precision: Literal["double", "single"] = "double",
         stiffening: Callable[[float], float] | None = None,

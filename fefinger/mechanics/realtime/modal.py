@@ -80,7 +80,7 @@ class Modal:
         finger: Finger,
         indenter: Indenter = STANDARD,
         *,
-        deepest: float = 2.0,
+        deepest: float = 1.5,
         sites: Sites | None = None,
         dt: float = DT,
         precision: Literal["double", "single"] = "double",
