@@ -1,6 +1,6 @@
 """Afferent units in real time: strain in, spikes out, one time step at a time.
 
-Drives, end organs and generators are those of `afferents`; membranes are integrate-and-fire or
+Drives, end organs and generators are those of `units`; membranes are integrate-and-fire or
 Hodgkin-Huxley. The steps are compiled and allocate no array.
 """
 

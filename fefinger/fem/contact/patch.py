@@ -215,14 +215,22 @@ def patch(
     )
 
 
-def directed(space: Space, on: Patch, direction: Array) -> sparse.csc_matrix:
-    """Return unit loads (n_unknowns, n) of the hats of a patch along one direction (3,)."""
+def hats_of(space: Space, on: Patch) -> tuple[Trace, Array, Integers]:
+    """Return the trace of a patch, its hats (n_tri, 3, n_q) mm² and the candidates at the corners.
+
+    The latter (n_tri, 3) are -1 where there is none.
+    """
     part = trace(space, on.triangles)
     column = np.full(len(space.points), -1, dtype=np.int64)
     column[on.vertices] = np.arange(len(on.vertices))
-    hats = part.linear[None] * part.weights[:, None, :]
+    return part, part.linear[None] * part.weights[:, None, :], column[part.triangles]
+
+
+def directed(space: Space, on: Patch, direction: Array) -> sparse.csc_matrix:
+    """Return unit loads (n_unknowns, n) of the hats of a patch along one direction (3,)."""
+    part, hats, owner = hats_of(space, on)
     along = np.broadcast_to(direction, part.places.shape)
-    return _loads(space, part, hats, along, column[part.triangles], len(on.vertices))
+    return _loads(space, part, hats, along, owner, len(on.vertices))
 
 
 def neighborhood(

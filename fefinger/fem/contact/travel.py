@@ -8,14 +8,15 @@ the plane is the pressure times the slope (Johnson, Contact Mechanics, 1985, sec
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import repeat
 from typing import Self
 
 import numpy as np
 from scipy import sparse
 
 from fefinger.fem.contact.obstacle import FAR, Obstacle, Rigid
-from fefinger.fem.contact.patch import Patch, smooth_places
-from fefinger.fem.elements.spaces import Space, trace
+from fefinger.fem.contact.patch import Patch, hats_of, smooth_places
+from fefinger.fem.elements.spaces import Space
 from fefinger.geometry.profiles import Plane, frame
 from fefinger.support.arrays import Array, Flags, Integers
 
@@ -28,39 +29,13 @@ STRIDE = 0.2
 class Swept:
     """All that an obstacle passes over on its way; a body with an `axis` and a `gap`.
 
-    shifts (k, 2) mm: places of the obstacle across its axis.
+    shifts (k, 2) mm: places of the obstacle across its axis; inclines (k, 2): the slopes of a plate
+    that turns.
     """
 
     obstacle: Obstacle
     shifts: Array
-
-    @property
-    def axis(self) -> Array:
-        """Unit direction of travel (3,), into the body."""
-        return self.obstacle.axis
-
-    def gap(self, points: Array) -> tuple[Array, Array]:
-        """Return the least distance along the axis (...,) mm of any place, and the axis."""
-        nearest = np.full(points.shape[:-1], np.inf)
-        for shift in self.shifts:
-            nearest = np.minimum(nearest, self.obstacle.moved(shift).gap(points)[0])
-        return nearest, np.broadcast_to(self.axis, points.shape)
-
-    def beyond(self, points: Array) -> Flags:
-        """Return False: where the shape ends is looked at on the way, see `Travel.gap`."""
-        return np.zeros(points.shape[:-1], dtype=bool)
-
-
-@dataclass(frozen=True)
-class Rocked:
-    """All that a plate passes over which turns on its way; a body with an `axis` and a `gap`.
-
-    shifts (k, 2) mm and inclines (k, 2): its places and slopes across its axis.
-    """
-
-    obstacle: Obstacle
-    shifts: Array
-    inclines: Array
+    inclines: Array | None = None
 
     @property
     def axis(self) -> Array:
@@ -71,13 +46,17 @@ class Rocked:
         """Return the least distance along the axis (...,) mm of any place, and the axis."""
         local = (points - self.obstacle.origin) @ frame(self.axis).T
         nearest = np.full(points.shape[:-1], np.inf)
-        for shift, incline in zip(self.shifts, self.inclines, strict=True):
-            rise = (local[..., :2] - shift) @ incline
-            nearest = np.minimum(nearest, local[..., 2] + rise)
+        inclines = repeat(None) if self.inclines is None else self.inclines
+        for shift, incline in zip(self.shifts, inclines, strict=False):
+            if incline is None:
+                distance = self.obstacle.moved(shift).gap(points)[0]
+            else:
+                distance = local[..., 2] + (local[..., :2] - shift) @ incline
+            nearest = np.minimum(nearest, distance)
         return nearest, np.broadcast_to(self.axis, points.shape)
 
     def beyond(self, points: Array) -> Flags:
-        """Return False: a plate does not end."""
+        """Return False: where the shape ends is looked at on the way, see `Travel.gap`."""
         return np.zeros(points.shape[:-1], dtype=bool)
 
 
@@ -88,7 +67,7 @@ def envelope(obstacle: Obstacle, path: Array, inclines: Array | None = None) -> 
     """
     if inclines is not None:
         every: Array = np.unique(np.hstack([path, inclines]).round(2), axis=0)
-        return Rocked(obstacle, every[:, :2], every[:, 2:])
+        return Swept(obstacle, every[:, :2], every[:, 2:])
     if obstacle.profile.level:
         return Obstacle(obstacle.axis, obstacle.origin, Plane())
     length = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
@@ -163,12 +142,8 @@ class Travel:
     @classmethod
     def of(cls, space: Space, normals: Array, on: Patch, obstacle: Obstacle) -> Self:
         """Place an obstacle at first touch over a patch whose loads act along its axis."""
-        part = trace(space, on.triangles)
+        part, hats, owner = hats_of(space, on)
         places = smooth_places(space.points, normals, part).reshape(-1, 3)
-        column = np.full(len(space.points), -1, dtype=np.int64)
-        column[on.vertices] = np.arange(len(on.vertices))
-        owner = column[part.triangles]
-        hats = part.linear[None] * part.weights[:, None, :]
         rows = np.broadcast_to(owner[:, :, None], hats.shape).ravel()
         numbers = np.arange(len(places)).reshape(len(owner), 1, -1)
         points = np.broadcast_to(numbers, hats.shape).ravel()

@@ -35,7 +35,7 @@ from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
@@ -222,54 +222,31 @@ class Sliding:
             number("dt", dt, at_least=0, unit="s")
         gap, rim = self._travel.gap(place)
         limits_here = np.where(rim, lcp_compiled.TURNED, self._limits)
-        take = self._slide_with_friction if self.indenter.friction else self._slide
-        outcome = take(target, place - self._shift, dt, gap, limits_here, by_force)
+        memory, output, mu = self._memory, self._output, self.indenter.friction
+        if mu:
+            grip, state = self._grip, self._gripping
+            bounds = state.mu.copy()
+            grip.gap[:], grip.limits[:] = gap, limits_here
+            x, y = (place - self._shift).tolist()
+            outcome = friction_step.step(state, memory, grip, dt, x, y, target, by_force)
+            if outcome == lcp_compiled.DONE:
+                self._bounds = bounds
+                friction_step.strains(
+                    memory, output.rows, self._chosen, self._factor, output.strain
+                )
+        else:
+            before = memory.gap.copy()
+            memory.gap[:], output.limits[:] = gap, limits_here
+            outcome = step_compiled.advance(self._state, memory, output, dt, target, by_force, 1.0)
+            if outcome != lcp_compiled.DONE:
+                memory.gap[:] = before
         if outcome == lcp_compiled.TURNED:
             raise InputError(LEFT.format(*place))
-        if outcome == lcp_compiled.BEYOND or not self.indenter.friction:
+        if outcome == lcp_compiled.BEYOND or not mu:
             step_compiled.check(outcome, self.deepest)
-        friction_step.check(outcome, self.indenter.friction, "in a step")
+        friction_step.check(outcome, mu, "in a step")
         self._shift = place
         return self._read()
-
-    def _slide(
-        self,
-        target: float,
-        moved: Array,
-        dt: float,
-        gap: Array,
-        limits_here: Integers,
-        by_force: bool,
-    ) -> int:
-        """Advance without friction."""
-        memory, before = self._memory, self._memory.gap.copy()
-        memory.gap[:], self._output.limits[:] = gap, limits_here
-        outcome = step_compiled.advance(
-            self._state, memory, self._output, dt, target, by_force, 1.0
-        )
-        if outcome != lcp_compiled.DONE:
-            memory.gap[:] = before
-        return int(outcome)
-
-    def _slide_with_friction(
-        self,
-        target: float,
-        moved: Array,
-        dt: float,
-        gap: Array,
-        limits_here: Integers,
-        by_force: bool,
-    ) -> int:
-        """Advance with friction."""
-        memory, grip, state, output = self._memory, self._grip, self._gripping, self._output
-        grip.gap[:], grip.limits[:] = gap, limits_here
-        x, y = moved.tolist()
-        bounds = state.mu.copy()
-        outcome = friction_step.step(state, memory, grip, dt, x, y, target, by_force)
-        if outcome == lcp_compiled.DONE:
-            self._bounds = bounds
-            friction_step.strains(memory, output.rows, self._chosen, self._factor, output.strain)
-        return int(outcome)
 
     def _read(self) -> SlidingStep:
         """Update what a step returns."""

@@ -64,7 +64,7 @@ def test_a_gap_that_is_open_everywhere_lets_nothing_in() -> None:
 
 
 def test_it_is_saved_and_results_without_it_load(tmp_path: Path) -> None:
-    scene = pressed(0.1)
+    scene = pressed(0.1, fields=False)
     response = linear.respond(scene)
     older = replace(
         response, numbers={k: v for k, v in response.numbers.items() if k != "penetration_mm"}

@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from fefinger.validation.oracles import synthetic
+from fefinger.validation.thesis.force_filter import two_pole
 
 from fefinger.scene import library
 from fefinger.support.arrays import Array
-from fefinger.theory.array.sensor import two_pole
 from fefinger.theory.lumped import identify, ramp_hold
 from fefinger.theory.lumped.spring import Spring
 
