@@ -9,7 +9,7 @@ import fefinger as ff
 from fefinger.scene import builtin
 
 
-scene = builtin.load("pin-hold", {"finger.resolution": "coarse", "motion.hold": 0.3})
+scene = builtin.load("pin-hold", {"finger.tissue": "maeno1998", "motion.hold": 0.3})
 field = ff.receptive_field(scene, ("SAI", "FAI"), reach=2, spacing=1)
 for kind in field.kinds:
     most, area = field.of(kind).max(), field.area(kind)

@@ -19,14 +19,13 @@ for frequency in frequencies:
     scene = builtin.load(
         "probe-vibration",
         {
-            "finger.resolution": "coarse",
             "motion.frequency": frequency,
             "motion.amplitude": 0.05,
             "motion.held": 10.0,
             "motion.seconds": 0.5,
         },
     )
-    spikes = ff.run(scene, mechanics="condensed").spikes
+    spikes = ff.run(scene).spikes
     for kind, times in zip(spikes.types, spikes.times, strict=True):
         rates[kind].append(len(times) / 0.5)
     if frequency == 40:

@@ -13,6 +13,7 @@ end organs below it 1.3 to 1.9 times as much from 0.5 to 1.5 mm on, and a sphere
 """
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -104,11 +105,13 @@ def drives(
     return response.time, response.depth, driven
 
 
-def pressed(indenter: Indenter, depths: Array, distances: Array, **options: str | float) -> Array:
-    """Drives (n_depths, n) of end organs at depths (n_depths,) mm of a slow press."""
+def pressed(indenter: Indenter, depths: Array, distances: Array, **options: Any) -> Array:
+    """Drives (n_depths, n) of end organs at depths (n_depths,) mm of a slow press.
+
+    The options are those of `drives`.
+    """
     motion = Ramp(SLOW, float(np.max(depths)), corner=0.0)
-    # The options are those of `drives`, whose types a dictionary of keywords does not tell apart.
-    _, depth, driven = drives(indenter, motion, distances, **options)  # type: ignore[arg-type]
+    _, depth, driven = drives(indenter, motion, distances, **options)
     return np.array([np.interp(depths, depth, column) for column in driven.T]).T
 
 

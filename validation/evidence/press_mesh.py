@@ -138,7 +138,6 @@ MEASUREMENTS = {
         for subject in OTHER_SUBJECTS
         if (subject, name) != ("p.w.", "flat-0")  # it reaches the proximal cut of the finger
     },
-    f"{library.MEANS}/pin-1": Measurement(library.MEANS, Pin(width=1.0), 0.2),
 }
 
 CHEAPER = (
@@ -159,11 +158,9 @@ ALIKE = {
     **dict.fromkeys(("flat-0", "flat-15", "flat-37", "flat-45", "flat-60", "tilt-15"), "flat-30"),
     **dict.fromkeys(("cylinder", "sphere-5, 4 mm beside"), "sphere-5"),
     "grating-6": "grating",
-    "pin-1": "pin",
 }
 """Objects that come near the pad beyond the part that `condensed` keeps of it, or whose meshes it
-does not have, and the ones whose third mesh tells of theirs; into the finger of a.h. a pin 1 mm
-wide goes 0.5 mm alone."""
+does not have, and the ones whose third mesh tells of theirs."""
 
 FINE = left_on("standard", "fine") / (1 + left_on("standard", "fine"))
 """Error on the fine mesh over that on the standard one."""

@@ -22,6 +22,7 @@ from fefinger.neural.recorded_simulation import simulate_recorded
 from fefinger.neural.variation import Variation
 from fefinger.results.records import Sites
 from fefinger.scene import builtin
+from fefinger.scene.motions import ForceSlide
 from fefinger.support.arrays import Array
 
 
@@ -81,6 +82,7 @@ def scanned(spacing: float) -> tuple[dict[str, float], dict[str, tuple[float, fl
         },
     )
     scene = replace(scene, finger=experiments.MACAQUE)
+    assert isinstance(scene.motion, ForceSlide)
     response = condensed.respond(scene)
     assert response.strain is not None
     assert response.sites is not None

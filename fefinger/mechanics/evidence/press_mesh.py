@@ -18,10 +18,8 @@ from numpy.typing import NDArray
 from fefinger.mechanics.evidence import carrying, reached_depth
 from fefinger.mechanics.evidence.pressed_objects import (
     around,
-    as_sharp,
     aside,
     between,
-    edged,
     objects,
     place,
     place_on,
@@ -72,10 +70,6 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     parts = _presses(candidate, case, quantity, names)
     if len(parts) < len(names) and aside(case.indenter):
         parts = []  # the missing press is the one that is like it
-    if edged(case.indenter) and not any(
-        as_sharp(objects()[_object_of(press)], case.indenter) for press, _ in parts
-    ):
-        parts = []  # into this tissue blunter objects alone were pressed
     if parts and not _deep_enough(parts):
         parts = _presses(candidate, case, quantity, around(case.indenter)) or parts
     if not parts:

@@ -45,12 +45,9 @@ def between(indenter: Indenter) -> tuple[tuple[str, ...], str]:
     """
     if indenter.flat is not None:
         return _plates(indenter)
-    return _edges(indenter) if edged(indenter) else _round(indenter)
-
-
-def edged(indenter: Indenter) -> bool:
-    """Return whether an object has edges and is no plate."""
-    return indenter.flat is None and indenter.sharp
+    if not indenter.sharp:
+        return _round(indenter)
+    return _edges(indenter)
 
 
 def same(indenter: Indenter) -> tuple[str, ...]:
@@ -124,7 +121,7 @@ def _edges(indenter: Indenter) -> tuple[tuple[str, ...], str]:
     kind = {name: each for name, each in objects().items() if each.kind == indenter.kind}
     if not kind:
         return (), f"no object of kind {indenter.kind!r} was pressed"
-    sharper = {name: each for name, each in kind.items() if as_sharp(each, indenter)}
+    sharper = {name: each for name, each in kind.items() if _as_sharp(each, indenter)}
     if not sharper:
         sharp = min(kind.values(), key=lambda each: each.narrowest)
         return (), (
@@ -134,7 +131,7 @@ def _edges(indenter: Indenter) -> tuple[tuple[str, ...], str]:
     plate, place = indenter.plate, indenter.place
     if place is not None and float(np.hypot(*place)) > NEAR:
         return (), f"objects with edges are measured to {NEAR:g} mm from the middle of the pad"
-    same = any(as_sharp(indenter, each) for each in sharper.values())
+    same = any(_as_sharp(indenter, each) for each in sharper.values())
     blunter = () if same else tuple(kind.keys() - sharper.keys())
     if plate is None:
         return (*sharper, *blunter), ""
@@ -145,7 +142,7 @@ def _edges(indenter: Indenter) -> tuple[tuple[str, ...], str]:
     return (*_beside(angles, plate.angle), *blunter), ""
 
 
-def as_sharp(one: Indenter, other: Indenter) -> bool:
+def _as_sharp(one: Indenter, other: Indenter) -> bool:
     """Return whether an object with edges is as sharp as another, or sharper."""
     return one.least_radius <= other.least_radius * (
         1 + SAME
