@@ -65,9 +65,9 @@ def choose(scene: Scene | str | Path, mechanics: str | None = None, *, every: bo
 
     `scene` is a Scene, the name of a built-in one, or a TOML file.
 
-    A mechanics that is named runs in spite of refusals about accuracy or time, which the plan
-    records; refusals about ability stand. Unless `every` one is wanted, those with a mesh are left
-    out where one without is good enough.
+    A mechanics that is named, here or in the scene (`ask.mechanics`), runs in spite of refusals
+    about accuracy or time, which the plan records; refusals about ability stand. Unless `every` one
+    is wanted, those with a mesh are left out where one without is good enough.
 
     Raises
     ------
@@ -80,6 +80,8 @@ def choose(scene: Scene | str | Path, mechanics: str | None = None, *, every: bo
         machine.seconds()
     if mechanics is not None:
         choice("mechanics", mechanics, ladder.names())
+    elif (mechanics := case.ask.mechanics) is not None:
+        choice("ask.mechanics", mechanics, ladder.names())
     considered = _ladder(case, every=every, named=mechanics)
     chosen = _cheapest(case, considered) if mechanics is None else _named(considered, mechanics)
     settings = _settings(case, chosen)

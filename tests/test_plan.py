@@ -255,6 +255,17 @@ def test_a_named_mechanics_runs_in_spite_of_its_accuracy_which_is_recorded():
 
 
 @pytest.mark.usefixtures("four")
+def test_a_scene_may_name_its_mechanics_and_a_call_overrides_it():
+    own = scene(mechanics="hertz")
+    assert plan.choose(own) == plan.choose(scene(), "hertz")
+    assert plan.choose(own, "solid").mechanics == "solid"
+    with pytest.raises(InputError, match=r"ask.mechanics: .*Did you mean 'linear'\?"):
+        plan.choose(scene(mechanics="liner"))
+    with pytest.raises(InputError, match=r"ask.mechanics: expected a name, received 1"):
+        scene(mechanics=1)
+
+
+@pytest.mark.usefixtures("four")
 def test_a_named_mechanics_does_not_run_beyond_its_ability():
     with pytest.raises(InputError, match="'lumped' cannot answer this scene\n  lumped: ability"):
         plan.choose(scene(), "lumped")

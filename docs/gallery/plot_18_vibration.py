@@ -16,13 +16,12 @@ frequencies = (5, 10, 20, 40, 80, 160, 300)
 rates = {kind: [] for kind in ("SAI", "FAI", "FAII")}
 for frequency in frequencies:
     changes = {
-        "finger.resolution": "coarse",
         "motion.frequency": frequency,
         "motion.amplitude": 0.05,
         "motion.held": 10.0,
         "motion.seconds": 0.5,
     }
-    spikes = ff.run("probe-vibration", changes=changes, mechanics="condensed").spikes
+    spikes = ff.run("probe-vibration", changes=changes).spikes
     for kind, times in zip(spikes.types, spikes.times, strict=True):
         rates[kind].append(len(times) / 0.5)
     if frequency == 40:

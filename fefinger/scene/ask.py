@@ -40,6 +40,9 @@ class Ask:
         `Plan.trust` states the errors of pressure, contact area and strain.
     seconds
         Longest computing time in s; None is no limit.
+    mechanics
+        Name of the mechanics that answers where none is named otherwise: as one that is named on
+        the command line, it runs in spite of refusals about accuracy. None: the cheapest one.
     depths
         Depth of the end organs in mm under the skin, for types that differ from the library.
     drives
@@ -61,6 +64,7 @@ class Ask:
     spikes: tuple[str, ...] = ()
     rel_error: float = 0.05
     seconds: float | None = None
+    mechanics: str | None = None
     depths: Mapping[str, float] = field(default_factory=dict, hash=False)
     drives: Mapping[str, str] = field(default_factory=dict, hash=False)
     generator: str = "saturating"
@@ -85,6 +89,8 @@ class Ask:
             choice(f"ask.drives.{name}", value, DRIVES)
         if self.seconds is not None:
             checked["seconds"] = number("ask.seconds", self.seconds, above=0, unit="s")
+        if self.mechanics is not None and not isinstance(self.mechanics, str):
+            raise InputError(f"ask.mechanics: expected a name, received {self.mechanics!r}")
         choice("ask.generator", self.generator, GENERATORS)
         choice("ask.afferents", self.afferents, FAMILIES)
         if self.solver is not None:

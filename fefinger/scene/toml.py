@@ -51,8 +51,8 @@ FROM_FILE = {
 """Kinds of indenters and motions that can be read from the `file` of their table."""
 
 NOT_IN_SCENE = {
-    "mechanics": "a scene leaves the mechanics open; name one with --mechanics, or from Python as "
-    "ff.run(scene, mechanics=...)",
+    "mechanics": "a scene names its mechanics in ask.mechanics, a run with --mechanics, or from "
+    "Python as ff.run(scene, mechanics=...)",
     "mesh": "the mesh is finger.resolution: coarse, standard, fine or auto",
     "diameter": "a sphere and a cylinder have a radius, a pin and a bar a width",
     **dict.fromkeys(

@@ -251,7 +251,7 @@ BAD_TABLES = [
     (press(sped=3), r"sped: unknown key in \[motion\]. Did you mean 'speed'\?"),
     (press(rel_error=0.1), r"rel_error: unknown key in \[motion\]; it belongs in \[ask\]"),
     (press(radius=3), r"indenter.radius is a key of the indenters 'sphere', 'cylinder'"),
-    ({"ask": {"mechanics": "solid"}}, r"mechanics: unknown key in \[ask\]; .* --mechanics"),
+    ({"finger": {"mechanics": "solid"}}, r"mechanics: unknown key in \[finger\]; .* ask.mechanics"),
     (press(speed=0), r"motion.speed: .*above 0, received 0"),
     (press(depth=-1), r"motion.depth: .*above 0, received -1"),
     (press(depth="deep"), r"motion.depth: .*received 'deep'"),

@@ -71,9 +71,15 @@ def test_every_miss_is_the_name_of_a_case():
 
 
 @pytest.mark.usefixtures("operators")
-def test_a_pin_strains_in_proportion_to_its_depth_once_it_rests_on_its_flat():
+def test_a_pin_at_small_strain_strains_in_proportion_to_its_depth_once_it_rests_on_its_flat():
     depths = np.array([0.3, 0.5, 0.7])
     drive = experiments.pressed(
-        experiments.PROBE, depths, np.zeros(1), drive="compressive", organ=0.5
+        experiments.PROBE,
+        depths,
+        np.zeros(1),
+        drive="compressive",
+        organ=0.5,
+        mechanics="condensed",
+        finger=experiments.MACAQUE,
     )[:, 0]
     assert np.diff(drive) == pytest.approx(np.diff(drive).mean(), rel=0.1)

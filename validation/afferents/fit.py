@@ -3,9 +3,10 @@
 Each type is fitted by itself, through the mechanics of `experiments.py`, about the parameters in
 the file: rounds of random units about them from a seed, and of a simplex from the best of these;
 some two minutes a type. What is fitted: rates of vibrations (`vibration_rates.csv`) of SAI, FAI and
-FAII, as the mean of a population and, with less weight, as its median unit; shapes of the threshold
-curves of FAI and FAII (`thresholds_units.csv`); rates of SAI under spheres (`curvature_SAI.csv`),
-and their fall in the first 12 s of a hold. What is not fitted is said where it is set, in `SET`.
+FAII, as the mean of a population and, with less weight, as its median unit, of SAI also frequency
+by frequency; shapes of the threshold curves of FAI and FAII (`thresholds_units.csv`); rates of SAI
+under spheres (`curvature_SAI.csv`), and their fall in the first 12 s of a steady hold. What is not
+fitted is said where it is set, in `SET`.
 The result replaces `fefinger/neural/recorded.json`.
 """
 
@@ -20,6 +21,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.afferents import data, experiments
+from fefinger.validation.afferents.holds import FALLS, falls
 from fefinger.validation.afferents.vibration import SEED, Probed, determination, fit_of_rates
 from scipy.optimize import minimize
 
@@ -65,7 +67,7 @@ SET: dict[str, dict[str, tuple[float, str]]] = {
     },
     "SAII": {
         "jitter": (0.0, WITHOUT),
-        "gain": (90.0, EDIN),
+        "gain": (103.8, EDIN),
         "static": (0.3, EDIN),
         "corner": (1.0, EDIN),
         "order": (1.0, "a choice, as SAI"),
@@ -90,7 +92,7 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
         "corner": (0.3, 60.0),
         "negative": (1e-3, 0.3),
         "largest": (5.0, 1000.0),
-        "adapting": (0.4, 0.75),
+        "adapting": (0.4, 0.66),
         "adaptation": (5.0, 50.0),
         "recovery": (0.3, 20.0),
         "recovering": (8e-3, 0.2),
@@ -136,24 +138,18 @@ they burst at 470 Hz as a pin comes, and follow every cycle of 400 Hz, while of 
 most. That of FAII is kept below 2.4 ms, else they fire at every second cycle of 400 Hz and at each
 of 300 Hz. The membrane of FAI is slow enough for the lowest threshold to lie below 60 Hz, as
 recorded. The refractory time of SAI is 3 ms and more, so that its bursts stay below some 300 Hz;
-its adaptation leaves a quarter of the current and more, since recorded units fire on in holds of
+its adaptation leaves a third of the current and more, since recorded units fire on in holds of
 minutes."""
 
-FALLS = ((0.65, 0.38), (1.3, 0.36))
-"""Depths in mm of slow holds of the probe, and the fall of the SAI rate in their first 12 s (J
-Neurosci 3:2652)."""
-
-SLOW = 0.4
-"""Speed in mm/s of the presses before these holds."""
-
-TRIALS = 6
-"""Repetitions of a hold, each with noise of its own."""
-
-MEDIAN, PLATEAU, SHAPE, REST, SPHERES, FALL = 0.15, 10.0, 0.8, 0.2, 20.0, 2.0
+MEDIAN, EACH, PLATEAU, SHAPE, REST, SPHERES, FALL = 0.15, 0.15, 10.0, 0.8, 0.2, 20.0, 8.0
 """Weights, beside 1 - R² of the population, of the same of the median unit, of the mean squared
-relative error where units fire one impulse per cycle, of the mean squared deviation of the
-logarithms of the thresholds up to a constant, of the squared rate at rest over LOUD, and of the
-mean squared relative errors under spheres and of the falls in a hold."""
+error over the variance of its frequency (of SAI, which fire little), of the mean squared relative
+error where units fire one impulse per cycle, of the mean squared deviation of the logarithms of the
+thresholds up to a constant, of the squared rate at rest over LOUD, and of the mean squared relative
+errors under spheres and of the falls in a hold."""
+
+FAINT = 5.0
+"""Hz: least deviation of the rates of a frequency that its errors are measured against."""
 
 LOUD = 0.5
 """Rate in Hz at rest that counts as an error of 1: FA units are silent there."""
@@ -200,22 +196,6 @@ class Task:
         return time, inputs, points[:, 2]
 
     @cached_property
-    def holds(self) -> tuple[Array, Array]:
-        """Time (n_t,) s and inputs (n_t, n) mm of slow presses to the depths of FALLS and holds."""
-        depths = np.linspace(0.0, 1.4, 29)
-        below = experiments.pressed(
-            experiments.PROBE,
-            depths[1:],
-            np.zeros(1),
-            drive=DRIVES[self.kind],
-            organ=experiments.DEPTHS[self.kind],
-        )[:, 0]
-        drive = np.concatenate([[0.0], below])
-        time = np.linspace(0.0, max(depth for depth, _ in FALLS) / SLOW + 13.0, 1601)
-        moved = np.minimum(SLOW * time[:, None], [depth for depth, _ in FALLS])
-        return time, self.probe[0] * np.interp(moved, depths, drive)
-
-    @cached_property
     def plateau(self) -> Flags:
         """Points (n,) of the rates at which units fire one impulse per cycle, within a twentieth.
 
@@ -223,6 +203,12 @@ class Task:
         """
         near = [np.abs(data.rates(self.kind, f)[1] / f - 1.0) < 0.05 for f in data.FREQUENCIES]
         return np.concatenate([each & (np.count_nonzero(each) > 1) for each in near])
+
+    @cached_property
+    def deviations(self) -> Array:
+        """Deviation (n,) in Hz of the rates of the frequency of a point, FAINT at least."""
+        rates = [data.rates(self.kind, frequency)[1] for frequency in data.FREQUENCIES]
+        return np.concatenate([np.full(len(each), max(FAINT, each.std())) for each in rates])
 
     def unit(self, logarithms: Array) -> Recorded:
         """Return the unit with these logarithms of the fitted parameters."""
@@ -244,13 +230,14 @@ class Task:
             scale = math.sqrt(weight / float(np.sum((rates - rates.mean()) ** 2)))
             parts.append(scale * (computed - rates))
             if not single:
+                each = EACH if self.kind == "SAI" else 0.0
+                parts.append(math.sqrt(each / len(rates)) * (computed - rates) / self.deviations)
                 off = computed[self.plateau] / rates[self.plateau] - 1.0
                 parts.append(math.sqrt(PLATEAU / max(1, len(off))) * off)
         if self.kind == "SAI":
             errors = self.under_spheres(probed.unit) / self.spheres[2] - 1.0
             parts.append(math.sqrt(SPHERES / len(errors)) * errors)
-            recorded_falls = np.array([fall for _, fall in FALLS])
-            off = self.falls(probed.unit) / recorded_falls - 1.0
+            off = falls(probed.unit) / FALLS[0.0] - 1.0
             parts.append(math.sqrt(FALL / len(off)) * off)
         else:
             frequency, amplitude = data.thresholds(self.kind)
@@ -262,22 +249,6 @@ class Task:
     def loss(self, logarithms: Array) -> float:
         """Sum of the squared residuals."""
         return float(np.sum(self.residuals(logarithms) ** 2))
-
-    def falls(self, unit: Recorded) -> Array:
-        """Falls (n,) of the rate of the unit in the first 12 s of the holds of FALLS."""
-        time, inputs = self.holds
-        x = np.repeat(inputs, TRIALS, axis=1)
-        units = units_of([unit] * x.shape[1], seed=SEED)
-        states = compiled.rested(units, x[0])
-        times, _ = fire(units, states, time, x, np.full(x.shape[1], LONGEST[self.kind]))
-        falls = []
-        for i, (depth, _) in enumerate(FALLS):
-            since = np.concatenate(times[i * TRIALS : (i + 1) * TRIALS]) - depth / SLOW
-            first, late = (
-                int(np.count_nonzero((since >= t) & (since < t + 1.0))) for t in (0.0, 11.5)
-            )
-            falls.append(1.0 - late / max(first, 1))
-        return np.array(falls)
 
     def under_spheres(self, unit: Recorded) -> Array:
         """Impulses (n,) of the unit in the first second under every sphere of the data."""
@@ -353,7 +324,7 @@ def table(task: Task, best: Array) -> dict[str, Any]:
 
 def provenance() -> dict[str, Any]:
     """How the parameters were got."""
-    finger = experiments.MACAQUE
+    finger = experiments.SOFT
     return {
         "command": "python -m fefinger.validation.afferents.fit",
         "data": "validation/afferents/data: vibration_rates, thresholds_units, curvature_SAI, "
@@ -363,7 +334,8 @@ def provenance() -> dict[str, Any]:
             "thickness_mm": finger.thickness,
             "pad_radius_mm": finger.pad_radius,
             "tissue": finger.tissue,
-            "tissue_under_spheres": experiments.SOFT.tissue,
+            "resolution": finger.resolution,
+            "mechanics": "pressed",
             "depths_mm": experiments.DEPTHS,
         },
         "probe": experiments.PROBE.describe(),
@@ -371,6 +343,7 @@ def provenance() -> dict[str, Any]:
         "preload_held_s": experiments.HELD,
         "weights": {
             "median": MEDIAN,
+            "each": EACH,
             "plateau": PLATEAU,
             "shape": SHAPE,
             "rest": REST,

@@ -7,12 +7,14 @@ else there is to choose is the depth of the end organs.
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from fefinger.validation.afferents import data, experiments, patterns, predicted
 from fefinger.validation.afferents.vibration import determination
 from scipy.optimize import isotonic_regression
 
+from fefinger.scene.textured import Grating
 from fefinger.support.arrays import Array
 from fefinger.support.vocabulary import DRIVES
 
@@ -70,6 +72,16 @@ def _held(curvature: float, force: float, places: Array, drive: str, organ: floa
     """Mean drive (n_places,) in the hold of a sphere."""
     time, driven = experiments.under_sphere(curvature, force, places, drive=drive, organ=organ)
     return np.asarray(driven[time >= HELD].mean(axis=0))
+
+
+@cache
+def modulation(drive: str, organ: float, period: float) -> float:
+    """Range of a drive over a grating pressed 1 mm deep, over the sum of its highest and lowest."""
+    places = np.zeros((12, 2))
+    places[:, 0] = period * np.arange(12) / 12
+    shape = patterns.heights(Grating(period=period, ridge=period / 2, depth=0.4).profile)
+    found = patterns.driven(shape, 1.0, places, drive=drive, organ=organ)
+    return float(np.ptp(found) / (found.max() + found.min()))
 
 
 def table() -> dict[str, object]:

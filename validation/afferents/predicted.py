@@ -331,7 +331,7 @@ def field_width(kind: str, depth: float, part: float, units: int = 6) -> float:
     widths = []
     for seed in range(units):
         scene = Scene(
-            finger=experiments.MACAQUE,
+            finger=experiments.SOFT,
             indenter=PROBE,
             motion=Ramp(1.0, depth, corner=0.0),
             ask=Ask(
@@ -346,7 +346,7 @@ def field_width(kind: str, depth: float, part: float, units: int = 6) -> float:
                 rel_error=1.0,
             ),
         )
-        response = get("condensed").respond(settled(scene, choose(scene, "condensed")))
+        response = get("pressed").respond(settled(scene, choose(scene, "pressed")))
         assert response.strain is not None
         assert response.sites is not None
         assert response.sites.unit is not None

@@ -11,8 +11,16 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from fefinger.validation.afferents import data, drawings, predicted, rate_map
-from fefinger.validation.afferents.fit import FALLS, Task
+from fefinger.validation.afferents import (
+    data,
+    drawings,
+    experiments,
+    holds,
+    measures,
+    predicted,
+    rate_map,
+)
+from fefinger.validation.afferents.fit import Task
 from fefinger.validation.afferents.misses import MISSES
 from fefinger.validation.afferents.vibration import Probed, determination, fit_of_rates
 from fefinger.validation.case import Case, Expected
@@ -28,6 +36,10 @@ TOUCHSIM = "models of units of TouchSim (Saal et al. 2017), computed"
 SURROUND = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2711, abstract"
 DEEPER = "recorded responses did not depend on the depth of the array from 1.6 to 3 mm"
 HOLD = "J Neurosci 3:2652: falls of 38 % (0.65 mm) and 36 % (1.3 mm)"
+DRIFTS = (
+    "J Neurosci 3:2652: 47 and 46 % where the depth falls by 15 % in 12 s, 26 and 22 % where it "
+    "rises by as much"
+)
 MINUTES = "SAI fire on for half an hour (Iggo & Muir 1969, J Physiol 200:763; from memory)"
 KNIBESTOL = "Knibestol (1973), J Physiol 232:427, abstract"
 FIELDS = "Johansson (1978), as cited: fields of SAI and FAI of some 4 mm"
@@ -39,6 +51,10 @@ GROWTH = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2701, abstract"
 GROWS = (
     "areas of 5.1 mm² (SAI) and 5.5 mm² (FAI) at 50 um grew to 8.8 and 22.4 at 500 um: by 0.8 and "
     "2.7 mm in diameter, under finer probes"
+)
+GRATINGS = (
+    "Bensmaia et al. (2006), J Neurophysiol 95:1771, abstract: responses of SAI to gratings are "
+    "modulated more than those of FAI at all amplitudes"
 )
 EDIN = "Edin (1992), J Neurophysiol 67:1105"
 PRECISE = "Saal, Wang & Bensmaia (2016), Curr Opin Neurobiol 40:142: precise to below 1 ms"
@@ -95,14 +111,14 @@ def under_spheres() -> np.ndarray:
 
 
 @cache
-def falls() -> np.ndarray:
-    """Falls of the rate of the SAI unit in the first 12 s of the holds of FALLS."""
-    return Task("SAI").falls(fitted()["SAI"])
+def falls(drift: float) -> np.ndarray:
+    """Falls of the rate of the SAI unit in 12 s of holds that drift by a part of their depth."""
+    return holds.falls(fitted()["SAI"], drift)
 
 
-def _fall(number: int) -> float:
+def _fall(drift: float, number: int) -> float:
     """Return one of these falls."""
-    return float(falls()[number])
+    return float(falls(drift)[number])
 
 
 def spheres_error() -> float:
@@ -167,9 +183,9 @@ def _fitted() -> Iterator[Case]:
         yield _case(name, partial(at_rest, kind), -0.1, 0.1, "Hz", SILENT)
     name = "fitted: RMS error of SAI by curvature and force"
     yield _case(name, spheres_error, -0.15, 0.15, "1", GOODWIN)
-    for i, (depth, _) in enumerate(FALLS):
+    for i, depth in enumerate(holds.DEPTHS):
         name = f"fitted: fall of the SAI rate in 12 s of a hold at {depth:g} mm"
-        yield _case(name, partial(_fall, i), 0.33, 0.41, "1", HOLD)
+        yield _case(name, partial(_fall, 0.0, i), 0.33, 0.41, "1", HOLD)
 
 
 def _log_tanh(kind: str) -> float:
@@ -194,6 +210,11 @@ def _of_holds() -> Iterator[Case]:
         name = f"predicted: SAI in a hold of the pin at {depth:g} mm, {width:g} mm wide"
         reason = f"four models under a pin with a radius of {width / 2:g} mm"
         yield _case(name, partial(_pin_hold, width, i), low, high, "Hz", TOUCHSIM, reason)
+    for (i, depth), drift in product(enumerate(holds.DEPTHS), (-0.15, 0.15)):
+        recorded, way = holds.FALLS[drift][i], "shallower" if drift < 0 else "deeper"
+        name = f"predicted: the same as the hold at {depth:g} mm grows {way} by 15 %"
+        measure = partial(_fall, drift, i)
+        yield _case(name, measure, recorded - 0.1, recorded + 0.1, "1", DRIFTS, "within 0.1")
     for i, depth in enumerate(predicted.PIN_DEPTHS[:-1]):
         low, high = predicted.PIN_BANDS[2.0][i]
         name = f"predicted: SAI at {depth:g} mm, 2 mm wide, with the gain of the models at 1.5 mm"
@@ -229,6 +250,21 @@ def _of_places() -> Iterator[Case]:
         yield _case(name, partial(_width, kind, 0.5), 3.0, 5.0, "mm", FIELDS)
         name = f"predicted: growth of that field of {kind} as the pin goes from 0.5 to 1 mm"
         yield _case(name, partial(_growth, kind), 0.1, 3.0, "mm", GROWTH, GROWS)
+
+    for period in (1.0, 2.0):
+        name = (
+            f"predicted: modulation of the strain of SAI over that of FAI, grating of {period:g} mm"
+        )
+        yield _case(name, partial(_modulation, period), 1.05, 5.0, "1", GRATINGS)
+
+
+def _modulation(period: float) -> float:
+    """Modulation of the strain of SAI by a grating over that of FAI."""
+    sai, fai = (
+        measures.modulation(fitted()[kind].drive, experiments.DEPTHS[kind], period)
+        for kind in ("SAI", "FAI")
+    )
+    return sai / fai
 
 
 def _background(kind: str) -> float:

@@ -7,6 +7,7 @@ from.
 """
 
 import csv
+import math
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -14,9 +15,14 @@ from importlib.resources import files
 import numpy as np
 from fefinger.validation.afferents import experiments
 
-from fefinger import afferents
 from fefinger.mechanics import condensed
+from fefinger.neural.afferents import driven_displacements
+from fefinger.neural.recorded import fitted
+from fefinger.neural.recorded_simulation import simulate_recorded
+from fefinger.neural.variation import Variation
+from fefinger.results.records import Sites
 from fefinger.scene import builtin
+from fefinger.scene.motions import ForceSlide
 from fefinger.support.arrays import Array
 
 
@@ -25,7 +31,9 @@ SPACINGS = (1.41, 1.97, 2.99, 3.96, 4.91, 5.87)
 
 DISTANCE = 24.0  # mm, of which each spacing has some four periods and more
 
-BEFORE = 120.0  # s of the scan before the recording, to whose mean strain the units have adapted
+BEFORE = 60.0  # s of the scan before the recording, some three time constants of adaptation of SAI
+
+SEED = 1  # of the gains and the noise of the units
 
 
 @cache
@@ -74,26 +82,50 @@ def scanned(spacing: float) -> tuple[dict[str, float], dict[str, tuple[float, fl
         },
     )
     scene = replace(scene, finger=experiments.MACAQUE)
+    assert isinstance(scene.motion, ForceSlide)
     response = condensed.respond(scene)
     assert response.strain is not None
     assert response.sites is not None
-    begin = scene.motion.recorded_from
-    scan = response.time >= begin
-    sliding, mean = response.strain[scan], response.strain[scan].mean(axis=0)
-    adapted = replace(
-        response,
-        time=np.concatenate([[begin - BEFORE], response.time[scan]]),
-        strain=np.concatenate([mean[None], sliding]),
+    scan = response.time >= scene.motion.recorded_from
+    time, strain, organs = response.time[scan], response.strain[scan], response.sites.types
+    units = fitted()
+    drives, lengths = (
+        {kind: getattr(unit, name) for kind, unit in units.items()} for name in ("drive", "length")
     )
-    trains = afferents.fire(scene.ask, adapted, since=begin)
-    seconds = scene.motion.duration - begin
-    counts, types = trains.count(), np.array(trains.types)
-    rates = {kind: float(counts[types == kind].mean() / seconds) for kind in scene.ask.spikes}
-    organs, strains = np.array(response.sites.types), {}
+    inputs = driven_displacements(strain, response.sites.normals, organs, drives, lengths)
+    rates = fired(response.sites, time - time[0], inputs, spacing / scene.motion.speed)
+    strains = {}
     for kind in scene.ask.spikes:
-        pressed = -np.linalg.eigvalsh(sliding[:, organs == kind])[..., 0]
+        pressed = -np.linalg.eigvalsh(strain[:, np.array(organs) == kind])[..., 0]
         strains[kind] = float(pressed.mean()), float(pressed.std(axis=0).mean())
     return rates, strains
+
+
+def fired(sites: Sites, time: Array, inputs: Array, period: float) -> dict[str, float]:
+    """Return the mean rates in Hz by type in a pass of a scan that has gone on for BEFORE s.
+
+    time (n_t,) s from 0 on and inputs (n_t, n_organs) mm of a pass over dots that come every
+    `period` s. The passes before are the whole periods of it again and again, at every fifth time.
+    """
+    assert sites.unit is not None
+    long = period * math.floor(time[-1] / period)
+    again = time < long
+    before, passed = time[again][::5], inputs[again][::5]
+    count = math.ceil(BEFORE / long)
+    starts = long * np.arange(-count, 0)
+    whole = np.concatenate([np.add.outer(starts, before).ravel(), time])
+    first = np.searchsorted(sites.unit, np.arange(sites.unit[-1] + 1))
+    types = np.array(sites.types)[first]
+    trains = simulate_recorded(
+        whole,
+        np.concatenate([np.tile(passed, (count, 1)), inputs]),
+        types=tuple(types),
+        unit=sites.unit,
+        variation=Variation(seed=SEED, spread=None, noise=None),
+        check=False,
+    )
+    counts = np.array([np.count_nonzero(each >= 0.0) for each in trains.times])
+    return {str(kind): float(counts[types == kind].mean() / time[-1]) for kind in set(types)}
 
 
 @dataclass(frozen=True)
