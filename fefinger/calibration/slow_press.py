@@ -9,12 +9,10 @@ calibration continues where it stopped.
 import hashlib
 import json
 import time
-import zlib
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
@@ -32,9 +30,6 @@ from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.relaxation import Prony
 
-
-DAMAGED = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
-"""Errors of reading a missing or damaged press, which is then solved again."""
 
 FORMAT = 8
 """Version in the hash; increased when the mechanics or this file change, to solve presses again."""
@@ -87,7 +82,7 @@ def press(finger: Finger, mechanics: str, part: float | None = None, spare: floa
     """
     scene = pressed(finger, part or PART[mechanics])
     place = root() / f"{key(scene, mechanics, spare)}.npz"
-    with suppress(*DAMAGED), place.open("rb") as opened, np.load(opened) as stored:
+    with suppress(*cache.DAMAGED), place.open("rb") as opened, np.load(opened) as stored:
         depth, force, read, area = (stored[name] for name in ("depth", "force", "felt", "area"))
         return Press(depth, force, read, area, float(stored["seconds"]), str(stored["halt"]))
     solved = _solved(scene, mechanics, spare)

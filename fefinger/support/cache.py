@@ -8,10 +8,12 @@ import json
 import os
 import shutil
 import time
+import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from zipfile import BadZipFile
 
 from fefinger.support.atomic_write import temporary_folder
 from fefinger.support.interrupt import on_end, shielded
@@ -26,6 +28,9 @@ ABANDONED = 24 * 3600.0
 """Age in s from which an unfinished entry counts as abandoned by its process."""
 
 DAY = 24 * 3600.0
+
+DAMAGED = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
+"""Errors of reading missing or damaged arrays, which are then made again."""
 
 BUILDING, LEAVING = ".building-", ".leaving-"
 

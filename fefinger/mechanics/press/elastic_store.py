@@ -7,12 +7,10 @@ nor on the motion but for its depth.
 import hashlib
 import json
 import os
-import zlib
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from zipfile import BadZipFile
 
 from fefinger.mechanics.press.continuation import continued
 from fefinger.mechanics.press.discretization import refinement_location
@@ -38,9 +36,6 @@ PREFIX = "press-"
 """Of the names of shipped presses, which end with the first DIGITS of their key."""
 
 DIGITS = 16
-
-DAMAGED = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
-"""Errors of reading a missing or damaged press, which is then solved again."""
 
 EXACT = ("depth", "force", "moment", "area")
 ROUNDED = ("pressure", "gap")
@@ -83,7 +78,7 @@ def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple
     deepest = [(0.0, 0.0)]
     half = indenter.mirrored and motion.mirrored
     for path in _paths(key(finger, indenter, source, half=half)):
-        with suppress(*DAMAGED):
+        with suppress(*cache.DAMAGED):
             ends = _read(path, ("depth", "force", "modulus"))
             scale = finger.skin.modulus / float(ends["modulus"])
             deepest.append((float(ends["depth"][-1]), float(ends["force"][-1]) * scale))
@@ -94,7 +89,7 @@ def at_hand(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> "ElasticP
     """Read the deepest press that is shipped or cached; None where none is, or all are damaged."""
     found = []
     for path in _paths(key_on(finger, indenter, mesh)):
-        with suppress(*DAMAGED):
+        with suppress(*cache.DAMAGED):
             found.append(read(path).of_modulus(finger.skin.modulus))
     return max(found, key=lambda press: press.deepest, default=None)
 
@@ -131,7 +126,7 @@ def write(press: "ElasticPress", place: Path) -> None:
 
 
 def read(place: Path) -> "ElasticPress":
-    """Read a press from a file; raises one of DAMAGED where it cannot be read."""
+    """Read a press from a file; raises one of `cache.DAMAGED` where it cannot be read."""
     from fefinger.mechanics.press.elastic_table import ElasticPress, Modes
 
     values = _read(place)
