@@ -33,7 +33,8 @@ def test_each_says_what_it_is_plans_and_runs_without_a_mesh(protocol):
     assert "Pawluk 1997" in builtin.text(NAMES[protocol]).replace("\n# ", " ")
     scene = builtin.load(NAMES[protocol])
     assert scene.name == NAMES[protocol]
-    assert ff.explain(scene).mechanics in mechanics.names()[:-1]
+    quick = mechanics.names()[: None if protocol == "p5" else -1]  # p5: pressures at the tip
+    assert ff.explain(scene).mechanics in quick
     result = answer(protocol)
     assert result.plan.mechanics == ("lumped" if protocol in ("p1", "p2", "p3", "p4") else "hertz")
     assert result.time[-1] == pytest.approx(scene.motion.duration)

@@ -6,8 +6,8 @@ from fefinger.validation.pressed.scenes import COUNTS, STANDARD, drawn
 
 import fefinger as ff
 from fefinger.mechanics import pressed
-from fefinger.mechanics.evidence.carrying import ABOUT, MARGIN, REPORT, error
-from fefinger.mechanics.evidence.table import read
+from fefinger.mechanics.evidence.carrying import DEEPER, MARGIN, REPORT, SHALLOWER, error
+from fefinger.mechanics.evidence.table import CARRIED, read
 from fefinger.mechanics.situation import Situation
 from fefinger.scene.ask import Ask
 
@@ -25,7 +25,7 @@ def test_all_sets_are_drawn_the_same_each_time_and_share_no_scene() -> None:
 
 
 def test_the_report_is_of_these_scenes() -> None:
-    for name, rows in ((name, read(REPORT)[name]) for name in COUNTS):
+    for name, rows in ((name, read(REPORT)[name]) for name in CARRIED):
         assert list(rows) == [scene.name for scene in drawn(name)]
         measured = [row for row in rows.values() if "refused" not in row]
         assert len(measured) >= 0.9 * len(rows)
@@ -38,7 +38,7 @@ def test_what_is_stated_is_the_largest_error_of_the_scenes_about_as_deep_with_th
     near = {
         key: row["peak"]["strain"]
         for key, row in suite.every().items()
-        if 0.1 / ABOUT <= row["part"] <= 0.1 * ABOUT
+        if 0.1 / SHALLOWER <= row["part"] <= 0.1 * DEEPER
     }
     worst = max(near, key=near.__getitem__)
     assert error(case, "strain") == MARGIN * near[worst] == suite.stated("peak", "strain", 0.1)

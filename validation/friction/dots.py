@@ -22,7 +22,6 @@ from fefinger.neural.recorded_simulation import simulate_recorded
 from fefinger.neural.variation import Variation
 from fefinger.results.records import Sites
 from fefinger.scene import builtin
-from fefinger.scene.motions import ForceSlide
 from fefinger.support.arrays import Array
 
 
@@ -82,7 +81,7 @@ def scanned(spacing: float) -> tuple[dict[str, float], dict[str, tuple[float, fl
         },
     )
     scene = replace(scene, finger=experiments.MACAQUE)
-    assert isinstance(scene.motion, ForceSlide)
+    speed = float(scene.to_dict()["motion"]["speed"])
     response = condensed.respond(scene)
     assert response.strain is not None
     assert response.sites is not None
@@ -93,7 +92,7 @@ def scanned(spacing: float) -> tuple[dict[str, float], dict[str, tuple[float, fl
         {kind: getattr(unit, name) for kind, unit in units.items()} for name in ("drive", "length")
     )
     inputs = driven_displacements(strain, response.sites.normals, organs, drives, lengths)
-    rates = fired(response.sites, time - time[0], inputs, spacing / scene.motion.speed)
+    rates = fired(response.sites, time - time[0], inputs, spacing / speed)
     strains = {}
     for kind in scene.ask.spikes:
         pressed = -np.linalg.eigvalsh(strain[:, np.array(organs) == kind])[..., 0]

@@ -12,12 +12,13 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.empty_cache import empty_cache
-from fefinger.validation.pressed.scenes import COUNTS, drawn
+from fefinger.validation.pressed.scenes import drawn
 from fefinger.validation.provenance import compact, provenance
 from scipy.spatial import cKDTree
 
 from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.evidence.carrying import REPORT, retreats
+from fefinger.mechanics.evidence.table import CARRIED
 from fefinger.results.pressure import peaks
 from fefinger.results.records import Response
 from fefinger.scene.scene import Scene
@@ -128,8 +129,8 @@ def main(folder: Path) -> None:
     path = folder / REPORT
     report: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
     head = provenance(f"python -m fefinger.validation.pressed.measure {folder.name}")
-    report = {**head, **{key: report.get(key, {}) for key in (*COUNTS, "costs")}}
-    for name in COUNTS:
+    report = {**head, **{key: report.get(key, {}) for key in (*CARRIED, "costs")}}
+    for name in CARRIED:
         for scene in drawn(name):
             if scene.name not in report[name]:
                 report[name][scene.name] = compared(scene)

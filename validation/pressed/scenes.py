@@ -1,10 +1,11 @@
-"""Scenes on which `pressed` is compared with `solid`: three draws, the last of deep presses."""
+"""Scenes on which `pressed` is compared with `solid`: three draws, and the deep built-in scenes."""
 
 from dataclasses import replace
 
 import numpy as np
 from numpy.random import Generator
 
+from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
@@ -14,6 +15,9 @@ from fefinger.scene.motion import Motion
 from fefinger.scene.motions import ForceRampHold, RampHold, RampSinusoid, Sinusoid, Trapezoid
 from fefinger.scene.scene import Scene
 
+
+BUILT_IN = ("press-to-1N", "flat-sinusoid", "p5-quasi-static-array", "p9-ramp-hold-retract")
+"""Built-in scenes deeper than 0.16 of the thickness: under the plate at 30 degrees, on a.h."""
 
 SEEDS = {"rules": 24_01, "held-out": 24_02, "deep": 24_03}
 COUNTS = {"rules": 30, "held-out": 48, "deep": 8}
@@ -32,7 +36,11 @@ SPEED = (0.2, 500.0)
 
 
 def drawn(name: str) -> list[Scene]:
-    """Return the scenes of a set, the same each time."""
+    """Return the scenes of a set, the same each time; "built-in" ones on the coarse mesh."""
+    if name == "built-in":
+        coarse_mesh = {"finger.resolution": "coarse"}
+        ask = Ask(fields=False)
+        return [replace(builtin.load(each, coarse_mesh), ask=ask) for each in BUILT_IN]
     rng = np.random.default_rng(SEEDS[name])
     scenes = [_scene(rng, f"{name} {number}", PARTS[name]) for number in range(COUNTS[name])]
     coarse = COUNTS[name] - STANDARD[name]

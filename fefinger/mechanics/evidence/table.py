@@ -32,8 +32,8 @@ CARRYING = "carrying.json"
 PRESS_MESH = "press-mesh.json"
 FORMULAS = "formula-force.json"
 
-CARRIED = ("rules", "held-out", "deep")
-"""Draws of scenes in which `pressed` was compared with `solid`."""
+CARRIED = ("rules", "held-out", "deep", "built-in")
+"""Sets of scenes in which `pressed` was compared with `solid`: three draws, and built-in ones."""
 
 SECONDS = ("build", "setup", "fields", "step", "area", "reference")
 """Stages whose CPU seconds are measured, as quantities "setup seconds" and so on."""
