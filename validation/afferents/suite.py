@@ -212,7 +212,7 @@ def _of_holds() -> Iterator[Case]:
         yield _case(name, partial(_pin_hold, width, i), low, high, "Hz", TOUCHSIM, reason)
     for (i, depth), drift in product(enumerate(holds.DEPTHS), (-0.15, 0.15)):
         recorded, way = holds.FALLS[drift][i], "shallower" if drift < 0 else "deeper"
-        name = f"predicted: the same as the hold at {depth:g} mm grows {way} by 15 %"
+        name = f"predicted: fall of the SAI rate at {depth:g} mm as the hold grows {way} by 15 %"
         measure = partial(_fall, drift, i)
         yield _case(name, measure, recorded - 0.1, recorded + 0.1, "1", DRIFTS, "within 0.1")
     for i, depth in enumerate(predicted.PIN_DEPTHS[:-1]):
