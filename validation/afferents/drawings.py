@@ -281,7 +281,7 @@ TEXTS = (
     "helped to choose among these depths. FAI and FAII weigh a retreat by at least 0.4 and 0.5 of "
     "an advance, so that they fire at slow releases too. It weighs the saturated current: "
     "strong vibrations keep FAII firing (600 Hz, 0.5 mm). Noise fades with the current of the "
-    "generator: FA are silent in slow presses, however long. Of the current of SAI a quarter "
+    "generator: FA are silent in slow presses, however long. Of the current of SAI a third "
     "remains after minutes: in shallow holds they then fall silent, as under the resting probe of "
     "the vibrations.",
     "All experiments are pressed through the mechanics of the package on one macaque fingertip "
