@@ -152,9 +152,6 @@ CHEAPER = (
 )
 """Candidates that are compared with finite strain."""
 
-GAPS = "deformed pad"
-"""What contact at finite strain weights its gaps over; presses solved otherwise are made again."""
-
 MESHES = ("coarse", "standard")
 
 THIRD = ("condensed standard", "condensed fine")
@@ -304,7 +301,6 @@ def _described(measurement: Measurement) -> dict[str, Any]:
         "subject": measurement.subject,
         "indenter": scene["indenter"],
         "part": measurement.part,
-        "gaps": GAPS,
         "tissue": measurement.tissue,
         "thickness_mm": measurement.finger.thickness,
         "subcutaneous_kPa": measurement.finger.subcutaneous.modulus,
