@@ -144,7 +144,7 @@ def test_in_a_loop_it_gives_what_the_scene_gives() -> None:
     assert finger.step_force(0.2, 0.1).force == pytest.approx(0.2, abs=1e-9)
     with pytest.raises(InputError, match="depth: expected"):
         finger.step(1.3, 1e-3)
-    with pytest.raises(InputError, match="force: expected one that"):
+    with pytest.raises(InputError, match="force: expected at most"):
         finger.step_force(1e3, 1e-3)
 
 
