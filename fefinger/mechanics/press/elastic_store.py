@@ -28,9 +28,8 @@ if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
     from fefinger.mechanics.press.elastic_table import ElasticPress
 
-FORMAT, ROUND_FORMAT = 3, 2
-"""Raised when the solver, the depths or the files change, so that presses are solved again: of
-plates and objects with edges, and of round ones."""
+FORMAT = 3
+"""Raised when the solver, the depths or the files change, so that presses are solved again."""
 
 PREFIX = "press-"
 """Of the names of shipped presses, which end with the first DIGITS of their key."""
@@ -48,9 +47,8 @@ def key(finger: Finger, indenter: Indenter, mesh_sha256: str, *, half: bool = Tr
     A whole finger, mirrored from the mesh of its half, has presses of its own.
     """
     layers = (finger.skin, finger.subcutaneous)
-    edged = indenter.sharp or indenter.plate is not None
     parts = [
-        FORMAT if edged else ROUND_FORMAT,
+        FORMAT,
         mesh_sha256,
         finger.subcutaneous.modulus / finger.skin.modulus,
         [[layer.poisson, layer.law, layer.exponent, layer.share] for layer in layers],
