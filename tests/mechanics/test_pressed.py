@@ -226,7 +226,7 @@ def test_it_refuses_what_it_is_not_for(change: dict, reason: str) -> None:
 
 def test_the_error_of_carrying_is_larger_on_retreat_and_none_without_relaxation() -> None:
     advancing, back = (
-        Situation.of(scene(each)) for each in (Ramp(60, 1.0), Trapezoid(60, 1.0, hold=1))
+        Situation.of(scene(each)) for each in (Ramp(60, 0.55), Trapezoid(60, 0.55, hold=1))
     )
     assert 0.01 < carrying.error(advancing, "force") < carrying.error(back, "force") < 0.1
     none = Situation.of(scene(Ramp(60, 1.0), replace(FINGER, prony=ELASTIC)))
@@ -307,7 +307,7 @@ def _table() -> ElasticPress:
 def test_the_error_of_carrying_is_the_largest_of_the_scenes_about_as_deep() -> None:
     errors = [(0.05, 0.04), (0.06, 0.03), (0.1, 0.02), (0.11, 0.025)]
     largest = {part: carrying.largest_about(part, errors) for part in (0.01, 0.05, 0.07, 0.1, 0.3)}
-    assert largest == {0.01: 0.04, 0.05: 0.04, 0.07: 0.03, 0.1: 0.025, 0.3: 0.025}
+    assert largest == {0.01: 0.04, 0.05: 0.04, 0.07: 0.03, 0.1: 0.02, 0.3: 0.025}
     assert carrying.largest_about(0.0775, errors) == 0.04  # none is as deep: about the nearest
 
 
