@@ -10,6 +10,9 @@ from fefinger.view.figures import INK, STEEL, figure, style
 
 SIZE = (8.0, 5.0)  # inches
 
+FACES = ("none", STEEL, INK, "#D55E00")
+"""Fill of the marks of each set of scenes."""
+
 DEPTHS = np.linspace(0.05, 0.24, 96)
 """Depths over the thickness at which the stated errors are drawn."""
 
@@ -18,12 +21,12 @@ def errors(
     sets: Mapping[str, Mapping[str, Any]],
     stated: Mapping[tuple[str, str], Callable[[float], float]],
 ) -> Any:
-    """Draw the errors of three draws of scenes over depth / thickness, with what is stated."""
+    """Draw the errors of sets of scenes over depth / thickness, and the stated errors."""
     with style():
         drawn = figure(*SIZE)
         axes = drawn.subplots(2, 3, sharex=True)
         for axis, ((phase, quantity), limit) in zip(axes.ravel(), stated.items(), strict=True):
-            for (name, rows), face in zip(sets.items(), ("none", STEEL, INK), strict=True):
+            for (name, rows), face in zip(sets.items(), FACES, strict=True):
                 shown = [row for row in rows.values() if quantity in row.get(phase, {})]
                 axis.plot(
                     [row["part"] for row in shown],

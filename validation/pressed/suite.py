@@ -138,7 +138,7 @@ def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure: the errors of all scenes, and one scene through time."""
     yield (
         "Errors of `pressed` against `solid` on the same mesh, by depth over thickness: scenes of "
-        "three draws (open, filled, deep ones dark). Dashed: what they state together.",
+        "three draws, and deep built-in scenes. Dashed: the error that is stated from all of them.",
         drawings.errors(
             {name: read(REPORT)[name] for name in CARRIED},
             {key: partial(stated, *key) for key in WANTED},
