@@ -306,9 +306,14 @@ def _table() -> ElasticPress:
 
 def test_the_error_of_carrying_is_the_largest_of_the_scenes_about_as_deep() -> None:
     errors = [(0.05, 0.04), (0.06, 0.03), (0.1, 0.02), (0.11, 0.025)]
-    largest = {part: carrying.largest_about(part, errors) for part in (0.01, 0.05, 0.07, 0.1, 0.3)}
-    assert largest == {0.01: 0.04, 0.05: 0.04, 0.07: 0.03, 0.1: 0.02, 0.3: 0.025}
-    assert carrying.largest_about(0.0775, errors) == 0.04  # none is as deep: about the nearest
+    for quantity, deeper in (("force", 0.02), ("area", 0.025)):  # the scene at 0.11 is deeper
+
+        def about(part: float, quantity: str = quantity) -> float:
+            return carrying.largest_about(part, errors, quantity)
+
+        largest = {part: about(part) for part in (0.01, 0.05, 0.07, 0.1, 0.3)}
+        assert largest == {0.01: 0.04, 0.05: 0.04, 0.07: 0.03, 0.1: deeper, 0.3: 0.025}
+        assert about(0.0775) == 0.04  # none is as deep: about the nearest
 
 
 def test_deeper_than_carrying_was_measured_its_source_says_so() -> None:

@@ -6,7 +6,7 @@ from fefinger.validation.pressed.scenes import COUNTS, STANDARD, drawn
 
 import fefinger as ff
 from fefinger.mechanics import pressed
-from fefinger.mechanics.evidence.carrying import DEEPER, MARGIN, REPORT, SHALLOWER, error
+from fefinger.mechanics.evidence.carrying import ABOUT, MARGIN, REPORT, error
 from fefinger.mechanics.evidence.table import CARRIED, read
 from fefinger.mechanics.situation import Situation
 from fefinger.scene.ask import Ask
@@ -38,7 +38,7 @@ def test_what_is_stated_is_the_largest_error_of_the_scenes_about_as_deep_with_th
     near = {
         key: row["peak"]["strain"]
         for key, row in suite.every().items()
-        if 0.1 / SHALLOWER <= row["part"] <= 0.1 * DEEPER
+        if 0.1 / ABOUT <= row["part"] <= 0.1 * ABOUT
     }
     worst = max(near, key=near.__getitem__)
     assert error(case, "strain") == MARGIN * near[worst] == suite.stated("peak", "strain", 0.1)

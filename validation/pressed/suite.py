@@ -70,7 +70,7 @@ def stated(phase: str, quantity: str, part: float, without: str = "") -> float:
         for each in phases
         if quantity in row[each] and key != without
     ]
-    return MARGIN * largest_about(part, pairs)
+    return MARGIN * largest_about(part, pairs, quantity)
 
 
 def share_held(phase: str, quantity: str) -> Noted:

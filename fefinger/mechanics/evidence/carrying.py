@@ -29,11 +29,11 @@ PLATE = "a.h./flat-30"
 MARGIN = 1.2
 """Factor on the largest error of the measured scenes, for scenes between them."""
 
-SHALLOWER, DEEPER = 1.25, 1.05
-"""Factors of the depth within which measured scenes count: beyond 0.19 of the thickness, where the
-contact reaches the tip of the finger, errors grow fast with the depth. Left out one at a time, 0.97
-of the scenes have a force, 0.94 a pressure, 0.95 an area and a strain within the error that the
-others give; on retreat all have a force."""
+ABOUT, DEEPER = 1.25, 1.05
+"""Factor of the depth within which measured scenes count, and that for the force of deeper scenes:
+beyond 0.19 of the thickness, where the contact reaches the tip of the finger, its error grows fast
+with the depth. Left out one at a time, 0.97 of the scenes have a force, and 0.95 a pressure, area
+and strain, within the error that the others give; on retreat all have a force."""
 
 RELAXING = 0.67
 """Least 1 - G(infinity) of the scenes that were measured."""
@@ -68,7 +68,7 @@ def error(case: Situation, quantity: str) -> float:
     if quantity == "force" and retreats(case.motion):
         rows = [*rows, *_rows("force on retreat")]
     pairs = [(row.conditions["part"], row.value) for row in rows]
-    largest = largest_about(_part(case), pairs)
+    largest = largest_about(_part(case), pairs, quantity)
     return MARGIN * largest * min(1.0, (1.0 - case.finger.prony.long_time) / RELAXING)
 
 
@@ -90,14 +90,15 @@ def _part(case: Situation) -> float:
     return case.depth_over_thickness(forces[PLATE])
 
 
-def largest_about(part: float, errors: Sequence[tuple[float, float]]) -> float:
-    """Return the largest error about a relative depth, of pairs of depth and error.
+def largest_about(part: float, errors: Sequence[tuple[float, float]], quantity: str) -> float:
+    """Return the largest error of a quantity about a relative depth, of pairs of depth and error.
 
     Without any scene about it, that about the nearest one.
     """
+    deeper = DEEPER if quantity == "force" else ABOUT
 
     def about(here: float) -> list[float]:
-        return [value for each, value in errors if here / SHALLOWER <= each <= here * DEEPER]
+        return [value for each, value in errors if here / ABOUT <= each <= here * deeper]
 
     nearest = min((each for each, _ in errors), key=lambda each: abs(each - part))
     return max(about(part) or about(nearest))
