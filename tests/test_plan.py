@@ -16,7 +16,7 @@ import fefinger as ff
 from fefinger import mechanics, plan
 from fefinger.commands import console
 from fefinger.mechanics import get
-from fefinger.mechanics.evidence import machine
+from fefinger.mechanics.evidence import machine, wall_time
 from fefinger.mechanics.situation import Situation
 from fefinger.results import plan_text
 from fefinger.results.candidate import MESHED, Candidate
@@ -58,6 +58,7 @@ LADDER = {
 def four(monkeypatch):
     monkeypatch.setattr(mechanics, "names", lambda: tuple(LADDER))
     monkeypatch.setattr(mechanics, "get", LADDER.__getitem__)
+    monkeypatch.setattr(wall_time, "threads", lambda: 1)  # their seconds are wall time
 
 
 @pytest.fixture
