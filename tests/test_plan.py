@@ -293,12 +293,15 @@ def test_a_depth_in_meters_is_asked_about() -> None:
         plan.explain("flat-press", changes={"motion.depth": 1.5e-3})
 
 
-def test_a_plan_is_read_in_a_notebook() -> None:
+def test_a_plan_is_read_in_a_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(wall_time, "threads", lambda: 4)
     chosen = plan.explain("flat-press")
     first, sentence, trust, _, *rows = repr(chosen).splitlines()
     assert first == f"Plan: {chosen.on}"
     assert (sentence, trust) == (chosen.sentence, chosen.trust)
     assert [row.split()[0] for row in rows] == [rung.mechanics for rung in chosen.rungs]
+    *_, row = rows  # `solid`, whose wall time on four cores is much less than its CPU time
+    assert f" {text.duration(chosen.rungs[-1].wall)} " in row
 
 
 def test_a_scene_that_all_refuse_names_first_what_runs_it_all_the_same():

@@ -138,7 +138,7 @@ def mesh_record(mesh: "FingerMesh") -> dict[str, Any]:
 
 
 def mesh_summary(mesh: "FingerMesh") -> str:
-    """Format what a mesh is of, its size and its quality; `mesh_record` has all figures."""
+    """Describe a mesh in a few lines: finger, size and quality; `mesh_record` has all figures."""
     recipe, quality = mesh.recipe, mesh.quality
     made = f"shaped from {quality['template']}" if "template" in quality else "made by the mesher"
     shape = recipe["surface"] or f"pad radius {recipe['pad_radius']:g} mm"

@@ -57,8 +57,10 @@ def once(case: Situation) -> float:
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
-    """Return the expected relative error, of mesh and carrying, and its source."""
+    """Return the expected relative error, of mesh and tabulation, and its source."""
     error, source = solid.error(case, quantity)
+    if math.isnan(error):
+        return error, source
     carried = carrying.error(case, quantity)
     # Not their sum: on loading a mesh makes the force too large, the table too small.
     return math.hypot(error, carried), f"{source}; {carrying.sentence(carried, case)}"

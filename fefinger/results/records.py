@@ -121,7 +121,7 @@ class Plan:
         rows = []
         for rung in self.rungs:
             reason = rung.refusals[0].reason if rung.refusals else "-"
-            cost = percent(rung.error), duration(rung.seconds)
+            cost = percent(rung.error), duration(rung.wall)
             rows.append((rung.mechanics, rung.resolution or "-", *cost, reason))
         ladder = table(rows, ("mechanics", "mesh", "error", "time", "refused because"))
         return "\n".join([f"Plan: {self.on}", self.sentence, self.trust, ladder])

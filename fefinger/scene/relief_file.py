@@ -12,8 +12,8 @@ from fefinger.support.outputs import check_input
 
 Numbers = tuple[float, ...]
 MEANING = {
-    "pitch": "the mm between the pixels of a PNG or the samples of an STL, as 0.1",
-    "height": "the mm from black to white of a PNG, as 0.5",
+    "pitch": "the distance in mm of the pixels of a PNG or the samples of an STL, as 0.1",
+    "height": "the height in mm of white over black in a PNG, as 0.5",
 }
 COLUMNS = ("x", "y", "height")
 

@@ -20,7 +20,7 @@ from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import direction
-from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.indenters import Flat, Pin, Sphere
 from fefinger.scene.motions import (
     ForceRampHold,
     Ramp,
@@ -314,6 +314,14 @@ def test_the_error_of_carrying_is_the_largest_of_the_scenes_about_as_deep() -> N
         largest = {part: about(part) for part in (0.01, 0.05, 0.07, 0.1, 0.3)}
         assert largest == {0.01: 0.04, 0.05: 0.04, 0.07: 0.03, 0.1: deeper, 0.3: 0.025}
         assert about(0.0775) == 0.04  # none is as deep: about the nearest
+
+
+def test_an_error_that_is_not_known_has_its_reason_alone_as_source() -> None:
+    pin = Scene(finger=FINGER, indenter=Pin(width=1.0), motion=Ramp(60, 0.5))
+    error, source = pressed.error(Situation.of(pin))
+    assert np.isnan(error)
+    assert source.startswith("not known")
+    assert "carrying" not in source
 
 
 def test_deeper_than_carrying_was_measured_its_source_says_so() -> None:

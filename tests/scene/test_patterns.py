@@ -226,8 +226,8 @@ def stl(facets: list) -> bytes:
 @pytest.mark.parametrize(
     ("name", "options", "message"),
     [
-        ("a.png", {"height": 1.0}, "indenter.pitch: missing; .* needs the mm between"),
-        ("a.png", {"pitch": 1.0}, "indenter.height: missing; .* from black to white"),
+        ("a.png", {"height": 1.0}, "indenter.pitch: missing; .* needs the distance in mm"),
+        ("a.png", {"pitch": 1.0}, "indenter.height: missing; .* white over black"),
         ("a.csv", {"pitch": 1.0}, "indenter.pitch: expected none"),
         ("a.png", {"pitch": 1.0, "height": 1.0}, "cannot read the picture"),
         ("a.stl", {"pitch": 1.0}, "expected triangles in"),

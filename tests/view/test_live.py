@@ -31,9 +31,9 @@ def _short_and_own_cache(operators: Path, monkeypatch: pytest.MonkeyPatch) -> No
 
 @pytest.fixture
 def _renderer() -> None:
-    """Skip where VTK cannot draw: a library of the system, which no Python package brings."""
+    """Skip where VTK cannot draw."""
     if lacking := renderer_lacking():
-        pytest.skip(lacking)
+        pytest.skip(lacking)  # a library of the system, which no Python package brings
 
 
 def test_a_frame_has_what_is_drawn() -> None:

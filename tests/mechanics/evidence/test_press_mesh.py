@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fefinger.mechanics import get
-from fefinger.mechanics.evidence import carrying, press_mesh, pressed_objects
+from fefinger.mechanics.evidence import carrying, press_mesh, pressed_objects, tradeoff
 from fefinger.mechanics.evidence.table import PRESS_MESH, TRADEOFF, read
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -362,3 +362,13 @@ def test_errors_of_the_report_shrink_with_the_mesh() -> None:
 
 def test_a_candidate_that_was_not_compared_has_no_error() -> None:
     assert np.isnan(press_mesh.error(Candidate("hertz"), case(GRATING)).error)
+
+
+def test_a_finger_whose_bone_ends_elsewhere_is_none_that_was_measured() -> None:
+    for tissue, measured in (
+        ("maeno1998", tradeoff.measured_tissue),
+        ("calibrated_ah", press_mesh.stiffening),
+    ):
+        finger = Finger.subject("a.h.", tissue=tissue)
+        assert measured(finger)
+        assert not measured(replace(finger, tip_tissue=3.8))
