@@ -11,6 +11,7 @@ from fefinger.validation.waves.measure import pressed_force
 from fefinger.validation.waves.preload import Preloaded
 
 import fefinger as ff
+from fefinger.fem.elements.probe import tensors
 from fefinger.mechanics import condensed, modal, pressed
 from fefinger.mechanics.evidence import vibration
 from fefinger.mechanics.press.modal_steps import RINGING, modal_grid
@@ -156,6 +157,20 @@ def test_a_preload_is_the_same_by_depth_and_by_force(loop: ff.Modal) -> None:
     assert by_depth.impedance.real == pytest.approx(
         1e3 * by_depth.stiffness.imag / (2 * np.pi * by_depth.frequency)
     )
+
+
+def test_a_slow_oscillation_strains_as_the_relaxed_finger_does_between_two_depths(
+    loop: ff.Modal,
+) -> None:
+    still = ff.Condensed(loop.finger, loop.indenter, deepest=1.2, sites=loop.sites)
+    middle, apart, relaxed = 0.8, 1e-5, []  # mm; too close for a vertex to come into contact
+    for depth in (middle - apart, middle + apart):
+        still.reset()
+        relaxed.append(tensors(still.step(depth, 1e6).strain))
+    slope = (relaxed[1] - relaxed[0]) / (2 * apart)
+    strain = loop.harmonic([1e-4], depth=middle).strain[0]
+    assert strain.real == pytest.approx(slope, abs=2e-3 * np.abs(slope).max())
+    assert np.abs(strain.imag).max() < 2e-3 * np.abs(slope).max()
 
 
 def test_a_preload_is_answered_alike_after_any_other(loop: ff.Modal) -> None:
