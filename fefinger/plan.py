@@ -230,14 +230,17 @@ def _tiny(case: Situation) -> str:
 
 
 def _by_name(rungs: tuple[Rung, ...]) -> str:
-    """Suggest the mechanics to name: that with the fewest refusals and the smallest error."""
+    """Suggest the mechanics to name: with the fewest refusals, then the smallest error.
+
+    Of those whose errors are not known, one of finite strain.
+    """
     able = [rung for rung in rungs if all(refusal.about != "ability" for refusal in rung.refusals)]
     if not able:
         return _unable(rungs)
 
     def ranked(rung: Rung) -> tuple[float, ...]:
         error = math.inf if math.isnan(rung.error) else rung.error
-        return len(rung.refusals), error, rung.seconds
+        return len(rung.refusals), error, not MECHANICS[rung.mechanics].finite, rung.seconds
 
     best = min(able, key=ranked)
     return (

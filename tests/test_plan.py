@@ -450,7 +450,7 @@ def test_a_machine_that_is_slower_is_expected_to_take_longer(monkeypatch):
 
 
 def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):
-    from fefinger.mechanics.evidence import reports
+    from fefinger.mechanics.evidence import small_strain_cost
     from fefinger.mesh import store
 
     scene = asked(rel_error=0.1, pressure=True, depth=1.5, resolution="coarse")
@@ -458,7 +458,7 @@ def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):
     assert "built once" not in kept.sentence
     monkeypatch.setattr(store, "at_hand", lambda *a: False)
     made = plan.choose(scene, "solid")
-    build = reports.MORPH_SECONDS["coarse"]
+    build = small_strain_cost.MORPH_SECONDS["coarse"]
     assert made.chosen.seconds - kept.chosen.seconds == pytest.approx(build)
     assert "of it for what is built once and kept" in made.sentence
 

@@ -36,14 +36,14 @@ ABOUT = suites.ABOUT | {
     "press-mesh": "Error of a press by mesh, object and depth; the planner reads it.",
     "elements": "Error and cost of the types of elements that were compared.",
     "modal": "What inertia changes, what modes leave out and cost; the planner reads it.",
-    "layered-force": "Force of exact layers against whole fingers; the planner reads it.",
+    "layered-cost": "CPU time of exact layers; the planner reads it.",
     "lumped-force": "Force laws identified from presses of fingers; the planner reads it.",
     "calibrated-standard": "The calibrated fingers pressed on the standard mesh.",
-    "linear-mesh": "Error of linear elements on each mesh by extrapolation; the planner reads it.",
+    "linear-cost": "CPU time of linear elements on each mesh; the planner reads it.",
     "mesh-curves": "Error of the force of a press due to the mesh; calibration corrects for it.",
     "mesh-scatter": "Scatter of results over random meshes of one finger.",
     "solid-cost": "CPU time of finite strain by mesh and depth; the planner reads it.",
-    "solid-force": "Force of every mechanics against finite strain; the planner reads it.",
+    "solid-force": "Force of every mechanics against finite strain, cause by cause.",
 }
 """Content of a file by its name; other files describe themselves in their entry `about`."""
 

@@ -9,9 +9,8 @@ degree plate, where the mesh of `linear` follows the touch.
 from dataclasses import replace
 
 from fefinger.mechanics import linear
-from fefinger.mechanics.evidence import reports
-from fefinger.mechanics.evidence.press_mesh import UNKNOWN
-from fefinger.mechanics.evidence.stated_errors import measured, without_press
+from fefinger.mechanics.evidence import small_strain_cost
+from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press.notes import RIGID_BONE, yielding
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
@@ -50,21 +49,17 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 def cost(case: Situation) -> float:
     """Return the expected CPU time in s, less where the finger's operator is in the cache."""
-    return reports.condensed_seconds(case)
+    return small_strain_cost.condensed_seconds(case)
 
 
 def once(case: Situation) -> float:
     """Return the time in s to build mesh and operator, which are cached; 0 if they already are."""
-    return reports.condensed_once(case)
+    return small_strain_cost.condensed_once(case)
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     """Return the expected relative error, of mesh and small strain, and its source."""
-    candidate = Candidate(name, case.mesh)
-    found = measured(candidate, case, quantity)
-    if found is None and quantity == "force" and not linear.unlawful(case.finger):
-        return without_press(candidate, case, *reports.condensed_error(case))
-    return found or UNKNOWN
+    return measured(Candidate(name, case.mesh), case, quantity)
 
 
 def coarser(scene: Scene) -> Finger | None:

@@ -4,13 +4,13 @@
 `theory/contact/ting.py` makes it right on unloading, loss of contact and touching again.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.press_mesh import UNKNOWN
-from fefinger.mechanics.evidence.stated_errors import is_measured, measured
+from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.notes import apart, normalized, sideways, yielding
 from fefinger.mechanics.refusals import Doubt, refusals
@@ -148,7 +148,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     if case.motion.control == "depth" and depth > radius:
         reason = f"depth / relative radius = {beyond(depth / radius, 1)}: Hertz ends there"
         unable.append(Doubt("motion.depth", reason))
-    known = not unable and is_measured(Candidate(name), case)
+    known = not unable and math.isfinite(measured(Candidate(name), case).error)
     doubts = [] if known else [*_doubts_of_size(case), *doubts_of_place(case)]
     return refusals(name, "ability", unable) + refusals(name, "accuracy", doubts)
 
@@ -186,8 +186,8 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     two tissues.
     """
     stated = measured(Candidate(name), case, quantity)
-    if stated is not None or quantity != "force":
-        return stated or UNKNOWN
+    if quantity != "force" or math.isfinite(stated.error):
+        return stated
     stiffer = STIFFENING * _thinness(case)
     modulus, _ = tissue(case.finger)
     ends = (case.finger.skin.modulus, case.finger.subcutaneous.modulus)

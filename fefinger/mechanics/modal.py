@@ -11,7 +11,7 @@ from dataclasses import replace
 from types import ModuleType
 
 from fefinger.mechanics import condensed, pressed
-from fefinger.mechanics.evidence import reports, vibration
+from fefinger.mechanics.evidence import small_strain_cost, vibration
 from fefinger.mechanics.press.notes import sideways, stiffens, yielding
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
@@ -63,7 +63,11 @@ def once(case: Situation) -> float:
 
 def _operator(case: Situation) -> float:
     """Return the time in s of building an operator that the mechanics without inertia lacks."""
-    return reports.condensed_once(vibration.of_inertia(case)) if stiffens(case.finger) else 0.0
+    return (
+        small_strain_cost.condensed_once(vibration.of_inertia(case))
+        if stiffens(case.finger)
+        else 0.0
+    )
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:

@@ -66,11 +66,9 @@ def test_a_plan_builds_no_scene_again_and_counts_time_steps_once_per_mesh(
 
 
 FIELDS: list[tuple[dict[str, Any], str, str]] = [
+    ({"finger__skin__modulus": 1e6}, "linear", "finger.skin.modulus"),
     ({"ask__pressure": True}, "lumped", "ask.pressure"),
-    ({"indenter__tilt": 4.0}, "layered", "indenter.tilt"),
     ({"finger__nail": "free"}, "condensed", "finger.nail"),
-    ({"motion__depth": 2.1, "motion__corner": 0.0}, "linear", "motion"),
-    ({"indenter": {"kind": "sphere", "radius": 1.0}}, "linear", "indenter.radius"),
     ({"ask__solver": "iterative"}, "solid", "ask.solver"),
 ]
 

@@ -17,8 +17,8 @@ from fefinger.validation.tradeoff.study import front
 from scipy.spatial import Delaunay
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence import reports
 from fefinger.mechanics.evidence.tradeoff import STATED
+from fefinger.mechanics.linear import FACETS
 from fefinger.results.records import Pad
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -102,7 +102,7 @@ def test_before_there_is_contact_an_error_is_all_of_it() -> None:
 
 @pytest.mark.parametrize("truth", [1.0, 0.4])
 def test_what_is_left_on_a_mesh_is_recovered_from_errors_of_second_order(truth) -> None:
-    facets = {mesh: reports.FACETS[mesh] for mesh in ("coarse", "standard", "fine")}
+    facets = {mesh: FACETS[mesh] for mesh in ("coarse", "standard", "fine")}
     meshes = {mesh: truth * (1 + 0.1 * h**2) for mesh, h in facets.items()}
     for coarser, finer in (("coarse", "standard"), ("standard", "fine")):
         left = tradeoff_errors.left_on(coarser, finer)

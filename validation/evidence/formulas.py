@@ -12,13 +12,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from fefinger.validation.evidence.press_mesh import MEASUREMENTS
+from fefinger.validation.evidence.solid import REPORT as SOLID
 from fefinger.validation.provenance import compact, provenance
 from fefinger.validation.tradeoff import scenes
 
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence.formulas import CALIBRATED
 from fefinger.mechanics.evidence.pressed_objects import place
-from fefinger.mechanics.evidence.table import FORMULAS, LUMPED, PRESS_MESH, SOLID, TRADEOFF, read
+from fefinger.mechanics.evidence.table import FORMULAS, LUMPED, PRESS_MESH, TRADEOFF, read
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import library
 from fefinger.scene.ask import Ask

@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.calibration.subjects import calibrated
+from fefinger.validation.evidence.solid import REPORT as SOLID
 from fefinger.validation.provenance import compact, provenance
 from fefinger.validation.tradeoff.errors import law, spring
 
-from fefinger.mechanics.evidence.reports import SOLID_SUBJECT
-from fefinger.mechanics.evidence.table import LUMPED, SOLID, TRADEOFF, read
+from fefinger.mechanics.evidence.press_margins import MAIN
+from fefinger.mechanics.evidence.table import LUMPED, TRADEOFF, read
 from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array
 
@@ -54,10 +55,10 @@ def rows() -> Iterator[dict[str, Any]]:
         if press["angle"] is not None:
             depth, force = (np.array(press[key]) for key in ("depth_mm", "force_N"))
             source = f"reports/{TRADEOFF}, {name}"
-            yield row(SOLID_SUBJECT, press["angle"], depth, force, source)
+            yield row(MAIN, press["angle"], depth, force, source)
     for name, press in read(SOLID)["rows"].items():
         subject, _, kind = name.partition("/")
-        if kind == f"flat-{ANGLE:g}" and subject != SOLID_SUBJECT:
+        if kind == f"flat-{ANGLE:g}" and subject != MAIN:
             depth, force = np.array(press["depth_mm"]), np.array(press["force_N"]["solid"])
             yield row(subject, ANGLE, depth, force, f"reports/{SOLID}, {name}")
 

@@ -1,4 +1,4 @@
-"""Measure `solid` against everything cheaper and write the report that planner and suite read.
+"""Measure `solid` against everything cheaper and write the report that the suite `finger` reads.
 
 Run as `python -m fefinger.validation.evidence.solid reports [ROW ...]`; all rows take about half an
 hour. A row is a subject and a press, as "a.h./flat-30"; rows that are not named are kept.
@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fefinger.validation.evidence.linear import ORDER
 from fefinger.validation.problems.chain import (
     ASIDE,
     CHAIN,
@@ -23,14 +22,16 @@ from fefinger.validation.problems.chain import (
     stiffening,
 )
 from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.tradeoff.errors import ORDER
 
 from fefinger.mechanics import solid
-from fefinger.mechanics.evidence.reports import SOLID_SUBJECT
-from fefinger.mechanics.evidence.table import SOLID
+from fefinger.mechanics.evidence.press_margins import MAIN
 from fefinger.results.records import Response
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 
+
+REPORT = "solid-force.json"
 
 RESOLUTION = "standard"
 """The mesh of all rows but those of tissue that itself stiffens, which are on the coarse one."""
@@ -39,7 +40,7 @@ EXPONENT = 3.0
 """b of Demiray's law in the rows of tissue that itself stiffens, a round number."""
 
 ROWS = (
-    *(f"{SOLID_SUBJECT}/{press}" for press in PRESSES),
+    *(f"{MAIN}/{press}" for press in PRESSES),
     *(f"{other}/{press}" for other in SUBJECTS[1:] for press in ("flat-30", "sphere-5")),
     *(f"{subject}/demiray" for subject in SUBJECTS),
 )
@@ -83,7 +84,7 @@ def row(name: str) -> dict[str, Any]:
         "cost": cost,
         "coarse": _coarse(subject, press),
     }
-    if subject == SOLID_SUBJECT:
+    if subject == MAIN:
         record["relaxing_N"] = _relaxing(subject, press)
     return record | {"mesh_error": _mesh_error(record)}
 
@@ -157,8 +158,8 @@ def report(rows: dict[str, Any]) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) / SOLID
-    solid.respond(scene(SOLID_SUBJECT, "sphere-5", "coarse"))  # compiles
+    target = Path(sys.argv[1]) / REPORT
+    solid.respond(scene(MAIN, "sphere-5", "coarse"))  # compiles
     rows = {name: row(name) for name in sys.argv[2:] or ROWS}
     # Read last, so that rows may be measured at the same time.
     stored = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else {}

@@ -10,9 +10,9 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from fefinger.validation.evidence.solid import REPORT as SOLID
 from fefinger.validation.problems.chain import DEPTHS, SUBJECTS, models, scene
 
-from fefinger.mechanics.evidence.table import SOLID
 from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError

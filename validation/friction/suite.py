@@ -19,7 +19,7 @@ from fefinger.validation.friction import (
 )
 from fefinger.validation.friction.sheared import Body
 
-from fefinger.mechanics.evidence.reports import RAISED
+from fefinger.mechanics.evidence.stated_errors import RAISED
 from fefinger.support.tolerances import EQUILIBRIUM
 
 

@@ -7,17 +7,19 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from fefinger.validation.evidence.linear import ORDER
 from fefinger.validation.tradeoff import runs, scenes
 from fefinger.validation.tradeoff.runs import DEPTHS, Run
 
-from fefinger.mechanics.evidence.reports import FACETS
 from fefinger.mechanics.evidence.tradeoff import STATED
+from fefinger.mechanics.linear import FACETS
 from fefinger.results.pressure import peaks
 from fefinger.results.records import Response
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
+
+ORDER = 2.0
+"""Order in the cell length that the extrapolation assumes; contact limits it to about two."""
 
 QUANTITIES = (*STATED, "taxels", "centroid")
 

@@ -11,9 +11,10 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from fefinger.validation.evidence.linear import ORDER
+from fefinger.validation.evidence.solid import REPORT as SOLID
 from fefinger.validation.tradeoff import motion, runs, scenes
 from fefinger.validation.tradeoff.errors import (
+    ORDER,
     QUANTITIES,
     Converged,
     Identified,
@@ -30,9 +31,10 @@ from fefinger.validation.tradeoff.errors import (
 from fefinger.validation.tradeoff.runs import Run
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence import reports, tradeoff
+from fefinger.mechanics.evidence import tradeoff
 from fefinger.mechanics.evidence.lumped_law import between
-from fefinger.mechanics.evidence.table import SOLID, Measured, Table, presses_of_tradeoff, read
+from fefinger.mechanics.evidence.press_margins import MAIN
+from fefinger.mechanics.evidence.table import Measured, Table, presses_of_tradeoff, read
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.results.candidate import Candidate
 from fefinger.scene.finger import Finger
@@ -286,7 +288,7 @@ def fingers() -> dict[str, float]:
     found = dict.fromkeys(("hertz", "layered", "linear"), 1.0)
     for mechanics in found:
         for kind in ("flat-30", "sphere-5"):
-            own = _relative(rows[f"{reports.SOLID_SUBJECT}/{kind}"], mechanics)
+            own = _relative(rows[f"{MAIN}/{kind}"], mechanics)
             for subject in FINGERS:
                 other = _relative(rows[f"{subject}/{kind}"], mechanics)
                 known = (own > LEAST) & np.isfinite(other)

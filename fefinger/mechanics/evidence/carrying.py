@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fefinger.mechanics.evidence import reports
+from fefinger.mechanics.evidence import small_strain_cost
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.table import CARRYING, PRESS_MESH, Measured, read, table
 from fefinger.mechanics.situation import Situation
@@ -126,7 +126,7 @@ def seconds(case: Situation) -> float:
 
 def once(case: Situation) -> float:
     """Return the time in s of building mesh and press, which are kept; 0 where at hand."""
-    return 0.0 if at_hand(case) else building(case) + reports.mesh_seconds(case)
+    return 0.0 if at_hand(case) else building(case) + small_strain_cost.mesh_seconds(case)
 
 
 def building(case: Situation) -> float:
@@ -144,5 +144,5 @@ def building(case: Situation) -> float:
 def _seconds(case: Situation, stage: str) -> float:
     mesh = "standard" if case.mesh == "fine" else case.mesh
     seconds = table().value(REPORT, f"{stage} seconds", Candidate("pressed", mesh))
-    bodies = 1.0 if case.half or stage == "step" else reports.WHOLE
+    bodies = 1.0 if case.half or stage == "step" else small_strain_cost.WHOLE
     return seconds * bodies * (FINE if case.mesh == "fine" and stage != "step" else 1.0)

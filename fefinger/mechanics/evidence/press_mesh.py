@@ -64,7 +64,7 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     """Return the measured error of a quantity; at finite strain, that of the mesh."""
     estimate = _estimate(candidate, case, quantity)
     if isinstance(estimate, str):
-        return Known(math.nan, f"not known: {estimate}")
+        return Known(math.nan, estimate)
     margin, value = math.hypot(*_margins(estimate, candidate, case, quantity)), estimate.value
     carried = carrying.error(case, quantity) if _carried(candidate, case) else 0.0
     if case.measured_tissue:  # neither is the larger by far
@@ -76,6 +76,14 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     if margin:
         source += f", and {percent(margin)} of margin"
     return Known(value + margin, source)
+
+
+def too_deep(part: float, known: float) -> str:
+    """Return the sentence that a scene is deeper than all presses like it."""
+    return (
+        f"not known: it goes to {part:.2g} of the finger's thickness, and presses like it were "
+        f"measured to {known:.2g}"
+    )
 
 
 class _Estimate(NamedTuple):
@@ -111,13 +119,10 @@ def _estimate(candidate: Candidate, case: Situation, quantity: str) -> _Estimate
     if parts and not _deep_enough(parts):
         parts = _presses(candidate, case, quantity, around(case.indenter)) or parts
     if not parts:
-        return reason or "nothing like it was pressed"
+        return f"not known: {reason or 'nothing like it was pressed'}"
     if not _deep_enough(parts):
         press, part = max(parts, key=lambda each: each[0].part[-1])
-        return (
-            f"it goes to {part:.2g} of the finger's thickness, and presses like it were measured "
-            f"to {press.part[-1]:.2g}"
-        )
+        return too_deep(part, float(press.part[-1]))
     read = about if case.indenter.sharp and quantity != "force" else at
     values = [_through(case, press, part, read(press, part), quantity) for press, part in parts]
     share = _share(place(case.indenter), parts)

@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fefinger.mechanics.evidence import reports
+from fefinger.mechanics.evidence import small_strain_cost
 from fefinger.mechanics.evidence.machine import slowness
+from fefinger.mechanics.evidence.pressed_objects import PLATE
 from fefinger.mechanics.evidence.table import LINEAR, SOLID_COST, Measured, read, table
 from fefinger.mechanics.evidence.tradeoff import LAW
 from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
@@ -95,11 +96,11 @@ def seconds(case: Situation) -> float:
     spent, finger = cost(case.mesh), case.finger
     relaxing, friction = tissue_relaxations(finger), case.indenter.kinetic
     steps = _steps(case.motion, relaxing, friction, fast=case.fast)
-    deep = min(reports.small_strain_part(case), spent.deepest)
+    deep = min(max(map(case.deepest, case.neighbors or (PLATE,))), spent.deepest)
     harder = spent.growth * deep + spent.sharp * case.indenter.sharp
     harder += spent.stiffening * any(x.law != LAW for x in (finger.skin, finger.subcutaneous))
     whole = spent.setup + steps * spent.step * np.exp(harder)
     whole += spent.reference if case.ask.spikes else 0.0
-    whole *= 1.0 if case.half else reports.WHOLE
+    whole *= 1.0 if case.half else small_strain_cost.WHOLE
     whole *= (finger.width * finger.thickness / SIZE) ** LARGER
-    return float(whole * slowness(read(SOLID_COST))) + reports.mesh_seconds(case)
+    return float(whole * slowness(read(SOLID_COST))) + small_strain_cost.mesh_seconds(case)

@@ -20,10 +20,9 @@ from fefinger.support.package_data import report
 
 Array = NDArray[np.float64]
 
-LINEAR = "linear-mesh.json"
+LINEAR = "linear-cost.json"
 CONDENSED = "condensed-cost.json"
-LAYERED = "layered-force.json"
-SOLID = "solid-force.json"
+LAYERED = "layered-cost.json"
 SOLID_COST = "solid-cost.json"
 SCATTER = "mesh-scatter.json"
 LUMPED = "lumped-force.json"
@@ -166,37 +165,15 @@ def _linear(name: str) -> Iterator[Measured]:
         candidate = Candidate("linear", mesh)
         yield from _costs(name, candidate, row)
         yield _entry(name, candidate, "unknowns", "", row["unknowns"])
-        for press, error in row["force_error"].items():
-            yield _entry(name, candidate, "numerical error of force", press, error)
 
 
 def _condensed(name: str) -> Iterator[Measured]:
     for mesh, row in read(name)["resolutions"].items():
         yield from _costs(name, Candidate("condensed", mesh), row)
-    for mesh, errors in read(name)["force_error"]["presses"].items():
-        for press, error in errors.items():
-            candidate = Candidate("condensed", mesh)
-            yield _entry(name, candidate, "numerical error of force", press, error)
 
 
 def _layered(name: str) -> Iterator[Measured]:
-    candidate, tissue = Candidate("layered"), read(name)["tissue"]
-    yield from _costs(name, candidate, read(name))
-    for press, row in read(name)["presses"].items():
-        error, depth = row["force_error"], row["depth_mm"]
-        yield _entry(name, candidate, "error of force", press, error, depth, tissue)
-
-
-def _solid(name: str) -> Iterator[Measured]:
-    for press, row in read(name)["rows"].items():
-        conditions = {key: row.get(key) for key in ("thickness_mm", "subcutaneous_kPa")}
-        for quantity, key in (("force", "force_N"), ("relaxing force", "relaxing_N")):
-            for model, force in (row.get(key) or {}).items():
-                depth, candidate = row["depth_mm"], Candidate(model)
-                yield _entry(name, candidate, quantity, press, force, depth, conditions)
-        for mesh, error in (row.get("mesh_error") or {}).items():
-            candidate = Candidate("solid", mesh)
-            yield _entry(name, candidate, "numerical error of force", press, error)
+    yield from _costs(name, Candidate("layered"), read(name))
 
 
 def _solid_cost(name: str) -> Iterator[Measured]:
@@ -304,7 +281,6 @@ READERS = {
     LINEAR: _linear,
     CONDENSED: _condensed,
     LAYERED: _layered,
-    SOLID: _solid,
     SOLID_COST: _solid_cost,
     SCATTER: _scatter,
     LUMPED: _lumped,

@@ -6,6 +6,7 @@ out.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,9 +14,9 @@ import numpy as np
 from fefinger.mechanics.evidence import table
 from fefinger.mechanics.evidence.table import Measured, Table
 from fefinger.results.candidate import Candidate
+from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
-from fefinger.scene.indenters import Flat, Sphere
 from fefinger.support.arrays import Array
 
 
@@ -203,13 +204,35 @@ def measured_tissue(finger: Finger) -> bool:
     )
 
 
-def nearest(indenter: Indenter) -> Indenter:
-    """Return the nearest measured plate or ball; any other object unchanged."""
-    if indenter.flat is not None:
-        return Flat(min(indenter.flat.angle, max(_sizes("angle"))))
-    if indenter.ball_radius is not None:
-        return Sphere(max(indenter.ball_radius, min(_sizes("radius"))))
-    return indenter
+def soft_skin(finger: Finger) -> bool:
+    """Whether the skin is softer, against the tissue below it, than that of the presses."""
+    known = next(iter(forces().values())).conditions["tissue"]["skin_over_subcutaneous"]
+    return finger.skin.modulus / finger.subcutaneous.modulus < known / CONTRAST
+
+
+def published(finger: Finger) -> Finger:
+    """Return a finger of the measured tissue, with the size and the modulus below the skin of one.
+
+    The skin is as thick as its own, within the measured range.
+    """
+    known = next(iter(forces().values())).conditions["tissue"]
+    tissues = library.tissue_set(library.PUBLISHED)
+    stiffer = finger.subcutaneous.modulus / tissues.subcutaneous.modulus
+    thin, thick = (share * finger.thickness for share in known["skin_over_thickness"])
+    skin, below = (
+        replace(layer, modulus=stiffer * layer.modulus)
+        for layer in (tissues.skin, tissues.subcutaneous)
+    )
+    return Finger(
+        finger.width,
+        finger.thickness,
+        pad_radius=finger.pad_radius,
+        tissue=library.PUBLISHED,
+        skin=replace(skin, thickness=min(max(finger.skin.thickness or 0.0, thin), thick)),
+        subcutaneous=below,
+        prony=finger.prony,
+        resolution=finger.resolution,
+    )
 
 
 def measured_size(finger: Finger, press: Measured) -> bool:

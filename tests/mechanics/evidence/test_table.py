@@ -27,14 +27,6 @@ def test_every_report_is_in_the_table_and_every_entry_has_numbers() -> None:
 ENTRIES = [
     (table.LINEAR, "setup seconds", "linear coarse", "", "resolutions > coarse > setup_seconds"),
     (
-        *(table.CONDENSED, "numerical error of force", "condensed fine", "edge"),
-        "force_error > presses > fine > edge",
-    ),
-    (
-        *(table.SOLID, "numerical error of force", "solid coarse", "a.h./flat-30"),
-        "rows > a.h./flat-30 > mesh_error > coarse",
-    ),
-    (
         *(table.LUMPED, "force", "lumped", "calibrated a.h."),
         "calibrated > a.h. > force_N",
     ),
@@ -42,8 +34,7 @@ ENTRIES = [
         *(table.TRADEOFF, "share of motion, strain", "solid fine", "flat-30"),
         "rules > margins > solid fine > strain > motion > flat-30",
     ),
-    (table.LAYERED, "error of force", "layered", "flat-30", "presses > flat-30 > force_error"),
-    (table.SOLID, "force", "linear", "d.p./flat-30", "rows > d.p./flat-30 > force_N > linear"),
+    (table.LAYERED, "step seconds", "layered", "", "step_seconds"),
     (table.SCATTER, "scatter of area", "linear coarse", "flat-0", "rows > coarse > flat-0 > area"),
     (
         *(table.TRADEOFF, "model error of strain", "linear standard", "flat-15"),
@@ -70,13 +61,8 @@ def test_seconds_of_solid_are_one_entry_per_press_in_their_order() -> None:
     assert steps == [row["step_seconds"] for row in read(table.SOLID_COST)["rows"]]
 
 
-def test_a_mesh_that_is_too_coarse_for_a_press_has_no_number() -> None:
-    error = curve(table.LINEAR, "numerical error of force", "linear coarse", "sphere-2")
-    assert np.isnan(error.value)
-
-
 def test_between_measured_depths_a_value_is_linear_and_beyond_them_constant() -> None:
-    error = curve(table.LAYERED, "error of force", "layered", "flat-30")
+    error = curve(table.PRESS_MESH, "error of force", "layered", "a.h./flat-30")
     assert error.depth is not None
     middle = (error.depth[0] + error.depth[1]) / 2
     assert error.at(middle) == pytest.approx((error.values[0] + error.values[1]) / 2)

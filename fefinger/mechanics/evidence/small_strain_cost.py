@@ -1,0 +1,110 @@
+"""Cost of the mechanics at small strain, and of meshes: CPU seconds, from the reports."""
+
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from fefinger.mechanics.evidence import table
+from fefinger.mechanics.evidence.machine import slowness
+from fefinger.mechanics.evidence.table import read
+from fefinger.mechanics.press.continuation import continued
+from fefinger.mechanics.press.operator_cache import at_hand
+from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Candidate
+from fefinger.support.checks import InputError
+
+
+GRIPPING = 10.0
+"""Time of a step with friction over one without, of the cases of the bench `sliding`."""
+
+STEEPEST = 45.0
+"""Angle of a plate in degrees beyond which contact leaves the part of the pad that `condensed` is
+reduced to, at depths of a tenth of the thickness."""
+
+MORPH_SECONDS = {"coarse": 0.7, "standard": 1.2, "fine": 1.5}
+"""CPU seconds of morphing a shipped mesh to half a finger, on the machine of the reports."""
+
+MESH_SECONDS = {"coarse": 8.0, "standard": 20.0, "fine": 50.0}
+"""The same of meshing it anew: once where the first attempt passes, up to four times that; of the
+fine one in proportion to its unknowns, it was not timed."""
+
+SCAN_SECONDS, SCAN_SECONDS_PER_MEGABYTE = 3.5, 1.0
+"""The same of the shape of a surface file, of few triangles and of many."""
+
+WHOLE = 3.0
+"""Cost of a whole finger against half of one: twice the unknowns and loads, a larger factor."""
+
+
+LINEAR, CONDENSED, LAYERED = map(Candidate, ("linear", "condensed", "layered"))
+
+
+def linear_seconds(case: Situation) -> float:
+    """Return the expected CPU time of `linear` in s, from the times in the report."""
+    whole = _spent(table.LINEAR, LINEAR, case, 1.0 if case.half else WHOLE)
+    return whole * slowness(read(table.LINEAR)) + mesh_seconds(case)
+
+
+def _seconds(report: str, candidate: Candidate, stage: str) -> float:
+    """Return the measured CPU seconds of a stage."""
+    return table.table().value(report, f"{stage} seconds", candidate)
+
+
+def _spent(report: str, mechanics: Candidate, case: Situation, bodies: float) -> float:
+    """Return the expected time in s of a press as in a report, of a body `bodies` times as large.
+
+    The area is that of the whole pad, and read where contact changes.
+    """
+    seconds = partial(_seconds, report, replace(mechanics, resolution=case.mesh))
+    setup, fields = seconds("setup"), seconds("fields")
+    spent = bodies * (setup + fields if case.ask.fields else setup)
+    spent += len(case.times) * seconds("step") * (GRIPPING if case.indenter.friction else 1.0)
+    return spent + case.changes * seconds("area") if case.ask.pressure else spent
+
+
+def mesh_seconds(case: Situation, *, follow: bool = True) -> float:
+    """Return the expected time in s to build the mesh of a scene, none where it is at hand.
+
+    `follow`: that is the mesh that follows the touch.
+    """
+    from fefinger.mesh import store
+
+    finger, touch = case.finger, case.touch if follow else None
+    try:
+        if store.at_hand(finger, touch):
+            return 0.0
+        seconds = MORPH_SECONDS if store.morphed(finger, touch) else MESH_SECONDS
+    except InputError:  # no mesh can be made for a finger of this size
+        return 0.0
+    spent = seconds[case.mesh]
+    if finger.surface is not None:
+        megabytes = Path(finger.surface).stat().st_size / 1e6
+        spent += SCAN_SECONDS + SCAN_SECONDS_PER_MEGABYTE * megabytes
+    return spent * slowness({})
+
+
+def condensed_seconds(case: Situation) -> float:
+    """Return the expected CPU time of `condensed` in s: more, if its operator is to be built.
+
+    A whole finger is two halves. Under a steep plate the whole mesh is expected to be solved too.
+    """
+    whole = _spent(table.CONDENSED, CONDENSED, case, 1.0 if case.half else 2.0)
+    whole = whole * slowness(read(table.CONDENSED)) + condensed_once(case)
+    plate = case.indenter.plate
+    steep = plate is not None and plate.angle > STEEPEST
+    return whole + linear_seconds(case) if steep else whole
+
+
+def condensed_once(case: Situation) -> float:
+    """Return the time in s of building mesh and operator, which are kept; 0 where at hand."""
+    spent = mesh_seconds(case, follow=False)
+    longer = continued(case.finger, case.indenter, case.motion)
+    if not at_hand(case.finger, half=case.half, continued=longer):
+        build = _seconds(table.CONDENSED, replace(CONDENSED, resolution=case.mesh), "build")
+        spent += (1 if case.half else 2) * build * slowness(read(table.CONDENSED))
+    return spent
+
+
+def layered_seconds(case: Situation) -> float:
+    """Return the expected CPU time of `layered` in s, from the times in the report."""
+    seconds = partial(_seconds, table.LAYERED, LAYERED)
+    return (seconds("setup") + len(case.times) * seconds("step")) * slowness(read(table.LAYERED))
