@@ -41,7 +41,6 @@ ABOUT = suites.ABOUT | {
     "calibrated-standard": "The calibrated fingers pressed on the standard mesh.",
     "linear-cost": "CPU time of linear elements on each mesh; the planner reads it.",
     "mesh-curves": "Error of the force of a press due to the mesh; calibration corrects for it.",
-    "mesh-scatter": "Scatter of results over random meshes of one finger.",
     "solid-cost": "CPU time of finite strain by mesh and depth; the planner reads it.",
     "solid-force": "Force of every mechanics against finite strain, cause by cause.",
 }

@@ -48,6 +48,6 @@ class Candidate:
 
     @property
     def measured(self) -> Self:
-        """The candidate whose measured mesh scatter and spikes hold for it: standard for fine."""
+        """The candidate whose measured errors and spikes hold for it: standard for fine."""
         resolution = "standard" if self.resolution == "fine" else self.resolution
         return type(self)(self.mechanics, resolution)

@@ -1,10 +1,11 @@
 """Texts and tables of the trade-off page: verdict on held-out scenes, stated errors, spikes."""
 
+import math
 from typing import Any
 
 from fefinger.validation.tradeoff.held_out import ENOUGH
 
-from fefinger.mechanics.evidence.stated_errors import stated
+from fefinger.mechanics import get
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -147,9 +148,10 @@ def _stated() -> dict[str, Any]:
         finger = Finger.subject("a.h.", resolution=mesh, tissue="maeno1998")
         motion = Ramp(60.0, DEPTH, corner=0.0)
         scene = Scene(finger=finger, indenter=Flat(30), motion=motion, ask=Ask(fields=False))
-        estimates = [stated(Candidate.of(candidate), Situation.of(scene), name) for name in STATED]
+        case, mechanics = Situation.of(scene), get(Candidate.of(candidate).mechanics)
+        estimates = [mechanics.error(case, name)[0] for name in STATED]
         rows.append(
-            [candidate, *("-" if each is None else percent(each.error) for each in estimates)]
+            [candidate, *("-" if math.isnan(each) else percent(each) for each in estimates)]
         )
     caption = (
         f"Stated errors, with margins, of a press by a plate at 30 degrees to {DEPTH:g} mm. Of "

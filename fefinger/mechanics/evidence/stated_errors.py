@@ -1,21 +1,16 @@
-"""The measured trade-off between speed and accuracy: stated errors and costs of every candidate.
+"""The error that a mechanics states of a scene, from the presses that were measured.
 
-A scene is placed between the presses of `reports/tradeoff.json`: a plate by its angle, a ball by
-its curvature, of which that of the 30 degree plate is 0; and by its depth over the thickness of
-the finger. The stated error lies between those of its neighbors, numerical and model error added,
-with margins for what lies between presses, for motions, for other fingers and for the draw of the
-mesh. So it is for the force and for what else is STATED.
+Formulas and the lumped law have the errors of `formulas.py`, all else those of `press_mesh.py`:
+of the mesh at finite strain, and at small strain of what that leaves out. Added is what shorter
+time steps change in the base scenes of `reports/tradeoff.json`.
 """
 
 import math
-from collections.abc import Collection, Mapping
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from fefinger.mechanics.evidence import formulas, press_mesh, tradeoff
-from fefinger.mechanics.evidence.mesh_scatter import DRAWN, scatter
 from fefinger.mechanics.evidence.press_mesh import UNKNOWN, Known
 from fefinger.mechanics.evidence.table import table
 from fefinger.mechanics.evidence.tradeoff import REPORT
@@ -41,61 +36,6 @@ extrapolated from all three; letters and Braille have wider parts and err less (
 `mesh.py`)."""
 
 
-class Stated(NamedTuple):
-    """A stated error with its margins, its two parts, and the source."""
-
-    error: float
-    numerical: float
-    model: float
-    source: str
-
-
-def stated(candidate: Candidate, case: Situation, quantity: str = "force") -> Stated | None:
-    """Return the stated error of a quantity.
-
-    None where the scene is not like a measured press, or the candidate does not give it.
-    """
-    if case.place is None or not case.measured_tissue:
-        return None
-    mechanics, names = Candidate(candidate.mechanics), list(case.neighbors)
-    deepest = max(case.deepest(name) for name in names)
-    same_size = tradeoff.measured_size(case.finger, tradeoff.forces()[names[0]])
-    read = tradeoff.interpolated if same_size or quantity == "force" else tradeoff.largest
-    errors = read(table(), candidate, case.place, deepest, quantity)
-    if errors is None:
-        return None
-    numerical = errors[0] + _rule(f"error of time steps, {quantity}", mechanics)
-    model = errors[1] * _rule(f"factor of direct runs, {quantity}", mechanics)
-    if quantity == "force" and not same_size:
-        model *= _rule("factor of other fingers", mechanics)
-    margins = [moving(motion_shares(candidate, quantity), names) * sum(errors)]
-    if not same_size or len(names) > 1:
-        margins.append(_rule(f"margin between presses, {quantity}", candidate))
-    margins.append(DRAWN * scatter(candidate, deepest, quantity))
-    margin = math.hypot(*margins)  # of causes that do not know of each other
-    source = (
-        f"reports/{REPORT}, {' and '.join(names)}: {percent(numerical)} of mesh and steps, "
-        f"{percent(model)} of the model, {percent(margin)} of margin"
-    )
-    return Stated(numerical + model + margin, numerical, model, source)
-
-
-def _rule(quantity: str, candidate: Candidate) -> float:
-    """Return a margin, a factor or an error of the trade-off."""
-    return table().value(REPORT, quantity, candidate)
-
-
-def motion_shares(candidate: Candidate, quantity: str) -> dict[str, float]:
-    """Return the share by which the error through a motion exceeds that of the press, by press."""
-    return table().values(REPORT, f"share of motion, {quantity}", candidate)
-
-
-def moving(shares: Mapping[str, float], names: Collection[str]) -> float:
-    """Return the largest share of some presses, see `motion_shares`; of all, if one is unknown."""
-    known = names if all(name in shares for name in names) else shares
-    return max((shares[name] for name in known), default=0.0)
-
-
 def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> Known:
     """Return the measured error of a quantity and its source.
 
@@ -110,26 +50,14 @@ def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> 
             return _raised(candidate, case, quantity)
         if not (case.measured_tissue or press_mesh.stiffening(case.finger)):
             return _other_tissue(candidate, case, quantity)
-        own = stated(candidate, case, quantity)
-        if own is not None:
-            return _on_its_mesh(own, candidate, case, quantity)
-        if case.neighbors and case.measured_tissue:
-            return Known(math.nan, _unlike(case))
     found = press_mesh.error(candidate, case, quantity)
     mesh = _of_mesh(candidate, case, quantity)
     if mesh is not None and mesh.error > found.error:
         found = mesh
-    steps = _rule(f"error of time steps, {quantity}", Candidate(candidate.mechanics))
+    steps = table().value(
+        REPORT, f"error of time steps, {quantity}", Candidate(candidate.mechanics)
+    )
     return Known(math.hypot(found.error, steps), found.source)  # independent of the mesh
-
-
-def _unlike(case: Situation) -> str:
-    """State why a scene next to measured presses has no error."""
-    deep = max(map(case.deepest, case.neighbors))
-    known = max(tradeoff.reach(tradeoff.forces()[name]) for name in case.neighbors)
-    if deep > known:
-        return press_mesh.too_deep(deep, known)
-    return "not known: the mesh is too coarse for a press like it"
 
 
 def _raised(candidate: Candidate, case: Situation, quantity: str) -> Known:
@@ -174,15 +102,6 @@ def _of_mesh(candidate: Candidate, case: Situation, quantity: str) -> Known | No
     if quantity == "force" or candidate.resolution is None:
         return None
     return press_mesh.error(Candidate("solid", candidate.resolution), case, quantity)
-
-
-def _on_its_mesh(own: Stated, candidate: Candidate, case: Situation, quantity: str) -> Known:
-    """Return a stated error with at least the mesh error of comparable presses."""
-    mesh = _of_mesh(candidate, case, quantity)
-    if mesh is None or not mesh.error > own.numerical:
-        return Known(own.error, own.source)
-    more = mesh.error - own.numerical
-    return Known(own.error + more, f"{own.source}; of the mesh {mesh.source}")
 
 
 def spikes(candidate: Candidate, case: Situation) -> dict[str, float]:

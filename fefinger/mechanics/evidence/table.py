@@ -24,7 +24,6 @@ LINEAR = "linear-cost.json"
 CONDENSED = "condensed-cost.json"
 LAYERED = "layered-cost.json"
 SOLID_COST = "solid-cost.json"
-SCATTER = "mesh-scatter.json"
 LUMPED = "lumped-force.json"
 TRADEOFF = "tradeoff.json"
 CARRYING = "carrying.json"
@@ -181,15 +180,6 @@ def _solid_cost(name: str) -> Iterator[Measured]:
         yield from _costs(name, Candidate("solid", row["mesh"]), row, row)
 
 
-def _scatter(name: str) -> Iterator[Measured]:
-    for mesh, presses in read(name)["rows"].items():
-        for press, row in presses.items():
-            for quantity in row.keys() - {"part"}:
-                values, conditions = row[quantity], {"thickness_mm": 1.0}
-                candidate, label = Candidate("linear", mesh), f"scatter of {quantity}"
-                yield _entry(name, candidate, label, press, values, row["part"], conditions)
-
-
 def _lumped(name: str) -> Iterator[Measured]:
     candidate = Candidate("lumped")
     for row in read(name)["rows"]:
@@ -199,38 +189,16 @@ def _lumped(name: str) -> Iterator[Measured]:
         yield _entry(name, candidate, "force", press, row["force_N"], row["depth_mm"], conditions)
 
 
-def presses_of_tradeoff(
-    rows: Mapping[str, Mapping[str, Any]], tissue: Mapping[str, Any] | None = None
-) -> Iterator[Measured]:
-    """Give force and errors of every candidate over the depth of presses, in rows by name."""
-    sizes = ("angle", "radius", "width_mm", "thickness_mm", "pad_radius_mm", "subcutaneous_kPa")
-    for press, row in rows.items():
-        depth = row["depth_mm"]
-        conditions = {key: row[key] for key in sizes} | {"tissue": tissue}
-        force = row["force_N"]
-        yield _entry(TRADEOFF, Candidate("solid"), "force", press, force, depth, conditions)
-        for label, errors in row["candidates"].items():
-            for part, curves in errors.items():
-                for name, values in curves.items():
-                    quantity, candidate = f"{part} error of {name}", Candidate.of(label)
-                    yield _entry(TRADEOFF, candidate, quantity, press, values, depth, conditions)
-
-
 def _tradeoff(name: str) -> Iterator[Measured]:
     rules = read(name)["rules"]
-    yield from presses_of_tradeoff(rules["presses"], rules["tissue"])
-    for kind, quantity in (("steps", "error of time steps"), ("directs", "factor of direct runs")):
-        for mechanics, row in rules[kind].items():
-            for what, value in row.items():
-                yield _entry(name, Candidate(mechanics), f"{quantity}, {what}", "", value)
-    for mechanics, value in rules["fingers"].items():
-        yield _entry(name, Candidate(mechanics), "factor of other fingers", "", value)
-    for label, row in rules["margins"].items():
-        candidate = Candidate.of(label)
-        for what, margins in row.items():
-            yield _entry(name, candidate, f"margin between presses, {what}", "", margins["between"])
-            for press, share in margins["motion"].items():
-                yield _entry(name, candidate, f"share of motion, {what}", press, share)
+    sizes = ("angle", "radius", "width_mm", "thickness_mm", "pad_radius_mm", "subcutaneous_kPa")
+    for press, row in rules["presses"].items():
+        conditions = {key: row[key] for key in sizes} | {"tissue": rules["tissue"]}
+        depth, force = row["depth_mm"], row["force_N"]
+        yield _entry(name, Candidate("solid"), "force", press, force, depth, conditions)
+    for mechanics, row in rules["steps"].items():
+        for what, value in row.items():
+            yield _entry(name, Candidate(mechanics), f"error of time steps, {what}", "", value)
     for scene, row in read(name)["scenes"].items():
         for label, errors in row["candidates"].items():
             for what, value in (errors.get("spikes") or {}).items():
@@ -282,7 +250,6 @@ READERS = {
     CONDENSED: _condensed,
     LAYERED: _layered,
     SOLID_COST: _solid_cost,
-    SCATTER: _scatter,
     LUMPED: _lumped,
     TRADEOFF: _tradeoff,
     CARRYING: _carrying,

@@ -1,8 +1,7 @@
-"""The measured presses of the trade-off, and the neighbors of an object among them.
+"""Force of the measured presses of the trade-off, and the neighbors of an object among them.
 
-Plates are compared by their angle, balls by their curvature, where the 30 degree plate has 0. Each
-press has errors over its depth: "numerical", of its mesh, and "model", of what its mechanics leaves
-out.
+Plates are compared by their angle, balls by their curvature, where the 30 degree plate has 0. They
+tell how deep a scene goes under a given force, and what tissue counts as measured.
 """
 
 from collections.abc import Mapping
@@ -17,7 +16,6 @@ from fefinger.results.candidate import Candidate
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
-from fefinger.support.arrays import Array
 
 
 REPORT = table.TRADEOFF
@@ -32,8 +30,6 @@ LAW = "neo-hookean"
 
 HELD = ("rigid", None, "fixed")
 """Bone, nail and cut of the fingers that were measured."""
-
-KINDS = ("numerical", "model")
 
 BEYOND = 1.06
 """Depth over that of the deepest press up to which its errors are extrapolated."""
@@ -108,59 +104,6 @@ def reach(press: Measured) -> float:
     return float(press.part[-1])
 
 
-def interpolated(
-    known: Table, candidate: Candidate, where: Place, part: float, quantity: str = "force"
-) -> tuple[float, float] | None:
-    """Interpolate numerical and model error of a quantity between the neighboring presses.
-
-    None where no neighbor was pressed so deep; of a shallower one, the errors at its deepest.
-    """
-    presses, errors = forces(known), _errors(known, candidate, quantity)
-    weights = {name: each for name, each in neighbors(presses, where).items() if name in errors[0]}
-    if not any(part <= BEYOND * reach(presses[name]) for name in weights):
-        return None
-    whole = sum(weights.values())
-    parts = [each / whole * _errors_at(errors, name, part) for name, each in weights.items()]
-    numerical, model = np.sum(parts, axis=0).tolist()
-    return numerical, model
-
-
-def largest(
-    known: Table, candidate: Candidate, where: Place, part: float, quantity: str
-) -> tuple[float, float] | None:
-    """Return the largest errors over all measured plates for a plate, over two balls for a ball.
-
-    An upper bound for fingers of which only the force was measured: the points of the mesh that
-    bear the pressure of a rim, and the rounding of a flat pad, differ between fingers.
-    """
-    if interpolated(known, candidate, where, part, quantity) is None:
-        return None
-    presses, errors = forces(known), _errors(known, candidate, quantity)
-    names = [name for name, press in presses.items() if press.conditions["radius"] is None]
-    if where.axis == "curvature":
-        names = list(neighbors(presses, where))
-    every = [_errors_at(errors, name, part) for name in names if name in errors[0]]
-    numerical, model = max(every, key=sum).tolist()
-    return numerical, model
-
-
-def _errors(known: Table, candidate: Candidate, quantity: str) -> list[dict[str, Measured]]:
-    """Return numerical and model errors over the depth, by press."""
-    return [known.presses(REPORT, f"{kind} error of {quantity}", candidate) for kind in KINDS]
-
-
-def _errors_at(errors: list[dict[str, Measured]], press: str, part: float) -> Array:
-    """Return numerical and model error (2,) in a press at a relative depth.
-
-    Beyond its deepest point they are extrapolated, up to BEYOND.
-    """
-    parts = errors[0][press].part
-    known = np.array([each[press].values for each in errors])
-    further = np.clip(part - parts[-1], 0.0, (BEYOND - 1) * parts[-1])
-    growth = np.maximum(known[:, -1] - known[:, -2], 0.0) / (parts[-1] - parts[-2])
-    return np.array([np.interp(part, parts, each) for each in known]) + growth * further
-
-
 def place_of(indenter: Indenter) -> Place | None:
     """Return axis and value of an object; None without comparable presses."""
     if other_object(indenter):
@@ -233,10 +176,3 @@ def published(finger: Finger) -> Finger:
         prony=finger.prony,
         resolution=finger.resolution,
     )
-
-
-def measured_size(finger: Finger, press: Measured) -> bool:
-    """Whether a finger has the size of the one that was pressed."""
-    row = press.conditions
-    size = (finger.width, finger.thickness, finger.pad_radius)
-    return size == (row["width_mm"], row["thickness_mm"], row["pad_radius_mm"])

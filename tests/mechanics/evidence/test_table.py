@@ -30,16 +30,12 @@ ENTRIES = [
         *(table.LUMPED, "force", "lumped", "calibrated a.h."),
         "calibrated > a.h. > force_N",
     ),
-    (
-        *(table.TRADEOFF, "share of motion, strain", "solid fine", "flat-30"),
-        "rules > margins > solid fine > strain > motion > flat-30",
-    ),
     (table.LAYERED, "step seconds", "layered", "", "step_seconds"),
-    (table.SCATTER, "scatter of area", "linear coarse", "flat-0", "rows > coarse > flat-0 > area"),
     (
-        *(table.TRADEOFF, "model error of strain", "linear standard", "flat-15"),
-        "rules > presses > flat-15 > candidates > linear standard > model > strain",
+        *(table.TRADEOFF, "error of time steps, strain", "linear", ""),
+        "rules > steps > linear > strain",
     ),
+    (table.TRADEOFF, "force", "solid", "flat-15", "rules > presses > flat-15 > force_N"),
 ]
 """Report, quantity, candidate and press of entries, and where the report has their numbers."""
 
