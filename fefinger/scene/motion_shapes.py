@@ -32,6 +32,24 @@ UNEVEN = 1e-3
 LEFT_OUT = 1e-2
 """Share of the power of the speed beyond the highest frequency of samples."""
 
+FEWEST_TURNS = 3
+"""Changes of sign about the mean from which on a motion vibrates: those of two cycles."""
+
+LONGEST_TURN = 2.0
+"""Cycles of a frequency between two of them from which on a motion does not vibrate with it."""
+
+GAP = 5.0
+"""Distance of two samples over the median from which on samples are missing between them."""
+
+MOST_EVEN = 2**20
+"""Largest number of even samples that the spectrum of uneven ones is taken from."""
+
+SAMPLED = 10.0
+"""Samples per cycle below which straight lines between them change the force by more than 2 %."""
+
+FAINT = 0.01
+"""Amplitude over the peak below which a vibration of few samples is noise of a record."""
+
 WAVE_NEEDS = ("amplitude", "preload")
 """Fields that a WAV file needs: its full scale, and what it vibrates about."""
 
@@ -237,51 +255,92 @@ class SampledMotion(Motion):
     time: tuple[float, ...]
     corner: float = field(default=0.0, kw_only=True)
 
-    @property
-    def sample_rate(self) -> float | None:
-        """Samples per s; None where they are uneven or few."""
-        steps = np.diff(self.time)
-        if len(steps) < FEWEST_SAMPLES or np.ptp(steps) > UNEVEN * steps.mean():
-            return None
-        return float(1 / steps.mean())
-
     @cached_property
+    def sample_rate(self) -> float | None:
+        """Samples per s between the gaps of a record; None of few samples."""
+        steps = np.diff(self.time)
+        if len(steps) < FEWEST_SAMPLES:
+            return None
+        return float(1 / steps[steps <= GAP * np.median(steps)].mean())
+
+    @property
     def highest_frequency(self) -> float | None:
-        """Frequency in Hz below which lies all but a hundredth of the power of the speed."""
-        rate = self.sample_rate
-        if rate is None:
-            return None
-        speed = np.diff(getattr(self, self.control)) * rate
-        power = np.abs(np.fft.rfft(speed)) ** 2
-        if not power.sum() > 0:
-            return None
-        place = int(np.searchsorted(np.cumsum(power), (1 - LEFT_OUT) * power.sum()))
-        return float(np.fft.rfftfreq(len(speed), 1 / rate)[place]) or None
+        """Highest frequency in Hz with which the samples go to and fro; None if they do not.
+
+        Noise does not count.
+        """
+        return None if self.noise else self._band
 
     @property
     def swing(self) -> float:
         """Largest distance of the samples from their mean over two cycles."""
-        vibrating = self._vibrating
-        return self.peak if vibrating is None else float(np.abs(vibrating).max())
+        return float(np.abs(self._vibrating).max()) if self.highest_frequency else self.peak
+
+    @property
+    def noise(self) -> float:
+        """Root mean square in mm or N of what is taken for noise; 0 without any.
+
+        It is faint, and has too few samples per cycle for a vibration.
+        """
+        if self._band is None or self.sample_rate is None:
+            return 0.0
+        vibrating = float(np.sqrt(np.mean(self._vibrating**2)))
+        coarse = self.sample_rate < SAMPLED * self._band
+        return vibrating if coarse and np.sqrt(2) * vibrating < FAINT * self.peak else 0.0
+
+    @property
+    def gaps(self) -> tuple[tuple[float, float], ...]:
+        """Times (start, stop) in s of gaps in a vibration that hide half a cycle or more."""
+        if self.highest_frequency is None or self.sample_rate is None:
+            return ()
+        time, values = np.array(self.time), np.array(getattr(self, self.control))
+        longest = max(GAP / self.sample_rate, 0.5 / self.highest_frequency)
+        hidden = (np.diff(time) > longest) & (np.abs(np.diff(values)) > FAINT * self.swing)
+        return tuple(zip(time[:-1][hidden].tolist(), time[1:][hidden].tolist(), strict=True))
 
     def vibration(self, t: ArrayLike) -> Array:
         """Return the distance of the samples from their mean over two cycles, at times `t` in s."""
-        vibrating = self._vibrating
-        if vibrating is None:
-            return super().vibration(t)
-        return np.asarray(np.interp(np.asarray(t, float), self.time, vibrating))
+        return np.asarray(np.interp(np.asarray(t, float), self._even[0], self._vibrating))
 
     @cached_property
-    def _vibrating(self) -> Array | None:
-        """Distance of the samples from their mean over two cycles; None of uneven samples."""
-        highest, rate = self.highest_frequency, self.sample_rate
-        if highest is None or rate is None:
+    def _even(self) -> tuple[Array, Array]:
+        """Times (n,) and values (n,) of the motion, evenly at the rate of the samples."""
+        time, values = np.array(self.time), np.array(getattr(self, self.control))
+        steps = np.diff(time)
+        if self.sample_rate is None or np.ptp(steps) <= UNEVEN * steps.mean():
+            return time, values
+        count = min(MOST_EVEN, 1 + round(time[-1] * self.sample_rate))
+        even = np.linspace(0.0, time[-1], count)
+        return even, np.interp(even, time, values)
+
+    @cached_property
+    def _band(self) -> float | None:
+        """Frequency in Hz with which the samples go to and fro, noise or not.
+
+        Below it lies all but a hundredth of the power of the speed, halved as often as a slower
+        course with sharp corners needs: corners alone are no vibration.
+        """
+        if self.sample_rate is None:
             return None
-        values = np.array(getattr(self, self.control))
-        count = min(len(values), 2 * int(rate / highest) + 1)
-        padded = np.pad(values, (count // 2, count - 1 - count // 2), mode="edge")
-        mean = np.convolve(padded, np.full(count, 1 / count), mode="valid")
-        return np.asarray(values - mean)
+        time, values = self._even
+        step = float(np.diff(time).mean())
+        speed = np.diff(values) / step
+        power = np.cumsum(np.abs(np.fft.rfft(speed)) ** 2)
+        place = int(np.searchsorted(power, (1 - LEFT_OUT) * power[-1]))
+        frequency = float(np.fft.rfftfreq(len(speed), step)[place])
+        while frequency * time[-1] >= 1:
+            if _alternates(_about_mean(values, 1 / (frequency * step)), frequency * step):
+                return frequency
+            frequency /= 2
+        return None
+
+    @cached_property
+    def _vibrating(self) -> Array:
+        """Distance (n,) of the even samples from their mean over two cycles; 0 without a band."""
+        time, values = self._even
+        if self._band is None:
+            return np.zeros_like(values)
+        return _about_mean(values, 1 / (self._band * float(np.diff(time).mean())))
 
     @property
     def steady_level(self) -> float:
@@ -376,3 +435,17 @@ class SampledMotion(Motion):
         time, values = read_columns("motion.file", Path(file), ("time", cls.control))
         columns: dict[str, Any] = {"time": time, cls.control: values, "corner": corner}
         return cls(**columns)
+
+
+def _about_mean(values: Array, cycle: float) -> Array:
+    """Distance of samples (n,) from their mean over two cycles, of `cycle` samples each."""
+    half = min(int(cycle), (len(values) - 1) // 2)
+    total = np.cumsum(np.pad(values, (half + 1, half), mode="edge"))
+    return np.asarray(values - (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1))
+
+
+def _alternates(vibrating: Array, cycles: float) -> bool:
+    """Whether values (n,) go to and fro, with `cycles` per sample, other than at single corners."""
+    strong = np.flatnonzero(np.abs(vibrating) > np.abs(vibrating).max() / 2)
+    turns = strong[1:][np.diff(np.sign(vibrating[strong])) != 0]
+    return len(turns) >= FEWEST_TURNS and bool(np.median(np.diff(turns)) * cycles < LONGEST_TURN)
