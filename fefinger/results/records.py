@@ -378,7 +378,7 @@ class ResultRecord:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings of the samples of the motion, and of one too fast for an answer without inertia."""
+        """Warnings of the samples of the motion, and of speed in an answer without inertia."""
         of_motion = warnings(self.scene.motion)
         if self.response.inertia:
             return of_motion

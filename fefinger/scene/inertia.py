@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fefinger.scene.motion_shapes import SAMPLED
+from fefinger.scene.samples import SAMPLED
 from fefinger.support.arrays import Array
 
 
@@ -73,11 +73,12 @@ def coarse_samples(motion: "Motion") -> tuple[str, ...]:
     frequency, rate = motion.highest_frequency, motion.sample_rate
     if frequency is None or rate is None:
         return ()
-    said = ()
+    said: tuple[str, ...] = ()
     if rate < SAMPLED * frequency:
         said = (
             f"Warning: the motion has {rate / frequency:.2g} samples per cycle of "
-            f"{frequency:.3g} Hz, joined by straight lines; take {SAMPLED:g} or more, or filter its noise.",
+            f"{frequency:.3g} Hz, joined by straight lines; take {SAMPLED:g} or more, or filter "
+            "its noise.",
         )
     if motion.gaps:
         (start, stop), *more = motion.gaps
@@ -119,8 +120,8 @@ def quasistatic(scene: "Scene", time: Array, depth: Array) -> tuple[str, ...]:
     thick, stiffer = frequency * scene.finger.pulp, wave_speed(scene.finger, frequency)
     if thick > QUICK * stiffer:
         exceeded.append(
-            f"frequency x thickness / wave speed = {frequency:.4g} Hz x {scene.finger.pulp:.3g} mm / "
-            f"{1e-3 * stiffer:.3g} m/s = {thick / stiffer:.2g} > {QUICK:g}"
+            f"frequency x thickness / wave speed = {frequency:.4g} Hz x {scene.finger.pulp:.3g} mm "
+            f"/ {1e-3 * stiffer:.3g} m/s = {thick / stiffer:.2g} > {QUICK:g}"
         )
     if not exceeded:
         return ()

@@ -1,6 +1,6 @@
 """Base class of the motions of the indenter; messages call its fields "motion.depth" and so on.
 
-Its shapes in time are in `motion_shapes.py`, the final classes in `motions.py`.
+Its shapes in time are in `motion_shapes.py` and `samples.py`, the final classes in `motions.py`.
 """
 
 from abc import ABC, abstractmethod

@@ -12,9 +12,9 @@ from fefinger.scene.finger import LAYERS, Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS, Flat
 from fefinger.scene.motion import Motion
-from fefinger.scene.motion_shapes import WAVE_OPTIONS
 from fefinger.scene.motions import MOTIONS, ForceSampled, ForceSampledPath, Sampled, SampledPath
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
+from fefinger.scene.samples import WAVE_OPTIONS
 from fefinger.scene.textured import Relief
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, reject_unknown
@@ -236,8 +236,12 @@ def _home(key: str, name: str) -> str:
 
 def _kinds(key: str, part: str) -> str:
     """Name the kinds of a part of a scene that know a key; empty where none does."""
-    classes: Mapping[str, type] = {"motion": MOTIONS, "indenter": INDENTERS}.get(part, {})
-    having = [kind for kind, cls in classes.items() if key in [each.name for each in fields(cls)]]
+    parts: Mapping[str, Mapping[str, type]] = {"motion": MOTIONS, "indenter": INDENTERS}
+    having = [
+        kind
+        for kind, cls in parts.get(part, {}).items()
+        if key in [each.name for each in fields(cls)]
+    ]
     return f"{part}.{key} is a key of the {part}s {', '.join(map(repr, having))}" if having else ""
 
 

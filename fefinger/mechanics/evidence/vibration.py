@@ -28,7 +28,7 @@ from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.inertia import modulus, wave_speed
 from fefinger.scene.motion import Motion
-from fefinger.scene.motion_shapes import SAMPLED
+from fefinger.scene.samples import SAMPLED
 from fefinger.support.arrays import Array
 from fefinger.support.text import percent
 
@@ -76,8 +76,8 @@ def statics_error(case: Situation) -> tuple[float, str]:
     if of_vibration >= of_ramp:
         faster = frequency * case.finger.pulp / reduced if reduced else wave
         reason = (
-            f"frequency x thickness / wave speed = {frequency:.4g} Hz x {case.finger.pulp:.3g} mm / "
-            f"{1e-3 * faster:.3g} m/s = {reduced:.2g}"
+            f"frequency x thickness / wave speed = {frequency:.4g} Hz x {case.finger.pulp:.3g} mm "
+            f"/ {1e-3 * faster:.3g} m/s = {reduced:.2g}"
         )
         return of_vibration, reason
     return of_ramp, (
