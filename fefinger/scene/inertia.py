@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 DENSITY = 1e-6
 """Density of soft tissue in kg/mm³, that of water."""
 
+AT_REST = 1e-3
+"""Start of a motion over its peak below which it starts from 0, but for noise of a record."""
+
 FAST = 0.22
 """Limit of indenter speed over shear wave speed: 0.22² is an error of 5 %."""
 
@@ -60,7 +63,7 @@ def warnings(motion: "Motion") -> tuple[str, ...]:
 def jump(motion: "Motion") -> tuple[str, ...]:
     """Warning if a motion starts with a jump into the finger."""
     start = float(motion.value(np.zeros(1))[0])
-    if start <= 0:
+    if start <= AT_REST * motion.peak:
         return ()
     return (
         f"Warning: the motion starts at {start:.3g} {motion.unit}, which the indenter reaches in a "

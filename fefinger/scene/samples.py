@@ -252,6 +252,6 @@ def _about_mean(values: Array, cycle: float) -> Array:
 
 def _alternates(vibrating: Array, cycles: float) -> bool:
     """Whether values (n,) go to and fro, with `cycles` per sample, other than at single corners."""
-    strong = np.flatnonzero(np.abs(vibrating) > np.abs(vibrating).max() / 2)
+    strong = np.flatnonzero(np.abs(vibrating) > np.sqrt(np.mean(vibrating**2)) / 2)
     turns = strong[1:][np.diff(np.sign(vibrating[strong])) != 0]
     return len(turns) >= FEWEST_TURNS and bool(np.median(np.diff(turns)) * cycles < LONGEST_TURN)
