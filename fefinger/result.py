@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Self
 from fefinger.results.key_numbers import rows
 from fefinger.results.records import ResultRecord
 from fefinger.scene.finger import origin_notes
-from fefinger.scene.inertia import coarse_samples, jump, quasistatic
+from fefinger.scene.inertia import noise, quasistatic, warnings
 from fefinger.support.interrupt import shielded
 from fefinger.support.outputs import output_folder
 from fefinger.support.provenance import software
@@ -33,6 +33,12 @@ if TYPE_CHECKING:
     from fefinger.results.records import Plan, Response
     from fefinger.scene.scene import Scene
 
+
+NOT_HARMONIC = (
+    "No harmonic answer: that of a sweep is given by `modal` alone, which is taken where inertia "
+    "matters, or by name (--mechanics modal)."
+)
+"""Note on a sweep that another mechanics has answered."""
 
 NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "report.html")
 """Files of a saved result."""
@@ -56,7 +62,9 @@ class Result(ResultRecord):
         finger that belong to another one, and on motions that are too fast for statics. Strain that
         was computed for the spikes alone is left out.
         """
-        notes = origin_notes(scene.finger) + jump(scene.motion) + coarse_samples(scene.motion)
+        notes = origin_notes(scene.finger) + warnings(scene.motion) + noise(scene.motion)
+        if scene.motion.frequencies is not None and response.harmonic is None:
+            notes += (NOT_HARMONIC,)
         if not response.inertia:
             notes += quasistatic(scene, response.time, response.depth)
         strain = response.strain if scene.ask.strain else None

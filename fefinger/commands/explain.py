@@ -28,10 +28,10 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     from fefinger.results.candidate import MECHANICS
     from fefinger.scene import builtin
     from fefinger.scene.finger import origin_notes
-    from fefinger.scene.inertia import coarse_samples, jump
+    from fefinger.scene.inertia import warnings
 
     loaded = builtin.load(scene, builtin.settings(changes))
-    notes = [*origin_notes(loaded.finger), *jump(loaded.motion), *coarse_samples(loaded.motion)]
+    notes = [*origin_notes(loaded.finger), *warnings(loaded.motion)]
     try:
         chosen = plan.explain(loaded)
         console.print_answer(asdict(chosen), console.plan_summary(chosen), as_json=as_json)

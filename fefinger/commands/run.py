@@ -51,7 +51,7 @@ def run(
                 written = result.save(output)
                 seconds["save"] = time.perf_counter() - started
         finally:  # print the answer also where saving it fails
-            for warning in result.too_fast:
+            for warning in result.warnings:
                 click.echo(warning, err=True)
             record = console.run_record(result, seconds, written)
             text = console.run_summary(result, seconds, written, verbose=verbose)

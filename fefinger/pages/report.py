@@ -53,7 +53,7 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
         touch=_touch(result),
         tiles=list(_tiles(result)),
         files=list(_files(result)),
-        warnings=[*result.too_fast, *_blocked(result)],
+        warnings=[*result.warnings, *_blocked(result)],
         parts=list(_parts(result)),
         membranes=result.spikes is not None and result.spikes.family == "thesis",
         units=list(_units(result)),

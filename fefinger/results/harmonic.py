@@ -1,13 +1,19 @@
 """Harmonic answer of a finger about a preload: impedance, transfer to end organs, waves."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.results.labels import LAYOUT, labeled
+from fefinger.results.labels import coordinates as names_along
 from fefinger.support.arrays import Array
 from fefinger.support.text import outline
 
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Complex = NDArray[np.complex128]
 
@@ -73,6 +79,16 @@ class Harmonic:
     def lost(self, amplitude: float) -> Array:
         """Energy (n_f,) in uJ lost in each cycle of an oscillation of `amplitude` mm."""
         return np.asarray(MICROJOULE * np.pi * self.stiffness.imag * amplitude**2)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the arrays as a Dataset with units, as `result.nc` of a sweep holds them."""
+        import xarray as xr
+
+        keys = [key for each in fields(self) if (key := ("Harmonic", each.name)) in LAYOUT]
+        variables = {LAYOUT[key].name: labeled(key, getattr(self, key[1])) for key in keys}
+        about = {"preload_depth_mm": self.preload_depth, "preload_force_N": self.preload_force}
+        more = {"contact_area_mm2": self.contact_area, "notes": " ".join(self.notes)}
+        return xr.Dataset(variables, names_along(variables), about | more)
 
     def site_delay(self) -> Array:
         """Phase delay (n_f, n_sites) in s of the strain at the sites, of its largest component.

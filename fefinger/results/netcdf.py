@@ -2,18 +2,17 @@
 
 import dataclasses
 import json
-import tomllib
-from importlib import resources
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fefinger.neural.reference import Reference
 from fefinger.neural.trains import SpikeTrains
-from fefinger.results import records
+from fefinger.results import labels, records
 from fefinger.results.harmonic import Harmonic
+from fefinger.results.labels import LAYOUT
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.outputs import unreadable
@@ -26,35 +25,6 @@ if TYPE_CHECKING:
 FORMAT = "fefinger result 1"
 
 
-class Variable(NamedTuple):
-    """Label of an array of a record in `result.nc`: name, dimensions, units and long name."""
-
-    name: str
-    dims: tuple[str, ...]
-    units: str
-    long_name: str
-
-
-def _layout() -> dict[tuple[str, str], Variable]:
-    """Read the labels of all arrays, by record and field, from `netcdf.toml`."""
-    text = resources.files("fefinger.results").joinpath("netcdf.toml").read_text(encoding="utf-8")
-    return {
-        (record, field): Variable(name, tuple(dims), units, long_name)
-        for record, fields in tomllib.loads(text).items()
-        for field, (name, dims, units, long_name) in fields.items()
-    }
-
-
-LAYOUT = _layout()
-
-COORDINATES = {
-    "axis": ("x", "y", "z"),
-    "axis_2": ("x", "y", "z"),
-    "plane_axis": ("x", "y"),
-    "lateral_axis": ("distal", "radial"),
-    "component": ("xx", "yy", "zz", "xy", "yz", "xz"),
-    "part": ("real", "imaginary"),
-}
 RECORDS = {"Result": records.ResultRecord} | {
     record.__name__: record
     for record in (
@@ -119,11 +89,7 @@ def dataset(result: records.ResultRecord) -> "xr.Dataset":
     variables["record"] = xr.Variable(
         (), record, {"long_name": "all that is no array: plan, status, notes, provenance (JSON)"}
     )
-    coordinates: dict[str, Any] = {
-        name: list(labels)
-        for name, labels in COORDINATES.items()
-        if any(name in variable.dims for variable in variables.values())
-    }
+    coordinates = labels.coordinates(variables)
     if result.spikes is not None:
         coordinates["unit"] = list(result.spikes.names)
         coordinates["unit_type"] = ("unit", list(result.spikes.types))
@@ -166,16 +132,14 @@ def _encode_field(value: Any, key: tuple[str, str], variables: dict[str, Any]) -
     import xarray as xr
 
     if isinstance(value, np.ndarray):
-        label = LAYOUT[key]
-        attributes = {"units": label.units, "long_name": label.long_name}
-        variables[label.name] = xr.Variable(label.dims, value, attributes)
-        return {"array": label.name}
+        name = LAYOUT[key].name
+        variables[name] = labels.labeled(key, value)
+        return {"array": name}
     if isinstance(value, tuple) and key in LAYOUT:
         label = LAYOUT[key]
         rows = np.repeat(np.arange(len(value)), [len(row) for row in value])
         flat = np.concatenate([np.empty(0), *value])
-        attributes = {"units": label.units, "long_name": label.long_name}
-        variables[label.name] = xr.Variable(label.dims, flat, attributes)
+        variables[label.name] = labels.labeled(key, flat)
         index = {"units": "1", "long_name": f"unit that each {label.name} belongs to"}
         variables[f"{label.name}_unit"] = xr.Variable(label.dims, rows, index)
         return {"ragged": label.name, "rows": len(value)}

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.results.harmonic import Harmonic
-from fefinger.scene.inertia import quasistatic
+from fefinger.scene.inertia import quasistatic, warnings
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.text import duration, outline, percent, table
@@ -377,11 +377,12 @@ class ResultRecord:
         return self.response.fields
 
     @property
-    def too_fast(self) -> tuple[str, ...]:
-        """Warning that the motion is too fast for an answer without inertia, if it is."""
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings of the samples of the motion, and of speed in an answer without inertia."""
+        of_motion = warnings(self.scene.motion)
         if self.response.inertia:
-            return ()
-        return quasistatic(self.scene, self.time, self.depth)
+            return of_motion
+        return of_motion + quasistatic(self.scene, self.time, self.depth)
 
     @property
     def notes(self) -> tuple[str, ...]:

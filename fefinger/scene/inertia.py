@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fefinger.scene.samples import SAMPLED
 from fefinger.support.arrays import Array
 
 
@@ -25,14 +26,11 @@ if TYPE_CHECKING:
 DENSITY = 1e-6
 """Density of soft tissue in kg/mm³, that of water."""
 
+AT_REST = 1e-3
+"""Start of a motion over its peak below which it starts from 0, but for noise of a record."""
+
 FAST = 0.22
 """Limit of indenter speed over shear wave speed: 0.22² is an error of 5 %."""
-
-SAMPLED = 10.0
-"""Samples per cycle below which straight lines between them change the force by more than 2 %."""
-
-FAINT = 0.01
-"""Swing over the peak below which a vibration is noise of a record."""
 
 QUICK = 0.05
 """Limit of frequency x thickness / shear wave speed: 1 / cos(2 pi 0.05) - 1 is 5 %."""
@@ -57,10 +55,15 @@ def modulus(finger: "Finger", frequency: float) -> complex:
     return 1.0 + sum(weight / relaxed * omega / (omega + rate) for weight, rate in terms)
 
 
+def warnings(motion: "Motion") -> tuple[str, ...]:
+    """Warnings of a motion that jumps into the finger, or of its samples."""
+    return jump(motion) + coarse_samples(motion)
+
+
 def jump(motion: "Motion") -> tuple[str, ...]:
     """Warning if a motion starts with a jump into the finger."""
     start = float(motion.value(np.zeros(1))[0])
-    if start <= 0:
+    if start <= AT_REST * motion.peak:
         return ()
     return (
         f"Warning: the motion starts at {start:.3g} {motion.unit}, which the indenter reaches in a "
@@ -69,15 +72,35 @@ def jump(motion: "Motion") -> tuple[str, ...]:
 
 
 def coarse_samples(motion: "Motion") -> tuple[str, ...]:
-    """Warning if a motion vibrates with few samples per cycle, which straight lines distort."""
+    """Warning of a vibration with few samples per cycle or with gaps, which lines distort."""
     frequency, rate = motion.highest_frequency, motion.sample_rate
-    if frequency is None or rate is None or rate >= SAMPLED * frequency:
+    if frequency is None or rate is None:
         return ()
-    if motion.swing < FAINT * motion.peak:
+    said: tuple[str, ...] = ()
+    if rate < SAMPLED * frequency:
+        said = (
+            f"Warning: the motion has {rate / frequency:.2g} samples per cycle of "
+            f"{frequency:.3g} Hz, joined by straight lines; take {SAMPLED:g} or more, or filter "
+            "its noise.",
+        )
+    if motion.gaps:
+        (start, stop), *more = motion.gaps
+        others = f", and in {len(more)} more places" if more else ""
+        said += (
+            f"Warning: the motion vibrates at up to {frequency:.3g} Hz and has no samples from "
+            f"{start:.4g} to {stop:.4g} s{others}; a straight line joins them.",
+        )
+    return said
+
+
+def noise(motion: "Motion") -> tuple[str, ...]:
+    """Note on what is taken for noise of a record and not for a vibration."""
+    if not motion.noise:
         return ()
     return (
-        f"Warning: the motion has {rate / frequency:.2g} samples per cycle of {frequency:.3g} Hz, "
-        f"joined by straight lines; take {SAMPLED:g} or more.",
+        f"The samples of the motion scatter by {motion.noise:.2g} {motion.unit} (root mean square) "
+        f"from one to the next, with fewer than {SAMPLED:g} per cycle: this is taken for noise of "
+        "the record, whose inertia is left out. Filter it where spikes of FAII are asked for.",
     )
 
 
@@ -90,7 +113,7 @@ def quasistatic(scene: "Scene", time: Array, depth: Array) -> tuple[str, ...]:
     along = np.linalg.norm(np.diff(scene.motion.shift(time), axis=0), axis=1)
     speeds = np.hypot(np.diff(depth), along) / np.where(step > 0, step, np.inf)
     speed, wave = float(speeds.max(initial=0.0)), wave_speed(scene.finger)
-    frequency = scene.motion.wave_frequency or 0.0
+    frequency = scene.motion.highest_frequency or 0.0
     exceeded = []
     if speed > FAST * wave:
         exceeded.append(
@@ -100,8 +123,8 @@ def quasistatic(scene: "Scene", time: Array, depth: Array) -> tuple[str, ...]:
     thick, stiffer = frequency * scene.finger.pulp, wave_speed(scene.finger, frequency)
     if thick > QUICK * stiffer:
         exceeded.append(
-            f"frequency x thickness / wave speed = {frequency:g} Hz x {scene.finger.pulp:.3g} mm / "
-            f"{1e-3 * stiffer:.3g} m/s = {thick / stiffer:.2g} > {QUICK:g}"
+            f"frequency x thickness / wave speed = {frequency:.4g} Hz x {scene.finger.pulp:.3g} mm "
+            f"/ {1e-3 * stiffer:.3g} m/s = {thick / stiffer:.2g} > {QUICK:g}"
         )
     if not exceeded:
         return ()

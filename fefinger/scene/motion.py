@@ -1,6 +1,6 @@
 """Base class of the motions of the indenter; messages call its fields "motion.depth" and so on.
 
-Its shapes in time are in `motion_shapes.py`, the final classes in `motions.py`.
+Its shapes in time are in `motion_shapes.py` and `samples.py`, the final classes in `motions.py`.
 """
 
 from abc import ABC, abstractmethod
@@ -142,8 +142,18 @@ class Motion(ABC):
 
     @property
     def sample_rate(self) -> float | None:
-        """Samples per s of a motion of even samples; None of others."""
+        """Samples per s of a motion of samples; None of others."""
         return None
+
+    @property
+    def noise(self) -> float:
+        """Root mean square in mm or N of noise in a motion of samples."""
+        return 0.0
+
+    @property
+    def gaps(self) -> tuple[tuple[float, float], ...]:
+        """Times (start, stop) in s between which samples of a vibration are missing."""
+        return ()
 
     @property
     def steady_level(self) -> float:

@@ -1,45 +1,21 @@
-"""Shapes of motions in time: ramp, hold, trapezoid, sinusoid, sweep, samples.
+"""Shapes of motions in time: ramp, hold, trapezoid, sinusoid, sweep.
 
 A shape is abstract: `motions.py` has its two final classes, of depth in mm and of force in N.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
-from pathlib import Path
-from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from fefinger.scene.motion import LIMITS, Motion
+from fefinger.scene.motion import Motion
 from fefinger.scene.trajectory import Sweep, Trajectory, Wave
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, number, numbers, reject_unknown
-from fefinger.support.csv_columns import read_columns
-from fefinger.support.wave_file import read_wave
+from fefinger.support.checks import InputError
 
 
 ANSWERED = 200
 """Frequencies at which a sweep is answered in closed form."""
-
-FEWEST_SAMPLES = 64
-"""Samples from which on a motion has a spectrum."""
-
-UNEVEN = 1e-3
-"""Relative difference of the times between samples that counts as none."""
-
-LEFT_OUT = 1e-2
-"""Share of the power of the speed beyond the highest frequency of samples."""
-
-WAVE_NEEDS = ("amplitude", "preload")
-"""Fields that a WAV file needs: its full scale, and what it vibrates about."""
-
-WAVE_OPTIONS = (*WAVE_NEEDS, "settle")
-"""Options of a motion from a WAV file; the last has a default."""
-
-SETTLE = 0.2
-"""Time in s of the approach to a preload before a waveform from a file, and of the rest after."""
 
 
 class RampMotion(Motion):
@@ -228,151 +204,3 @@ class SinusoidMotion(Motion):
         """The sine."""
         wave = Wave(0.0, self.amplitude, self.frequency, 0.0, phase=-np.pi / 2)
         return Trajectory.level(self.amplitude, wave, self.cycles)
-
-
-@dataclass(frozen=True)
-class SampledMotion(Motion):
-    """Times in s from 0 on, and a column named as `control`; straight lines between them."""
-
-    time: tuple[float, ...]
-    corner: float = field(default=0.0, kw_only=True)
-
-    @property
-    def sample_rate(self) -> float | None:
-        """Samples per s; None where they are uneven or few."""
-        steps = np.diff(self.time)
-        if len(steps) < FEWEST_SAMPLES or np.ptp(steps) > UNEVEN * steps.mean():
-            return None
-        return float(1 / steps.mean())
-
-    @cached_property
-    def highest_frequency(self) -> float | None:
-        """Frequency in Hz below which lies all but a hundredth of the power of the speed."""
-        rate = self.sample_rate
-        if rate is None:
-            return None
-        speed = np.diff(getattr(self, self.control)) * rate
-        power = np.abs(np.fft.rfft(speed)) ** 2
-        if not power.sum() > 0:
-            return None
-        place = int(np.searchsorted(np.cumsum(power), (1 - LEFT_OUT) * power.sum()))
-        return float(np.fft.rfftfreq(len(speed), 1 / rate)[place]) or None
-
-    @property
-    def swing(self) -> float:
-        """Largest distance of the samples from their mean over two cycles."""
-        vibrating = self._vibrating
-        return self.peak if vibrating is None else float(np.abs(vibrating).max())
-
-    def vibration(self, t: ArrayLike) -> Array:
-        """Return the distance of the samples from their mean over two cycles, at times `t` in s."""
-        vibrating = self._vibrating
-        if vibrating is None:
-            return super().vibration(t)
-        return np.asarray(np.interp(np.asarray(t, float), self.time, vibrating))
-
-    @cached_property
-    def _vibrating(self) -> Array | None:
-        """Distance of the samples from their mean over two cycles; None of uneven samples."""
-        highest, rate = self.highest_frequency, self.sample_rate
-        if highest is None or rate is None:
-            return None
-        values = np.array(getattr(self, self.control))
-        count = min(len(values), 2 * int(rate / highest) + 1)
-        padded = np.pad(values, (count // 2, count - 1 - count // 2), mode="edge")
-        mean = np.convolve(padded, np.full(count, 1 / count), mode="valid")
-        return np.asarray(values - mean)
-
-    @property
-    def steady_level(self) -> float:
-        """Median of the samples above 0, the preload."""
-        values = np.array(getattr(self, self.control))
-        return float(np.median(values[values > 0]))
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """The lines; InputError for times or values that are none of a motion."""
-        values = getattr(self, self.control)
-        self._check_samples(self.control, values)
-        return Trajectory.through(self.time, values, corner=self.corner, stop=False)
-
-    def _check_fields(self) -> dict[str, Any]:
-        self._set(corner=number("motion.corner", self.corner, **LIMITS["corner"]))
-        for name in ("time", self.control):
-            self._set(**{name: numbers(f"motion.{name}", getattr(self, name))})
-        return {}
-
-    def _check_samples(self, name: str, values: tuple[float, ...]) -> None:
-        time = self.time
-        if len(time) != len(values) or len(time) < 2:
-            raise InputError(
-                f"motion.{name}: expected as many values as times, at least 2, "
-                f"received {len(values)} values and {len(time)} times"
-            )
-        if time[0] != 0:
-            raise InputError(
-                f"motion.time: expected times that start at 0 s, received {time[0]:g} first; "
-                "subtract it from all of them"
-            )
-        for i, (before, after) in enumerate(pairwise(time), start=1):
-            if after <= before:
-                raise InputError(
-                    f"motion.time[{i}]: expected a time above {before!r} s, received {after!r}; "
-                    "sort the samples and keep one of each time"
-                )
-        if max(values) <= 0:
-            raise InputError(
-                f"motion.{name}: expected a value above 0, received at most {max(values):g}; "
-                "so the indenter never touches the finger"
-            )
-        if name == "force" and min(values) < 0:
-            raise InputError(
-                f"motion.force: expected forces of at least 0 N, received {min(values):g}; "
-                "a contact cannot pull"
-            )
-
-    @classmethod
-    def from_file(cls, file: str | Path, **options: Any) -> Self:
-        """Read a motion from a CSV file, or from a WAV file with the `options` of `from_wav`."""
-        if Path(file).suffix.lower() == ".wav":
-            reject_unknown("motion", options, WAVE_OPTIONS)
-            for name in WAVE_NEEDS:
-                if name not in options:
-                    msg = f"motion.{name}: missing; a WAV file needs {' and '.join(WAVE_NEEDS)}"
-                    raise InputError(msg)
-            return cls.from_wav(file, **options)
-        reject_unknown("motion", options, ("corner",))
-        return cls.from_csv(file, **options)
-
-    @classmethod
-    def from_wav(
-        cls, file: str | Path, *, amplitude: float, preload: float, settle: float = SETTLE
-    ) -> Self:
-        """Read a waveform, as a vibration about a preload.
-
-        Its full scale is `amplitude` in mm or N; the preload is reached within `settle` s, and
-        held as long. Of several channels the first is taken.
-
-        Raises
-        ------
-        InputError
-            No WAV file, or one without sound.
-        """
-        amplitude = number("motion.amplitude", amplitude, above=0)
-        preload = number("motion.preload", preload, above=0)
-        settle = number("motion.settle", settle, above=0, unit="s")
-        rate, wave = read_wave("motion.file", Path(file))
-        ramp = int(np.ceil(settle * rate))
-        way = np.minimum(np.arange(2 * ramp) / ramp, 1.0)
-        approach = preload * (1 - np.cos(np.pi * way)) / 2
-        values = np.concatenate([approach, preload + amplitude * wave])
-        times = np.arange(len(values)) / rate
-        given: dict[str, Any] = {"time": tuple(times.tolist()), cls.control: tuple(values.tolist())}
-        return cls(**given)
-
-    @classmethod
-    def from_csv(cls, file: str | Path, *, corner: float = 0.0) -> Self:
-        """Read the columns time (s) and depth (mm) or force (N), named in the first line."""
-        time, values = read_columns("motion.file", Path(file), ("time", cls.control))
-        columns: dict[str, Any] = {"time": time, cls.control: values, "corner": corner}
-        return cls(**columns)

@@ -12,11 +12,11 @@ from fefinger.scene.motion_shapes import (
     RampHoldMotion,
     RampMotion,
     RampSinusoidMotion,
-    SampledMotion,
     SinusoidMotion,
     SweepMotion,
     TrapezoidMotion,
 )
+from fefinger.scene.samples import SampledMotion
 from fefinger.scene.sliding import SampledPathMotion, SlideMotion
 from fefinger.support.checks import InputError
 

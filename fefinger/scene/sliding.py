@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 
 from fefinger.geometry.profiles import frame
 from fefinger.scene.indenter import ANGLES, TILTS, Inclined, Plate, direction
-from fefinger.scene.motion_shapes import RampMotion, SampledMotion, rest_limit
+from fefinger.scene.motion_shapes import RampMotion, rest_limit
+from fefinger.scene.samples import SampledMotion
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, numbers

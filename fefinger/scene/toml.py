@@ -12,9 +12,9 @@ from fefinger.scene.finger import LAYERS, Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS, Flat
 from fefinger.scene.motion import Motion
-from fefinger.scene.motion_shapes import WAVE_OPTIONS
 from fefinger.scene.motions import MOTIONS, ForceSampled, ForceSampledPath, Sampled, SampledPath
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
+from fefinger.scene.samples import WAVE_OPTIONS
 from fefinger.scene.textured import Relief
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, reject_unknown
@@ -214,25 +214,35 @@ def _reject(name: str, table: Mapping[str, Any], allowed: Iterable[str]) -> None
     """Raise InputError for an unknown key, with the table that it belongs to."""
     keys = tuple(allowed)
     for key in table:
-        if key not in keys and (instead := NOT_IN_SCENE.get(key) or _home(key)):
+        if key not in keys and (instead := NOT_IN_SCENE.get(key) or _home(key, name)):
             where = f" in [{name}]" if name else ""
             raise InputError(f"{key}: unknown key{where}; {instead}. Known keys: {', '.join(keys)}")
     reject_unknown(name, table, keys)
 
 
-def _home(key: str) -> str:
-    """Name the table that has the key, and the kinds that know it; empty where none does."""
+def _home(key: str, name: str) -> str:
+    """Name the table that has the key, and the kinds that know it; empty where none does.
+
+    Kinds of the table `name`, in which it was found, go first.
+    """
+    if kinds := _kinds(key, name):
+        return kinds
     if key in _finger_keys():
         return f"it belongs in [finger], as finger.{key}"
     if key in [field.name for field in fields(Ask)]:
         return f"it belongs in [ask], as ask.{key}"
-    for part, kinds in (("motion", MOTIONS), ("indenter", INDENTERS)):
-        having = [
-            kind for kind, cls in kinds.items() if key in [field.name for field in fields(cls)]
-        ]
-        if having:
-            return f"{part}.{key} is a key of the {part}s {', '.join(map(repr, having))}"
-    return ""
+    return _kinds(key, "motion") or _kinds(key, "indenter")
+
+
+def _kinds(key: str, part: str) -> str:
+    """Name the kinds of a part of a scene that know a key; empty where none does."""
+    parts: Mapping[str, Mapping[str, type]] = {"motion": MOTIONS, "indenter": INDENTERS}
+    having = [
+        kind
+        for kind, cls in parts.get(part, {}).items()
+        if key in [each.name for each in fields(cls)]
+    ]
+    return f"{part}.{key} is a key of the {part}s {', '.join(map(repr, having))}" if having else ""
 
 
 def _finger_keys() -> tuple[str, ...]:

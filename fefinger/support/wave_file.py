@@ -30,7 +30,7 @@ def read_wave(name: str, file: Path) -> tuple[int, Array]:
         raise InputError(f"{name}: expected a WAV file, received {str(file)!r}: {error}") from None
     first = samples if samples.ndim == 1 else samples[:, 0]
     if len(first) < 2:
-        message = f"{name}: expected a WAV file with sound, received {str(file)!r} without samples"
+        message = f"{name}: expected at least 2 samples, received {len(first)} in {str(file)!r}"
         raise InputError(message)
     if np.issubdtype(first.dtype, np.floating):
         wave = first.astype(np.float64)

@@ -98,6 +98,34 @@ def test_heavier_tissue_swings_more_slowly_with_the_modes_that_are_there(
     assert (other.frequencies != loop.frequencies).all()
 
 
+def test_a_rest_in_the_loop_is_that_of_condensed(loop: ff.Modal) -> None:
+    still = ff.Condensed(loop.finger, loop.indenter, deepest=1.2, sites=loop.sites)
+    loop.reset()
+    one, other = still.step(0.7, 2.0), loop.rest(0.7, 2.0)
+    assert other.force == pytest.approx(one.force, rel=1e-9)
+    for name in ("strain", "pressure"):
+        expected = getattr(one, name)
+        scale = np.abs(expected).max()
+        assert getattr(other, name) == pytest.approx(expected, abs=1e-9 * scale), name
+
+
+def test_it_is_built_with_progress(loop: ff.Modal) -> None:
+    seen: list[tuple[str, float]] = []
+    ff.Modal(loop.finger, loop.indenter, progress=lambda stage, done: seen.append((stage, done)))
+    assert [stage for stage, done in seen if done == 0.0] == ["factor", "modes"]
+
+
+def test_a_harmonic_answer_is_a_dataset_with_units(loop: ff.Modal) -> None:
+    answer = loop.harmonic([20.0, 200.0], depth=0.8)
+    table = answer.to_xarray()
+    stiffness = table["dynamic_stiffness"]
+    assert stiffness.attrs["units"] == "N/mm"
+    parts = stiffness.sel(part="real") + 1j * stiffness.sel(part="imaginary")
+    assert parts.values == pytest.approx(answer.stiffness)
+    assert table["frequency"].values == pytest.approx([20.0, 200.0])
+    assert table.attrs["preload_depth_mm"] == 0.8
+
+
 def test_units_fire_in_the_loop(loop: ff.Modal) -> None:
     units, fired = loop.afferents(), np.zeros(len(loop.sites.types))
     loop.rest(0.5, 10.0)
@@ -153,7 +181,10 @@ def test_a_preload_is_the_same_by_depth_and_by_force(loop: ff.Modal) -> None:
     by_force = loop.harmonic(frequency, force=by_depth.preload_force)
     assert by_force.preload_depth == pytest.approx(0.8, rel=1e-6)
     assert by_force.stiffness == pytest.approx(by_depth.stiffness, rel=1e-6)
-    assert by_depth.lost(0.02) == pytest.approx(4 * by_depth.lost(0.01))
+    angle, amplitude = np.linspace(0, 2 * np.pi, 2001)[:, None], 0.02
+    force = (by_depth.stiffness * amplitude * np.exp(1j * angle)).imag
+    work = np.trapezoid(force, amplitude * np.sin(angle), axis=0)  # mJ
+    assert by_depth.lost(amplitude) == pytest.approx(1e3 * work, rel=1e-5)
     assert by_depth.impedance.real == pytest.approx(
         1e3 * by_depth.stiffness.imag / (2 * np.pi * by_depth.frequency)
     )
@@ -214,7 +245,11 @@ def test_a_mode_is_one_cycle_of_its_frequency_on_the_mesh(loop: ff.Modal, tmp_pa
 
 def test_delays_are_those_of_the_phase(loop: ff.Modal) -> None:
     found = loop.harmonic(np.geomspace(1.0, 100.0, 60), depth=0.8)
-    assert found.site_delay().shape == (60, len(loop.sites.points))
+    for site, delay in enumerate(found.site_delay().T):
+        strain = found.strain[:, site].reshape(60, 9)
+        largest = strain[:, np.abs(strain).sum(axis=0).argmax()]
+        turned = largest * np.exp(2j * np.pi * found.frequency * delay)
+        assert np.abs(np.angle(turned * np.sign(largest[0].real))).max() < 1e-9
     moved = found.skin[:, np.argmin(np.abs(found.skin_points[:, 0])), :]
     delay = found.skin_delay()[:, np.argmin(np.abs(found.skin_points[:, 0]))]
     largest = np.abs(moved).sum(axis=0).argmax()
@@ -229,6 +264,9 @@ def test_a_sweep_has_its_harmonic_answer_and_says_where_contact_opens() -> None:
     )
     one, other = modal.respond(calm), modal.respond(wild)
     assert len(one.harmonic.frequency) == 200
+    still = ff.run(calm, mechanics="condensed")
+    assert still.harmonic is None
+    assert any("No harmonic answer" in note for note in still.notes)
     assert one.harmonic.preload_depth == pytest.approx(0.3)
     assert not any("mid-cycle" in note for note in one.notes)
     assert any("mid-cycle" in note for note in other.notes)

@@ -26,8 +26,9 @@ from fefinger.mechanics.refusals import Doubt
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
-from fefinger.scene.inertia import SAMPLED, modulus, wave_speed
+from fefinger.scene.inertia import modulus, wave_speed
 from fefinger.scene.motion import Motion
+from fefinger.scene.samples import SAMPLED
 from fefinger.support.arrays import Array
 from fefinger.support.text import percent
 
@@ -75,8 +76,8 @@ def statics_error(case: Situation) -> tuple[float, str]:
     if of_vibration >= of_ramp:
         faster = frequency * case.finger.pulp / reduced if reduced else wave
         reason = (
-            f"frequency x thickness / wave speed = {frequency:g} Hz x {case.finger.pulp:.3g} mm / "
-            f"{1e-3 * faster:.3g} m/s = {reduced:.2g}"
+            f"frequency x thickness / wave speed = {frequency:.4g} Hz x {case.finger.pulp:.3g} mm "
+            f"/ {1e-3 * faster:.3g} m/s = {reduced:.2g}"
         )
         return of_vibration, reason
     return of_ramp, (
@@ -124,8 +125,9 @@ def suddenness(motion: Motion, cycle: float) -> float:
     part = cycle / 8
 
     def slow(t: Array) -> Array:
-        at = np.minimum(t, motion.duration)
-        return np.where(t < 0, 0.0, motion.value(at) - motion.vibration(at))
+        at = np.clip(t, 0.0, motion.duration)
+        # A vibration that has a part at t = 0 has had it before, which is no start of a press.
+        return np.where(t < 0, 0.0, motion.value(at)) - motion.vibration(at)
 
     breaks = np.array(motion.breaks)
     middles = (breaks[1:] + breaks[:-1]) / 2
@@ -136,10 +138,15 @@ def suddenness(motion: Motion, cycle: float) -> float:
 
 
 def vibration_error(case: Situation) -> float:
-    """Return the error of the oscillation of the force, over that without inertia."""
+    """Return the error of the oscillation of the force, over that without inertia.
+
+    It is the whole oscillation where it is too fast for the modes, or for what was measured.
+    """
     frequency = case.motion.highest_frequency
     if frequency is None:
         return 0.0
+    if _too_high(case):
+        return 1.0
     kind, reduced = _damping(case, frequency), _reduced(case, frequency)
     modes = float(np.interp(_ratio(case, frequency), *_envelope("truncation", kind)))
     stiff = stiffens(case.finger)
@@ -167,7 +174,7 @@ def sentence(case: Situation) -> str:
         return f"reports/{REPORT}: {percent(left)} of modes and steps"
     text = (
         f"reports/{REPORT}: {percent(left)} of modes, mesh and steps, as the oscillation of the "
-        f"force is {percent(vibration_error(case))} off at {frequency:g} Hz"
+        f"force is {percent(vibration_error(case))} off at {frequency:.4g} Hz"
     )
     if _damping(case, frequency) == "published" and _reduced(case, frequency) > RESONANT:
         text += f", where resonances of this tissue hardly damp{_damped_set(case.finger)}"
@@ -198,13 +205,13 @@ def notes(case: Situation) -> tuple[str, ...]:
         return ()
     return (
         f"The oscillation of the force is within {percent(vibration_error(case))} of its own up to "
-        f"{frequency:g} Hz (reports/{REPORT}).",
+        f"{frequency:.4g} Hz (reports/{REPORT}).",
     )
 
 
 def doubts(case: Situation) -> list[Doubt]:
-    """Return the doubts that a motion is faster than what was measured, or than the modes."""
-    return _too_sudden(case) + _too_high(case)
+    """Return the doubts that a motion is faster than what was measured, modes or its samples."""
+    return _too_sudden(case) + _too_high(case) + _too_coarse(case.motion)
 
 
 def _too_sudden(case: Situation) -> list[Doubt]:
@@ -224,16 +231,9 @@ def _too_sudden(case: Situation) -> list[Doubt]:
 
 def _too_high(case: Situation) -> list[Doubt]:
     """Return the doubt that a motion has frequencies which the modes do not reach."""
-    frequency, rate = case.motion.highest_frequency, case.motion.sample_rate
+    frequency = case.motion.highest_frequency
     if frequency is None:
         return []
-    if rate is not None and rate < SAMPLED * frequency:
-        reason = (
-            f"samples per s / highest frequency = {rate:.4g} / {frequency:.3g} Hz = "
-            f"{rate / frequency:.2g} < {SAMPLED:g}: straight lines between the samples distort it; "
-            "sample the motion more finely"
-        )
-        return [Doubt("motion.time", reason)]
     reduced, measured = _reduced(case, frequency), float(_envelope("vibration", "published")[0][-1])
     if reduced > measured * (1 + 1e-9):
         reason = (
@@ -251,6 +251,19 @@ def _too_high(case: Situation) -> list[Doubt]:
         f"stiffer tissue{_damped_set(case.finger)}"
     )
     return [Doubt("motion.frequency", reason)]
+
+
+def _too_coarse(motion: Motion) -> list[Doubt]:
+    """Return the doubt that a vibration has too few samples per cycle."""
+    frequency, rate = motion.highest_frequency, motion.sample_rate
+    if frequency is None or rate is None or rate >= SAMPLED * frequency:
+        return []
+    reason = (
+        f"samples per s / highest frequency = {rate:.4g} / {frequency:.3g} Hz = "
+        f"{rate / frequency:.2g} < {SAMPLED:g}: straight lines between the samples distort it; "
+        "sample the motion more finely, or filter its noise"
+    )
+    return [Doubt("motion.time", reason)]
 
 
 def _rounded(value: float) -> str:

@@ -148,7 +148,7 @@ class Vibrating:
         InputError
             Frequencies that are not above 0 or are too high for the modes; or no contact.
         """
-        frequency = np.array(numbers("frequency", frequency))
+        frequency = np.array(numbers("frequency", frequency.tolist()))
         self._check(frequency)
         depth, pressure = self.preload(depth, force)
         active = np.flatnonzero(pressure > 0)

@@ -39,6 +39,7 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.progress import Progress, Stages
 from fefinger.support.tolerances import COMPLEMENTARITY
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
@@ -65,6 +66,8 @@ class Condensed:
         and while t > 0.
     tolerance
         Penetration, over the largest gap or depth, that counts as none.
+    progress
+        Called with the name of a stage and the fraction of it that is done.
 
     Raises
     ------
@@ -83,6 +86,7 @@ class Condensed:
         precision: Literal["double", "single"] = "double",
         stiffening: Callable[[float], float] | None = None,
         tolerance: float = COMPLEMENTARITY,
+        progress: Progress | None = None,
     ) -> None:
         check_finger(finger)
         self.finger, self.indenter = finger, indenter
@@ -91,7 +95,8 @@ class Condensed:
         if stiffening is None:
             warn_of_softness(finger, indenter, self.deepest)
         half = not isinstance(indenter, Rigid) and indenter.mirrored
-        solid = operator.operator(finger, half=half)
+        with Stages(progress).stage("factor") as report:
+            solid = operator.operator(finger, half=half, progress=report)
         if isinstance(indenter, Rigid):
             touch: Rigid = indenter
         else:

@@ -40,6 +40,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
 from fefinger.support.checks import InputError, number
+from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
@@ -65,6 +66,8 @@ class Modal:
         Longest step in s in which the modes have inertia; those too fast for it have none.
     precision
         "double", or "single" for strains to 1e-5 of the largest in half the time.
+    progress
+        Called with the name of a stage and the fraction of it that is done.
 
     Raises
     ------
@@ -84,13 +87,21 @@ class Modal:
         sites: Sites | None = None,
         dt: float = DT,
         precision: Literal["double", "single"] = "double",
+        progress: Progress | None = None,
     ) -> None:
         self.dt = number("dt", dt, above=0, unit="s")
-        still = Condensed(finger, indenter, deepest=deepest, sites=sites, precision=precision)
+        still = Condensed(
+            *(finger, indenter),
+            deepest=deepest,
+            sites=sites,
+            precision=precision,
+            progress=progress,
+        )
         self.finger, self.sites, self.deepest = finger, still.sites, still.deepest
         self.indenter = indenter
         self._still = still
-        self.modes = finger_modes(finger, still.solid)
+        with Stages(progress).stage("modes") as report:
+            self.modes = finger_modes(finger, still.solid, report)
         half, points = still.solid.half, self.sites.points
         where = mirror.to_half(points) if half else points
         probe = partial(recovered_strain_at, still.solid.space, where, still.solid.planes)

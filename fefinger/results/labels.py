@@ -1,0 +1,57 @@
+"""Labels of the arrays of records in `result.nc`: names, dimensions, units, coordinates."""
+
+import tomllib
+from collections.abc import Mapping
+from importlib import resources
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from fefinger.support.arrays import Array
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class Variable(NamedTuple):
+    """Label of an array of a record in `result.nc`: name, dimensions, units and long name."""
+
+    name: str
+    dims: tuple[str, ...]
+    units: str
+    long_name: str
+
+
+def _layout() -> dict[tuple[str, str], Variable]:
+    """Read the labels of all arrays, by record and field, from `netcdf.toml`."""
+    text = resources.files("fefinger.results").joinpath("netcdf.toml").read_text(encoding="utf-8")
+    return {
+        (record, field): Variable(name, tuple(dims), units, long_name)
+        for record, fields in tomllib.loads(text).items()
+        for field, (name, dims, units, long_name) in fields.items()
+    }
+
+
+LAYOUT = _layout()
+
+COORDINATES = {
+    "axis": ("x", "y", "z"),
+    "axis_2": ("x", "y", "z"),
+    "plane_axis": ("x", "y"),
+    "lateral_axis": ("distal", "radial"),
+    "component": ("xx", "yy", "zz", "xy", "yz", "xz"),
+    "part": ("real", "imaginary"),
+}
+
+
+def labeled(key: tuple[str, str], values: Array) -> "xr.Variable":
+    """Return the values of a field, by record and field, with dimensions, units and long name."""
+    import xarray as xr
+
+    label = LAYOUT[key]
+    return xr.Variable(label.dims, values, {"units": label.units, "long_name": label.long_name})
+
+
+def coordinates(variables: "Mapping[str, xr.Variable]") -> dict[str, Any]:
+    """Return the names along the dimensions of some variables, of axes and components."""
+    dims = {name for variable in variables.values() for name in variable.dims}
+    return {name: list(names) for name, names in COORDINATES.items() if name in dims}

@@ -1,0 +1,257 @@
+"""Motions of samples: straight lines between them, the band of their vibration, noise and gaps."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fefinger.scene.motion import LIMITS, Motion
+from fefinger.scene.trajectory import Trajectory
+from fefinger.support.arrays import Array
+from fefinger.support.checks import InputError, number, numbers, reject_unknown
+from fefinger.support.csv_columns import read_columns
+from fefinger.support.wave_file import read_wave
+
+
+FEWEST_SAMPLES = 64
+"""Samples from which on a motion has a spectrum."""
+
+UNEVEN = 1e-3
+"""Relative difference of the times between samples that counts as none."""
+
+LEFT_OUT = 1e-2
+"""Share of the power of the speed beyond the highest frequency of samples."""
+
+FEWEST_TURNS = 3
+"""Changes of sign about the mean from which on a motion vibrates: those of two cycles."""
+
+LONGEST_TURN = 2.0
+"""Cycles of a frequency between two of them from which on a motion does not vibrate with it."""
+
+GAP = 5.0
+"""Distance of two samples over the median from which on samples are missing between them."""
+
+MOST_EVEN = 2**20
+"""Largest number of even samples that the spectrum of uneven ones is taken from."""
+
+SAMPLED = 10.0
+"""Samples per cycle below which straight lines between them change the force by more than 2 %."""
+
+FAINT = 0.01
+"""Amplitude over the peak below which a vibration of few samples is noise of a record."""
+
+WAVE_NEEDS = ("amplitude", "preload")
+"""Fields that a WAV file needs: its full scale, and what it vibrates about."""
+
+WAVE_OPTIONS = (*WAVE_NEEDS, "settle")
+"""Options of a motion from a WAV file; the last has a default."""
+
+SETTLE = 0.2
+"""Time in s of the approach to a preload before a waveform from a file, and of the rest after."""
+
+
+@dataclass(frozen=True)
+class SampledMotion(Motion):
+    """Times in s from 0 on, and a column named as `control`; straight lines between them."""
+
+    time: tuple[float, ...]
+    corner: float = field(default=0.0, kw_only=True)
+
+    @cached_property
+    def sample_rate(self) -> float | None:
+        """Samples per s between the gaps of a record; None of few samples."""
+        steps = np.diff(self.time)
+        if len(steps) < FEWEST_SAMPLES:
+            return None
+        return float(1 / steps[steps <= GAP * np.median(steps)].mean())
+
+    @property
+    def highest_frequency(self) -> float | None:
+        """Highest frequency in Hz with which the samples go to and fro; None if they do not.
+
+        Noise does not count.
+        """
+        return None if self.noise else self._band
+
+    @property
+    def swing(self) -> float:
+        """Largest distance of the samples from their mean over two cycles."""
+        return float(np.abs(self._vibrating).max()) if self.highest_frequency else self.peak
+
+    @property
+    def noise(self) -> float:
+        """Root mean square in mm or N of what is taken for noise; 0 without any.
+
+        It is faint, and has too few samples per cycle for a vibration.
+        """
+        if self._band is None or self.sample_rate is None:
+            return 0.0
+        vibrating = float(np.sqrt(np.mean(self._vibrating**2)))
+        coarse = self.sample_rate < SAMPLED * self._band
+        return vibrating if coarse and np.sqrt(2) * vibrating < FAINT * self.peak else 0.0
+
+    @property
+    def gaps(self) -> tuple[tuple[float, float], ...]:
+        """Times (start, stop) in s of gaps in a vibration that hide half a cycle or more."""
+        if self.highest_frequency is None or self.sample_rate is None:
+            return ()
+        time, values = np.array(self.time), np.array(getattr(self, self.control))
+        longest = max(GAP / self.sample_rate, 0.5 / self.highest_frequency)
+        hidden = (np.diff(time) > longest) & (np.abs(np.diff(values)) > FAINT * self.swing)
+        return tuple(zip(time[:-1][hidden].tolist(), time[1:][hidden].tolist(), strict=True))
+
+    def vibration(self, t: ArrayLike) -> Array:
+        """Return the distance of the samples from their mean over two cycles, at times `t` in s."""
+        return np.asarray(np.interp(np.asarray(t, float), self._even[0], self._vibrating))
+
+    @cached_property
+    def _even(self) -> tuple[Array, Array]:
+        """Times (n,) and values (n,) of the motion, evenly at the rate of the samples."""
+        time, values = np.array(self.time), np.array(getattr(self, self.control))
+        steps = np.diff(time)
+        if self.sample_rate is None or np.ptp(steps) <= UNEVEN * steps.mean():
+            return time, values
+        count = min(MOST_EVEN, 1 + round(time[-1] * self.sample_rate))
+        even = np.linspace(0.0, time[-1], count)
+        return even, np.interp(even, time, values)
+
+    @cached_property
+    def _band(self) -> float | None:
+        """Frequency in Hz with which the samples go to and fro, noise or not.
+
+        Below it lies all but a hundredth of the power of the speed, halved as often as a slower
+        course with sharp corners needs: corners alone are no vibration.
+        """
+        if self.sample_rate is None:
+            return None
+        time, values = self._even
+        step = float(np.diff(time).mean())
+        speed = np.diff(values) / step
+        power = np.cumsum(np.abs(np.fft.rfft(speed)) ** 2)
+        place = int(np.searchsorted(power, (1 - LEFT_OUT) * power[-1]))
+        frequency = float(np.fft.rfftfreq(len(speed), step)[place])
+        while frequency * time[-1] >= 1:
+            if _alternates(_about_mean(values, 1 / (frequency * step)), frequency * step):
+                return frequency
+            frequency /= 2
+        return None
+
+    @cached_property
+    def _vibrating(self) -> Array:
+        """Distance (n,) of the even samples from their mean over two cycles; 0 without a band."""
+        time, values = self._even
+        if self._band is None:
+            return np.zeros_like(values)
+        return _about_mean(values, 1 / (self._band * float(np.diff(time).mean())))
+
+    @property
+    def steady_level(self) -> float:
+        """Median of the samples above 0, the preload."""
+        values = np.array(getattr(self, self.control))
+        return float(np.median(values[values > 0]))
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The lines; InputError for times or values that are none of a motion."""
+        values = getattr(self, self.control)
+        self._check_samples(self.control, values)
+        return Trajectory.through(self.time, values, corner=self.corner, stop=False)
+
+    def _check_fields(self) -> dict[str, Any]:
+        self._set(corner=number("motion.corner", self.corner, **LIMITS["corner"]))
+        for name in ("time", self.control):
+            self._set(**{name: numbers(f"motion.{name}", getattr(self, name))})
+        return {}
+
+    def _check_samples(self, name: str, values: tuple[float, ...]) -> None:
+        time = self.time
+        if len(time) != len(values) or len(time) < 2:
+            raise InputError(
+                f"motion.{name}: expected as many values as times, at least 2, "
+                f"received {len(values)} values and {len(time)} times"
+            )
+        if time[0] != 0:
+            raise InputError(
+                f"motion.time: expected times that start at 0 s, received {time[0]:g} first; "
+                "subtract it from all of them"
+            )
+        for i, (before, after) in enumerate(pairwise(time), start=1):
+            if after <= before:
+                raise InputError(
+                    f"motion.time[{i}]: expected a time above {before!r} s, received {after!r}; "
+                    "sort the samples and keep one of each time"
+                )
+        if max(values) <= 0:
+            raise InputError(
+                f"motion.{name}: expected a value above 0, received at most {max(values):g}; "
+                "so the indenter never touches the finger"
+            )
+        if name == "force" and min(values) < 0:
+            raise InputError(
+                f"motion.force: expected forces of at least 0 N, received {min(values):g}; "
+                "a contact cannot pull"
+            )
+
+    @classmethod
+    def from_file(cls, file: str | Path, **options: Any) -> Self:
+        """Read a motion from a CSV file, or from a WAV file with the `options` of `from_wav`."""
+        if Path(file).suffix.lower() == ".wav":
+            reject_unknown("motion", options, WAVE_OPTIONS)
+            for name in WAVE_NEEDS:
+                if name not in options:
+                    msg = f"motion.{name}: missing; a WAV file needs {' and '.join(WAVE_NEEDS)}"
+                    raise InputError(msg)
+            return cls.from_wav(file, **options)
+        reject_unknown("motion", options, ("corner",))
+        return cls.from_csv(file, **options)
+
+    @classmethod
+    def from_wav(
+        cls, file: str | Path, *, amplitude: float, preload: float, settle: float = SETTLE
+    ) -> Self:
+        """Read a waveform, as a vibration about a preload.
+
+        Its full scale is `amplitude` in mm or N; the preload is reached within `settle` s, and
+        held as long. Of several channels the first is taken.
+
+        Raises
+        ------
+        InputError
+            No WAV file, or one without sound.
+        """
+        amplitude = number("motion.amplitude", amplitude, above=0)
+        preload = number("motion.preload", preload, above=0)
+        settle = number("motion.settle", settle, above=0, unit="s")
+        rate, wave = read_wave("motion.file", Path(file))
+        ramp = int(np.ceil(settle * rate))
+        way = np.minimum(np.arange(2 * ramp) / ramp, 1.0)
+        approach = preload * (1 - np.cos(np.pi * way)) / 2
+        values = np.concatenate([approach, preload + amplitude * wave])
+        times = np.arange(len(values)) / rate
+        given: dict[str, Any] = {"time": tuple(times.tolist()), cls.control: tuple(values.tolist())}
+        return cls(**given)
+
+    @classmethod
+    def from_csv(cls, file: str | Path, *, corner: float = 0.0) -> Self:
+        """Read the columns time (s) and depth (mm) or force (N), named in the first line."""
+        time, values = read_columns("motion.file", Path(file), ("time", cls.control))
+        columns: dict[str, Any] = {"time": time, cls.control: values, "corner": corner}
+        return cls(**columns)
+
+
+def _about_mean(values: Array, cycle: float) -> Array:
+    """Distance of samples (n,) from their mean over two cycles, of `cycle` samples each."""
+    half = min(int(cycle), (len(values) - 1) // 2)
+    total = np.cumsum(np.pad(values, (half + 1, half), mode="edge"))
+    return np.asarray(values - (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1))
+
+
+def _alternates(vibrating: Array, cycles: float) -> bool:
+    """Whether values (n,) go to and fro, with `cycles` per sample, other than at single corners."""
+    strong = np.flatnonzero(np.abs(vibrating) > np.sqrt(np.mean(vibrating**2)) / 2)
+    turns = strong[1:][np.diff(np.sign(vibrating[strong])) != 0]
+    return len(turns) >= FEWEST_TURNS and bool(np.median(np.diff(turns)) * cycles < LONGEST_TURN)
