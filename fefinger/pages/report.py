@@ -183,6 +183,7 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
         text = "Path of the object over the pad, and the force with which it pushes along its plane"
         if result.lateral.stick_area is not None:
             text = f"{text}; the part of the contact that does not slip, and the work of friction"
+            text = f"{text}. {result.lateral.outcome}".removesuffix(".")
         yield _part("sideways", "Sliding", f"{text}.", event_plots.sideways(result))
     if result.strain is not None and result.sites is not None:
         text = (

@@ -170,6 +170,7 @@ def lateral(press: Press, history: SmallStrainHistory, pad: Pad, column: Integer
         traction=traction if press.pressure else None,
         slip=slip if press.pressure else None,
         work=press.sides * sliding.lost * MILLIJOULE_PER_MICROJOULE,
+        outcome=outcome(press, history),
     )
 
 
@@ -191,15 +192,15 @@ def _torque(press: Press, history: SmallStrainHistory) -> Array:
     return np.asarray((x * pulled[:, 1] - y * pulled[:, 0]).sum(axis=1) * NEWTON_PER_MILLINEWTON)
 
 
-def notes(press: Press, history: SmallStrainHistory) -> tuple[str, ...]:
-    """Return the notes on a press with a path or with friction, and its outcome in words."""
+def notes(press: Press) -> tuple[str, ...]:
+    """Return the notes on a press with a path or with friction."""
     if not press.slides:
         return ()
     rocking = () if press.inclines is None else (ROCKING,)
     if not press.friction:
         return (SLIDING, *rocking)
     weaker = (WEAKER,) if press.kinetic < press.friction else ()
-    return (SLIDING, *rocking, COULOMB, *weaker, outcome(press, history))
+    return (SLIDING, *rocking, COULOMB, *weaker)
 
 
 def outcome(press: Press, history: SmallStrainHistory) -> str:
