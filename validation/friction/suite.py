@@ -65,6 +65,7 @@ EQUAL: dict[str, tuple[Callable[[], float], float]] = {
     "condensed against linear, friction on dots": (finger.condensed_and_linear, 1e-9),
     "steps in a loop against the scene, by force": (finger.loop_and_scene, 1e-8),
     "mu = 0 against contact without friction": (bonded.against_frictionless, 1e-10),
+    "axes turned by 37 degrees in the plane, friction": (bonded.turned, 1e-8),
     "huge mu against one bonded system": (bonded.against_bonded, 1e-10),
 }
 """Differences that are none, and what rounding and the stated residual leave of them."""
