@@ -72,9 +72,9 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
 
 def _dry(result: ResultRecord) -> list[str]:
     """Return a sentence on the neglected parts of the contact."""
-    if result.lateral is not None and result.lateral.traction is not None:
+    if result.lateral is not None and result.lateral.work is not None:
         return ["No sweat: friction does not depend on time, speed or the pressure of fluid."]
-    return ["No sweat, friction or slip: the contact carries pressure only."]
+    return ["No sweat and no friction: the contact carries pressure only."]
 
 
 def _chance(result: ResultRecord) -> list[str]:

@@ -51,6 +51,18 @@ def test_the_outcome_is_told_in_words(mu, distance, words):
         assert stick[-1] > 0
 
 
+def test_the_outcome_of_a_path_that_turns_back_says_how_often_all_of_it_slips():
+    response = respond(ff.Flat(30, friction=0.4), replace(SHORT, distance=1.5, passes=2))
+    stick, time = response.lateral.stick_area, response.time
+    there = (time > SHORT.recorded_from) & (time < SHORT.recorded_from + 1.5 / SHORT.speed)
+    back = time > SHORT.recorded_from + 1.5 / SHORT.speed
+    assert stick[back].max() > 0
+    first, last = (time[part][stick[part] == 0][0] for part in (there, back))
+    words = response.lateral.outcome
+    assert words.startswith(f"Gross slip: from {first:.4g} s on")
+    assert f"2 times in all, as some stick in between, last from {last:.4g} s on" in words
+
+
 def test_friction_resists_the_spread_of_a_press_and_moves_no_plate_aside():
     motion = ff.RampHold(20, 0.8, hold=0.05)
     smooth, rough = (respond(ff.Flat(30, friction=mu), motion) for mu in (0.0, 5.0))

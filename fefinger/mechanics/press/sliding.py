@@ -213,15 +213,25 @@ def outcome(press: Press, history: SmallStrainHistory) -> str:
     law = f"with a residual of {contact.sliding.cone:.1g} of the highest pressure"
     if press.motion.slides:
         moving = np.linalg.norm(press.motion.velocity(press.time), axis=-1) > 0
-        gross = np.flatnonzero(touching & moving & (stick == 0))
-        if len(gross):
-            k = int(gross[0])
-            path = np.linalg.norm(contact.sliding.shift[k])
-            return (
-                f"Gross slip: from {press.time[k]:.4g} s on, with the indenter moved by "
-                f"{path:.3g} mm, no vertex sticks, {law}."
-            )
         touching &= moving
+        slips = stick[touching] == 0
+        onsets = np.flatnonzero(touching)[slips & ~np.append(False, slips[:-1])]
+        if len(onsets):
+            path = np.linalg.norm(contact.sliding.shift[onsets[0]])
+            times = press.time[onsets]
+            held = (
+                ""
+                if len(onsets) == 1
+                else (
+                    f"; {len(onsets)} times in all, as some stick in between, last from "
+                    f"{times[-1]:.4g} s on"
+                )
+            )
+            end = "" if slips[-1] else "; at the end of the path some stick"
+            return (
+                f"Gross slip: from {times[0]:.4g} s on, with the indenter moved by {path:.3g} mm, "
+                f"no vertex sticks{held}{end}, {law}."
+            )
     if not touching.any():
         return f"Friction: no contact while the indenter moves, {law}."
     share = float((stick[touching] / area[touching]).min())
