@@ -271,7 +271,7 @@ NEAR = 0.5
 
 RIPPLE = (
     "FAII count vertices that come into contact: on exact layers, finer than the mesh, the strain "
-    "at their end organs varies over dots 1.41 mm apart less than a tenth as much, and none fire"
+    "at their end organs varies over dots 1.41 mm apart less than a tenth as much, and they fire once a second at most"
 )
 
 SILENT = (
@@ -285,7 +285,7 @@ WIDE = (
     "the skin rests on their tops"
 )
 
-MESHED = f"{WIDE}; the mesh takes half of what is left on exact layers"
+MESHED = f"{WIDE}; on exact layers the range is twice as large: the rest is the mesh"
 
 KNOWN = {
     (dots.scanned, "FAI", "modulation"): (0.24, WIDE),
