@@ -271,7 +271,8 @@ NEAR = 0.5
 
 RIPPLE = (
     "FAII count vertices that come into contact: on exact layers, finer than the mesh, the strain "
-    "at their end organs varies over dots 1.41 mm apart less than a tenth as much, and they fire once a second at most"
+    "at their end organs varies over dots 1.41 mm apart less than a tenth as much, and they fire "
+    "once a second at most"
 )
 
 SILENT = (
