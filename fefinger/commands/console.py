@@ -1,5 +1,6 @@
 """Console output of the commands: progress bar, tables of text, and records for --json."""
 
+import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
     from fefinger.neural.trains import SpikeTrains
     from fefinger.result import Result
-    from fefinger.results.records import Plan
+    from fefinger.results.records import Lateral, Plan
     from fefinger.studies.study import Study
     from fefinger.support.cache import Entry
     from fefinger.support.progress import Progress
@@ -63,10 +64,17 @@ def run_record(result: "Result", seconds: dict[str, float], files: list[str]) ->
         "final_force_N": None if force is None else float(force[-1]),
         "contact_area_mm2": None if area is None else float(area[peak]),
         "centroid_mm": None if centroid is None else [float(x) for x in centroid[peak]],
+        **({} if result.lateral is None else slid_record(result.lateral)),
         **({} if result.spikes is None else fired_record(result.spikes)),
         "seconds": seconds,
         "files": files,
     }
+
+
+def slid_record(lateral: "Lateral") -> dict[str, Any]:
+    """Largest lateral force, and the outcome of friction in words."""
+    peak = max(math.hypot(*force) for force in lateral.force.tolist())
+    return {"peak_lateral_force_N": peak, "friction": lateral.outcome or None}
 
 
 def fired_record(trains: "SpikeTrains") -> dict[str, Any]:
@@ -85,7 +93,7 @@ def fired_record(trains: "SpikeTrains") -> dict[str, Any]:
 def run_summary(
     result: "Result", seconds: dict[str, float], files: list[str], *, verbose: bool = False
 ) -> str:
-    """Summary of a result as text of at most ten lines; all that is known of it if `verbose`."""
+    """Summary of a result as text of a dozen lines; all that is known of it if `verbose`."""
     from fefinger.results import key_numbers
 
     rows = key_numbers.rows(result)

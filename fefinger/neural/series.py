@@ -32,6 +32,9 @@ SIGNALS = {
 }
 """Ends of the headers of signals, with the length of their unit in mm; strain has none."""
 
+USUAL = "displacement_mm", "strain"
+"""Those that are proposed for a header without a unit."""
+
 LARGEST_MM, LARGEST_STRAIN = 10.0, 1.0
 """Largest displacement and strain: a fingertip is about 12 mm thick, strain stays below 1."""
 
@@ -252,7 +255,7 @@ def _length(path: str | PathLike[str], header: str) -> float | None:
             return length
     ends = ", ".join(SIGNALS)
     msg = f"{path}: column {header!r}: expected a name that ends with one of {ends}."
-    raise InputError(msg + nearest(header, SIGNALS))
+    raise InputError(msg + nearest(header, USUAL))
 
 
 def _check(table: CsvTable, signals: Signals) -> None:

@@ -72,9 +72,9 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
 
 def _dry(result: ResultRecord) -> list[str]:
     """Return a sentence on the neglected parts of the contact."""
-    if result.lateral is not None and result.lateral.traction is not None:
+    if result.lateral is not None and result.lateral.work is not None:
         return ["No sweat: friction does not depend on time, speed or the pressure of fluid."]
-    return ["No sweat, friction or slip: the contact carries pressure only."]
+    return ["No sweat and no friction: the contact carries pressure only."]
 
 
 def _chance(result: ResultRecord) -> list[str]:
@@ -183,6 +183,7 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
         text = "Path of the object over the pad, and the force with which it pushes along its plane"
         if result.lateral.stick_area is not None:
             text = f"{text}; the part of the contact that does not slip, and the work of friction"
+            text = f"{text}. {result.lateral.outcome}".removesuffix(".")
         yield _part("sideways", "Sliding", f"{text}.", event_plots.sideways(result))
     if result.strain is not None and result.sites is not None:
         text = (

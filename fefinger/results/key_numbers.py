@@ -76,6 +76,8 @@ def rows(result: ResultRecord) -> list[tuple[str, str]]:
         about = ", ".join(filter(None, (number.within, number.about)))
         if not number.name.startswith("spikes"):
             lines.append((number.name, f"{number.value}{f' ({about})' if about else ''}"))
+    if result.lateral is not None and result.lateral.outcome:
+        lines.append(("friction", result.lateral.outcome))
     if result.spikes is not None:
         fired = f"{result.spikes.summary()} (afferents: {result.spikes.family})"
         lines.append(("spikes", fired))

@@ -184,7 +184,8 @@ class Lateral:
     friction: torque (n_t,) N mm on the finger about the indenter's normal through the center of
     pressure; stick_area (n_t,) mm², the summed area of vertices that stick; traction (n_t, n_pad,
     2) kPa on the skin; slip (n_t, n_pad, 2) mm of the skin over the indenter since first contact;
-    work (n_t,) mJ that friction has lost.
+    work (n_t,) mJ that friction has lost; outcome: whether the contact stuck, slipped in part or
+    slid, and since when, in words.
     """
 
     shift: Array
@@ -194,6 +195,7 @@ class Lateral:
     traction: Array | None = None
     slip: Array | None = None
     work: Array | None = None
+    outcome: str = ""
 
     __repr__ = outline
 

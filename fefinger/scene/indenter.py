@@ -163,7 +163,12 @@ class Indenter(ABC):
         """Check friction, and the roll where there is one."""
         self._set("friction", at_least=0)
         if self.friction_kinetic is not None:
-            self._set("friction_kinetic", at_least=0, at_most=self.friction)
+            self._set("friction_kinetic", at_least=0)
+            if self.kinetic > self.friction:
+                raise InputError(
+                    "indenter.friction_kinetic: expected at most indenter.friction = "
+                    f"{self.friction:g}, that of skin that sticks, received {self.kinetic:g}"
+                )
         if hasattr(self, "roll"):
             self._set("roll", at_least=ROLLS[0], at_most=ROLLS[1], unit="degrees")
 

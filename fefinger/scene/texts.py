@@ -199,15 +199,20 @@ class Letters(Text):
     @cached_property
     def outlines(self) -> tuple[Array, ...]:
         """Closed outlines (n, 2) mm of the letters, the middle of the capitals at y = 0."""
-        from matplotlib.font_manager import FontProperties
-        from matplotlib.textpath import TextPath
+        from matplotlib.font_manager import FontProperties, findfont, get_font
+        from matplotlib.path import Path
+        from matplotlib.textpath import text_to_path
 
-        scale = self.size / (CAPITAL * 100.0)  # outlines of 100 points are smooth
-        drawn = TextPath((0.0, 0.0), self.text, size=100.0, prop=FontProperties(family=FONT))
-        outlines = [np.asarray(each) * scale for each in drawn.to_polygons()]
-        if not outlines:
-            msg = f"indenter.text: expected characters that {FONT} draws, received {self.text!r}"
-            raise InputError(msg)
+        # Matplotlib draws a box for characters that a font lacks, and dollars as mathematics.
+        font = FontProperties(family=FONT)
+        has = get_font(findfont(font)).get_charmap()
+        lacking = "".join(dict.fromkeys(each for each in self.text if ord(each) not in has))
+        drawn = Path(*text_to_path.get_text_path(font, self.text, ismath=False)).to_polygons()
+        scale = self.size / (CAPITAL * text_to_path.FONT_SCALE)
+        outlines = [np.asarray(each) * scale for each in drawn]
+        if lacking or not outlines:
+            msg = f"indenter.text: expected characters that {FONT} draws, received "
+            raise InputError(msg + repr(lacking or self.text))
         left = min(float(each[:, 0].min()) for each in outlines)
         return tuple(each - (left, self.size / 2) for each in outlines)
 

@@ -204,7 +204,11 @@ class Relief(PlateLike):
     def from_array(cls, heights: Any, pitch: float, **placing: float) -> Self:
         """Return the relief of heights (n_x, n_y) mm, `pitch` mm apart, with its middle at 0, 0."""
         pitch = number("indenter.pitch", pitch, above=0, unit="mm")
-        values = np.asarray(heights, dtype=float)
+        try:
+            values = np.asarray(heights, dtype=float)
+        except (TypeError, ValueError) as error:
+            msg = f"indenter.heights: expected an array (n_x, n_y) of numbers in mm: {error}"
+            raise InputError(msg) from None
         if values.ndim != 2:
             msg = f"indenter.heights: expected an array (n_x, n_y), received shape {values.shape}"
             raise InputError(msg)

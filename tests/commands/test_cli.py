@@ -10,6 +10,7 @@ import tomllib
 from contextlib import suppress
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from fefinger.validation.problems import published
 
@@ -21,7 +22,7 @@ from fefinger.commands.cli import cli
 from fefinger.mechanics import linear
 from fefinger.result import load
 from fefinger.results.plan_text import trust
-from fefinger.results.records import Refusal
+from fefinger.results.records import Lateral, Refusal
 from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import origin_notes
@@ -78,6 +79,19 @@ def test_run_json_has_the_keys_of_the_contract_and_nothing_else(capsys, answered
     assert record["final_force_N"] == synthetic.force[-1]
     assert record["contact_area_mm2"] == synthetic.contact_area[synthetic.force.argmax()]
     assert record["files"] == []
+
+
+def test_run_tells_how_friction_ended(capsys, monkeypatch, synthetic):
+    force = np.tile([[0.3, -0.4]], (len(synthetic.time), 1))
+    slid = Lateral(np.zeros_like(force), force, outcome="Sticking: no part slips.")
+    result = replace(synthetic, response=replace(synthetic.response, lateral=slid))
+    monkeypatch.setattr("fefinger.pipeline.run", lambda scene, **options: result)
+    assert main(["run", "slide-dots", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["peak_lateral_force_N"] == pytest.approx(0.5)
+    assert record["friction"] == slid.outcome
+    assert main(["run", "slide-dots"]) == 0
+    assert slid.outcome in capsys.readouterr().out
 
 
 def test_run_json_is_null_where_nothing_was_asked(capsys, monkeypatch, synthetic):

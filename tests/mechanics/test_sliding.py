@@ -39,8 +39,9 @@ def respond(indenter, motion, **ask):
 )
 def test_the_outcome_is_told_in_words(mu, distance, words):
     response = respond(ff.Flat(30, friction=mu), replace(SHORT, distance=distance))
-    (note,) = (each for each in response.notes if "residual" in each)
+    note = response.lateral.outcome
     assert note.startswith(words)
+    assert "residual" in note
     stick = response.lateral.stick_area
     if words == "Gross slip: from ":
         said = float(note.split("from ")[1].split(" s")[0])
@@ -48,6 +49,18 @@ def test_the_outcome_is_told_in_words(mu, distance, words):
         assert response.time[moving][stick[moving] == 0][0] == pytest.approx(said, rel=1e-3)
     else:
         assert stick[-1] > 0
+
+
+def test_the_outcome_of_a_path_that_turns_back_says_how_often_all_of_it_slips():
+    response = respond(ff.Flat(30, friction=0.4), replace(SHORT, distance=1.5, passes=2))
+    stick, time = response.lateral.stick_area, response.time
+    there = (time > SHORT.recorded_from) & (time < SHORT.recorded_from + 1.5 / SHORT.speed)
+    back = time > SHORT.recorded_from + 1.5 / SHORT.speed
+    assert stick[back].max() > 0
+    first, last = (time[part][stick[part] == 0][0] for part in (there, back))
+    words = response.lateral.outcome
+    assert words.startswith(f"Gross slip: from {first:.4g} s on")
+    assert f"2 times in all, as some stick in between, last from {last:.4g} s on" in words
 
 
 def test_friction_resists_the_spread_of_a_press_and_moves_no_plate_aside():
@@ -167,6 +180,22 @@ def test_textures_finer_than_the_mesh_are_warned_of_with_the_number():
     assert any(each.startswith("Warning: the texture") for each in pressed.notes)
     wide = respond(ff.Grating(8, 4, 0.5, edge=0.5), SHORT)
     assert not [each for each in wide.notes if each.startswith("Warning")]
+
+
+@pytest.mark.parametrize(
+    ("indenter", "motion", "spikes", "told"),
+    [
+        (ff.Grating(8, 4, 0.5, edge=0.5), SHORT, ("SAI", "FAII"), True),
+        (ff.Grating(8, 4, 0.5, edge=0.5), SHORT, ("SAI", "FAI"), False),
+        (ff.Grating(16, 8, 0.5, edge=0.5), SHORT, ("FAII",), False),
+        (ff.Flat(30), SHORT, ("FAII",), False),
+        (ff.Dots(3), ff.Ramp(20, 0.4), ("FAII",), False),
+    ],
+    ids=["4.6 facets", "no FAII", "9.2 facets", "no texture", "no slide"],
+)
+def test_a_slide_says_that_faii_count_vertices_over_textures(indenter, motion, spikes, told):
+    notes = respond(indenter, motion, spikes=spikes).notes
+    assert any("count vertices of the mesh" in each for each in notes) == told
 
 
 def test_contact_that_reaches_the_end_of_the_object_is_a_sentence():

@@ -162,6 +162,7 @@ def unusable(text, tmp_path):
         ("time,time_ms,strain\n0,0,0\n1,1,1\n", "expected one column named"),
         ("time,force_N\n0,0\n1,1\n", "column 'force_N': expected a name that ends with"),
         ("time,displacemnt_mm\n0,0\n1,1\n", "Did you mean 'displacement_mm'"),
+        ("time,displacement\n0,0\n1,1\n", "Did you mean 'displacement_mm'"),
         ("time,displacement_mm\n0,0\n", "expected two rows of numbers or more"),
         ("time,displacement_mm\n1,0\n1,1\n", "span more than 0 s"),
         ("", "series.csv: .*received an empty file"),

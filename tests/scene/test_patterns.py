@@ -105,6 +105,10 @@ def test_braille_has_the_dots_of_the_table():
     assert word.profile.rise(word.centers) == pytest.approx(0.0, abs=1e-3)
 
 
+def test_dollars_are_letters_and_not_mathematics():
+    assert ff.Letters("$x$").box[0] > 2 * ff.Letters("$").box[0]
+
+
 def test_letters_are_as_tall_as_stated_and_have_their_holes():
     letters = ff.Letters("HO", size=8, start=1.0)
     h = letters.profile.rise(grid(0.05, (0.0, 19.0), (-6, 6)))
@@ -137,6 +141,11 @@ BAD = [
     (lambda: ff.Braille("tøj"), "indenter.text: .* received 'ø'"),
     (lambda: ff.Braille(" "), "not all blank"),
     (lambda: ff.Letters("a" * 61), "1 to 60 characters"),
+    (
+        lambda: ff.Letters("a漢字b").box,
+        "expected characters that DejaVu Sans draws, received '漢字'",
+    ),
+    (lambda: ff.Letters("a\nb").profile, r"DejaVu Sans draws, received '\\n'"),
     (lambda: ff.Grating(3, 1, 0.5, edge=2.0), "indenter.edge: expected at most"),
 ]
 

@@ -1,8 +1,10 @@
 """The suite `afferents`: its data, its closed forms against simulation, and its names."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from fefinger.validation.afferents import data, experiments, fit, misses, suite
+from fefinger.validation.afferents import data, drawings, experiments, fit, misses, suite
 from fefinger.validation.afferents.vibration import Probed, determination
 
 from fefinger.neural.recorded import BOUNDS, fitted
@@ -51,6 +53,27 @@ def test_determination_is_one_less_the_rest_over_the_spread():
     assert determination(recorded, recorded) == 1.0
     assert determination(np.ones(3), recorded) == 0.0
     assert determination(recorded + 1.0, recorded) == pytest.approx(-0.5)
+
+
+def test_errors_of_a_fit_are_those_of_a_straight_line_and_large_where_nothing_depends():
+    best = np.log(list(fit.FREE["FAI"].values())).mean(axis=1)
+    n, off = len(best) - 1, 0.3
+
+    def residuals(at):
+        moved = 2.0 * (at - best)[:n]
+        return np.concatenate([moved + off, moved - off, moved])
+
+    found = fit.errors(SimpleNamespace(kind="FAI", residuals=residuals), best)
+    variance = 2 * n * off**2 / (3 * n - len(best))
+    assert found[:n] == pytest.approx(np.sqrt(variance / 12), rel=1e-6)
+    assert found[n] == 10.0
+
+
+@pytest.mark.parametrize(
+    ("error", "text"), [(0.2, " ± 0.2"), (3.0, " (free)"), (1e-18, " (free)"), (None, "")]
+)
+def test_a_parameter_that_the_data_do_not_hold_is_said_to_be_free(error, text):
+    assert drawings._error({"value": 1.0, "error": error}) == text
 
 
 @pytest.mark.parametrize("kind", ["SAI", "FAI", "FAII"])

@@ -51,6 +51,14 @@ def test_the_gap_closes_in_contact_and_nothing_pulls(pressed):
     assert rest[pressure == 0].min() > -1e-6
 
 
+def test_a_force_that_is_given_ends_in_the_pressure_of_its_depth(pressed):
+    pressure, _ = pressed
+    force = pressure.sum() * PAD.spacing**2
+    found = PAD.pressure_by_force(plate, force, np.where(pressure > 0, 1.0, 0.0))
+    assert found.sum() * PAD.spacing**2 == pytest.approx(force, rel=1e-12)
+    assert found == pytest.approx(pressure, abs=1e-3 * pressure.max())
+
+
 def test_what_does_not_converge_says_so(monkeypatch):
     monkeypatch.setattr("fefinger.validation.afferents.patterns.ITERATIONS", 2)
     with pytest.raises(ConvergenceError, match="gap in contact"):

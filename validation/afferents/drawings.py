@@ -17,6 +17,9 @@ from fefinger.view.figures import COLORS, INK, STEEL, figure, style
 
 KINDS = ("SAI", "FAI", "FAII")
 
+INSENSITIVE = 1e-9
+"""Standard error over the value, below which no residual depends on a parameter."""
+
 
 def figures(probed: Callable[[str], Probed], under_spheres: Array) -> Iterator[tuple[str, Any]]:
     """Yield caption and figure of all curves."""
@@ -205,21 +208,29 @@ def finding(record: dict[str, Any]) -> dict[str, Any]:
         cells = []
         for kind in ("SAI", "SAII", "FAI", "FAII"):
             part = record["types"][kind][name]
-            error = f" ± {part['error']:.2g}" if part["error"] is not None else ""
-            cells.append(f"{part['value']:.4g}{error}")
+            cells.append(f"{part['value']:.4g}{_error(part)}")
         rows.append((f"{name}: {bounds.meaning}", bounds.unit, *cells))
     return {
         "texts": (*TEXTS, _limited(record)),
         "tables": [
             {
                 "caption": "Parameters of the family recorded, with standard errors where fitted; "
-                "an error as large as the value means that the data do not identify it",
+                "free: the data do not identify it, its error is as large as the value, or no "
+                "residual depends on it",
                 "heading": ("parameter", "unit", "SAI", "SAII", "FAI", "FAII"),
                 "rows": rows,
             },
             measures.table(),
         ],
     }
+
+
+def _error(part: dict[str, Any]) -> str:
+    """Return the standard error of a parameter, where it was fitted."""
+    value, error = part["value"], part["error"]
+    if error is None:
+        return ""
+    return f" ± {error:.2g}" if INSENSITIVE * value < error < value else " (free)"
 
 
 def _limited(record: dict[str, Any]) -> str:

@@ -300,9 +300,10 @@ def errors(task: Task, best: Array, step: float = 0.1) -> Array:
     jacobian = np.array(slopes).T
     rest = task.residuals(best)
     variance = float(rest @ rest) / (len(rest) - len(best))
-    covariance = variance * np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-9)
-    variances = np.diag(covariance)
-    return np.where(variances > 0, np.sqrt(np.clip(variances, 0.0, 100.0)), 10.0)
+    curvature = jacobian.T @ jacobian
+    # What nothing depends on has no curvature: the smallest share of the largest lets it be large.
+    held = curvature + 1e-9 * np.linalg.norm(curvature, 2) * np.eye(len(best))
+    return np.minimum(np.sqrt(variance * np.diag(np.linalg.inv(held))), 10.0)
 
 
 def table(task: Task, best: Array) -> dict[str, Any]:

@@ -4,7 +4,7 @@ Bars, pins and arrays of probes have edges that the elements of the finger (0.6 
 Here the pad is a paraboloid on the exact layers over bone (`theory/contact/stack.py`), periodic on
 a square grid. The pressure solves the complementarity problem by projected conjugate gradients
 (Polonsky & Keer 1999, Wear 231:206), with the compliance of every wavenumber by Fourier transform.
-Elastic: under a prescribed depth strain does not relax.
+Elastic: under a prescribed depth strain does not relax, under a force it is that at once.
 """
 
 from collections.abc import Callable
@@ -13,7 +13,7 @@ from functools import cache, cached_property
 
 import numpy as np
 from fefinger.validation.afferents import experiments
-from scipy.interpolate import RegularGridInterpolator
+from scipy.ndimage import map_coordinates
 
 from fefinger.geometry.profiles import Profile
 from fefinger.mechanics.layered import stack
@@ -32,6 +32,9 @@ raise the force of a plate 0.4 mm deep by 2 %, its highest pressure by 0.5 %."""
 
 ITERATIONS, TOLERANCE = 2000, 1e-6
 """Most iterations, and the residual gap over the depth at which they end."""
+
+LOADED = 1e-5
+"""Residual gap in mm at which they end under a given force."""
 
 UNIFORM = 1e-3
 """1/mm: wavenumber whose kernels serve the mean pressure, far below one over the thickness."""
@@ -78,6 +81,10 @@ class Pad:
         """Displacement (n, n) in mm of the surface into the body under a pressure in kPa."""
         return np.fft.irfft2(np.fft.rfft2(pressure) * self._compliance, pressure.shape)
 
+    def gap(self, shape: Shape) -> Array:
+        """Distance (n, n) in mm of a rigid object at first touch of its lowest point."""
+        return np.sum(self.places**2, axis=-1) / (2 * self.radius) + shape(self.places)
+
     def pressure(self, shape: Shape, depth: float) -> Array:
         """Pressure (n, n) in kPa under a rigid object `depth` mm deep.
 
@@ -86,28 +93,47 @@ class Pad:
         ConvergenceError
             If the gap in contact stays above TOLERANCE of the depth.
         """
-        gap = np.sum(self.places**2, axis=-1) / (2 * self.radius) + shape(self.places) - depth
-        modulus = self.layers.surface[0]
-        pressure = np.where(gap < 0, -modulus * gap, 0.0)
+        gap = self.gap(shape) - depth
+        start = np.where(gap < 0, -self.layers.surface[0] * gap, 0.0)
+        return self._balanced(gap, start, None, TOLERANCE * depth)
+
+    def pressure_by_force(self, shape: Shape, force: float, start: Array) -> Array:
+        """Pressure (n, n) in kPa under a rigid object that is held with `force` mN.
+
+        It is sought from a pressure `start` (n, n) of any size. ConvergenceError if the gap in
+        contact stays above LOADED.
+        """
+        return self._balanced(self.gap(shape), start, force, LOADED)
+
+    def _balanced(self, gap: Array, pressure: Array, force: float | None, limit: float) -> Array:
+        """Close a gap to `limit` mm: as it is, or with a force in mN up to a common distance."""
+        load = None if force is None else force / self.spacing**2
+
+        def scaled(given: Array) -> Array:
+            return given if load is None else given * (load / given.sum())
+
+        pressure = scaled(pressure)
         way, last, restart = np.zeros_like(gap), 1.0, True
         for _ in range(ITERATIONS):
-            rest = self.sink(pressure) + gap
             loaded = pressure > 0
+            rest = self.sink(pressure) + gap
+            rest -= 0.0 if load is None else rest[loaded].mean()
             missing = np.where(loaded, rest, np.minimum(rest, 0.0))
-            if np.abs(missing).max() < TOLERANCE * depth:
+            if np.abs(missing).max() < limit:
                 return pressure
             size = float(np.sum(rest[loaded] ** 2))
             way = np.where(loaded, rest + (0.0 if restart else size / last) * way, 0.0)
             turned = self.sink(way)
+            turned -= 0.0 if load is None else turned[loaded].mean()
             stride = float(np.sum(rest * way) / np.sum(turned * way))
             pressure = np.maximum(pressure - stride * way, 0.0)
             entering = (pressure == 0) & (rest < 0)
             pressure[entering] -= stride * rest[entering]
+            pressure = scaled(pressure)
             last, restart = size, bool(entering.any())
         msg = (
-            f"pressure: expected a gap in contact below {TOLERANCE:g} of the depth {depth:g} mm in "
-            f"{ITERATIONS} iterations, reached {np.abs(missing).max() / depth:.2g}; use a finer "
-            "grid or a shallower press"
+            f"pressure: expected a gap in contact below {limit:.2g} mm in {ITERATIONS} iterations, "
+            f"reached {np.abs(missing).max():.2g}; use a finer grid or a shallower press"
         )
         raise ConvergenceError(msg)
 
@@ -127,10 +153,10 @@ class Pad:
             (1, 2): -1j * second / xi * shear / twice,
         }
         out = np.empty((len(places), 3, 3))
+        at = np.transpose(places) / self.spacing + self.points // 2
         for (i, j), wave in waves.items():
             field = np.fft.irfft2(wave, pressure.shape)
-            at = RegularGridInterpolator((self.lines, self.lines), field, method="cubic")
-            out[:, i, j] = out[:, j, i] = at(places)
+            out[:, i, j] = out[:, j, i] = map_coordinates(field, at, order=3, mode="grid-wrap")
         return out
 
 

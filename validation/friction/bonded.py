@@ -46,6 +46,19 @@ def against_gradients(mu: float, part: float) -> float:
     return float(np.abs(x - projected(matrix, rest, mu)).max() / x.max())
 
 
+def turned(angle: float = 37.0) -> float:
+    """Return the largest difference of the solution in axes turned in the plane, by degrees.
+
+    Over the largest pressure: Coulomb's law knows no direction.
+    """
+    matrix, rest = offset(0.7 * limit())
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    axes = np.kron([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]], np.eye(len(rest) // 3))
+    x = solved(matrix, rest, 0.5)
+    found = solved(axes @ matrix @ axes.T, axes @ rest, 0.5)
+    return float(np.abs(found - axes @ x).max() / x.max())
+
+
 def against_frictionless() -> float:
     """Return the largest difference of mu = 0 from contact without friction."""
     matrix, rest = offset(limit())

@@ -8,6 +8,7 @@ from.
 
 import csv
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -22,15 +23,20 @@ from fefinger.neural.recorded_simulation import simulate_recorded
 from fefinger.neural.variation import Variation
 from fefinger.results.records import Sites
 from fefinger.scene import builtin
+from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 
 
 SPACINGS = (1.41, 1.97, 2.99, 3.96, 4.91, 5.87)
 """mm, of those that were recorded, as far as dots of this width fit."""
 
+DIAMETER = 0.7  # mm, of the dots at half their height
+
 DISTANCE = 24.0  # mm, of which each spacing has some four periods and more
 
 BEFORE = 60.0  # s of the scan before the recording, some three time constants of adaptation of SAI
+
+SILENT = 1.0  # impulses/s below which a range of rates is not taken over their mean
 
 SEED = 1  # of the gains and the noise of the units
 
@@ -50,54 +56,73 @@ def recorded() -> dict[str, tuple[Array, Array]]:
     }
 
 
+Scan = Callable[..., tuple[dict[str, float], dict[str, tuple[float, float]]]]
+"""From spacing and diameter in mm: rates in Hz, mean and deviation in time of strain, by type."""
+
+
 @cache
-def computed() -> dict[str, Array]:
+def computed(scan: Scan) -> dict[str, Array]:
     """Return the mean rates (n,) Hz of the units of each type at SPACINGS."""
-    return {kind: np.array([scanned(each)[0][kind] for each in SPACINGS]) for kind in recorded()}
+    return {kind: np.array([scan(each)[0][kind] for each in SPACINGS]) for kind in recorded()}
 
 
-def variation(kind: str) -> tuple[Array, Array]:
+def variation(scan: Scan, kind: str) -> tuple[Array, Array]:
     """Return mean and deviation in time (n,) of the strain of a type at SPACINGS."""
-    mean, deviation = np.array([scanned(each)[1][kind] for each in SPACINGS]).T
+    mean, deviation = np.array([scan(each)[1][kind] for each in SPACINGS]).T
     return mean, deviation
 
 
+def scene(spacing: float, diameter: float) -> Scene:
+    """Scene of dots of a spacing and a diameter in mm, scanned on the fingertip of a macaque."""
+    changes = {
+        "indenter.spacing": spacing,
+        "indenter.diameter": diameter,
+        "motion.distance": DISTANCE,
+        "ask.depths": {"SAI": experiments.DEPTHS["SAI"]},
+        "ask.pressure": False,
+        "ask.population.radius": 2.0,
+        "ask.population.branched": True,
+    }
+    return replace(builtin.load("slide-dots", changes), finger=experiments.MACAQUE)
+
+
 @cache
-def scanned(spacing: float) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
-    """Return rates in Hz, and mean and deviation of strain, over dots of a spacing in mm.
+def scanned(
+    spacing: float, diameter: float = DIAMETER
+) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
+    """Return rates in Hz, and mean and deviation of strain, over dots.
 
     By type, of all units; the strain is the largest compression at the end organs, and its
     deviation that in time.
     """
-    scene = builtin.load(
-        "slide-dots",
-        {
-            "indenter.spacing": spacing,
-            "motion.distance": DISTANCE,
-            "ask.depths": {"SAI": experiments.DEPTHS["SAI"]},
-            "ask.pressure": False,
-            "ask.population.radius": 2.0,
-            "ask.population.branched": True,
-        },
-    )
-    scene = replace(scene, finger=experiments.MACAQUE)
-    speed = float(scene.to_dict()["motion"]["speed"])
-    response = condensed.respond(scene)
+    asked = scene(spacing, diameter)
+    speed = float(asked.to_dict()["motion"]["speed"])
+    response = condensed.respond(asked)
     assert response.strain is not None
     assert response.sites is not None
-    scan = response.time >= scene.motion.recorded_from
-    time, strain, organs = response.time[scan], response.strain[scan], response.sites.types
+    scan = response.time >= asked.motion.recorded_from
+    time, strain, sites = response.time[scan], response.strain[scan], response.sites
+    rates = fired(sites, time - time[0], inputs(strain, sites), spacing / speed)
+    return rates, variations(strain, sites)
+
+
+def inputs(strain: Array, sites: Sites) -> Array:
+    """Return the inputs (n_t, n_organs) in mm of the fitted units under a strain."""
     units = fitted()
     drives, lengths = (
         {kind: getattr(unit, name) for kind, unit in units.items()} for name in ("drive", "length")
     )
-    inputs = driven_displacements(strain, response.sites.normals, organs, drives, lengths)
-    rates = fired(response.sites, time - time[0], inputs, spacing / speed)
-    strains = {}
-    for kind in scene.ask.spikes:
-        pressed = -np.linalg.eigvalsh(strain[:, np.array(organs) == kind])[..., 0]
-        strains[kind] = float(pressed.mean()), float(pressed.std(axis=0).mean())
-    return rates, strains
+    return driven_displacements(strain, sites.normals, sites.types, drives, lengths)
+
+
+def variations(strain: Array, sites: Sites) -> dict[str, tuple[float, float]]:
+    """Return mean and deviation in time of the largest compression at end organs, by type."""
+    pressed, types = -np.linalg.eigvalsh(strain)[..., 0], np.array(sites.types)
+    return {
+        kind: (float(each.mean()), float(each.std(axis=0).mean()))
+        for kind in dict.fromkeys(sites.types)
+        for each in (pressed[:, types == kind],)
+    }
 
 
 def fired(sites: Sites, time: Array, inputs: Array, period: float) -> dict[str, float]:
@@ -141,19 +166,19 @@ class Comparison:
     best: float
 
 
-def strain_against_recorded(kind: str) -> tuple[float, float]:
+def strain_against_recorded(scan: Scan, kind: str) -> tuple[float, float]:
     """Return the correlations of mean and deviation of the strain with the recorded rates."""
     known = np.interp(SPACINGS, *recorded()[kind])
-    mean, deviation = (float(np.corrcoef(known, each)[0, 1]) for each in variation(kind))
+    mean, deviation = (float(np.corrcoef(known, each)[0, 1]) for each in variation(scan, kind))
     return mean, deviation
 
 
-def against_recorded(kind: str) -> Comparison:
+def against_recorded(scan: Scan, kind: str) -> Comparison:
     """Compare the rates of a type with recorded ones, interpolated over spacing."""
     places, rates = recorded()[kind]
-    known, found = np.interp(SPACINGS, places, rates), computed()[kind]
+    known, found = np.interp(SPACINGS, places, rates), computed(scan)[kind]
     both = np.corrcoef(known, found)[0, 1] if np.ptp(found) > 0 else 0.0
-    ranges = [np.ptp(each) / each.mean() for each in (found, known)]
+    ranges = [np.ptp(each) / max(each.mean(), SILENT) for each in (found, known)]
     return Comparison(
         ratio=float(np.median(found / known)),
         correlation=float(both),

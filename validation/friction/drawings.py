@@ -3,13 +3,14 @@
 from typing import Any
 
 import numpy as np
-from fefinger.validation.friction import dots, finger, sheared
+from fefinger.validation.friction import dots, finger, layers, sheared
 from fefinger.validation.friction.sheared import Body
 
 from fefinger.view.figures import COLORS, INK, STEEL, figure, style
 
 
 SIZE = (8.6, 3.0)  # inches
+SCANS = ((dots.scanned, "o", "computed"), (layers.scanned, "x", "on exact layers"))
 THINNED = 12  # steps of a curve from one drawn point to the next
 
 
@@ -64,7 +65,9 @@ def rates() -> Any:
         for axis, (kind, (spacing, rate)) in zip(axes, dots.recorded().items(), strict=True):
             axis.plot(spacing, rate, color=STEEL, label="recorded, monkey")
             color = COLORS.get(kind, INK)
-            axis.plot(dots.SPACINGS, dots.computed()[kind], "o", color=color, label="computed")
+            for scan, mark, what in SCANS:
+                found = dots.computed(scan)[kind]
+                axis.plot(dots.SPACINGS, found, mark, color=color, label=what)
             axis.set(title=kind, xlabel="spacing / mm", ylim=(0, None))
         axes[0].set_ylabel("mean rate / Hz")
         axes[0].legend()

@@ -149,13 +149,13 @@ def sheared() -> Response:
 
 
 def cone() -> float:
-    """Return by how much tractions exceed mu p, over the largest mu p."""
+    """Return by how much tractions exceed mu p, over the largest mu p; 0 if none does."""
     response = sheared()
     traction = lateral(response).traction
     assert traction is not None
     assert response.pressure is not None
     over = np.hypot(traction[..., 0], traction[..., 1]) - MU * response.pressure
-    return float(over.max() / (MU * response.pressure.max()))
+    return float(max(0.0, over.max()) / (MU * response.pressure.max()))
 
 
 def gross() -> float:
@@ -188,11 +188,11 @@ def energy() -> float:
     return abs(float(done) / 2 / float(one.work[stop] - one.work[start]) - 1)
 
 
-def least_work() -> float:
-    """Return the least work of friction in a step, over all of it."""
+def returned_work() -> float:
+    """Return the largest work that friction returns in a step, over all that it takes."""
     work = lateral(sheared()).work
     assert work is not None
-    return float(np.diff(work).min() / work[-1])
+    return float(max(0.0, -np.diff(work).min() / work[-1]))
 
 
 def viscous_work() -> float:

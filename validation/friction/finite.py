@@ -55,8 +55,9 @@ def onset_ratio() -> float:
     assert small.stick_area is not None
     path = np.abs(small.shift[:, 0])
     first = int(np.flatnonzero((path > 0) & (small.stick_area == 0))[0])
-    (note,) = (each for each in shallow("solid", ROUGH).notes if each.startswith("Gross slip"))
-    return float(note.split("moved by ")[1].split(" mm")[0]) / float(path[first])
+    words = lateral(shallow("solid", ROUGH)).outcome
+    assert words.startswith("Gross slip")
+    return float(words.split("moved by ")[1].split(" mm")[0]) / float(path[first])
 
 
 @cache

@@ -206,7 +206,7 @@ def sliding_error(body: Body, size: int) -> float:
     return float(np.abs(size_ - MU * run.pressure[-1]).max() / (MU * run.pressure[-1].max()))
 
 
-def least_work(body: Body, size: int) -> float:
-    """Return the smallest work of friction in any step, over the whole of a cycle."""
+def returned_work(body: Body, size: int) -> float:
+    """Return the largest work that friction returns in a step, over all that it takes."""
     run = cycled(body, size)
-    return float(np.diff(run.lost).min() / run.lost[-1])
+    return float(max(0.0, -np.diff(run.lost).min() / run.lost[-1]))

@@ -125,6 +125,7 @@ def lateral(
     if not press.friction:
         return smooth(press, history.steps.time)
     skin = Dragged.of(press, history, pressure)
+    words = "" if history.halt else outcome(press, skin)
     friction, slip = press.kinetic * skin.heading, skin.slip
     signs = np.ones((len(column), 2))
     signs[len(history.contact.neighborhood.vertices) :, 1] = -1.0
@@ -143,24 +144,25 @@ def lateral(
         traction=friction[:, None] * seen[:, column, None] if press.pressure else None,
         slip=slip[:, column] * signs if press.pressure else None,
         work=np.append(0.0, np.cumsum(lost)),
+        outcome=words,
     )
 
 
-def notes(press: Press, history: FiniteStrainHistory, pressure: Array) -> tuple[str, ...]:
-    """Return the notes on a press with a path, and the onset of gross slip.
+def notes(press: Press) -> tuple[str, ...]:
+    """Return the notes on a press with a path."""
+    if not press.slides:
+        return ()
+    return (IN_PLANE, GROSS) if press.friction else (IN_PLANE,)
+
+
+def outcome(press: Press, skin: Dragged) -> str:
+    """Return in words since when the whole contact slips.
 
     Raises
     ------
     InputError
         If a pass is too short for that.
     """
-    if not press.slides:
-        return ()
-    if not press.friction:
-        return (IN_PLANE,)
-    if history.halt:
-        return (IN_PLANE, GROSS)
-    skin = Dragged.of(press, history, pressure)
     onsets, angle = [], 0.0
     for number, (begin, end) in enumerate(skin.passes()):
         start, gone = skin.onset(begin, end)
@@ -171,11 +173,9 @@ def notes(press: Press, history: FiniteStrainHistory, pressure: Array) -> tuple[
     since, gone = onsets[0]
     turned = f", and {max(x for _, x in onsets[1:]):.3g} mm after a turn" if onsets[1:] else ""
     return (
-        IN_PLANE,
-        GROSS,
         f"Gross slip: from {since:.4g} s on, with the indenter moved by {gone:.3g} mm{turned}, the "
         f"whole contact slips, within {angle:.2g} degrees of the slide; before, part of it would "
-        "stick, and its friction is stated too large.",
+        "stick, and its friction is stated too large."
     )
 
 

@@ -1,6 +1,6 @@
 """Press: all inputs of a finite-element contact problem, made from a scene."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Self
@@ -46,6 +46,11 @@ AROUND = 4.0  # mm about first touch in which facets are measured
 
 FACETS_PER_FEATURE = 1.5
 """Width of a dot, ridge or groove over a facet below which a texture is too fine, a convention."""
+
+
+FACETS_PER_RATE = 6.0
+"""The same, below which FAII count vertices of the mesh: they do over dots 5.4 facets wide (61
+impulses/s, on exact layers 0.4) and over narrower ones (suite `friction`)."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +163,7 @@ class Press:
                 *notes,
                 *of_finger(finger),
                 *mesh.quality.get("notes", ()),
-                *too_fine(scene.indenter, motion, body, obstacle),
+                *of_texture(scene, body, obstacle),
             ),
             friction=scene.indenter.friction,
             kinetic=scene.indenter.kinetic,
@@ -203,23 +208,27 @@ class Press:
         return 1.0 if by_depth else 1 / NEWTON_PER_MILLINEWTON / self.sides
 
 
-def too_fine(
-    indenter: Indenter, motion: Motion, body: Solid, obstacle: Obstacle
-) -> tuple[str, ...]:
-    """Warn of a texture that slides, or has stated crests, and is finer than the pad's facets."""
-    if not ((motion.slides or indenter.raised) and np.isfinite(indenter.feature)):
-        return ()
+def of_texture(scene: Scene, body: Solid, obstacle: Obstacle) -> Iterator[str]:
+    """Yield notes on a texture that slides, or has stated crests: what the pad's facets blur."""
+    indenter, slides = scene.indenter, scene.motion.slides
+    if not ((slides or indenter.raised) and np.isfinite(indenter.feature)):
+        return
     corners = body.space.points[body.pad]
     near = np.linalg.norm(corners.mean(axis=1) - obstacle.origin, axis=1) < AROUND
     facet = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)[near].mean())
     part = indenter.feature / facet
-    if part >= FACETS_PER_FEATURE:
-        return ()
-    return (
-        f"Warning: the texture is finer than the mesh resolves, its smallest part / facet = "
-        f"{indenter.feature:.2g} / {facet:.2g} mm = {part:.2g} < {FACETS_PER_FEATURE:g}: it is "
-        "averaged over each facet; take a finer mesh (finger.resolution) or a coarser texture.",
-    )
+    size = f"its smallest part / facet = {indenter.feature:.2g} / {facet:.2g} mm = {part:.2g}"
+    if part < FACETS_PER_FEATURE:
+        yield (
+            f"Warning: the texture is finer than the mesh resolves, {size} < "
+            f"{FACETS_PER_FEATURE:g}: it is averaged over each facet; take a finer mesh "
+            "(finger.resolution) or a coarser texture."
+        )
+    if slides and "FAII" in scene.ask.spikes and part < FACETS_PER_RATE:
+        yield (
+            f"FAII: over this texture ({size} < {FACETS_PER_RATE:g}) they count vertices of the "
+            "mesh that come into contact, not its parts (reports/friction.html)."
+        )
 
 
 def reference_plate(finger: Finger, body: Solid, ask: Ask) -> ReferencePlate:

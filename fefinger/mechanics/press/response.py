@@ -60,7 +60,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         fields=fields,
         status=f"Solved: {contact.exchanges} contact solutions with {exactness(penetration)}.",
         seconds=stages.seconds,
-        notes=(*press.notes, *precision_notes(press.body), *sliding.notes(press, history)),
+        notes=(*press.notes, *precision_notes(press.body), *sliding.notes(press)),
         numbers={
             "unknowns": press.body.space.n_unknowns,
             "candidates": len(on_pad.vertices),
@@ -93,9 +93,10 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         by_force = press.motion.control == "force"
         depth = steps.bounded(history.depth) if by_force else steps.path
         strain = _finite_strain(press, history)
-        slid = press.slides
-        lateral = dragged.lateral(press, history, borne, force, column) if slid else None
-        notes = dragged.notes(press, history, borne)
+        lateral = None
+        if press.slides:
+            lateral = dragged.lateral(press, history, borne, force, column)
+        notes = dragged.notes(press)
     penetration = deepest_penetration(history.gap)
     return Response(
         mechanics=press.mechanics,

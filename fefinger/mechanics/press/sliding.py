@@ -170,6 +170,7 @@ def lateral(press: Press, history: SmallStrainHistory, pad: Pad, column: Integer
         traction=traction if press.pressure else None,
         slip=slip if press.pressure else None,
         work=press.sides * sliding.lost * MILLIJOULE_PER_MICROJOULE,
+        outcome=outcome(press, history),
     )
 
 
@@ -191,15 +192,15 @@ def _torque(press: Press, history: SmallStrainHistory) -> Array:
     return np.asarray((x * pulled[:, 1] - y * pulled[:, 0]).sum(axis=1) * NEWTON_PER_MILLINEWTON)
 
 
-def notes(press: Press, history: SmallStrainHistory) -> tuple[str, ...]:
-    """Return the notes on a press with a path or with friction, and its outcome in words."""
+def notes(press: Press) -> tuple[str, ...]:
+    """Return the notes on a press with a path or with friction."""
     if not press.slides:
         return ()
     rocking = () if press.inclines is None else (ROCKING,)
     if not press.friction:
         return (SLIDING, *rocking)
     weaker = (WEAKER,) if press.kinetic < press.friction else ()
-    return (SLIDING, *rocking, COULOMB, *weaker, outcome(press, history))
+    return (SLIDING, *rocking, COULOMB, *weaker)
 
 
 def outcome(press: Press, history: SmallStrainHistory) -> str:
@@ -212,15 +213,25 @@ def outcome(press: Press, history: SmallStrainHistory) -> str:
     law = f"with a residual of {contact.sliding.cone:.1g} of the highest pressure"
     if press.motion.slides:
         moving = np.linalg.norm(press.motion.velocity(press.time), axis=-1) > 0
-        gross = np.flatnonzero(touching & moving & (stick == 0))
-        if len(gross):
-            k = int(gross[0])
-            path = np.linalg.norm(contact.sliding.shift[k])
-            return (
-                f"Gross slip: from {press.time[k]:.4g} s on, with the indenter moved by "
-                f"{path:.3g} mm, no vertex sticks, {law}."
-            )
         touching &= moving
+        slips = stick[touching] == 0
+        onsets = np.flatnonzero(touching)[slips & ~np.append(False, slips[:-1])]
+        if len(onsets):
+            path = np.linalg.norm(contact.sliding.shift[onsets[0]])
+            times = press.time[onsets]
+            held = (
+                ""
+                if len(onsets) == 1
+                else (
+                    f"; {len(onsets)} times in all, as some stick in between, last from "
+                    f"{times[-1]:.4g} s on"
+                )
+            )
+            end = "" if slips[-1] else "; at the end of the path some stick"
+            return (
+                f"Gross slip: from {times[0]:.4g} s on, with the indenter moved by {path:.3g} mm, "
+                f"no vertex sticks{held}{end}, {law}."
+            )
     if not touching.any():
         return f"Friction: no contact while the indenter moves, {law}."
     share = float((stick[touching] / area[touching]).min())
