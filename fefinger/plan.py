@@ -16,7 +16,8 @@ from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, MESHED, Candidate
 from fefinger.results.plan_text import expected_time, trust
 from fefinger.results.plan_text import ladder as written
-from fefinger.results.records import Plan, Refusal, Rung, Settings
+from fefinger.results.records import Refusal, Rung
+from fefinger.results.result_record import Plan, Settings
 from fefinger.scene import builtin
 from fefinger.scene.finger import AUTO, RESOLUTIONS, STANDARD
 from fefinger.scene.scene import Scene

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
     from fefinger.neural.trains import SpikeTrains
     from fefinger.result import Result
-    from fefinger.results.records import Plan
     from fefinger.studies.study import Study
     from fefinger.support.cache import Entry
     from fefinger.support.progress import Progress
@@ -115,14 +114,6 @@ def _details(
     stages = ", ".join(f"{stage} {value:.1f}" for stage, value in seconds.items())
     rows.append(("seconds", stages))
     return [*rows, *(("note", note) for note in result.notes), *(("file", file) for file in files)]
-
-
-def plan_summary(plan: "Plan") -> str:
-    """Format a plan: the choice in one line, its reason and trust, the ladder, the machine."""
-    from fefinger.results.plan_text import choice_line, ladder
-
-    parts = (choice_line(plan), plan.sentence, plan.trust, ladder(plan.rungs, plan.chosen))
-    return "\n\n".join([*parts, plan.machine])
 
 
 def mesh_record(mesh: "FingerMesh") -> dict[str, Any]:

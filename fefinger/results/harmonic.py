@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.support.arrays import Array
-from fefinger.support.text import outline
 
 
 Complex = NDArray[np.complex128]
@@ -43,7 +42,14 @@ class Harmonic:
     contact_area: float
     notes: tuple[str, ...] = field(default=())
 
-    __repr__ = outline
+    def __repr__(self) -> str:
+        """Show range and preload, not the arrays."""
+        low, high = self.frequency[[0, -1]]
+        return (
+            f"<Harmonic: {len(self.frequency)} frequencies from {low:.4g} to {high:.4g} Hz, about "
+            f"{self.preload_force:.3g} N at {self.preload_depth:.3g} mm; stiffness, impedance, phase, "
+            f"strain, skin>"
+        )
 
     @property
     def stiffness(self) -> Complex:
