@@ -45,11 +45,8 @@ class Harmonic:
     def __repr__(self) -> str:
         """Show range and preload, not the arrays."""
         low, high = self.frequency[[0, -1]]
-        return (
-            f"<Harmonic: {len(self.frequency)} frequencies from {low:.4g} to {high:.4g} Hz, about "
-            f"{self.preload_force:.3g} N at {self.preload_depth:.3g} mm; stiffness, impedance, phase, "
-            f"strain, skin>"
-        )
+        about = f"{self.preload_force:.3g} N at {self.preload_depth:.3g} mm"
+        return f"<Harmonic: {len(self.frequency)} from {low:.4g} to {high:.4g} Hz, about {about}>"
 
     @property
     def stiffness(self) -> Complex:
