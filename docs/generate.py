@@ -318,9 +318,9 @@ def steps() -> Iterator[str]:
     for finger, (suite, name, longest) in STEPS.items():
         record = json.loads((REPORTS / f"bench-{suite}.json").read_text(encoding="utf-8"))
         values = {each["name"]: each["value"] for each in record["figures"]}
-        share = "95" if longest == WITHIN else "99"
+        share = 0.95 if longest == WITHIN else 0.99
         times = values[name.format("median")], values[name.format(longest)]
-        rows.append((finger, f"{times[0]:.2g} ms", f"{times[1]:.2g} ms ({share} %)"))
+        rows.append((finger, f"{times[0]:.2g} ms", f"{times[1]:.2g} ms ({percent(share)})"))
     yield from table(("finger on the standard mesh", "median step", "most steps within"), rows)
 
 

@@ -21,7 +21,7 @@ result = ff.run(letter, mechanics="condensed")
 
 held = result.spikes.to_pandas().query("time_s > 0.1")
 rates = held.groupby("unit").size() / (result.time[-1] - 0.1)
-print(rates.sort_values(ascending=False).head().rename("rate in the hold / Hz"))
+print("fastest units, rate in the hold / Hz:", rates.nlargest(5).round().to_dict())
 shown = unit_figures.rate_map(result)
 
 # %%
