@@ -110,7 +110,7 @@ def _details(
         x, y = run_record(result, seconds, files)["centroid_mm"]
         rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
     if result.plan.trust:
-        rows.append(("trust", result.plan.trust))
+        rows.append(("trust", f"{result.plan.trust} Source: {result.plan.chosen.evidence}."))
     stages = ", ".join(f"{stage} {value:.1f}" for stage, value in seconds.items())
     rows.append(("seconds", stages))
     return [*rows, *(("note", note) for note in result.notes), *(("file", file) for file in files)]
