@@ -38,7 +38,7 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
         first = reasons[0] if reasons else "chosen" if star else "good enough"
         rows.append((star, rung.mechanics, mesh, error, seconds, first))
         rows += [("", "", "", "", "", more) for more in reasons[1:]]
-    heading = ("", "mechanics", "mesh", "error", "time", "refused because")
+    heading = ("", "mechanics", "mesh", "error", "time", "verdict")
     sources = _sources(rungs)
     return table(rows, heading) + (f"\n\n{sources}" if sources else "")
 
