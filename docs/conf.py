@@ -19,6 +19,7 @@ sys.path.insert(0, str(HERE))
 
 # Modules of this folder, which is on the path only now.
 import generate  # noqa: E402
+import report_pages  # noqa: E402
 from pictures import shown_figures  # noqa: E402
 
 
@@ -81,4 +82,6 @@ sphinx_gallery_conf = {
 def setup(app):
     """Write the pages that are made from the code and from the reports."""
     generate.write(HERE)
+    app.connect("doctree-read", report_pages.link, priority=0)  # before downloads are collected
+    app.connect("build-finished", report_pages.copy)
     app.connect("build-finished", generate.notebook)

@@ -16,6 +16,7 @@ import click
 REPORTS = Path(__file__).parent.parent / "reports"
 BAR = r"\|"
 MARKDOWN_COLUMNS = 4
+WITHIN = "95 % of them within"
 QUANTITIES = {
     "force": "force",
     "pressure": "highest pressure",
@@ -31,7 +32,7 @@ def write(docs):
     check_api(docs)
 
     pages = {"keys": keys(schema()), "commands": commands(), "verdicts": verdicts()}
-    pages |= {"front": front(), "kept": kept(), "mechanics": mechanics(), "extras": extras()}
+    pages |= {"front": front(), "kept": kept(), "steps": steps(), "extras": extras()}
     pages |= {"scenes": scenes(), "stated": stated()}
     place = docs / "generated"
     place.mkdir(exist_ok=True)
@@ -215,10 +216,11 @@ def verdicts() -> Iterator[str]:
         if not found:
             missing.append(f"`{name}`")
             continue
+        page = f'<a href="reports/{name}.html">{name}</a>'
         made = record.get("provenance", {}).get("date", "")[:10]
         made = made.replace("-", "\N{NON-BREAKING HYPHEN}")
         counts = [found.count(verdict) for verdict in VERDICTS]
-        counted.append((f"`{name}`", about, len(found), *counts, made))
+        counted.append((page, about, len(found), *counts, made))
     total = [sum(row[column] for row in counted) for column in range(2, 3 + len(VERDICTS))]
     heading = ("suite", "what it compares", "cases", *VERDICTS, "measured")
     yield from table(heading, [*counted, ("**all**", "", *total, "")])
@@ -288,6 +290,40 @@ def percent(share):
     return f"{value:g}\N{NO-BREAK SPACE}%"
 
 
+STEPS = {
+    "`Pressed`": ("pressed", "a step with 1000 end organs, {}", "99 % of them within"),
+    "`Condensed`": ("condensed", "strains in double precision: step, {}, wall", "99th percentile"),
+    "`Rolling`, half a finger": (
+        *("condensed", "a plate that turns, half a finger, 1000 end organs: step, {}, processor"),
+        "99th percentile",
+    ),
+    "`Sliding`": ("sliding", "step: standard, plate, 292 vertices in contact, {}", WITHIN),
+    "`Sliding` with friction": (
+        *("sliding", "step: standard, plate with friction, 282 vertices in contact, {}", WITHIN),
+    ),
+    "`Sliding` with friction, coarse mesh": (
+        *("sliding", "step: coarse, plate with friction, 71 vertices in contact, {}", WITHIN),
+    ),
+    "`Modal`": (
+        *("modal", "step of 0.2 ms, 81 modes, 335 contact nodes, 1000 end organs: {}", "99 %"),
+    ),
+}
+"""Where the time of a step of each finger in a loop is reported: suite of the benchmark, name of
+its figure, and how the name of the longest steps differs from that of the median."""
+
+
+def steps() -> Iterator[str]:
+    """Give the measured time of a step of every finger in a loop."""
+    rows = []
+    for finger, (suite, name, longest) in STEPS.items():
+        record = json.loads((REPORTS / f"bench-{suite}.json").read_text(encoding="utf-8"))
+        values = {each["name"]: each["value"] for each in record["figures"]}
+        share = 0.95 if longest == WITHIN else 0.99
+        times = values[name.format("median")], values[name.format(longest)]
+        rows.append((finger, f"{times[0]:.2g} ms", f"{times[1]:.2g} ms ({percent(share)})"))
+    yield from table(("finger on the standard mesh", "median step", "most steps within"), rows)
+
+
 def stated() -> Iterator[str]:
     """Give the errors that the planner states of the standard scene."""
     import fefinger as ff
@@ -297,17 +333,6 @@ def stated() -> Iterator[str]:
 
 
 # Names
-
-
-def mechanics() -> Iterator[str]:
-    """Give the first line of the docstring of every mechanics, cheapest first."""
-    from fefinger.mechanics import get, names
-
-    rows = []
-    for name in names():
-        text = " ".join((get(name).__doc__ or "").split("\n\n")[0].split())
-        rows.append((f"`{name}`", text))
-    yield from table(("mechanics", "what it is"), rows)
 
 
 def scenes() -> Iterator[str]:

@@ -1,9 +1,19 @@
 """A finite-element fingertip: force, pressure, strain and nerve spikes of a touch.
 
     import fefinger as ff
-    scene = ff.Scene(finger=ff.Finger.subject("a.h."), motion=ff.RampHold(60, 1.5, hold=5))
-    result = ff.run(scene)
+    result = ff.run("flat-press")  # a built-in scene, a TOML file or a ff.Scene
+    print(result)  # the numbers that matter, with their expected errors
 
+answer      run, explain (which mechanics, how good), study (a grid), receptive_field, load
+scene       Scene(finger=, indenter=, motion=, ask=)
+finger      Finger.subject("a.h."), Finger(width=, thickness=), Finger.from_surface("scan.stl")
+indenter    Flat, Sphere, Pin, Bar, Cylinder, Ellipsoid, Grating, Dots, Braille, Letters, Relief
+motion      RampHold, Vibration, FrequencySweep, Slide, Sampled, ...; ForceRampHold, ... by force
+ask         Ask(spikes=("SAI",), rel_error=0.05, population=Scatter(), Grid, Line or Places)
+loop        Pressed, Condensed, Sliding, Rolling, Modal: one step of your own at a time
+own tissue  calibrate("press.csv", finger=Finger(width=15, thickness=11))
+
+Lengths are in mm, times in s, pressures in kPa, forces in N; x is distal, z dorsal.
 Public names are imported at first use, so that importing the package is cheap.
 """
 
@@ -29,7 +39,7 @@ if TYPE_CHECKING:
     from fefinger.plan import explain as explain
     from fefinger.result import Result as Result
     from fefinger.result import load as load
-    from fefinger.results.records import Plan as Plan
+    from fefinger.results.result_record import Plan as Plan
     from fefinger.scene.ask import Ask as Ask
     from fefinger.scene.dots import Dots as Dots
     from fefinger.scene.finger import Finger as Finger
@@ -100,7 +110,7 @@ _HOMES = {
     "pipeline": ("run",),
     "plan": ("choose", "explain"),
     "mechanics.realtime.condensed": ("Condensed",),
-    "results.records": ("Plan",),
+    "results.result_record": ("Plan",),
     "mechanics.realtime.modal": ("Modal",),
     "mechanics.realtime.pressed": ("Pressed",),
     "mechanics.realtime.rolling": ("Rolling",),

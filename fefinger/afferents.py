@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
 
 RECORDED = (
-    "Afferents: the family recorded, fitted to units of monkeys under probes and spheres. Its "
-    "input in mm is the displacement of a pin 1 mm wide that strains an end organ as much."
+    "Afferents: the family recorded, fitted to units of monkeys under probes and spheres. The "
+    "input of a unit is its strain, given in mm of a pin 1 mm wide that strains it as much."
 )
 """Note on every result with units of the family `recorded`."""
 

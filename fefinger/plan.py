@@ -14,14 +14,15 @@ from fefinger.mechanics.evidence.stated_errors import spikes
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, MESHED, Candidate
-from fefinger.results.plan_text import expected_time, trust
 from fefinger.results.plan_text import ladder as written
-from fefinger.results.records import Plan, Refusal, Rung, Settings
+from fefinger.results.plan_text import trust
+from fefinger.results.records import Refusal, Rung
+from fefinger.results.result_record import Plan, Settings
 from fefinger.scene import builtin
 from fefinger.scene.finger import AUTO, RESOLUTIONS, STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError, choice
-from fefinger.support.text import beyond, duration, percent
+from fefinger.support.text import beyond, duration
 
 
 ERROR, SECONDS = "ask.rel_error", "ask.seconds"
@@ -325,9 +326,9 @@ def _settings(case: Situation, chosen: Rung) -> Settings:
 def _sentence(
     case: Situation, chosen: Rung, considered: Sequence[Rung], settings: Settings, *, named: bool
 ) -> str:
-    """Return the choice in words: why, how good, how long, what is computed, what was left out."""
+    """Return the choice in words: why, what is computed and built, what was left out."""
     how = "as named" if named else "the cheapest that does not refuse"
-    sentence = f"{chosen.mechanics}, {how}; {_expectation(case, chosen)}. {_computed(settings)}"
+    sentence = f"{chosen.mechanics}, {how}. {_computed(settings)}{_built(case, chosen)}"
     left_out = [
         name for name in ladder.names() if name not in {rung.mechanics for rung in considered}
     ]
@@ -350,16 +351,11 @@ def _computed(settings: Settings) -> str:
     return f"It computes {what}{fibers} at {settings.times} times{mesh}."
 
 
-def _expectation(case: Situation, rung: Rung) -> str:
-    """Describe the expected error and time, and the one-time part of it."""
-    error = (
-        f"expected error {percent(rung.error)}" if math.isfinite(rung.error) else "error unknown"
-    )
-    sentence = f"{error} ({rung.evidence}), about {expected_time(rung)}"
+def _built(case: Situation, rung: Rung) -> str:
+    """State the part of the expected time that is spent once; "" where there is none."""
     if rung.resolution is None:
-        return sentence
+        return ""
     on_mesh = case.on(rung.resolution)
     again = rung.seconds - ladder.get(rung.mechanics).once(on_mesh)
     first = rung.wall - wall_time.wall(rung.mechanics, on_mesh, again)
-    built = f", {duration(first)} of it for what is built once and kept"
-    return f"{sentence}{built}" if first else sentence
+    return f" What is built once and kept takes {duration(first)} of the time." if first else ""

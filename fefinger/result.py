@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from fefinger.results.key_numbers import rows
-from fefinger.results.records import ResultRecord
+from fefinger.results.result_record import ResultRecord
 from fefinger.scene.finger import origin_notes
 from fefinger.scene.inertia import noise, quasistatic, warnings
 from fefinger.support.interrupt import shielded
@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fefinger.neural.trains import SpikeTrains
-    from fefinger.results.records import Plan, Response
+    from fefinger.results.records import Response
+    from fefinger.results.result_record import Plan
     from fefinger.scene.scene import Scene
 
 

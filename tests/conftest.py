@@ -18,7 +18,8 @@ from fefinger.neural.reference import Reference
 from fefinger.neural.trains import SpikeTrains
 from fefinger.result import Result
 from fefinger.results.plan_text import trust
-from fefinger.results.records import Fields, Pad, Plan, Refusal, Response, Rung, Sites
+from fefinger.results.records import Fields, Pad, Refusal, Response, Rung, Sites
+from fefinger.results.result_record import Plan
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat

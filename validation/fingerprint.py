@@ -40,7 +40,7 @@ from threadpoolctl import threadpool_limits
 
 from fefinger.pipeline import run
 from fefinger.plan import choose, explain
-from fefinger.results.records import Plan
+from fefinger.results.result_record import Plan
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError

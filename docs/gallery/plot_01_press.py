@@ -11,16 +11,16 @@ import fefinger as ff
 
 
 result = ff.run("flat-press")
-for sentence in (result.plan.trust, *result.notes[:2]):
-    print(sentence)
+print(result)
 
 # %%
-# The force overshoots and relaxes; the contact area stays.
+# The force peaks at the end of the ramp and relaxes in the hold, in which the contact area stays.
+# The band is the expected error.
 fig, (left, right) = plt.subplots(1, 2, figsize=(8, 3), layout="constrained")
 bound = result.plan.chosen.error * result.force.max()
 left.fill_between(result.time, result.force - bound, result.force + bound, alpha=0.3)
 left.plot(result.time, result.force)
-left.set(xlabel="time / s", ylabel="force / N", title="force, and what it is expected within")
-right.plot(result.depth, result.contact_area)
-right.set(xlabel="depth / mm", ylabel="contact area / mm²")
+left.set(xlabel="time / s", ylabel="force / N", xlim=(0, 0.5))
+right.plot(result.time, result.contact_area)
+right.set(xlabel="time / s", ylabel="contact area / mm²", xlim=(0, 0.5))
 plt.show()

@@ -13,7 +13,7 @@ result = ff.run("flat-press")
 section = section_figure.draw(result, field="compressive strain")
 
 # %%
-# The plate presses hardest near the tip, where the bone is close.
+# The plate presses hardest at the tip, where it squeezes the skin against the nail.
 pressure = figures.pressure_map(result)
 
 # %%

@@ -2,7 +2,7 @@
 A grating, and a relief of your own
 ===================================
 
-Ridges press the skin into their grooves. Any heights that you have are an object too.
+Skin bulges into the grooves of a grating. Any heights that you have are an object too.
 """
 
 import matplotlib.pyplot as plt

@@ -14,7 +14,6 @@ import numpy as np
 
 import fefinger as ff
 from fefinger.results.candidate import MECHANICS
-from fefinger.support.text import duration, percent
 
 
 report = json.loads((Path(fefinger.reports.__path__[0]) / "held-out.json").read_text())
@@ -35,9 +34,5 @@ axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
 plt.show()
 
 # %%
-# What the planner expects for one scene.
-for rung in ff.explain("flat-press").rungs:
-    reason = rung.refusals[0].reason[:40] if rung.refusals else "good enough"
-    print(
-        f"{rung.candidate.label:19}{percent(rung.error):>6} {duration(rung.seconds):>8}  {reason}"
-    )
+# What the planner expects for one scene: ``fefinger explain flat-press`` prints the same.
+print(ff.explain("flat-press"))

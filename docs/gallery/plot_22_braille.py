@@ -1,14 +1,31 @@
 """
-Braille under the finger
-========================
+A Braille letter under the finger
+=================================
 
-Two letters in Braille pass under a line of units.
+The letter t is pressed 1 mm and held, over a grid of SAI units: which of them fire, and how fast.
+``indenter.text`` takes any letters, and ``fefinger run slide-braille`` scans a word.
 """
 
 import fefinger as ff
-from fefinger.view import event_plots
+from fefinger.view import event_plots, unit_figures
 
 
+letter = ff.Scene(
+    name="letter",
+    finger=ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse"),
+    indenter=ff.Braille("t", start=-1.2),
+    motion=ff.RampHold(speed=20, depth=1.0, hold=1.0),
+    ask=ff.Ask(spikes=("SAI",), rel_error=0.9, population=ff.Grid(spacing=0.7, radius=3)),
+)
+result = ff.run(letter, mechanics="condensed")
+
+held = result.spikes.to_pandas().query("time_s > 0.1")
+rates = held.groupby("unit").size() / (result.time[-1] - 0.1)
+print("fastest units, rate in the hold / Hz:", rates.nlargest(5).round().to_dict())
+shown = unit_figures.rate_map(result)
+
+# %%
+# Two letters pass under the units. Each spike is drawn at the place that was over the unit then.
 changes = {
     "indenter.text": "go",
     "finger.resolution": "coarse",
@@ -16,6 +33,5 @@ changes = {
     "ask.spikes": ["SAI"],
     "ask.rel_error": 0.9,
 }
-result = ff.run("slide-braille", changes=changes)
-print(result.spikes.summary())
-events = event_plots.events(result)
+scanned = ff.run("slide-braille", changes=changes)
+events = event_plots.events(scanned)

@@ -3,7 +3,7 @@ Stick and slip
 ==============
 
 A plate with friction is pressed and dragged sideways in a loop of your own: the contact first
-sticks, slips from its rim inward, and slides.
+sticks, slips from its rim inward, and slides. The dotted line is the coefficient of friction.
 """
 
 import matplotlib.pyplot as plt

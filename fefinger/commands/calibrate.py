@@ -49,10 +49,11 @@ def calibrate(
     output: str | None,
     as_json: bool,
 ) -> None:
-    """Fit a finger to subjects of the thesis, or to your own ramp and hold.
+    """Fit the tissue of a finger to a ramp and hold.
 
-    DATA.csv has the columns time (s), position (mm) and force (N). Solved presses are cached: an
-    interrupted calibration continues where it stopped.
+    DATA.csv is your own record, with the columns time (s), position (mm) and force (N). Without it
+    those of the subjects of the thesis are fitted. Solved presses are cached: an interrupted
+    calibration continues where it stopped.
     """
     from fefinger.calibration import jobs
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
     from fefinger.neural.trains import SpikeTrains
     from fefinger.result import Result
-    from fefinger.results.records import Lateral, Plan
+    from fefinger.results.records import Lateral
     from fefinger.studies.study import Study
     from fefinger.support.cache import Entry
     from fefinger.support.progress import Progress
@@ -119,18 +119,10 @@ def _details(
         x, y = run_record(result, seconds, files)["centroid_mm"]
         rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
     if result.plan.trust:
-        rows.append(("trust", result.plan.trust))
+        rows.append(("trust", f"{result.plan.trust} Source: {result.plan.chosen.evidence}."))
     stages = ", ".join(f"{stage} {value:.1f}" for stage, value in seconds.items())
     rows.append(("seconds", stages))
     return [*rows, *(("note", note) for note in result.notes), *(("file", file) for file in files)]
-
-
-def plan_summary(plan: "Plan") -> str:
-    """Format a plan: the choice in one line, its reason and trust, the ladder, the machine."""
-    from fefinger.results.plan_text import choice_line, ladder
-
-    parts = (choice_line(plan), plan.sentence, plan.trust, ladder(plan.rungs, plan.chosen))
-    return "\n\n".join([*parts, plan.machine])
 
 
 def mesh_record(mesh: "FingerMesh") -> dict[str, Any]:

@@ -34,7 +34,7 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     notes = [*origin_notes(loaded.finger), *warnings(loaded.motion)]
     try:
         chosen = plan.explain(loaded)
-        console.print_answer(asdict(chosen), console.plan_summary(chosen), as_json=as_json)
+        console.print_answer(asdict(chosen), f"{chosen!r}\n\n{chosen.machine}", as_json=as_json)
         if not MECHANICS[chosen.mechanics].inertia:
             notes += _too_fast(loaded)
     finally:  # a refusal has its notes before it

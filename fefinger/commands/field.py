@@ -33,9 +33,10 @@ def field(
     changes: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Compute the receptive field of one unit of each TYPE: the object of SCENE around it.
+    """Compute receptive fields of units.
 
-    SCENE has an object with a place, as a pin or a sphere (default: pin-hold).
+    Presses the object of SCENE at places around one unit of each TYPE. SCENE has an object with a
+    place, as a pin or a sphere (default: pin-hold).
     """
     from fefinger.scene import builtin
     from fefinger.studies.receptive_field import receptive_field

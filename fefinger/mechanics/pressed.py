@@ -27,10 +27,10 @@ NOTES = (
     "are per undeformed area, contact areas are those of the deformed skin.",
     "Frictionless contact with a rigid indenter. Gaps are closed as weighted means over the facets "
     "around each vertex, not at every point.",
-    "The press of the relaxed finger was solved at some depths; through time it is carried by the "
-    "relaxation of the whole stress, as if the tissue deformed as in that press at every speed.",
-    "On retreat the depth still fixes the deformation, as long as the finger pushes; after "
-    "lift-off it recovers along the same press, and what strain is left is less certain.",
+    "The press of the relaxed finger was solved at some depths. Through time its whole stress "
+    "relaxes, and the deformation is taken to depend on the depth alone, not on the speed.",
+    "After lift-off the finger recovers through the same deformations; the strain that is left is "
+    "less certain than under load.",
     "Quasi-static: no inertia and no waves.",
 )
 

@@ -173,7 +173,8 @@ def check_room(under: SmoothSurface, bone: Array, recipe: Recipe) -> None:
         raise InputError(
             f"finger.{field}: expected at least {ROOM:g} mm of subcutaneous tissue around the "
             f"bone of a finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick, "
-            f"received {least:.2f} mm; use {remedy}, other dimensions or, for a scan, its frame"
+            f"received {least:.2f} mm; use {remedy} or other dimensions, or turn a scan so that x "
+            "points to the tip and z to the nail"
         )
 
 

@@ -13,6 +13,7 @@ from fefinger.neural.recorded import Recorded, fitted, units_of
 from fefinger.neural.recorded_simulation import LONGEST
 from fefinger.neural.streaming import ROOM, STREAMED, unfit_strain
 from fefinger.support.checks import InputError, number
+from fefinger.support.text import counted
 
 
 if TYPE_CHECKING:
@@ -86,6 +87,10 @@ class RecordedAfferents:
         self._shape = (len(owner), 6)
         self.step(np.zeros(self._shape), 1e-3)  # compiles the step now, so that no later one waits
         self.reset()
+
+    def __repr__(self) -> str:
+        """Show the units, not the arrays."""
+        return f"<Afferents (recorded) of {counted(self.types)}>"
 
     def reset(self) -> None:
         """Set all units to rest, at time 0."""

@@ -15,7 +15,7 @@ from fefinger.neural.train_record import FEW
 from fefinger.pages import page
 from fefinger.results import key_numbers
 from fefinger.results.harmonic import Harmonic
-from fefinger.results.records import ResultRecord
+from fefinger.results.result_record import ResultRecord
 from fefinger.support.atomic_write import temporary_folder
 from fefinger.view import (
     event_plots,

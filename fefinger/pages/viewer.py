@@ -18,7 +18,8 @@ from fefinger.geometry.boundary import boundary_edges
 from fefinger.geometry.profiles import FLANK
 from fefinger.neural.train_record import FEW
 from fefinger.pages import page
-from fefinger.results.records import Fields, ResultRecord
+from fefinger.results.records import Fields
+from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.atomic_write import moved
 from fefinger.view import figures, frames, indenter_pose, markers, quantities, surfaces

@@ -11,7 +11,8 @@ from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:
-    from fefinger.results.records import Pad, ResultRecord
+    from fefinger.results.records import Pad
+    from fefinger.results.result_record import ResultRecord
     from fefinger.theory.array.sensor import ArraySensor, Reading
 
 

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from fefinger.results.labels import LAYOUT, labeled
 from fefinger.results.labels import coordinates as names_along
 from fefinger.support.arrays import Array
-from fefinger.support.text import outline
 
 
 if TYPE_CHECKING:
@@ -49,7 +48,11 @@ class Harmonic:
     contact_area: float
     notes: tuple[str, ...] = field(default=())
 
-    __repr__ = outline
+    def __repr__(self) -> str:
+        """Show range and preload, not the arrays."""
+        low, high = self.frequency[[0, -1]]
+        about = f"{self.preload_force:.3g} N at {self.preload_depth:.3g} mm"
+        return f"<Harmonic: {len(self.frequency)} from {low:.4g} to {high:.4g} Hz, about {about}>"
 
     @property
     def stiffness(self) -> Complex:

@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fefinger.results.harmonic import Harmonic
 from fefinger.results.pressure import highest
-from fefinger.results.records import ResultRecord
+from fefinger.results.result_record import ResultRecord
 from fefinger.support.text import percent
 
 
@@ -63,6 +64,8 @@ def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
         yield KeyNumber("highest pressure over 1 mm²", f"{pressure:.3g} kPa", error, 6, where)
     if result.strain is not None and result.sites is not None and result.strain.size:
         yield _strain(result, errors.get("strain", math.nan))
+    if result.harmonic is not None:
+        yield _impedance(result.harmonic)
     if result.spikes is not None:
         total, units = int(result.spikes.count().sum()), len(result.spikes)
         name = f"spikes of {units} unit{'s' if units > 1 else ''}"
@@ -91,6 +94,13 @@ def leading(result: ResultRecord, count: int) -> list[KeyNumber]:
     return [number for number in numbers if number.rank in ranks][:count]
 
 
+def _impedance(harmonic: Harmonic) -> KeyNumber:
+    """Return the mechanical impedance at the lowest and at the highest frequency."""
+    ends = " and ".join(f"{abs(each):.3g}" for each in harmonic.impedance[[0, -1]])
+    low, high = harmonic.frequency[[0, -1]]
+    return KeyNumber("impedance", f"{ends} N s/m", math.nan, 0, f"at {low:.3g} and {high:.3g} Hz")
+
+
 def _strain(result: ResultRecord, error: float) -> KeyNumber:
     """Return the largest compressive principal strain at an end organ, and that of each type."""
     assert result.strain is not None
@@ -101,7 +111,7 @@ def _strain(result: ResultRecord, error: float) -> KeyNumber:
         kind: max(by_site[site] for site, each in enumerate(types) if each == kind)
         for kind in dict.fromkeys(types)
     }
-    about = "at the end organs of " + ", ".join(f"{k} {x:.3g} %" for k, x in largest.items() if k)
+    about = ", ".join(f"{kind} {each:.3g} %" for kind, each in largest.items() if kind)
     if len(largest) == 1:
         about = f"at an end organ {depths[np.argmax(by_site)]:.3g} mm deep"
     return KeyNumber("largest compressive strain", f"{by_site.max():.3g} %", error, 5, about)

@@ -10,7 +10,7 @@ import numpy as np
 
 from fefinger.neural.reference import Reference
 from fefinger.neural.trains import SpikeTrains
-from fefinger.results import labels, records
+from fefinger.results import labels, records, result_record
 from fefinger.results.harmonic import Harmonic
 from fefinger.results.labels import LAYOUT
 from fefinger.scene.scene import Scene
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 FORMAT = "fefinger result 1"
 
 
-RECORDS = {"Result": records.ResultRecord} | {
+RECORDS = {"Result": result_record.ResultRecord} | {
     record.__name__: record
     for record in (
-        records.Plan,
+        result_record.Plan,
         records.Rung,
-        records.Settings,
+        result_record.Settings,
         records.Refusal,
         records.Response,
         Harmonic,
@@ -44,7 +44,7 @@ RECORDS = {"Result": records.ResultRecord} | {
 }
 
 
-def read(path: str | PathLike[str]) -> records.ResultRecord:
+def read(path: str | PathLike[str]) -> result_record.ResultRecord:
     """Read the record of a result: `path` is its folder or its `result.nc`.
 
     Raises InputError when there is no such file, or when it is foreign or damaged.
@@ -72,14 +72,14 @@ def read(path: str | PathLike[str]) -> records.ResultRecord:
     raise InputError(f"result: expected the format {FORMAT!r} in {str(file)!r}, received {kind!r}")
 
 
-def _result(opened: "xr.Dataset") -> records.ResultRecord:
+def _result(opened: "xr.Dataset") -> result_record.ResultRecord:
     result = _decode(json.loads(opened["record"].item()), opened.load())
-    if not isinstance(result, records.ResultRecord):
+    if not isinstance(result, result_record.ResultRecord):
         raise TypeError(f"expected the record of a Result, received a {type(result).__name__}")
     return result
 
 
-def dataset(result: records.ResultRecord) -> "xr.Dataset":
+def dataset(result: result_record.ResultRecord) -> "xr.Dataset":
     """Convert a result to a Dataset: arrays with names, dimensions and units."""
     import xarray as xr
 

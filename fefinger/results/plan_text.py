@@ -9,7 +9,7 @@ from fefinger.support.text import duration, percent, table
 
 
 if TYPE_CHECKING:
-    from fefinger.results.records import Plan, Rung
+    from fefinger.results.records import Rung
     from fefinger.scene.ask import Ask
 
 
@@ -38,7 +38,7 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
         first = reasons[0] if reasons else "chosen" if star else "good enough"
         rows.append((star, rung.mechanics, mesh, error, seconds, first))
         rows += [("", "", "", "", "", more) for more in reasons[1:]]
-    heading = ("", "mechanics", "mesh", "error", "time", "refused because")
+    heading = ("", "mechanics", "mesh", "error", "time", "verdict")
     sources = _sources(rungs)
     return table(rows, heading) + (f"\n\n{sources}" if sources else "")
 
@@ -53,9 +53,8 @@ def _reasons(rung: "Rung") -> list[str]:
     return [f"{about}: {', '.join(names)}{rest}" for (about, rest), names in fields_of.items()]
 
 
-def choice_line(plan: "Plan") -> str:
+def choice_line(rung: "Rung") -> str:
     """Return the choice in one line: mechanics, mesh, expected error of the force and time."""
-    rung = plan.chosen
     mesh = f" on the {rung.resolution} mesh" if rung.resolution else ""
     error = "error of the force not known"
     if math.isfinite(rung.error):

@@ -1,35 +1,24 @@
-"""Records of a plan and a result: Plan, Rung, Refusal, Response, its parts, and ResultRecord.
+"""Records of the candidates for a scene and of a response: Refusal, Rung, Response and its parts.
 
-All are frozen. `netcdf` saves and loads a ResultRecord.
+All are frozen.
 """
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.results.harmonic import Harmonic
-from fefinger.scene.inertia import quasistatic, warnings
-from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.text import duration, outline, percent, table
+from fefinger.support.text import outline
 
 
 if TYPE_CHECKING:
     from fefinger.neural.reference import Reference
-    from fefinger.neural.trains import SpikeTrains
-
-
-def green_lagrange(logs: Array) -> Array:
-    """Return (C - I) / 2 (..., 3, 3) of the logarithmic strain ln(C) / 2, C = F'F."""
-    values, vectors = np.linalg.eigh(logs)
-    return np.asarray(
-        (vectors * (np.expm1(2 * values) / 2)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
-    )
 
 
 @dataclass(frozen=True)
@@ -82,62 +71,6 @@ class Rung:
     def candidate(self) -> Candidate:
         """Mechanics and mesh."""
         return Candidate(self.mechanics, self.resolution)
-
-
-@dataclass(frozen=True)
-class Settings:
-    """Settings of a run: mesh, time steps, computed quantities and simulated afferents.
-
-    resolution of the mesh, and whether half a finger is meshed: None without a mesh; times: the
-    number of output times; computed: of "force", "pressure", "strain", "fields"; afferents: the
-    simulated types.
-    """
-
-    resolution: str | None
-    half: bool | None
-    times: int
-    computed: tuple[str, ...]
-    afferents: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Plan:
-    """The chosen mechanics, its settings, and all candidates that were compared.
-
-    `overridden` are the refusals in spite of which it was named; `machine` says what the times of
-    the rungs mean, `trust` how far from the truth each requested quantity may be.
-    """
-
-    mechanics: str
-    rungs: tuple[Rung, ...]
-    sentence: str
-    overridden: tuple[Refusal, ...] = ()
-    settings: Settings | None = None
-    machine: str = ""
-    trust: str = ""
-
-    def __repr__(self) -> str:
-        """Show the choice, its reason and its trust, and every candidate with its first refusal."""
-        rows = []
-        for rung in self.rungs:
-            reason = rung.refusals[0].reason if rung.refusals else "-"
-            cost = percent(rung.error), duration(rung.wall)
-            rows.append((rung.mechanics, rung.resolution or "-", *cost, reason))
-        ladder = table(rows, ("mechanics", "mesh", "error", "time", "refused because"))
-        return "\n".join([f"Plan: {self.on}", self.sentence, self.trust, ladder])
-
-    @property
-    def on(self) -> str:
-        """Mechanics and mesh, as in "pressed on the standard mesh"."""
-        mesh = self.settings.resolution if self.settings else None
-        return f"{self.mechanics} on the {mesh} mesh" if mesh else self.mechanics
-
-    @property
-    def chosen(self) -> Rung:
-        """The rung of the chosen mechanics, on its mesh."""
-        wanted = Candidate(self.mechanics, self.settings.resolution if self.settings else None)
-        rungs = [rung for rung in self.rungs if rung.mechanics == self.mechanics]
-        return next((rung for rung in rungs if rung.candidate == wanted), rungs[0])
 
 
 @dataclass(frozen=True)
@@ -274,119 +207,3 @@ class Response:
         A mechanics that has both says which in its `numbers`.
         """
         return bool(self.numbers.get("finite_strain", MECHANICS[self.mechanics].finite))
-
-
-@dataclass(frozen=True)
-class ResultRecord:
-    """Result of a scene: response of the mechanics, spikes, plan and provenance."""
-
-    scene: Scene
-    plan: Plan
-    response: Response
-    spikes: "SpikeTrains | None"
-    status: str
-    seconds: dict[str, float]
-    provenance: dict[str, Any]
-
-    @property
-    def time(self) -> Array:
-        """Times (n_t,) in s."""
-        return self.response.time
-
-    @property
-    def depth(self) -> Array:
-        """Travel of the indenter (n_t,) in mm, 0 at first touch."""
-        return self.response.depth
-
-    @property
-    def force(self) -> Array | None:
-        """Force of the whole finger (n_t,) in N, along the indenter's normal."""
-        return self.response.force if self.scene.ask.force else None
-
-    @property
-    def peak(self) -> int:
-        """Step of the largest force; where the force is prescribed, of the largest depth.
-
-        A held force differs only by rounding from step to step, while the tissue creeps: then the
-        deepest step is the end of the hold.
-        """
-        by_force = self.scene.motion.control == "force"
-        return int(np.argmax(self.depth if by_force else self.response.force))
-
-    @property
-    def peak_name(self) -> str:
-        """What is largest at the step `peak`, in words."""
-        return f"the largest {'depth' if self.scene.motion.control == 'force' else 'force'}"
-
-    @property
-    def contact_area(self) -> Array | None:
-        """Contact area (n_t,) in mm²."""
-        return self.response.contact_area
-
-    @property
-    def centroid(self) -> Array | None:
-        """Pressure centroid (n_t, 2) in mm (x, y)."""
-        return self.response.centroid
-
-    @property
-    def lateral(self) -> Lateral | None:
-        """Path, lateral force, stick and slip of an indenter that slides or grips."""
-        return self.response.lateral
-
-    @property
-    def pad(self) -> Pad | None:
-        """Points of the pad where the pressure is reported."""
-        return self.response.pad
-
-    @property
-    def pressure(self) -> Array | None:
-        """Contact pressure (n_t, n_pad) in kPa, positive in compression."""
-        return self.response.pressure
-
-    @property
-    def sites(self) -> Sites | None:
-        """The end-organ sites."""
-        return self.response.sites
-
-    @property
-    def harmonic(self) -> Harmonic | None:
-        """Answer about the preload to small oscillations; None unless the motion is a sweep."""
-        return self.response.harmonic
-
-    @property
-    def strain(self) -> Array | None:
-        """Strain tensor (n_t, n_sites, 3, 3) at the sites, positive in tension.
-
-        Small strain; with the mechanics `solid` logarithmic strain.
-        """
-        return self.response.strain
-
-    @property
-    def green_lagrange(self) -> Array | None:
-        """Green-Lagrange strain (n_t, n_sites, 3, 3) at the sites, of the mechanics `solid` only.
-
-        E = (F'F - I) / 2 = (exp(2 H) - I) / 2 of the logarithmic strain H = ln(F'F) / 2 that
-        `strain` then holds, both in the directions of the undeformed finger. None where `strain`
-        is small strain, for which the two measures agree.
-        """
-        if self.strain is None or not self.response.finite:
-            return None
-        return green_lagrange(self.strain)
-
-    @property
-    def fields(self) -> Fields | None:
-        """Fields on the mesh; None unless requested."""
-        return self.response.fields
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Warnings of the samples of the motion, and of speed in an answer without inertia."""
-        of_motion = warnings(self.scene.motion)
-        if self.response.inertia:
-            return of_motion
-        return of_motion + quasistatic(self.scene, self.time, self.depth)
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Simplifications and choices that a reader of the result must know."""
-        return self.response.notes + (self.spikes.notes if self.spikes is not None else ())

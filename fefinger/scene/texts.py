@@ -207,7 +207,8 @@ class Letters(Text):
         font = FontProperties(family=FONT)
         has = get_font(findfont(font)).get_charmap()
         lacking = "".join(dict.fromkeys(each for each in self.text if ord(each) not in has))
-        drawn = Path(*text_to_path.get_text_path(font, self.text, ismath=False)).to_polygons()
+        vertices, codes = text_to_path.get_text_path(font, self.text, ismath=False)
+        drawn = Path(np.asarray(vertices), codes).to_polygons()
         scale = self.size / (CAPITAL * text_to_path.FONT_SCALE)
         outlines = [np.asarray(each) * scale for each in drawn]
         if lacking or not outlines:

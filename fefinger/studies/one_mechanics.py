@@ -17,7 +17,7 @@ from fefinger.support.checks import InputError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from fefinger.results.records import Plan
+    from fefinger.results.result_record import Plan
     from fefinger.scene.scene import Scene
     from fefinger.studies.tasks import Task
 

@@ -22,7 +22,8 @@ from fefinger.support.vocabulary import TYPES
 
 
 if TYPE_CHECKING:
-    from fefinger.results.records import Plan, Response
+    from fefinger.results.records import Response
+    from fefinger.results.result_record import Plan
     from fefinger.scene.scene import Scene
     from fefinger.support.progress import Progress
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.results.records import Fields, ResultRecord
+from fefinger.results.records import Fields
+from fefinger.results.result_record import ResultRecord
 from fefinger.view import frames, markers, quantities, surfaces
 from fefinger.view.surfaces import Piece
 

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 
 from fefinger.geometry.profiles import frame
-from fefinger.results.records import Lateral, ResultRecord
+from fefinger.results.records import Lateral
+from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
 from fefinger.view.figures import COLORS, INK, STEEL, WIDE, figure, of_each, style
 from fefinger.view.indenter_pose import pose

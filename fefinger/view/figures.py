@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.neural.train_record import FEW
-from fefinger.results.records import ResultRecord
+from fefinger.results.result_record import ResultRecord
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.vocabulary import TYPES

@@ -7,7 +7,8 @@ import numpy as np
 
 from fefinger.geometry.mirror import Halves
 from fefinger.geometry.section import is_half
-from fefinger.results.records import Fields, ResultRecord
+from fefinger.results.records import Fields
+from fefinger.results.result_record import ResultRecord
 from fefinger.support.checks import InputError, number
 from fefinger.view import quantities
 

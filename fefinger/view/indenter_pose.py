@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fefinger.geometry.profiles import Plane, Profile, frame
-from fefinger.results.records import ResultRecord
+from fefinger.results.result_record import ResultRecord
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
 from fefinger.support.arrays import Array

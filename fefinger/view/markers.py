@@ -6,7 +6,7 @@ import numpy as np
 
 from fefinger.neural.train_record import FEW
 from fefinger.neural.trains import SpikeTrains
-from fefinger.results.records import ResultRecord
+from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
 from fefinger.view import quantities, surfaces
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.results.records import ResultRecord
+from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.atomic_write import moved
 from fefinger.view import color_bars, figures, film, frames, quantities, renderer

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger.results import energy
-from fefinger.results.records import Fields, ResultRecord
+from fefinger.results.records import Fields
+from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number
 

@@ -5,7 +5,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from fefinger.results.records import ResultRecord
+from fefinger.results.result_record import ResultRecord
 
 
 MOST = 3  # differences in a title

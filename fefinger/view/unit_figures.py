@@ -10,7 +10,8 @@ import numpy as np
 
 from fefinger.neural.statistics import mean_rates
 from fefinger.neural.trains import SpikeTrains
-from fefinger.results.records import Pad, ResultRecord
+from fefinger.results.records import Pad
+from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
 from fefinger.view.figures import COLORS, INK, STEEL, WIDE, figure, of_each, style
 

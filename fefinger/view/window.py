@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.results.records import ResultRecord
+from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.view import color_bars, figures, frames, pictures, quantities, renderer

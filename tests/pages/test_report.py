@@ -47,7 +47,7 @@ def test_a_full_report_has_every_section_and_stands_alone(
         "The run overrides a refusal about accuracy: depth / half thickness = 0.3 &gt; 0.2",
         "contact radius / tissue thickness = 0.9 &gt; 0.1 (accuracy)",
         "Expected within: force 4 %, contact area 3 %. No error is known of: highest pressure over "
-        "1 mm², strain at the end organs, spikes. Source, for the force: reports/linear.json.",
+        "1 mm², strain at the end organs, spikes.",
         "Small strain: geometry of the undeformed finger.",
         "SAI-1: made up.",
         "versions.fefinger",

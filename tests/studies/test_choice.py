@@ -4,7 +4,8 @@ import pytest
 
 import fefinger as ff
 from fefinger import plan
-from fefinger.results.records import Plan, Refusal, Rung, Settings
+from fefinger.results.records import Refusal, Rung
+from fefinger.results.result_record import Plan, Settings
 from fefinger.studies import one_mechanics, workers
 from fefinger.studies.tasks import StudyRequest
 from fefinger.support.checks import InputError

@@ -1,4 +1,4 @@
-"""Suite `pressed`: what carrying an elastic press errs by, each scene stated from all others."""
+"""Suite `pressed`: errors of tabulated presses through time, each stated from all others."""
 
 from collections.abc import Iterator
 from functools import cache, partial
@@ -31,7 +31,7 @@ WANTED = {
 MISSES = {
     ("loading", "force"): (
         0.032,
-        "older stress has relaxed in another shape of the tissue, which carrying leaves out",
+        "the shape of the tissue is taken to depend on the depth alone, not on earlier stress",
     ),
     ("peak", "area"): (0.043, "shallow contacts on the coarse mesh are a few facets wide"),
     ("retreat", "strain"): (

@@ -22,7 +22,7 @@ from fefinger.mechanics.evidence import machine
 from fefinger.mechanics.situation import Situation
 from fefinger.neural.membranes import LARGEST_STEP
 from fefinger.results.candidate import Candidate
-from fefinger.results.records import green_lagrange
+from fefinger.results.result_record import green_lagrange
 from fefinger.scene.scene import Scene
 
 

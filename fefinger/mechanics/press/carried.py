@@ -186,7 +186,7 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
         fields=fields,
         status=(
             f"Solved: an elastic press of {len(table.depth) - 1} depths up to {table.deepest:.3g} "
-            f"mm, carried along {len(press.time)} times; {exactness(penetration)}."
+            f"mm, and its relaxation at {len(press.time)} times; {exactness(penetration)}."
         ),
         seconds=stages.seconds,
         notes=(*press.notes, *((dragged.IN_PLANE,) if press.slides else ())),

@@ -28,7 +28,7 @@ def normalized(prony: Prony) -> tuple[str, ...]:
     total = sum(prony.c)
     if abs(total - 1) <= ROUNDED:
         return ()
-    return (f"Published Prony weights sum to {total:.4g}; normalized as in (2.2).",)
+    return (f"Published Prony weights sum to {total:.4g}; here they are divided by that sum.",)
 
 
 def apart(finger: Finger) -> tuple[Doubt, ...]:
@@ -63,15 +63,15 @@ def of_finger(finger: Finger) -> tuple[str, ...]:
     """Return notes on how the tissue of a finger is held and relaxes."""
     cut = "held" if finger.cut == "fixed" else "free"
     return (
-        f"The proximal cut of the tissue is {cut}.",
+        f"At its proximal end the tissue is {cut}.",
         *normalized(finger.prony),
         *relaxing(finger),
     )
 
 
 RIGID_BONE = (
-    "The bone is rigid, and is held together with the nail, as glued in the experiment; an elastic "
-    "one of 17 GPa, held at its cut, would take 0.2 % off the relaxed force and 0.6 % off a peak."
+    "The bone is rigid and the nail does not move. Bone of 17 GPa would lower a relaxed force by "
+    "0.2 % and a peak by 0.6 %."
 )
 
 

@@ -47,7 +47,9 @@ def test_the_other_fingers_at_small_strain_warn_too() -> None:
 @pytest.mark.parametrize("kind", [ff.Condensed, ff.Pressed, ff.Sliding])
 def test_units_are_of_either_family(kind: type) -> None:
     finger = kind(SOFT, ff.Flat(30), deepest=0.8)
-    assert isinstance(finger.afferents(), RecordedAfferents)
+    recorded = finger.afferents()
+    assert isinstance(recorded, RecordedAfferents)
+    assert repr(recorded) == "<Afferents (recorded) of SAI, SAII, FAI, FAII>"
     thesis = finger.afferents(family="thesis")
     assert isinstance(thesis, Afferents)
     assert repr(thesis) == "<Afferents (thesis) of SAI, SAII, FAI, FAII>"
