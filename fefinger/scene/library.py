@@ -232,7 +232,7 @@ _FITTED: dict[str, tuple[float, float, float, tuple[float, ...], tuple[float, ..
 _ROUND = (4.597, 3.178, (0.2559, 0.4037, 0.1858, 0.1547), (221.0, 13.58, 0.6823))
 """Subcutaneous modulus kPa, its exponent, weights and rates of G of `calibrated_ah_round`."""
 
-ROUND_SKIN = (10.0, 3.0)
+ROUND_SKIN = (10.0, 2.9)
 """Modulus and exponent of its skin over those of its pulp."""
 
 SKIN_RATIO = 102.4 / 34
@@ -279,7 +279,7 @@ def calibrated_ah_round() -> TissueSet:
 
     `calibrated_ah` needs a pad so flat that a plate at 30 degrees presses hardest at the tip. This
     finger has the pad radius printed in Table 3.2 and turns to its tip later. Its skin is 10 times
-    as stiff as the pulp (Dandekar 2003) and has three times its exponent; both widen the pressure.
+    as stiff as the pulp (Dandekar 2003) and has 2.9 times its exponent; both widen the pressure.
     The bone ends 6 mm before the tip. Radius and tissue of the tip and the ratio of the exponents
     were chosen, so that the array returns R; modulus and exponent were fitted to Table 2.1.
     """
