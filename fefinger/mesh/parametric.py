@@ -24,6 +24,9 @@ TIP_HEIGHT."""
 SHARPENING = (np.radians(34.0), np.radians(48.0))
 """Slopes between which the profile turns from the pad's curvature to the tip's."""
 
+ROUNDING = (np.radians(36.0), np.radians(70.0))
+"""The same where the recipe has a radius of the tip: a wider turn keeps the pad round longer."""
+
 FLATTEST = 1e-4
 """Smallest ratio of the squared height and width of a section of the inner skin."""
 
@@ -44,6 +47,7 @@ def parametric(recipe: Recipe) -> Shape:
     differ from the fitted ones by a few percent, because the pad gets sharper towards the tip.
     """
     wanted = radii(recipe)
+    _check_tip(recipe, wanted[0])
     if wanted[0] < 0.6 * recipe.thickness:
         least = np.sqrt(0.6 * recipe.thickness * wanted[1])
         raise InputError(
@@ -58,6 +62,21 @@ def parametric(recipe: Recipe) -> Shape:
         skin = Shell.of(middle, cut=cut, **tables)
         point *= np.array(wanted) / fitted_radii(patch_points(skin))
     return _with_inside(recipe, skin, tables, wanted)
+
+
+def _check_tip(recipe: Recipe, along: float) -> None:
+    """Raise InputError for a tip that is less curved than the pad, of radius `along` mm."""
+    if recipe.tip_radius is not None and recipe.tip_radius > along:
+        raise InputError(
+            f"finger.tip_radius: expected at most {along:.3g} mm, the radius of the pad along a "
+            f"finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick with pad radius "
+            f"{recipe.pad_radius:g} mm, received {recipe.tip_radius:g} mm"
+        )
+
+
+def _or_tip(recipe: Recipe) -> str:
+    """Remedy of a tip that takes too much room, where its radius was given."""
+    return "" if recipe.tip_radius is None else ", or a smaller finger.tip_radius"
 
 
 def patch_points(skin: finger_shape.SmoothSurface) -> Array:
@@ -104,9 +123,10 @@ def _check_round(under: Shell, recipe: Recipe) -> None:
     """Raise InputError where the skin is thicker than its tip is round: it has no inner surface."""
     x = under.tip - (under.tip - under.cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
     if min(under.palmar_ratio(x).min(), under.dorsal_ratio(x).min()) < FLATTEST:
+        tip = recipe.tip_radius or TIP_RADIUS * recipe.thickness
         raise InputError(
             "finger.skin.thickness: expected less than some "
-            f"{TIP_RADIUS * recipe.thickness:.2g} mm, the radius of the tip of a finger "
+            f"{tip:.2g} mm, the radius of the tip of a finger "
             f"{recipe.thickness:g} mm thick, received {recipe.skin_thickness:g} mm; use a "
             "thinner skin or a thicker finger"
         )
@@ -129,6 +149,7 @@ def _skin(recipe: Recipe, *, along: float, across: float) -> tuple[float, dict[s
             f"{recipe.width:g}, thickness {recipe.thickness:g} and pad radius "
             f"{recipe.pad_radius:g} mm, which would need {2 * half * np.sqrt(share):.1f} mm of "
             "width at the contact point; use a smaller thickness or a larger pad radius"
+            f"{_or_tip(recipe)}"
         )
     reach = tip / (1.0 - np.cbrt(1.0 - share))
     x = tip - (tip - cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
@@ -154,6 +175,7 @@ def _palmar(recipe: Recipe, along: float) -> tuple[Table, float]:
             f"{0.9 * recipe.thickness:.1f} mm to its tip, received "
             f"{recipe.pad_radius:g} mm, which rises {z[-1]:.1f} mm on a finger of "
             f"thickness {recipe.thickness:g} mm; use a smaller pad radius or a larger thickness"
+            f"{_or_tip(recipe)}"
         )
     length = min(max(1.7 * recipe.width, x[-1] + 5.0), max(25.0, x[-1] + 5.0)) - x[-1]
     arc = np.linspace(-length, 0.0, SAMPLES)
@@ -169,9 +191,10 @@ def _palmar(recipe: Recipe, along: float) -> tuple[Table, float]:
 def _distal(recipe: Recipe, along: float, slope: Array) -> Table:
     """Compute x and z of the palmar profile at slopes from the lowest point to the tip.
 
-    The tip has the height TIP_HEIGHT t, unless that needs a radius below TIP_RADIUS t.
+    The tip has the radius of the recipe or, without one, the height TIP_HEIGHT t, unless that needs
+    a radius below TIP_RADIUS t.
     """
-    start, end = SHARPENING
+    start, end = SHARPENING if recipe.tip_radius is None else ROUNDING
     ramp = smooth((slope - start) / (end - start))
 
     def profile(sharpness: float) -> Table:
@@ -183,6 +206,8 @@ def _distal(recipe: Recipe, along: float, slope: Array) -> Table:
     def excess(sharpness: float) -> float:
         return float(profile(sharpness)[1][-1] - TIP_HEIGHT * recipe.thickness)
 
+    if recipe.tip_radius is not None:
+        return profile(along / recipe.tip_radius - 1.0)
     sharpest = max(along / (TIP_RADIUS * recipe.thickness) - 1.0, 0.0)
     if excess(0.0) <= 0.0:
         return profile(0.0)

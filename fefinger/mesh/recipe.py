@@ -30,7 +30,8 @@ class Recipe:
     `surface` is a file with the outer skin surface (STL, PLY, OBJ, ...) in mm; it replaces the
     parametric shape, whose width, thickness and pad radius then only scale the inside;
     `bone_surface` is one with the bone, in the same place. `tip_tissue` is the soft tissue ahead of
-    a parametric bone, along x from its end to the tip; None leaves it to the shape.
+    a parametric bone, along x from its end to the tip, and `tip_radius` the radius of the palmar
+    profile at the tip; None leaves both to the shape.
     `touch` is the center of the fine facets: the angle in degrees of a plate, for its first touch,
     or a place (x, y) in mm on the pad; None is the touch of the 30 degree plate, which every mesh
     resolves.
@@ -45,6 +46,7 @@ class Recipe:
     touch: Touch = None
     bone_surface: str | None = None
     tip_tissue: float | None = None
+    tip_radius: float | None = None
 
     def __post_init__(self) -> None:
         for name, above, at_most in (
@@ -70,13 +72,14 @@ class Recipe:
             surface=finger.surface,
             bone_surface=finger.bone_surface,
             tip_tissue=finger.tip_tissue,
+            tip_radius=finger.tip_radius,
             touch=touch,
         )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the recipe as plain values, without the optional ones that are None."""
         values = asdict(self)
-        for name in ("touch", "bone_surface", "tip_tissue"):
+        for name in ("touch", "bone_surface", "tip_tissue", "tip_radius"):
             if values[name] is None:
                 del values[name]
         if isinstance(self.touch, tuple):

@@ -54,11 +54,15 @@ class Finger:
         Soft tissue in mm ahead of the parametric bone, along x from its end to the tip of the
         finger, as in a radiograph; by default 0.42 of the thickness or more, as far as the pulp
         under the 30 degree plate stays 0.47 of it (7.2 mm for a.h.).
+    tip_radius
+        Radius in mm of the palmar profile at the tip of a parametric finger; by default 0.2 of the
+        thickness or more, as far as the tip lies 0.65 of it above the lowest point.
     tissue
         Name of the tissue set of the library, or a file (.toml) of `fefinger calibrate`, that gives
         the defaults of `skin` and `subcutaneous`; a set that was fitted to a finger also gives its
-        pad radius and relaxation. By default that of the subject, of other fingers that of the
-        means of Table 2.1; where `skin` or `subcutaneous` is given, "maeno1998".
+        pad radius, its relaxation and, where it has them, the values of the tip. By default that of
+        the subject, of other fingers that of the means of Table 2.1; where `skin` or `subcutaneous`
+        is given, "maeno1998".
     prony
         Relaxation of all soft tissues; by default Table 3.1, of the subject or the means.
     relaxation
@@ -91,6 +95,7 @@ class Finger:
     surface: str | None = None
     bone_surface: str | None = None
     tip_tissue: float | None = None
+    tip_radius: float | None = None
     tissue: str = _FROM_LIBRARY
     skin: Tissue = _FROM_LIBRARY
     subcutaneous: Tissue = _FROM_LIBRARY
@@ -115,6 +120,10 @@ class Finger:
         self._default("skin", tissues.skin)
         self._default("subcutaneous", tissues.subcutaneous)
         self._default("prony", tissues.prony or library.pawluk_relaxation()[name])
+        if self.bone_surface is None:
+            self._default("tip_tissue", tissues.tip_tissue)
+        if self.surface is None:
+            self._default("tip_radius", tissues.tip_radius)
         for size in ("width", "thickness", "pad_radius"):
             value = number(f"finger.{size}", getattr(self, size), above=0, unit="mm")
             object.__setattr__(self, size, value)
@@ -150,16 +159,20 @@ class Finger:
         object.__setattr__(self, name, str(given))
 
     def _check_tip(self) -> None:
-        """Check the tissue ahead of the bone, which only a parametric bone has."""
-        if self.tip_tissue is None:
-            return
-        value = number("finger.tip_tissue", self.tip_tissue, above=0, unit="mm")
-        object.__setattr__(self, "tip_tissue", value)
-        if self.bone_surface is not None:
-            raise InputError(
-                "finger.tip_tissue: expected none beside finger.bone_surface, which says where the "
-                f"bone ends, received {value:g} mm; leave one of them out"
-            )
+        """Check the tip: only a parametric bone has tissue ahead, a parametric skin a radius."""
+        for name, file, says in (
+            ("tip_tissue", "bone_surface", "where the bone ends"),
+            ("tip_radius", "surface", "how round the tip is"),
+        ):
+            if getattr(self, name) is None:
+                continue
+            value = number(f"finger.{name}", getattr(self, name), above=0, unit="mm")
+            object.__setattr__(self, name, value)
+            if getattr(self, file) is not None:
+                raise InputError(
+                    f"finger.{name}: expected none beside finger.{file}, which says {says}, "
+                    f"received {value:g} mm; leave one of them out"
+                )
 
     def _check_layers(self) -> None:
         """Check the tissues, the hard parts and the relaxation."""
@@ -250,8 +263,7 @@ class Finger:
 
 def origin_notes(finger: Finger) -> tuple[str, ...]:
     """Describe how a finger mixes sources: tissue fitted to another subject, or changed sizes."""
-    fitted = {library.calibrated_name(name): name for name in library.pawluk_bulk()}
-    source = fitted.get(finger.tissue, finger.subject_name)
+    source = library.fitted_to(finger.tissue) or finger.subject_name
     tissues = library.tissue_set(finger.tissue)
     given = [layer for layer in LAYERS if getattr(finger, layer) != getattr(tissues, layer)]
     notes = []
@@ -279,8 +291,10 @@ def _resized(finger: Finger) -> tuple[str, ...]:
     ]
     if finger.prony != measured.prony:
         changed.append("another relaxation")
-    if finger.tip_tissue is not None:
+    if finger.tip_tissue not in (None, measured.tip_tissue):
         changed.append(f"its bone ends {finger.tip_tissue:g} mm before the tip")
+    if finger.tip_radius not in (None, measured.tip_radius):
+        changed.append(f"its tip has a radius of {finger.tip_radius:g} mm")
     if not changed:
         return ()
     return (f"The finger differs from subject {finger.subject_name}: {', '.join(changed)}.",)

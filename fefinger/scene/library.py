@@ -119,8 +119,8 @@ def subjects() -> tuple[str, ...]:
 class TissueSet:
     """Relaxed elastic properties of the two soft layers, with their source.
 
-    pad_radius mm and prony belong to the finger that a set was fitted to; None: those of the
-    subject are used.
+    pad_radius, tip_tissue and tip_radius mm and prony belong to the finger that a set was fitted
+    to; None: those of the subject, and of the shape, are used.
     """
 
     skin: Tissue
@@ -129,6 +129,8 @@ class TissueSet:
     confidence: Confidence
     pad_radius: float | None = None
     prony: Prony | None = None
+    tip_tissue: float | None = None
+    tip_radius: float | None = None
 
 
 def maeno1998() -> TissueSet:
@@ -227,6 +229,12 @@ _FITTED: dict[str, tuple[float, float, float, tuple[float, ...], tuple[float, ..
 }
 """Subcutaneous modulus kPa, exponent, pad radius mm, weights and rates of G, from the reports."""
 
+_ROUND = (4.597, 3.178, (0.2559, 0.4037, 0.1858, 0.1547), (221.0, 13.58, 0.6823))
+"""Subcutaneous modulus kPa, its exponent, weights and rates of G of `calibrated_ah_round`."""
+
+ROUND_SKIN = (10.0, 2.9)
+"""Modulus and exponent of its skin over those of its pulp."""
+
 SKIN_RATIO = 102.4 / 34
 """Skin over subcutaneous modulus of the calibrated sets: that of maeno1998, a prior."""
 
@@ -262,6 +270,39 @@ def _calibrated(subject: str) -> TissueSet:
     )
 
 
+ROUND = "calibrated_ah_round"
+"""Second set of a.h., of a finger with a round tip."""
+
+
+def calibrated_ah_round() -> TissueSet:
+    """Second fit of the model to a.h., of a finger with a round tip (confidence low).
+
+    `calibrated_ah` needs a pad so flat that a plate at 30 degrees presses hardest at the tip. This
+    finger has the pad radius printed in Table 3.2 and turns to its tip later. Its skin is 10 times
+    as stiff as the pulp (Dandekar 2003) and has 2.9 times its exponent; both widen the pressure.
+    The bone ends 6 mm before the tip. Radius and tissue of the tip and the ratio of the exponents
+    were chosen, so that the array returns R; modulus and exponent were fitted to Table 2.1.
+    """
+    (modulus, exponent, c, v), (stiff, stiffening) = _ROUND, ROUND_SKIN
+    return TissueSet(
+        skin=Tissue(stiff * modulus, 0.48, 1.0, law="demiray", exponent=stiffening * exponent),
+        subcutaneous=Tissue(modulus, 0.48, law="demiray", exponent=exponent),
+        source="fitted on the standard mesh to the curves of subject a.h. in Table 2.1 of "
+        f"{PAWLUK} (reports/round-tip.json): a fit of a model, not a measurement of tissue",
+        confidence="low",
+        pad_radius=14.0,
+        prony=Prony(c, v),
+        tip_tissue=6.0,
+        tip_radius=2.5,
+    )
+
+
+def fitted_to(tissue: str) -> str | None:
+    """Name of the subject that a tissue set was fitted to; None for other sets."""
+    known = {calibrated_name(subject): subject for subject in _FITTED} | {ROUND: "a.h."}
+    return known.get(tissue)
+
+
 PUBLISHED = "maeno1998"
 """Set that gives the values that a finger with tissue values of its own leaves out."""
 
@@ -283,6 +324,7 @@ TISSUE_SETS: dict[str, Callable[[], TissueSet]] = {
     "maeno1998": maeno1998,
     "dandekar2003": dandekar2003,
     "saal2017": saal2017,
+    ROUND: calibrated_ah_round,
     **{calibrated_name(subject): partial(_calibrated, subject) for subject in _FITTED},
 }
 TISSUE_SETS |= {f"{name}{VISCOUS}": partial(_viscous, name) for name in tuple(TISSUE_SETS)}

@@ -13,7 +13,7 @@ _LAYER = {"modulus": "kPa", "thickness": "mm", "density": "kg_per_m3"}
 _RELAXING = {"v": "per_s"}
 
 UNITS: dict[str, dict[str, str]] = {
-    "finger": dict.fromkeys(("width", "thickness", "pad_radius", "tip_tissue"), "mm"),
+    "finger": dict.fromkeys(("width", "thickness", "pad_radius", "tip_tissue", "tip_radius"), "mm"),
     "finger.skin": _LAYER,
     "finger.subcutaneous": _LAYER,
     "finger.bone": {"modulus": "kPa"},

@@ -182,3 +182,4 @@ def test_a_recipe_without_a_touch_is_that_of_the_shipped_meshes() -> None:
     assert Recipe(14, 10, 14, touch=0.0).to_dict()["touch"] == 0.0
     assert Recipe(14, 10, 14, touch=(2.0, 0.0)).to_dict()["touch"] == [2.0, 0.0]
     assert Recipe(14, 10, 14, touch=0.0).key() != plain.key()
+    assert Recipe(14, 10, 14, tip_radius=2.5).key() != plain.key()

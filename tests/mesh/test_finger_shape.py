@@ -104,6 +104,33 @@ def test_the_bone_ends_where_it_is_told_to_and_stays_inside(recipe: Recipe, ahea
     assert sum(shape.volumes.values()) == pytest.approx(sum(plain.volumes.values()), rel=1e-9)
 
 
+@pytest.mark.parametrize("radius", [1.8, 2.0, 2.5])
+def test_the_tip_has_the_radius_that_is_given(radius: float) -> None:
+    finger = Recipe(14, 10, 14, tip_radius=radius)
+    shape, plain = parametric(finger), parametric(replace(finger, tip_radius=None))
+    # At the tip the palmar depth b of a profile of radius r obeys b^2 = 2 r (tip - x), about.
+    slope = float(shape.skin.palmar(shape.skin.tip, 1))
+    assert -slope / 2.0 == pytest.approx(radius, rel=1e-3)
+    # Behind first touch the pads are the same, within what the fit of their radii leaves.
+    behind = np.linspace(-8.0, 0.0, 30)
+    palms = [each.skin.middle - each.skin.heights(behind)[1] for each in (shape, plain)]
+    assert palms[0] == pytest.approx(palms[1], abs=0.1)
+    assert fitted_radii(patch_points(shape.skin)) == pytest.approx(radii(finger), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("radius", "message"),
+    [
+        (21.0, r"finger\.tip_radius: expected at most 20 mm, the radius of the pad along"),
+        (6.0, r"finger\.pad_radius: .*, or a smaller finger\.tip_radius"),
+        (0.5, r"finger\.skin\.thickness: expected less than some 0\.5 mm"),
+    ],
+)
+def test_a_tip_that_does_not_fit_the_finger_is_refused(radius: float, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        parametric(Recipe(14, 10, 14, tip_radius=radius))
+
+
 def test_a_bone_that_leaves_the_pulp_or_has_no_base_is_refused() -> None:
     finger = Recipe(14, 10, 14)
     with pytest.raises(InputError, match=r"finger\.tip_tissue: .* around the bone .* a larger"):

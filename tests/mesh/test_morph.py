@@ -24,6 +24,7 @@ NEW = {
     "narrow": Recipe(12.7, 9.7, 13.4, skin_thickness=0.8, resolution="coarse"),
     "thick skin": Recipe(16.4, 12.7, 17.5, skin_thickness=1.3, resolution="coarse"),
     "long bone": Recipe(14.0, 10.0, 17.14, resolution="coarse", tip_tissue=3.8),
+    "round tip": Recipe(14.0, 10.0, 14.0, resolution="coarse", tip_tissue=6.0, tip_radius=2.5),
     "along a plate": Recipe(13.2, 10.1, 14.0, resolution="coarse", touch=0.0),
 }
 

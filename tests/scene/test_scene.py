@@ -215,6 +215,7 @@ BAD_TABLES = [
     ({"finger": {"subject": "a.h.", "bone": "soft"}}, r"finger.bone: expected one of 'rigid'"),
     ({"finger": {"subject": "a.h.", "resolution": "finer"}}, r"Did you mean 'fine'\?"),
     ({"finger": {"subject": "a.h.", "tip_tissue": 0}}, r"finger.tip_tissue: .*above 0, received 0"),
+    ({"finger": {"subject": "a.h.", "tip_radius": 0}}, r"finger.tip_radius: .*above 0, received 0"),
     (skin(poisson=0.51), r"finger.skin.poisson: .*at most 0.5, received 0.51"),
     (skin(poisson=-0.1), r"finger.skin.poisson: .*at least 0 and at most 0.5, received -0.1"),
     (skin(modulus=0), r"finger.skin.modulus: .*kPa above 0, received 0"),

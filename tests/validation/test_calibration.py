@@ -7,13 +7,22 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
-from fefinger.validation.calibration import lever_figures, levers, report, subjects, suite, twin
+from fefinger.validation.calibration import (
+    lever_figures,
+    levers,
+    report,
+    subjects,
+    suite,
+    tip_shape,
+    twin,
+)
 from fefinger.validation.calibration import split as calibration_split
 from fefinger.validation.calibration.report import calibrated, rows
 
 from fefinger.calibration import pad_radius, targets
 from fefinger.calibration.outcome import line
 from fefinger.scene import library
+from fefinger.scene.finger import Finger
 from fefinger.scene.finger import Finger
 from fefinger.view import figures
 
@@ -26,7 +35,8 @@ def test_the_report_has_all_subjects_that_are_shipped():
     elastic = [name for name in library.TISSUE_SETS if not name.endswith(library.VISCOUS)]
     shipped = [name for name in elastic if name.startswith("calibrated_")]
     fitted = (*SUBJECTS, library.MEANS)  # the means have a report of their own
-    assert sorted(map(library.calibrated_name, fitted)) == sorted(shipped)
+    names = [*map(library.calibrated_name, fitted), library.ROUND]
+    assert sorted(names) == sorted(shipped)
 
 
 @pytest.mark.parametrize("subject", SUBJECTS)
@@ -91,6 +101,32 @@ def test_the_scatter_of_a_line_is_that_of_many_lines():
     lines = [line(wanted.force, wanted.stiffness + each) for each in noise]
     found = subjects.line_sd(wanted)
     assert found == pytest.approx(tuple(np.std(lines, axis=0)), rel=0.05)
+
+
+def test_the_set_with_a_round_tip_is_the_one_of_its_report():
+    row = tip_shape.of_report(tip_shape.ALL)
+    tissues = library.tissue_set(library.ROUND)
+    found = (tissues.subcutaneous.modulus, tissues.subcutaneous.exponent)
+    assert found == pytest.approx((row["modulus"], row["exponent"]), rel=1e-3)
+
+
+def test_the_steps_to_a_round_tip_end_at_the_shipped_finger():
+    last = [each for _, each in tip_shape.steps()][-1]
+    shipped = Finger.subject("a.h.", tissue=library.ROUND)
+    for name in ("pad_radius", "tip_tissue", "tip_radius", "width", "thickness"):
+        assert getattr(last, name) == getattr(shipped, name)
+    skin, pulp = shipped.skin, shipped.subcutaneous
+    assert (skin.modulus / pulp.modulus, skin.exponent / pulp.exponent) == pytest.approx(
+        library.ROUND_SKIN
+    )
+    assert last.skin.modulus / last.subcutaneous.modulus == pytest.approx(library.ROUND_SKIN[0])
+
+
+def test_the_speed_of_surface_waves_is_the_root_of_the_cubic_of_rayleigh():
+    # Incompressible: x^3 - 8 x^2 + 24 x - 16 = 0 with x = (Rayleigh / shear speed)^2.
+    roots = np.roots([1.0, -8.0, 24.0, -16.0])
+    x = float(roots[np.isreal(roots)].real.min())
+    assert tip_shape.speed(3.3, 1100.0) == pytest.approx(np.sqrt(x), rel=1e-4)
 
 
 def test_levers_in_the_finger_are_drawn_and_a_table_tells_what_each_would_change(monkeypatch):

@@ -16,7 +16,7 @@ from fefinger.calibration.calibrate import WIDER
 from fefinger.calibration.curve import Curve, family
 from fefinger.calibration.force import Forces, prony_of
 from fefinger.calibration.inverse import solve
-from fefinger.calibration.outcome import layer, line
+from fefinger.calibration.outcome import FitResult, layer, line
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import Press, press
@@ -106,20 +106,21 @@ def fingers(start: Finger) -> Iterator[tuple[str, Finger, Laws]]:
 
 def both(finger: Finger, exponent: float) -> Finger:
     """Return the finger with the exponent in both layers."""
-    return _layers(finger, exponent, exponent)
+    return layers(finger, exponent, exponent)
 
 
 def skin_alone(finger: Finger, exponent: float) -> Finger:
     """Return the finger with 2.5 times the exponent in its skin, the pulp hardly stiffening."""
-    return _layers(finger, 2.5 * exponent, LOW)
+    return layers(finger, 2.5 * exponent, LOW)
 
 
 def pulp_alone(finger: Finger, exponent: float) -> Finger:
     """Return the finger with the exponent in its pulp, the skin hardly stiffening."""
-    return _layers(finger, LOW, exponent)
+    return layers(finger, LOW, exponent)
 
 
-def _layers(finger: Finger, skin: float, pulp: float) -> Finger:
+def layers(finger: Finger, skin: float, pulp: float) -> Finger:
+    """Return the finger with an exponent in each layer."""
     return replace(
         finger, skin=layer(finger.skin, skin), subcutaneous=layer(finger.subcutaneous, pulp)
     )
@@ -131,23 +132,17 @@ def of_finger(name: str, finger: Finger, law: Laws) -> Fitted | None:
     Without a prior on the modulus. None where fewer than two of its presses are solved.
     """
     assert finger.subject_name is not None
-    wanted = targets.subject(finger.subject_name)
-    presses = dict(_pressed(finger, law))
-    if len(presses) < 2:
+    done = fit(finger, law)
+    if done is None:
         return None
-    curves = family(tuple(presses), finger.pad_radius, presses.__getitem__)
-    modulus = finger.subcutaneous.modulus
-    forces = Forces(wanted, curves, modulus, 1.0, finger.pad_radius)
-    free = [replace(each, prior=None) for each in forces.unknowns if not each.held]
-    solution = solve(forces.residual, free, forces.starts())
-    curve, factor = forces.curve(solution.values)
+    solution, curve, factor = done.solution, done.curve, done.factor
     prony = prony_of(solution.values)
     frames = pad.simulated(curve, factor, prony, heaviest=FORCE)
-    fit, last = pad.thesis_fit(frames), frames.pressure[-1]
-    m, b = _line(wanted, curve, factor, prony)
+    found, last = pad.thesis_fit(frames), frames.pressure[-1]
+    m, b = _line(targets.subject(finger.subject_name), curve, factor, prony)
     return Fitted(
         name,
-        *(fit.radius, fit.m, fit.c0_b, fit.error),
+        *(found.radius, found.m, found.c0_b, found.error),
         solution.values["modulus"],
         solution.values["exponent"],
         *(m, b, solution.misfit),
@@ -157,9 +152,28 @@ def of_finger(name: str, finger: Finger, law: Laws) -> Fitted | None:
     )
 
 
-def _pressed(finger: Finger, law: Laws) -> Iterator[tuple[float, Press]]:
+def fit(finger: Finger, law: Laws, exponents: tuple[float, ...] = EXPONENTS) -> FitResult | None:
+    """Fit modulus, exponent and relaxation of a finger to its subject, without a prior of E.
+
+    None where fewer than two of its presses are solved.
+    """
+    assert finger.subject_name is not None
+    presses = dict(_pressed(finger, law, exponents))
+    if len(presses) < 2:
+        return None
+    curves = family(tuple(presses), finger.pad_radius, presses.__getitem__)
+    wanted, modulus = targets.subject(finger.subject_name), finger.subcutaneous.modulus
+    forces = Forces(wanted, curves, modulus, 1.0, finger.pad_radius)
+    free = [replace(each, prior=None) for each in forces.unknowns if not each.held]
+    solution = solve(forces.residual, free, forces.starts())
+    return FitResult(solution, *forces.curve(solution.values))
+
+
+def _pressed(
+    finger: Finger, law: Laws, exponents: tuple[float, ...]
+) -> Iterator[tuple[float, Press]]:
     """Yield exponents and presses that are solved to SOLVED at least."""
-    for exponent in EXPONENTS:
+    for exponent in exponents:
         try:
             pressed = press(law(finger, exponent), "solid")
         except ConvergenceError:

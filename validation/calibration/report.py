@@ -1,4 +1,4 @@
-"""Read `reports/calibrated.json` and `calibration_levers.json`."""
+"""Read `reports/calibrated.json`, `calibration_levers.json` and `round-tip.json`."""
 
 import json
 from functools import cache
@@ -10,6 +10,7 @@ from fefinger.support.package_data import report
 
 
 LEVERS = "calibration_levers.json"
+ROUND_TIP = "round-tip.json"
 
 
 @cache
@@ -30,3 +31,10 @@ def levers() -> dict[str, Any]:
     """Read the causes of differences in R, m and c0 b, as `evidence.levers` measured them."""
     record: dict[str, Any] = json.loads(report(LEVERS))
     return record
+
+
+@cache
+def round_tip() -> list[dict[str, Any]]:
+    """Read the steps from the default finger of a.h. to the one with a round tip."""
+    rows: list[dict[str, Any]] = json.loads(report(ROUND_TIP))["rows"]
+    return rows

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.calibration import figures as calibration_figures
-from fefinger.validation.calibration import lever_figures, solid_twin, subjects, twin
+from fefinger.validation.calibration import lever_figures, solid_twin, subjects, tip_shape, twin
 from fefinger.validation.calibration.report import calibrated, rows
 from fefinger.validation.calibration.subjects import PRINTED
 from fefinger.validation.case import Case, Expected
@@ -106,6 +106,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         )
     for subject in rows():
         yield from subjects.cases(subject, quick=quick)
+    yield from tip_shape.cases(quick=quick)
 
 
 def _recovered(twin: str, measure: Callable[[], float], name: str, seeds: int) -> Case:
@@ -175,7 +176,7 @@ def finding() -> dict[str, Any]:
     """Return the tables of the calibrated subjects and of what moves what is found."""
     if not rows():
         return {}
-    return {"tables": [calibration_figures.table(), *lever_figures.tables()]}
+    return {"tables": [calibration_figures.table(), *lever_figures.tables(), tip_shape.table()]}
 
 
 def figures() -> Iterator[tuple[str, Any]]:

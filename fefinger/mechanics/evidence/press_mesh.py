@@ -176,7 +176,7 @@ def stiffening(finger: Finger) -> bool:
         bool(subject(finger))
         and (finger.skin, finger.subcutaneous) == (tissues.skin, tissues.subcutaneous)
         and finger.surface is None
-        and finger.tip_tissue is None
+        and (finger.tip_tissue, finger.tip_radius) == (None, None)
         and finger.relaxation == "whole"
         and (finger.bone, finger.nail, finger.cut) == HELD
     )

@@ -137,7 +137,7 @@ def measured_tissue(finger: Finger) -> bool:
     share = (finger.skin.thickness or 0.0) / finger.thickness
     return (
         finger.surface is None
-        and finger.tip_tissue is None
+        and (finger.tip_tissue, finger.tip_radius) == (None, None)
         and thin / CONTRAST <= share <= thick * CONTRAST
         and max(contrast, 1 / contrast) <= CONTRAST
         and all(abs(x.poisson - value) <= POISSON for x, value in zip(layers, nu, strict=True))

@@ -1,0 +1,269 @@
+"""Shape of the finger of a.h.: from the flat pad of its default set to a round tip, step by step.
+
+After each step modulus and exponent are fitted to the force of Table 2.1 again; then a press tells
+what the array would show, where a plate presses hardest, and how fast waves are.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from fefinger.validation.calibration import levers
+from fefinger.validation.calibration.report import ROUND_TIP, round_tip
+from fefinger.validation.case import Case, Expected
+
+from fefinger.calibration import pad_radius as pad
+from fefinger.calibration import slow_press, targets
+from fefinger.calibration.curve import curve
+from fefinger.calibration.force import prony_of, stiffness
+from fefinger.mechanics import solid
+from fefinger.results import pressure
+from fefinger.scene import library
+from fefinger.scene.finger import Finger
+
+
+SUBJECT = "a.h."
+
+BEFORE, AFTER = library.calibrated_name(SUBJECT), library.ROUND
+"""Tissue sets that are compared."""
+
+EXPONENTS = (2.0, 3.0, 4.0)
+"""Exponents of the pulp at which the fingers are pressed for the fit."""
+
+FITTED = 8
+"""Fitted parameters: modulus, exponent, three weights and three rates."""
+
+DEPTH = 1.5
+"""mm, the depth of flat-press."""
+
+RAYLEIGH = 0.9553
+"""Speed of Rayleigh waves over that of shear waves, incompressible."""
+
+CENTRAL = 1.0
+"""Distance in mm from the center of pressure up to which a highest pressure counts as central."""
+
+EDGE = (
+    "The flat pad takes up the height of the finger, which then turns to its tip within 14 degrees "
+    "of slope: the contact reaches this edge, and skin is squeezed there between plate and nail."
+)
+CAPTION = (
+    "From the shipped finger of a.h. to one with a round tip, each step on top of those before, "
+    "modulus and exponent refitted to the force of Table 2.1. R is what the thesis's fit finds in "
+    "simulated frames to 2.3 N, or to the end of the press (printed: 14 mm). Pressure, place "
+    "and area are those of relaxed tissue under the plate at 30 degrees at 1.5 mm. The printed pad "
+    "radius and the round tip bring the pressure to the middle, but make it too narrow; a shorter "
+    "bone, and skin that is stiffer and stiffens more than the pulp, widen it again."
+)
+MIDDLE = "a mean over 1 mm² on facets of 0.4 to 0.8 mm"
+WAVES = "Manfredi et al. 2012, as in suite `human`"
+ALL = "all of these"
+"""Step of the finger that set AFTER is of."""
+PULP = "The force of the subject at light touch fixes the modulus of the pulp."
+
+
+@dataclass(frozen=True)
+class Figures:
+    """A finger of a.h. with its tissue, and what it shows.
+
+    modulus kPa and exponent of the pulp; misfit: of stiffness and relaxation, 1 where it is the
+    scatter of the data; radius mm: R of the thesis's fit to frames up to `heaviest` N; of the
+    relaxed press at DEPTH: force N, area mm², highest pressure kPa over 1 mm² and off_center mm,
+    its distance from the center of pressure; instantaneous speeds m/s of surface waves in the bulk of skin and pulp.
+    """
+
+    step: str
+    resolution: str
+    modulus: float
+    exponent: float
+    misfit: float
+    radius: float
+    heaviest: float
+    force: float
+    area: float
+    highest: float
+    off_center: float
+    skin_speed: float
+    pulp_speed: float
+
+
+def steps() -> Iterator[tuple[str, Finger]]:
+    """Yield the steps and their fingers of published tissue: each step keeps those before it."""
+    one = Finger.subject(SUBJECT, resolution="coarse", tissue=library.PUBLISHED)
+    new = Finger.subject(SUBJECT, tissue=AFTER)
+    flat = Finger.subject(SUBJECT, tissue=BEFORE).pad_radius
+    yield f"flat pad of {flat:g} mm, refitted", replace(one, pad_radius=flat)
+    yield f"pad radius of Table 3.2, {new.pad_radius:g} mm", one
+    one = replace(one, tip_radius=new.tip_radius)
+    yield f"and a tip of radius {new.tip_radius:g} mm", one
+    one = replace(one, tip_tissue=new.tip_tissue)
+    yield f"and the bone {new.tip_tissue:g} mm before the tip", one
+    ratio = library.ROUND_SKIN[0]
+    stiff = replace(one.skin, modulus=ratio * one.subcutaneous.modulus)
+    yield f"and skin {ratio:g} times as stiff as pulp", replace(one, skin=stiff)
+
+
+def law(finger: Finger, exponent: float) -> Finger:
+    """Return the finger with the exponent in its pulp, and a larger one in its skin."""
+    return levers.layers(finger, library.ROUND_SKIN[1] * exponent, exponent)
+
+
+def refitted(finger: Finger, law: levers.Laws) -> Finger:
+    """Return the finger with modulus, exponent and relaxation fitted to Table 2.1."""
+    found = levers.fit(finger, law, EXPONENTS)
+    if found is None:
+        raise ValueError(f"{finger.resolution}: expected two presses or more, received fewer")
+    values = found.solution.values
+    scale = values["modulus"] / finger.subcutaneous.modulus
+    one = law(finger, values["exponent"])
+    skin, pulp = (
+        replace(each, modulus=scale * each.modulus) for each in (one.skin, one.subcutaneous)
+    )
+    return replace(one, skin=skin, subcutaneous=pulp, prony=prony_of(values))
+
+
+def figures(step: str, finger: Finger) -> Figures:
+    """Press a finger whose tissue is fitted."""
+    wanted, prony = targets.subject(SUBJECT), finger.prony
+    one, _ = curve(slow_press.press(finger, "solid"))
+    fitted = stiffness(one, 1.0, prony, wanted.force)
+    rest = [
+        (fitted - wanted.stiffness) / wanted.stiffness_sd,
+        (prony.relaxation(wanted.time) - wanted.relaxation) / wanted.relaxation_sd,
+    ]
+    scene = slow_press.pressed(finger, DEPTH / finger.thickness)
+    response = solid.respond(scene)
+    assert response.pad is not None
+    assert response.pressure is not None
+    assert response.contact_area is not None
+    loads = response.pressure[-1] * response.pad.areas
+    highest, place = pressure.highest(response.pad, response.pressure[-1:])
+    center = loads @ response.pad.points / loads.sum()
+    skin, pulp = finger.skin, finger.subcutaneous
+    return Figures(
+        step,
+        finger.mesh,
+        pulp.modulus,
+        pulp.exponent or 0.0,
+        float(sum(each @ each for each in rest)) / (sum(map(len, rest)) - FITTED),
+        pad.thesis_fit(pad.simulated(one, 1.0, prony)).radius,
+        min(pad.heaviest(one, 1.0, prony), pad.HEAVIEST),
+        float(response.force[-1]),
+        float(response.contact_area[-1]),
+        highest,
+        float(np.linalg.norm(place - center)),
+        *(speed(each.modulus / prony.long_time, each.density) for each in (skin, pulp)),
+    )
+
+
+def speed(modulus: float, density: float) -> float:
+    """Return the speed in m/s of Rayleigh waves at a modulus in kPa, incompressible."""
+    return RAYLEIGH * math.sqrt(1e3 * modulus / 3 / density)
+
+
+def shipped(tissue: str, resolution: str = "coarse") -> Figures:
+    """Return the figures of a.h. with a shipped set."""
+    return figures(tissue, Finger.subject(SUBJECT, tissue=tissue, resolution=resolution))
+
+
+def measured() -> list[dict[str, Any]]:
+    """Measure all steps on the coarse mesh, and the last one on the standard mesh too."""
+    rows = [shipped(BEFORE, resolution) for resolution in ("coarse", "standard")]
+    trials = [(name, finger, levers.both) for name, finger in steps()]
+    last = trials[-1][1]
+    trials.append((f"and {library.ROUND_SKIN[1]:g} times its exponent", last, law))
+    trials.append((ALL, replace(last, resolution="standard"), law))
+    rows += [figures(step, refitted(finger, of)) for step, finger, of in trials]
+    return [asdict(row) for row in rows]
+
+
+def cases(*, quick: bool) -> Iterator[Case]:
+    """Yield the cases of both sets by the report; without `quick`, of a new press of AFTER too."""
+    before, after = of_report(BEFORE), of_report(ALL)
+    source = f"Tables 2.1 and 3.2, by reports/{ROUND_TIP}"
+    for name, row in ((BEFORE, before), (AFTER, after)):
+        yield Case(
+            f"a.h., {name}: misfit of stiffness and relaxation",
+            partial(row.__getitem__, "misfit"),
+            Expected(0.0, 0.05, "1"),
+            source,
+            reason="1 is the scatter of the data; both fits are far below",
+        )
+        yield Case(
+            f"a.h., {name}: R that the thesis's fit finds",
+            partial(row.__getitem__, "radius"),
+            Expected(pad.printed(SUBJECT).radius, 0.5, "mm"),
+            source,
+            reason="rounding of a printed R",
+        )
+    yield Case(
+        f"a.h., {BEFORE}: distance of the highest pressure from the center, flat-press",
+        partial(before.__getitem__, "off_center"),
+        Expected(before["off_center"], CENTRAL, "mm"),
+        source,
+        wanted=0.0,
+        shortfall=EDGE,
+        reason=MIDDLE,
+    )
+    yield _central("the report", partial(after.__getitem__, "off_center"))
+    yield from _waves(after)
+    if not quick:
+        yield _central("a new press, coarse mesh", lambda: shipped(AFTER).off_center)
+
+
+def of_report(step: str) -> dict[str, Any]:
+    """Return the figures of a step on the standard mesh."""
+    rows = [row for row in round_tip() if (row["step"], row["resolution"]) == (step, "standard")]
+    return rows[0]
+
+
+def _central(by: str, measure: Callable[[], float]) -> Case:
+    return Case(
+        f"a.h., {AFTER}: distance of the highest pressure from the center, flat-press, {by}",
+        measure,
+        Expected(0.0, CENTRAL, "mm"),
+        "Figures 3-3 to 3-6: one peak in the middle",
+        reason=MIDDLE,
+    )
+
+
+def _waves(row: dict[str, Any]) -> Iterator[Case]:
+    """Yield the speeds of surface waves by the moduli of set AFTER."""
+    yield Case(
+        f"a.h., {AFTER}: surface wave speed by the instantaneous modulus of skin",
+        partial(row.__getitem__, "skin_speed"),
+        Expected(7.0, 1.4, "m/s"),
+        WAVES,
+        reason="scatter of subjects and bands",
+    )
+    yield Case(
+        f"a.h., {AFTER}: surface wave speed by the instantaneous modulus of pulp",
+        partial(row.__getitem__, "pulp_speed"),
+        Expected(row["pulp_speed"], 0.01, "m/s"),
+        WAVES,
+        wanted=7.0,
+        shortfall=PULP,
+        reason="as found",
+    )
+
+
+def table() -> dict[str, Any]:
+    """Return the table of the steps."""
+    heads = (
+        *("finger of a.h.", "mesh", "E of pulp in kPa", "its exponent", "misfit", "R in mm"),
+        *("highest pressure in kPa", "its distance from the center in mm", "area in mm²"),
+        "waves in skin, pulp in m/s",
+    )
+    keys = (*("modulus", "exponent", "misfit", "radius", "highest", "off_center", "area"),)
+    cells = [
+        [
+            row["step"],
+            row["resolution"],
+            *(f"{row[key]:.3g}" for key in keys),
+            f"{row['skin_speed']:.2g}, {row['pulp_speed']:.2g}",
+        ]
+        for row in round_tip()
+    ]
+    return {"caption": CAPTION, "heading": heads, "rows": cells}
