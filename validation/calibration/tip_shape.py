@@ -71,7 +71,8 @@ class Figures:
     modulus kPa and exponent of the pulp; misfit: of stiffness and relaxation, 1 where it is the
     scatter of the data; radius mm: R of the thesis's fit to frames up to `heaviest` N; of the
     relaxed press at DEPTH: force N, area mm², highest pressure kPa over 1 mm² and off_center mm,
-    its distance from the center of pressure; instantaneous speeds m/s of surface waves in the bulk of skin and pulp.
+    its distance from the center of pressure; instantaneous speeds m/s of surface waves in the bulk
+    of skin and pulp.
     """
 
     step: str
