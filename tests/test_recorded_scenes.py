@@ -41,15 +41,15 @@ def test_a_scene_says_its_family_and_keeps_it_in_toml():
 
 
 @pytest.mark.parametrize(
-    ("options", "field"),
+    ("options", "field", "value"),
     [
-        ({"drives": {"SAI": "energy"}}, "ask.drives"),
-        ({"generator": "linear"}, "ask.generator"),
-        ({"population": ff.Scatter(rule="first")}, "ask.population.rule"),
+        ({"drives": {"SAI": "energy"}}, "ask.drives", "'energy'"),
+        ({"generator": "linear"}, "ask.generator", "'linear'"),
+        ({"population": ff.Scatter(rule="first")}, "ask.population.rule", "'first'"),
     ],
 )
-def test_choices_of_the_thesis_alone_are_refused(options, field):
-    with pytest.raises(InputError, match=f"{field}: expected the default"):
+def test_choices_of_the_thesis_alone_are_refused(options, field, value):
+    with pytest.raises(InputError, match=f"{field}: expected the default .* received .*{value}"):
         ff.Ask(spikes=("SAI",), afferents="recorded", **options)
     ff.Ask(spikes=("SAI",), afferents="thesis", **options)
 

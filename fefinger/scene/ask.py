@@ -112,15 +112,18 @@ class Ask:
 
 def _check_recorded(drives: Mapping[str, Any], generator: str, population: Layout | None) -> None:
     """Refuse choices that the family `recorded` does not have."""
-    given = {"ask.drives": drives, "ask.generator": generator != GENERATORS[0]}
-    if population is not None:
-        given["ask.population.rule"] = population.rule not in (None, *RECORDED_RULES)
-    for name, value in given.items():
-        if value:
+    rule = None if population is None else population.rule
+    refused = {
+        "ask.drives": (drives, bool(drives)),
+        "ask.generator": (generator, generator != GENERATORS[0]),
+        "ask.population.rule": (rule, rule not in (None, *RECORDED_RULES)),
+    }
+    for name, (value, wrong) in refused.items():
+        if wrong:
             raise InputError(
                 f"{name}: expected the default for afferents = 'recorded', whose parameters were "
-                f"fitted with it, received {value if name == 'ask.drives' else 'another'}; leave "
-                "it out, or set ask.afferents to 'thesis'"
+                f"fitted with it, received {value!r}; leave it out, or set ask.afferents to "
+                "'thesis'"
             )
 
 
