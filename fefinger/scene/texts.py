@@ -207,10 +207,9 @@ class Letters(Text):
         font = FontProperties(family=FONT)
         has = get_font(findfont(font)).get_charmap()
         lacking = "".join(dict.fromkeys(each for each in self.text if ord(each) not in has))
-        vertices, codes = text_to_path.get_text_path(font, self.text, ismath=False)
-        drawn = Path(np.asarray(vertices), codes).to_polygons()
+        points, codes = text_to_path.get_text_path(font, self.text, ismath=False)
         scale = self.size / (CAPITAL * text_to_path.FONT_SCALE)
-        outlines = [np.asarray(each) * scale for each in drawn]
+        outlines = [np.asarray(each) * scale for each in Path(points, codes).to_polygons()]
         if lacking or not outlines:
             msg = f"indenter.text: expected characters that {FONT} draws, received "
             raise InputError(msg + repr(lacking or self.text))
