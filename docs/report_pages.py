@@ -19,9 +19,8 @@ def link(app, document):
 
 
 def copy(app, exception):
-    """Copy the pages of the reports."""
+    """Copy the reports: pages, and the data that they link to."""
     if exception is None and app.builder.format == "html":
+        unwanted = shutil.ignore_patterns("*.py", "__pycache__")
         place = Path(app.outdir, "reports")
-        place.mkdir(exist_ok=True)
-        for page in REPORTS.glob("*.html"):
-            shutil.copy(page, place)
+        shutil.copytree(REPORTS, place, ignore=unwanted, dirs_exist_ok=True)

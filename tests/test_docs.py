@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import fefinger
 from fefinger.commands.cli import cli
 from fefinger.mechanics import names as mechanics
 from fefinger.scene import builtin
@@ -50,6 +51,13 @@ def test_a_public_name_that_is_not_listed_is_reported(generate, tmp_path):
     (tmp_path / "api.md").write_text(text.replace("   Sphere\n", ""), encoding="utf-8")
     with pytest.raises(ValueError, match="'Sphere'"):
         generate.check_api(tmp_path)
+
+
+def test_the_package_names_only_what_is_public_in_its_help():
+    table = fefinger.__doc__[fefinger.__doc__.index("answer  ") :].partition("\n\n")[0]
+    named = set(re.findall(r"\b(?:[A-Z][a-z]+)+\b", table))
+    assert len(named) > 25
+    assert named <= set(fefinger.__all__)
 
 
 def test_every_extra_and_every_command_is_described(generate):

@@ -444,7 +444,7 @@ def test_a_machine_that_is_slower_is_expected_to_take_longer(monkeypatch):
     monkeypatch.setattr(machine, "kept", lambda: 3 * machine.REPORTED)
     after = {name: get(name).cost(Situation.of(ask)) for name in mechanics.names()}
     assert after == pytest.approx({name: 3 * cost for name, cost in before.items()})
-    assert "takes 0.2 s for a piece of work that took 0.068 s" in machine.sentence()
+    assert "this machine, 0.33 times as fast as that of the reports" in machine.sentence()
 
 
 def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):

@@ -111,8 +111,8 @@ def sentence() -> str:
         where = f"measured again every time, as {kept_path()} cannot be written: "
         where += _unkept["reason"]
     return (
-        f"Times are for this machine, which takes {here:.2g} s for a piece of work that took "
-        f"{REPORTED:.2g} s on the machine of the reports ({where})."
+        f"Times are for this machine, {REPORTED / here:.2g} times as fast as that of the reports "
+        f"({where})."
     )
 
 
