@@ -23,7 +23,6 @@ from fefinger.calibration import pad_radius, targets
 from fefinger.calibration.outcome import line
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
-from fefinger.scene.finger import Finger
 from fefinger.view import figures
 
 
