@@ -14,6 +14,7 @@ import numpy as np
 from fefinger.validation.calibration import levers
 from fefinger.validation.calibration.report import ROUND_TIP, round_tip
 from fefinger.validation.case import Case, Expected
+from fefinger.validation.human.suite import MANFREDI, RAYLEIGH
 
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import slow_press, targets
@@ -39,9 +40,6 @@ FITTED = 8
 DEPTH = 1.5
 """mm, the depth of flat-press."""
 
-RAYLEIGH = 0.9553
-"""Speed of Rayleigh waves over that of shear waves, incompressible."""
-
 CENTRAL = 1.0
 """Distance in mm from the center of pressure up to which a highest pressure counts as central."""
 
@@ -58,7 +56,6 @@ CAPTION = (
     "bone, and skin that is stiffer and stiffens more than the pulp, widen it again."
 )
 MIDDLE = "a mean over 1 mm² on facets of 0.4 to 0.8 mm"
-WAVES = "Manfredi et al. 2012, as in suite `human`"
 ALL = "all of these"
 """Step of the finger that set AFTER is of."""
 PULP = "The force of the subject at light touch fixes the modulus of the pulp."
@@ -236,14 +233,14 @@ def _waves(row: dict[str, Any]) -> Iterator[Case]:
         f"a.h., {AFTER}: surface wave speed by the instantaneous modulus of skin",
         partial(row.__getitem__, "skin_speed"),
         Expected(7.0, 1.4, "m/s"),
-        WAVES,
+        MANFREDI,
         reason="scatter of subjects and bands",
     )
     yield Case(
         f"a.h., {AFTER}: surface wave speed by the instantaneous modulus of pulp",
         partial(row.__getitem__, "pulp_speed"),
         Expected(row["pulp_speed"], 0.01, "m/s"),
-        WAVES,
+        MANFREDI,
         wanted=7.0,
         shortfall=PULP,
         reason="as found",
