@@ -123,7 +123,7 @@ def _loops() -> Iterator[Case]:
     )
     yield Case(
         "time against frequency on a finger at 200 Hz: force in 60 steps per cycle",
-        partial(loops.finger_difference, 60),
+        partial(loops.finger_error, 60),
         Expected.between(0.0, 3e-3, "1"),
         "the same modes in closed form",
     )
