@@ -13,7 +13,7 @@ from types import ModuleType
 from fefinger.mechanics import condensed, pressed
 from fefinger.mechanics.evidence import small_strain_cost, vibration
 from fefinger.mechanics.press.notes import sideways, stiffens, yielding
-from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.refusals import refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
@@ -38,17 +38,16 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     if any(refusal.about == "ability" for refusal in shared):
         return shared
     unable = [*yielding(case.finger), *sideways(case.motion, case.indenter)]
-    return refusals(name, "ability", unable) + shared + refusals(name, "accuracy", _doubts(case))
+    return (
+        refusals(name, "ability", unable)
+        + shared
+        + refusals(name, "accuracy", vibration.doubts(case))
+    )
 
 
 def _base(finger: Finger) -> ModuleType:
     """Return the mechanics that answers without inertia."""
     return pressed if stiffens(finger) else condensed
-
-
-def _doubts(case: Situation) -> list[Doubt]:
-    """Return the doubts about a motion with frequencies beyond the computed modes."""
-    return vibration.doubts(case)
 
 
 def cost(case: Situation) -> float:

@@ -40,6 +40,9 @@ ROUNDING = 1e-9
 VIBRATES = Slope(float("nan"), 0, "none: the motion vibrates, see dynamic_stiffness_N_per_mm")
 """Stiffness in the wave of a motion, where loading and unloading alternate."""
 
+OPENS = "none: contact opens in the last cycles of the vibration, or no cycle is whole"
+"""Why a vibration has no dynamic stiffness."""
+
 READINGS = "readings_kPa"
 """Column of the array's readings, element by element; a list, which tables leave out."""
 
@@ -116,12 +119,14 @@ def _row(
     return row
 
 
-def _oscillation(result: Result) -> dict[str, float]:
-    """Make the columns of a vibration; {} without one."""
+def _oscillation(result: Result) -> dict[str, Any]:
+    """Make the columns of a vibration, or say why it has none; {} without one."""
     motion, force = result.scene.motion, result.response.force
     ratio = dynamic_stiffness(motion, result.time, result.depth, force)
-    if ratio is None:
+    if motion.trajectory.wave is None:
         return {}
+    if ratio is None:
+        return {"stiffness_note": OPENS}
     return {
         "dynamic_stiffness_N_per_mm": abs(ratio),
         "phase_deg": float(np.degrees(np.angle(ratio))),

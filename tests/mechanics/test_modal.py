@@ -16,9 +16,11 @@ from fefinger.mechanics import condensed, modal, pressed
 from fefinger.mechanics.evidence import vibration
 from fefinger.mechanics.press.modal_steps import RINGING, modal_grid
 from fefinger.mechanics.press.mode_cache import COUNT
+from fefinger.mechanics.press.placement import obstacle
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import builtin
 from fefinger.scene.inertia import coarse_samples
+from fefinger.studies.oscillation import dynamic_stiffness
 from fefinger.support.checks import InputError
 
 
@@ -202,6 +204,13 @@ def test_a_slow_oscillation_strains_as_the_relaxed_finger_does_between_two_depth
     strain = loop.harmonic([1e-4], depth=middle).strain[0]
     assert strain.real == pytest.approx(slope, abs=2e-3 * np.abs(slope).max())
     assert np.abs(strain.imag).max() < 2e-3 * np.abs(slope).max()
+
+
+def test_the_skin_under_the_plate_moves_with_it(loop: ff.Modal) -> None:
+    axis = obstacle(loop.indenter, loop.vibrating.solid).axis
+    found = loop.harmonic([0.1, 100.0], depth=0.8)
+    middle = np.argmin(np.linalg.norm(found.skin_points, axis=1))
+    assert found.skin[:, middle] @ axis == pytest.approx([1.0, 1.0], abs=0.02)
 
 
 def test_a_preload_is_answered_alike_after_any_other(loop: ff.Modal) -> None:
@@ -461,3 +470,17 @@ def test_stiffening_tissue_vibrates_as_solid_linearized_about_its_preload() -> N
     exact = prepared.exact(finger, frequency)
     assert prepared.linear(finger, frequency, share) == pytest.approx(exact, rel=0.05)
     assert sum(prepared.statics) == pytest.approx(prepared.secant(1e-3), rel=1e-4)
+    frequency = np.array([200.0])
+    exact, still = prepared.exact(finger, frequency)[0], prepared.still(finger, frequency)[0]
+    # Smaller and larger than the distance of the depths between which the press is tabulated.
+    for amplitude in (0.001, 0.03):
+        motion = ff.RampSinusoid(20, 1.0, amplitude=amplitude, frequency=200, cycles=8, settle=100)
+        ask = ff.Ask(pressure=False, strain=False, fields=False)
+        vibrating = ff.Scene(finger=finger, motion=motion, ask=ask)
+        errors = {}
+        for mechanics in (modal, pressed):
+            answer = mechanics.respond(vibrating)
+            found = dynamic_stiffness(motion, answer.time, answer.depth, answer.force)
+            errors[mechanics] = abs((found - exact) / still)
+        stated = vibration.vibration_error(Situation.of(vibrating))
+        assert errors[modal] < stated < errors[pressed]

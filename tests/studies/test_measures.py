@@ -147,3 +147,13 @@ def test_a_population_tells_the_seed_that_its_places_are_drawn_from():
     ask = ff.Ask(spikes=("SAI",), population=layout, fields=False)
     scene = ff.Scene(finger=FINGER, motion=ff.RampHold(20, 0.4, hold=0.02), ask=ask)
     assert [row["seed"] for row in rows(run(scene, mechanics="hertz"))] == [3, 3]
+
+
+@pytest.mark.parametrize(("amplitude", "closed"), [(0.02, True), (0.45, False)])
+def test_a_vibration_has_a_dynamic_stiffness_or_says_that_contact_opens(amplitude, closed):
+    motion = ff.RampSinusoid(20, 0.3, amplitude=amplitude, frequency=20, cycles=4, settle=0.1)
+    ask = ff.Ask(pressure=False, strain=False, fields=False)
+    scene = ff.Scene(finger=ff.Finger.subject("a.h."), motion=motion, ask=ask)
+    last = next(row for row in rows(run(scene, mechanics="lumped")) if row["at"] == "end")
+    assert ("dynamic_stiffness_N_per_mm" in last) is closed
+    assert ("contact opens" in last["stiffness_note"]) is not closed

@@ -23,6 +23,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motions import FrequencySweep, RampSinusoid
 from fefinger.scene.scene import Scene
+from fefinger.studies.oscillation import dynamic_stiffness
 from fefinger.support.arrays import Array
 
 
@@ -31,6 +32,9 @@ VISCOUS = "maeno1998_viscous"
 MANY = 900  # modes of the reference
 HELD_OUT_PART = 0.08
 """Preload over the thickness at which the stated errors of stiffening tissue are tried."""
+
+LONG = 100.0
+"""s of rest in which the tissue relaxes at the preload."""
 
 SLOW = 20.0
 """Hz at which inertia changes nothing."""
@@ -147,6 +151,31 @@ def through_time() -> Noted:
         f"{100 * with_share:.2g} % of {100 * stated:.2g} %; `pressed` alone {100 * without:.2g} %"
     )
     return Noted(abs(with_share) / stated, text)
+
+
+def vibration_through_time() -> Noted:
+    """Return the error of vibrations through time over what is stated, with viscous relaxation."""
+    prepared = preloaded(HELD_OUT_PART)
+    finger = preload.viscous(prepared.press.finger)
+    ask = Ask(pressure=False, strain=False, fields=False)
+    shares, parts = [], []
+    for frequency in (100.0, 200.0, 300.0):
+        motion = RampSinusoid(
+            *(20.0, prepared.depth), amplitude=0.005, frequency=frequency, cycles=12, settle=LONG
+        )
+        scene, at = Scene(finger=finger, motion=motion, ask=ask), np.array([frequency])
+        exact, still = prepared.exact(finger, at)[0], prepared.still(finger, at)[0]
+        stated, errors = vibration.vibration_error(Situation.of(scene)), []
+        for mechanics in (modal, pressed):
+            answer = mechanics.respond(scene)
+            found = dynamic_stiffness(motion, answer.time, answer.depth, answer.force)
+            errors.append(np.inf if found is None else float(abs((found - exact) / still)))
+        shares.append(errors[0] / stated)
+        parts.append(
+            f"{100 * errors[0]:.2g} % of {100 * stated:.2g} % at {frequency:g} Hz "
+            f"(`pressed` {100 * errors[1]:.2g} %)"
+        )
+    return Noted(max(shares), ", ".join(parts))
 
 
 def _stated(finger: Finger, depth: float, frequency: float) -> float:

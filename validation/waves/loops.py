@@ -119,11 +119,6 @@ def finger_error(steps: int, frequency: float = 200.0) -> float:
     return float(abs(amplitude(forces, dt, frequency, 4) / small / exact - 1))
 
 
-def finger_difference(steps: int) -> float:
-    """Return the relative error of the force on a finger at 200 Hz."""
-    return finger_error(steps)
-
-
 def finger_order() -> float:
     """Return the order of that error in the length of the step."""
     return float(np.log2(finger_error(60) / finger_error(120)))

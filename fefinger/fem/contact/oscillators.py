@@ -52,15 +52,6 @@ class Oscillators:
             residues=self.residues[chosen],
         )
 
-    def followed_by(self, more: "Oscillators") -> "Oscillators":
-        """Return these modes and those of `more`, of the same relaxation."""
-        return replace(
-            self,
-            squares=np.concatenate([self.squares, more.squares]),
-            poles=np.concatenate([self.poles, more.poles]),
-            residues=np.concatenate([self.residues, more.residues]),
-        )
-
     @classmethod
     def of(cls, squares: Array, weights: Array, rates: Array) -> "Oscillators":
         """Compute the poles of modes under a relaxation function.

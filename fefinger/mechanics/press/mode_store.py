@@ -19,7 +19,7 @@ from fefinger.mechanics.press.mode_cache import COUNT, folder, identity_of
 from fefinger.scene.finger import Finger
 from fefinger.support import cache
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.checks import ConvergenceError
 
 
 PER_CUBIC_METER = 1e-9
@@ -64,16 +64,6 @@ class FingerModes:
                 half[: len(shapes)] = shapes[:, here] @ amplitudes[:, there].T
             total += (unfold @ half)[:size]
         return total
-
-    def shape(self, number: int, size: int) -> Array:
-        """Displacement (size,) of a mode on the unknowns of the body, without the mean stress."""
-        for numbers, shapes, unfold in self.parts:
-            place = np.flatnonzero(numbers == number)
-            if len(place):
-                half = np.zeros(unfold.shape[1])
-                half[: len(shapes)] = shapes[:, place[0]]
-                return np.asarray((unfold @ half)[:size])
-        raise InputError(f"mode: expected a number below {len(self.squares)}, received {number}")
 
 
 def finger_modes(

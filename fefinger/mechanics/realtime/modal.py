@@ -228,9 +228,9 @@ class Modal:
             raise InputError(f"mode: expected a number from 0 to {last}, received {which!r}")
         frames = int(number("frames", frames, at_least=1))
         solid, mesh = self._still.solid, load_or_build(self.finger, half=self._still.solid.half)
-        moved = np.zeros(solid.space.n_unknowns)
-        moved[: solid.space.n_displacements] = self.modes.shape(which, solid.space.n_displacements)
-        moved /= np.linalg.norm(moved[: solid.space.n_displacements].reshape(-1, 3), axis=1).max()
+        size, moved = solid.space.n_displacements, np.zeros(solid.space.n_unknowns)
+        moved[:size] = self.modes.combined(size, np.array([which]), np.ones((1, 1)))[:, 0]
+        moved /= np.linalg.norm(moved[:size].reshape(-1, 3), axis=1).max()
         swing = np.cos(2 * np.pi * np.arange(frames) / frames)
         strain = (strain_at_vertices(solid.space) @ moved).reshape(-1, 6)
         shown = moved[: 3 * len(solid.original)].reshape(-1, 3)
