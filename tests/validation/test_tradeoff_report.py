@@ -11,7 +11,7 @@ import pytest
 from fefinger.validation.tradeoff import scenes as tradeoff_scenes
 from fefinger.validation.tradeoff import suite
 from fefinger.validation.tradeoff.held_out import REPORT as HELD_OUT
-from fefinger.validation.tradeoff.held_out import developed, summary
+from fefinger.validation.tradeoff.held_out import summary
 
 from fefinger import plan
 from fefinger.mechanics.evidence.table import read
@@ -56,17 +56,10 @@ def test_the_summary_is_that_of_the_held_out_scenes_of_the_report():
     assert held["summary"]["scenes"] + held["development"]["summary"]["scenes"] >= 50
 
 
-def test_the_scenes_of_development_are_judged_by_the_rules_of_today():
-    known = read(HELD_OUT)["development"]
-    again = developed({"development": known})["summary"]
-    for name in ("scenes", "answered", "tolerance_met", "stated_kept"):
-        assert again[name] == known["summary"][name]
-
-
 def test_the_planner_states_today_what_the_report_says_that_it_states():
     held, drawn = read(HELD_OUT)["scenes"], tradeoff_scenes.held_out()
     assert held.keys() <= drawn.keys()
-    for key in list(held)[::6]:
+    for key in list(held)[::3]:
         stated = {rung.candidate.label: rung for rung in plan.rungs(drawn[key])}
         for name, row in held[key]["candidates"].items():
             told = {"force": stated[name].error, **stated[name].errors}

@@ -39,7 +39,7 @@ def test_no_finger_refuses_two_millimeters_at_any_angle(subject: str, tissue: st
         assert proximal_cut.reached("linear", Situation.of(scene)) == ()
 
 
-@pytest.mark.parametrize("subject", ["d.p.", "p.w."])
+@pytest.mark.parametrize("subject", ["p.w."])
 def test_a_press_that_reached_the_cut_is_answered_on_the_continued_finger(subject: str) -> None:
     """2 mm, where the cut is 0.3 and 0.8 mm away from the plate."""
     scene = pressed(subject, 2.0)
