@@ -1,14 +1,16 @@
 """From a scene to its result: plan, mechanics, spikes.
 
-plan.choose           which mechanics answers, and on which mesh
+plan.choose           which mechanics answers, and on which mesh, by the errors and costs that
+                      `mechanics/evidence/` states from `reports/`
 mesh/store.py         the mesh: shipped, cached, or made by `mesh/build.py`
-mechanics/            `respond` of the chosen one: force, pressure, strain. condensed, linear and
-                      solid go on to `mechanics/press/`, whose `__init__` lists the parts:
+mechanics/            `respond` of the chosen one: force, pressure, strain. All but the law `lumped`
+                      go on to `mechanics/press/`, whose `__init__` lists the parts:
                       problem.Press (mesh, body, obstacle, end organs), small_strain, finite_strain
-fem/                  the contact, solved in `fem/contact/step_compiled.py` at small strain and in
-                      `fem/hyperelastic/newton.py` at finite strain; the strain at the end organs,
-                      read from the displacements in `fem/elements/recovery.py`
-afferents.fire        the spikes of that strain: `neural/recorded_compiled.py`, which
+fem/                  the contact: time steps in `fem/contact/step_compiled.py`, each solved in
+                      `lcp_compiled.py`, at small strain; equilibria in `fem/hyperelastic/newton.py`
+                      at finite strain. The strain at the end organs is a linear map of the
+                      displacements, made in `fem/elements/recovery.py`
+afferents.fire        the spikes of that strain: `neural/recorded_vectorized.py`, which
                       `neural/recorded_simulation.py` calls, or, of the family `thesis`,
                       `neural/membranes/`, which `neural/units.py` calls
 result.Result         `save`, `load` and `show`; its page is written by `pages/report.py`

@@ -115,11 +115,9 @@ class Situation:
         return tradeoff.measured_tissue(self.finger)
 
     @cached_property
-    def neighbors(self) -> dict[str, float]:
-        """Reference presses to interpolate between, with their weights; empty without a place."""
-        if self.place is None:
-            return {}
-        return tradeoff.neighbors(tradeoff.forces(), self.place)
+    def neighbors(self) -> tuple[str, ...]:
+        """Reference presses on either side of the object; empty without a place."""
+        return () if self.place is None else tradeoff.neighbors(self.place)
 
     @cached_property
     def _own_curve(self) -> Measured | None:

@@ -1,7 +1,8 @@
 """Afferent units, from strain or displacement to spikes: drives, filters, generators, membranes.
 
-A spike is made in `recorded_compiled.py` (family `recorded`, called by `recorded_simulation.py`) or
-`membranes/` (family `thesis`, called by `units.py`).
+A spike is made in `recorded_vectorized.py` (family `recorded`, called by `recorded_simulation.py`;
+step by step in a loop, `recorded_compiled.py`) or `membranes/` (family `thesis`, called by
+`units.py`).
 
 The room takes arrays and is independent of mesh, finite elements and scene. The public names work
 on the spikes of a run, `ff.run(scene).spikes` and its `times`:

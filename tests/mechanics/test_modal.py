@@ -484,3 +484,13 @@ def test_stiffening_tissue_vibrates_as_solid_linearized_about_its_preload() -> N
             errors[mechanics] = abs((found - exact) / still)
         stated = vibration.vibration_error(Situation.of(vibrating))
         assert errors[modal] < stated < errors[pressed]
+
+
+def test_the_expected_time_of_stiffening_tissue_holds_the_modes_of_its_mesh(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """On the fine mesh inertia is that of the standard one, not of the one below that."""
+    monkeypatch.setattr(vibration, "at_hand", lambda finger, half: False)
+    finger = ff.Finger.subject("a.h.", resolution="fine")
+    case = Situation.of(ff.Scene(finger=finger, motion=ff.Ramp(60.0, 1.0)))
+    assert vibration.seconds(case) > vibration.once(case)

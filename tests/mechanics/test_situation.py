@@ -48,10 +48,9 @@ def test_a_situation_holds_the_times_and_the_place_of_its_scene() -> None:
     case = Situation.of(scene)
     assert np.array_equal(case.times, time_grid(scene.motion, fast=True))
     assert case.half == scene.indenter.mirrored
-    assert case.neighbors == {"flat-30": 1.0}
-    assert case.under(ff.Flat(45)).neighbors == {}
-    between = case.under(ff.Flat(25)).neighbors
-    assert between == {"flat-15": pytest.approx(1 / 3), "flat-30": pytest.approx(2 / 3)}
+    assert case.neighbors == ("flat-30",)
+    assert case.under(ff.Flat(45)).neighbors == ()
+    assert case.under(ff.Flat(25)).neighbors == ("flat-15", "flat-30")
 
 
 def test_a_plan_builds_no_scene_again_and_counts_time_steps_once_per_mesh(

@@ -17,7 +17,6 @@ from fefinger.validation.tradeoff.errors import (
 from fefinger.validation.tradeoff.runs import Run
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence import tradeoff
 from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array
@@ -149,7 +148,6 @@ def rules() -> dict[str, Any]:
     measured = [finger, *(Finger.subject(name, tissue="maeno1998") for name in FINGERS)]
     shares = [float(each.skin.thickness or 0.0) / each.thickness for each in measured]
     return {
-        "quantities": tradeoff.MEANT,
         "tissue": {
             "skin_over_subcutaneous": finger.skin.modulus / finger.subcutaneous.modulus,
             "skin_over_thickness": [min(shares), max(shares)],

@@ -58,22 +58,11 @@ class Measured:
         """The value where it is no curve, else that at the largest depth."""
         return float(self.values[-1])
 
-    @property
-    def deepest(self) -> float:
-        """Largest measured depth in mm."""
-        assert self.depth is not None
-        return float(self.depth[-1])
-
     @cached_property
     def part(self) -> Array:
         """Depth (n,) over the thickness of the finger."""
         assert self.depth is not None
         return np.asarray(self.depth / self.conditions["thickness_mm"])
-
-    def at(self, depth: float) -> float:
-        """Return the value at a depth in mm: linear between the measured ones, constant beyond."""
-        assert self.depth is not None
-        return float(np.interp(depth, self.depth, self.values))
 
 
 class Table:

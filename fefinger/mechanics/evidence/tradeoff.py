@@ -4,14 +4,13 @@ Plates are compared by their angle, balls by their curvature, where the 30 degre
 tell how deep a scene goes under a given force, and what tissue counts as measured.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from fefinger.mechanics.evidence import table
-from fefinger.mechanics.evidence.table import Measured, Table
+from fefinger.mechanics.evidence.table import Measured
 from fefinger.results.candidate import Candidate
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
@@ -32,18 +31,12 @@ HELD = ("rigid", None, "fixed")
 """Bone, nail and cut of the fingers that were measured."""
 
 BEYOND = 1.06
-"""Depth over that of the deepest press up to which its errors are extrapolated."""
+"""Depth over that of the deepest press up to which the errors there count."""
 
-MEANT = {
-    "force": "the force",
-    "pressure": "the highest pressure over 1 mm²",
-    "area": "the contact area",
-    "strain": "the strain at the end organs, as a Frobenius norm",
-}
+STATED = ("force", "pressure", "area", "strain")
 """Quantities with stated errors: of the force the largest error through time over the peak, of the
-others the error when the force is largest."""
-
-STATED = tuple(MEANT)
+others (highest pressure over 1 mm², contact area, strain at the end organs as a Frobenius norm)
+the error when the force is largest."""
 
 NEAR = 2.0
 """Distance in mm of a ball from the middle of the pad within which it counts as measured."""
@@ -56,9 +49,9 @@ class Place(NamedTuple):
     value: float
 
 
-def forces(known: Table | None = None) -> dict[str, Measured]:
-    """Return the force of `solid` over the depth, by press: of those measured, or of a table."""
-    return (known or table.table()).presses(REPORT, "force", Candidate("solid"))
+def forces() -> dict[str, Measured]:
+    """Return the force of `solid` over the depth, by press."""
+    return table.table().presses(REPORT, "force", Candidate("solid"))
 
 
 def _sizes(name: str) -> list[float]:
@@ -75,13 +68,10 @@ def place(angle: float | None, radius: float | None) -> Place:
     return Place("angle", angle)
 
 
-def neighbors(presses: Mapping[str, Measured], where: Place) -> dict[str, float]:
-    """Return the presses on either side of a place with their weights, or the one at it.
-
-    Beyond all presses, the last one.
-    """
+def neighbors(where: Place) -> tuple[str, ...]:
+    """Return the presses on either side of a place, or the one at it; beyond all, the last one."""
     known: dict[str, float] = {}
-    for name, press in presses.items():
+    for name, press in forces().items():
         angle, radius = press.conditions["angle"], press.conditions["radius"]
         own = place(angle, radius)
         if own.axis == where.axis:
@@ -91,22 +81,14 @@ def neighbors(presses: Mapping[str, Measured], where: Place) -> dict[str, float]
     below = [name for name in known if known[name] <= where.value]
     above = [name for name in known if known[name] >= where.value]
     if not below or not above:
-        return {min(known, key=lambda name: abs(known[name] - where.value)): 1.0}
-    low, high = max(below, key=known.__getitem__), min(above, key=known.__getitem__)
-    if low == high:
-        return {low: 1.0}
-    part = (where.value - known[low]) / (known[high] - known[low])
-    return {low: 1 - part, high: part}
-
-
-def reach(press: Measured) -> float:
-    """Return the largest relative depth of a press: indentation over thickness."""
-    return float(press.part[-1])
+        return (min(known, key=lambda name: abs(known[name] - where.value)),)
+    sides = max(below, key=known.__getitem__), min(above, key=known.__getitem__)
+    return tuple(dict.fromkeys(sides))
 
 
 def place_of(indenter: Indenter) -> Place | None:
     """Return axis and value of an object; None without comparable presses."""
-    if other_object(indenter):
+    if not _plate_or_ball(indenter):
         return None
     flat, radius = indenter.flat, indenter.ball_radius
     if flat is not None:
@@ -116,15 +98,12 @@ def place_of(indenter: Indenter) -> Place | None:
     return place(None, radius) if radius >= min(_sizes("radius")) else None
 
 
-def other_object(indenter: Indenter) -> str:
-    """Difference of an object from the measured plates and balls, in words; empty if none."""
+def _plate_or_ball(indenter: Indenter) -> bool:
+    """Whether an object is a plate without tilt, or a ball near the middle of the pad."""
     if indenter.flat is not None:
-        tilt = indenter.flat.tilt
-        return f"indenter.tilt = {tilt:g} degrees" if tilt else ""
-    if indenter.ball_radius is not None:
-        away = float(np.hypot(*(indenter.place or (0.0, 0.0))))
-        return f"a ball {away:.2g} mm away from the middle of the pad" if away > NEAR else ""
-    return f"indenter.kind = {indenter.kind!r}"
+        return not indenter.flat.tilt
+    away = float(np.hypot(*(indenter.place or (0.0, 0.0))))
+    return indenter.ball_radius is not None and away <= NEAR
 
 
 def measured_tissue(finger: Finger) -> bool:

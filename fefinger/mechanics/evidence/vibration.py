@@ -274,14 +274,14 @@ def _rounded(value: float) -> str:
 
 def seconds(case: Situation) -> float:
     """Return the expected time in s of modes and steps, besides that without inertia."""
-    record, case = read(REPORT), of_inertia(case)
+    build, record, case = once(case), read(REPORT), of_inertia(case)
     mesh = "standard" if case.mesh == "fine" else case.mesh
     larger = FINE if case.mesh == "fine" else 1.0
     costs = record["seconds"][mesh]
     bodies = len(parities(half=case.half))
     steps = 2 * len(case.times)
     spent = larger * (bodies * costs["setup"] + steps * costs["step"])
-    return spent * slowness(record) + once(case)
+    return spent * slowness(record) + build
 
 
 def of_inertia(case: Situation) -> Situation:

@@ -6,6 +6,7 @@ finite_strain.py                 contact of `solid` through load steps
 elastic_press.py, carried.py     an elastic press at finite strain, and `pressed` along a motion
 modal_press.py, harmonic.py      contact with inertia of `modal`, in time and by frequency
 sliding.py, dragged.py           contact under a path or with friction, at small and finite strain
+axisymmetric.py                  `hertz` and `layered`: contacts and fields of closed formulas
 reference.py, finite_reference.py    the small press that converts strain to displacement
 response.py, modal_response.py   the Response, from the solved contact (`history.py`)
 

@@ -57,14 +57,6 @@ def test_seconds_of_solid_are_one_entry_per_press_in_their_order() -> None:
     assert steps == [row["step_seconds"] for row in read(table.SOLID_COST)["rows"]]
 
 
-def test_between_measured_depths_a_value_is_linear_and_beyond_them_constant() -> None:
-    error = curve(table.PRESS_MESH, "error of force", "layered", "a.h./flat-30")
-    assert error.depth is not None
-    middle = (error.depth[0] + error.depth[1]) / 2
-    assert error.at(middle) == pytest.approx((error.values[0] + error.values[1]) / 2)
-    assert error.at(2 * error.deepest) == error.value
-
-
 def test_no_other_module_of_the_mechanics_opens_a_report() -> None:
     room = Path(table.__file__).parents[1]
     readers = [path for path in room.rglob("*.py") if "package_data" in path.read_text("utf-8")]
