@@ -33,7 +33,7 @@ from fefinger.support.tolerances import EQUILIBRIUM
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
-RATIOS = (0.0, 0.3, 0.49, 0.5)
+RATIOS = (0.0, 0.3, 0.45, 0.49, 0.5)
 LAWS = {
     "neo-hookean": neo_hookean,
     "mooney-rivlin": lambda elastic: mooney_rivlin(elastic, 0.4),
@@ -64,6 +64,12 @@ def test_a_cube_squeezed_to_half_its_height_has_its_closed_form(name: str, poiss
     material = LAWS[name](Elastic(40.0, poisson))
     force, stretch, _ = squeezed(material, [0.1, 0.2, 0.3, 0.4, 0.5])
     assert force == pytest.approx(nominal(material, 0.5), rel=1e-5)
+    assert stretch == pytest.approx([across(material, 0.5)] * 2 + [0.5], rel=1e-6)
+
+
+def test_a_cube_that_is_not_nearly_incompressible_does_not_fold_at_its_corner():
+    material = mooney_rivlin(Elastic(100.0, 0.45))
+    _, stretch, _ = squeezed(material, np.linspace(0.05, 0.5, 10).tolist())
     assert stretch == pytest.approx([across(material, 0.5)] * 2 + [0.5], rel=1e-6)
 
 
