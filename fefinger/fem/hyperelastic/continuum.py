@@ -24,8 +24,8 @@ from fefinger.support.threads import together
 
 
 INCOMPRESSIBLE = 12.0
-"""Bulk over shear modulus: that of a Poisson's ratio of 0.46. At 0.45 a cube of Mooney-Rivlin tissue
-squeezed to half folds at its corner where gaps are weighted over the deformed skin."""
+"""Bulk over shear modulus: that of a Poisson's ratio of 0.46. At 0.45 a cube of Mooney-Rivlin
+tissue squeezed to half folds at its corner where gaps are weighted over the deformed skin."""
 
 PARTS = 4
 """Parts of the cells that threads take, the same ones whatever their number."""
