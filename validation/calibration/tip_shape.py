@@ -199,7 +199,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield Case(
         f"a.h., {BEFORE}: distance of the highest pressure from the center, flat-press",
         partial(before.__getitem__, "off_center"),
-        Expected(before["off_center"], CENTRAL, "mm"),
+        Expected(3.34, 0.1, "mm"),
         source,
         wanted=0.0,
         shortfall=EDGE,
@@ -239,7 +239,7 @@ def _waves(row: dict[str, Any]) -> Iterator[Case]:
     yield Case(
         f"a.h., {AFTER}: surface wave speed by the instantaneous modulus of pulp",
         partial(row.__getitem__, "pulp_speed"),
-        Expected(row["pulp_speed"], 0.01, "m/s"),
+        Expected(2.25, 0.05, "m/s"),
         MANFREDI,
         wanted=7.0,
         shortfall=PULP,
