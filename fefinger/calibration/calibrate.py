@@ -30,13 +30,13 @@ from fefinger.support.progress import Progress
 
 MECHANICS = ("condensed", "solid")
 
-EXPONENTS = (0.02, 1.5, 3.0, 4.5)
+EXPONENTS = (0.02, 1.5, 3.0, 5.0, 7.0)
 """Exponents of Demiray's law at which a finger is solved; the first is nearly neo-Hookean."""
 
-STIFFER = (7.0, 10.0)
-"""Further exponents, solved where the best fit is at the last one of EXPONENTS."""
+STIFFER = (10.0, 13.0, 16.0)
+"""Further exponents, solved where those of EXPONENTS do not suffice (`_wide_enough`)."""
 
-SMALLER, WIDER = 0.8, 1.15
+SMALLER, WIDER = 0.9, 1.15
 """Second pad radius at which a finger is pressed, over the first one: larger in `solid`, where
 stiffening tissue concentrates the pressure, if a finger of that size can be so flat."""
 
@@ -186,10 +186,13 @@ def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibrati
 
 
 def _wide_enough(work: Work, wanted: Bulk | Record, radius: float) -> Family:
-    """Make the coarse family, with more exponents where the best one is at its last."""
+    """Make the coarse family, with more exponents where the best one does not suffice.
+
+    That is the last of them, or one of a finger so soft that the target is beyond its presses.
+    """
     curves = _row(work, radius, EXPONENTS)
-    at_bounds = _solved(_forces(work, wanted, curves, radius)).solution.at_bounds
-    if SHAPE not in at_bounds:
+    result = _solved(_forces(work, wanted, curves, radius))
+    if SHAPE not in result.solution.at_bounds and reach(wanted, result) <= curves.deepest:
         return curves
     return _row(work, radius, (*EXPONENTS, *STIFFER))
 
@@ -285,16 +288,17 @@ def _spread(
 ) -> float:
     """Estimate the standard deviation in mm of a pad radius from frames.
 
-    It is due to the mesh, and to the rounding of a printed R or the noise of the array.
+    It is due to the mesh, and to the rounding of a printed R or the noise of the array; SCATTER
+    where the frames do not determine it.
     """
     fitted = _fitted(result)
-    if abs(fitted / _goal(wanted, frames) - 1) > AGREES:
+    if power < pad.LEAST or abs(fitted / _goal(wanted, frames) - 1) > AGREES:
         return SCATTER * radius
     prony = prony_of(result.solution.values)
     noise = pad.ROUNDING
     if frames is not None:
         noise = pad.scatter(result.curve, result.factor, prony)
-    return radius * math.hypot(noise / fitted / max(power, pad.LEAST), MESH)
+    return radius * math.hypot(noise / fitted / power, MESH)
 
 
 @dataclass(frozen=True)
@@ -321,7 +325,8 @@ def _on_final_mesh(
 ) -> Trial:
     """Press on the final mesh until exponent and fitted R converge; return the best trial.
 
-    Each trial corrects the coarse family by a new press. Without a `power` the pad radius is fixed.
+    Each trial corrects the coarse family by a new press. Without a `power` of at least LEAST the
+    pad radius is fixed.
     Once a press stopped early beyond the depth of the target, later presses go no deeper.
     """
     goal = math.nan if power is None else _goal(wanted, frames)
@@ -339,7 +344,7 @@ def _on_final_mesh(
         trials.append(Trial(radius, result, curves, fitted))
         steady = abs(result.solution.values[SHAPE] - exponent) < SETTLED
         next_radius = radius
-        if power is not None and abs(fitted / goal - 1) > CLOSE:
+        if power is not None and power >= pad.LEAST and abs(fitted / goal - 1) > CLOSE:
             tried = [each.radius for each in trials], [each.fitted for each in trials]
             next_radius = round(work.reachable(pad.nearer(goal, *tried, power)), 2)
         if steady and abs(next_radius / radius - 1) < NONE:

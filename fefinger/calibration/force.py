@@ -82,7 +82,7 @@ def elastic_unknowns(family: Family, modulus: float, ratio: float) -> tuple[Unkn
             Unknown(GROWTH, 1.0, 0.0, 10.0, "1/mm", "bounds alone", log=False),
         )
     soft = "18 kPa (Dandekar 2003) to 50 kPa (Saal 2017) about 34 kPa (Maeno 1998): a factor 4"
-    stiff = "3 (Maeno 1998) to 10 (Dandekar 2003): a factor 1.8 about the former"
+    stiff = "3 (Maeno 1998) to 10 (Dandekar 2003): a factor 1.8 about the latter"
     return (
         Unknown(MODULUS, modulus, 0.3, 2e3, "kPa", soft, prior=(modulus, MODULUS_SD)),
         Unknown(

@@ -8,8 +8,7 @@ from typing import Any
 
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.record import Calibration
-from fefinger.calibration.targets import PRIOR, finger_of
-from fefinger.scene.finger import Finger
+from fefinger.calibration.targets import finger_of
 from fefinger.support import processes
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.progress import Progress
@@ -50,7 +49,7 @@ def jobs(
             f"--{missing[0]}: expected the size of the finger in {data} in mm, received none; give "
             "--width and --thickness, or --subject"
         )
-    return (Job(data, options | {"finger": Finger(**({"tissue": PRIOR} | size))}),)
+    return (Job(data, options | {"finger": finger_of(None, **size)}),)
 
 
 def run(todo: Sequence[Job], workers: int = 1, report: Progress | None = None) -> list[Calibration]:

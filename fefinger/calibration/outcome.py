@@ -23,6 +23,7 @@ from fefinger.calibration.inverse import Solution
 from fefinger.calibration.record import Calibration, Stage, correlations_of, parameters_of, tissue
 from fefinger.calibration.targets import Bulk, Record
 from fefinger.results.candidate import MECHANICS
+from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.motions import RampSinusoid
 from fefinger.scene.tissue import Tissue
@@ -68,12 +69,23 @@ class FitResult:
     factor: float
 
 
-def layer(tissue: Tissue, exponent: float | None, factor: float = 1.0) -> Tissue:
-    """Scale the modulus of a layer, and set Demiray's law where there is an exponent."""
-    stiffer = replace(tissue, modulus=factor * tissue.modulus)
-    if exponent is None:
-        return stiffer
-    return replace(stiffer, law=LAW, exponent=exponent, share=None)
+def layer(tissue: Tissue, exponent: float) -> Tissue:
+    """Return a layer with Demiray's law."""
+    return replace(tissue, law=LAW, exponent=exponent, share=None)
+
+
+def stiffening(finger: Finger, exponent: float | None, factor: float = 1.0) -> Finger:
+    """Return a finger with `factor` times the moduli and an exponent in its pulp, if there is one.
+
+    The skin has SKIN_EXPONENT_RATIO times that exponent.
+    """
+    skin, pulp = (
+        replace(each, modulus=factor * each.modulus) for each in (finger.skin, finger.subcutaneous)
+    )
+    if exponent is not None:
+        skin = layer(skin, library.SKIN_EXPONENT_RATIO * exponent)
+        pulp = layer(pulp, exponent)
+    return replace(finger, skin=skin, subcutaneous=pulp)
 
 
 def outcome(
@@ -97,6 +109,7 @@ def outcome(
         factor = solution.values[MODULUS] / finger.subcutaneous.modulus
         exponent = round(solution.values[SHAPE], 4)
         sentences += [f"c0, c1, v1 ...: {ONE_G}"] if isinstance(wanted, Record) else []
+    fitted = stiffening(finger, exponent, factor)
     residuals = {"misfit": solution.misfit, **_misfits(wanted, result), **(array or {})}
     if math.isfinite(ripple):
         residuals["distance of the curve from the last press"] = ripple
@@ -107,6 +120,8 @@ def outcome(
             "width": finger.width,
             "thickness": finger.thickness,
             "pad_radius": finger.pad_radius,
+            "tip_radius": finger.tip_radius,
+            "tip_tissue": finger.tip_tissue,
             "resolution": finger.resolution,
         },
         parameters=parameters_of(solution),
@@ -115,8 +130,8 @@ def outcome(
         unidentified=(*_unidentified(wanted, result, array or {}), *sentences),
         stages=tuple(stages),
         status=_status(wanted, solution, residuals, stages),
-        skin=tissue(layer(finger.skin, exponent, factor)),
-        subcutaneous=tissue(layer(finger.subcutaneous, exponent, factor)),
+        skin=tissue(fitted.skin),
+        subcutaneous=tissue(fitted.subcutaneous),
         prony=prony_of(solution.values),
         deepest=result.curve.deepest,
         q=tuple((result.curve.q + math.log(result.factor)).tolist()),

@@ -16,7 +16,7 @@ from fefinger.calibration.force import RADII
 from fefinger.calibration.targets import Frames, aligned
 from fefinger.scene import library
 from fefinger.support.arrays import Array
-from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.checks import ConvergenceError
 from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.array.sensor_fit import fit_fingerpad
 from fefinger.theory.fingerpad import Fingerpad
@@ -45,7 +45,8 @@ WITHIN = 1.15
 LEAST = 1.0
 """Smallest exponent of a fitted R as a power of the pad radius: that of Hertz's contact.
 
-On a finger it is 1.5 to 2.6; smaller values are mesh errors of two radii close to each other.
+On a finger with a flat pad it is 1.5 to 2.6. Smaller values are mesh errors of two radii close to
+each other, or of a pad whose tip and bone decide how wide its pressure is.
 """
 
 
@@ -124,20 +125,13 @@ def radius_for(
     """Interpolate the pad radius in mm at which the thesis's fit gives `wanted`, and its exponent.
 
     The logarithm of the fitted R is a line in that of the pad radius, by least squares through the
-    tried `radii`; its slope is the exponent.
-
-    Raises
-    ------
-    InputError
-        If the fitted R does not grow with the pad radius.
+    tried `radii`; its slope is the exponent. Where it is below
+    LEAST the frames do not determine the pad radius, and the first one that was tried remains.
     """
     x, y = np.log(radii), np.log(fitted)
     slope, start = np.polyfit(x, y, 1)
-    if not slope > 0:
-        raise InputError(
-            f"pad_radius: expected the fitted R to grow with it, received {np.round(fitted, 2)} mm "
-            f"at {np.round(radii, 2)} mm; the frames do not determine the shape of this pad"
-        )
+    if slope < LEAST:
+        return radii[0], float(slope)
     radius = float(np.clip(np.exp((np.log(wanted) - start) / slope), *RADII))
     return radius, float(slope)
 

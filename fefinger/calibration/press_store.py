@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
-from fefinger.calibration.outcome import layer
+from fefinger.calibration.outcome import stiffening
 from fefinger.calibration.record import Stage
 from fefinger.calibration.slow_press import LATER, SPARE, Press, press, shapable, small
 from fefinger.results.candidate import MECHANICS
@@ -53,12 +53,12 @@ class Work:
         part: float | None = None,
     ) -> Press:
         """Press the finger with another radius, exponent and skin; `part` as in `slow_press`."""
+        finger = stiffening(self.finger, exponent)
         finger = replace(
-            self.finger,
+            finger,
             resolution=resolution,
             pad_radius=radius,
-            skin=layer(self.finger.skin, exponent, ratio),
-            subcutaneous=layer(self.finger.subcutaneous, exponent),
+            skin=replace(finger.skin, modulus=ratio * finger.skin.modulus),
         )
         wanted = finger, mechanics
         if wanted not in self._presses:

@@ -21,6 +21,9 @@ from fefinger.theory.relaxation import Prony
 
 FILE, TISSUE_FILE = "calibration.json", "tissue.toml"
 
+LENGTHS = ("width", "thickness", "pad_radius", "tip_radius", "tip_tissue")
+"""Lengths in mm of the finger that a tissue file keeps, where they are given."""
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -61,7 +64,7 @@ class Stage:
 class Calibration:
     """A finger fitted to a subject or a record.
 
-    target and mechanics: names; finger: width and thickness mm, pad_radius mm, resolution;
+    target and mechanics: names; finger: LENGTHS mm, resolution;
     parameters; correlations (n, n) of them, in their order; residuals: misfits by name;
     unidentified: sentences; stages; status: one sentence; skin, subcutaneous: the layers; prony: G;
     deepest mm, q, shares and growth: the relaxed curve (see `Curve`); checks: predictions of what
@@ -117,7 +120,7 @@ class Calibration:
             "source": f"fefinger calibrate: {self.target}, through {self.mechanics}; a fit of a "
             "model, not a measurement of tissue",
             "confidence": "low",
-            "pad_radius": self.finger["pad_radius"],
+            **{name: value for name, value in self.finger.items() if name in LENGTHS and value},
             "prony": {"c": list(self.prony.c), "v": list(self.prony.v)},
         }
         return values | {"skin": self.skin, "subcutaneous": self.subcutaneous}

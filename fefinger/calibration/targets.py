@@ -145,17 +145,21 @@ error, so that it does not affect the relaxation.
 """
 
 
-PRIOR = library.PUBLISHED
-"""Tissue set that a calibration starts from, and whose ratio of the layers it keeps."""
+def finger_of(name: str | None, **values: Any) -> Finger:
+    """Finger from which a fit starts: of a subject of Table 2.1, of its means, or of a size alone.
 
-
-def finger_of(name: str, **values: Any) -> Finger:
-    """Finger of a subject of Table 2.1, or of its means, of the tissue that a fit starts from."""
-    if name != library.MEANS:
-        return Finger.subject(name, **({"tissue": PRIOR} | values))
-    row = library.pawluk_bulk()[name]
-    size = {"width": row.width, "thickness": row.thickness}
-    return Finger(**({"tissue": PRIOR} | size | values))
+    Its shape is that of the calibrated finger of the subject, or in proportion to that of the
+    means. Its pulp is that of Maeno (1998) and does not stiffen; its skin keeps its ratios to it.
+    """
+    row = library.pawluk_bulk().get(name or "")
+    size = {} if row is None else {"width": row.width, "thickness": row.thickness}
+    tissue = library.calibrated_name(name if name and row else library.MEANS)
+    pulp = library.tissue_set(library.PUBLISHED).subcutaneous
+    layers = {"skin": library.prior_skin(pulp), "subcutaneous": pulp}
+    given = {"tissue": tissue} | layers | size | values
+    if name in (None, library.MEANS):
+        return Finger(**given)
+    return Finger.subject(name, **given)
 
 
 def subject(name: str) -> Bulk:

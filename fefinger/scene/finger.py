@@ -115,18 +115,19 @@ class Finger:
         given = any(layer is not None for layer in layers)
         self._default("tissue", library.default_tissue(self.subject_name, given=given))
         tissues = library.tissue_set(self.tissue)
-        radius = tissues.pad_radius or library.pawluk_quasistatic()[name].radius
+        for size in ("width", "thickness"):
+            self._set_length(size)
+        lengths = tissues.lengths(self.width, self.thickness)
+        radius = lengths["pad_radius"] or library.pawluk_quasistatic()[name].radius
         self._default("pad_radius", radius)
         self._default("skin", tissues.skin)
         self._default("subcutaneous", tissues.subcutaneous)
         self._default("prony", tissues.prony or library.pawluk_relaxation()[name])
         if self.bone_surface is None:
-            self._default("tip_tissue", tissues.tip_tissue)
+            self._default("tip_tissue", lengths["tip_tissue"])
         if self.surface is None:
-            self._default("tip_radius", tissues.tip_radius)
-        for size in ("width", "thickness", "pad_radius"):
-            value = number(f"finger.{size}", getattr(self, size), above=0, unit="mm")
-            object.__setattr__(self, size, value)
+            self._default("tip_radius", lengths["tip_radius"])
+        self._set_length("pad_radius")
         if not isinstance(self.bone, Hard):
             choice("finger.bone", self.bone, (RIGID,))
         if self.nail is not None and not isinstance(self.nail, Hard):
@@ -147,6 +148,11 @@ class Finger:
         if getattr(self, name) is None:
             object.__setattr__(self, name, value)
 
+    def _set_length(self, name: str) -> None:
+        """Check a length in mm."""
+        value = number(f"finger.{name}", getattr(self, name), above=0, unit="mm")
+        object.__setattr__(self, name, value)
+
     def _set_file(self, name: str) -> None:
         """Check a surface file; its path becomes text, as in a scene file."""
         given: Any = getattr(self, name)
@@ -166,12 +172,11 @@ class Finger:
         ):
             if getattr(self, name) is None:
                 continue
-            value = number(f"finger.{name}", getattr(self, name), above=0, unit="mm")
-            object.__setattr__(self, name, value)
+            self._set_length(name)
             if getattr(self, file) is not None:
                 raise InputError(
                     f"finger.{name}: expected none beside finger.{file}, which says {says}, "
-                    f"received {value:g} mm; leave one of them out"
+                    f"received {getattr(self, name):g} mm; leave one of them out"
                 )
 
     def _check_layers(self) -> None:

@@ -115,12 +115,16 @@ def subjects() -> tuple[str, ...]:
 # Tissue sets
 
 
+DIGITS = 6
+"""Of lengths in mm that are in proportion to others."""
+
+
 @dataclass(frozen=True)
 class TissueSet:
     """Relaxed elastic properties of the two soft layers, with their source.
 
-    pad_radius, tip_tissue and tip_radius mm and prony belong to the finger that a set was fitted
-    to; None: those of the subject, and of the shape, are used.
+    The rest describes the finger that a set was fitted to: pad_radius, tip_tissue, tip_radius,
+    width and thickness mm, and prony. None: those of the subject, and of the shape, are used.
     """
 
     skin: Tissue
@@ -131,6 +135,22 @@ class TissueSet:
     prony: Prony | None = None
     tip_tissue: float | None = None
     tip_radius: float | None = None
+    width: float | None = None
+    thickness: float | None = None
+
+    def lengths(self, width: float, thickness: float) -> dict[str, float | None]:
+        """Return pad_radius, tip_radius and tip_tissue in mm on a finger of a size in mm.
+
+        They are in proportion to those of the fitted finger, the pad radius to the width and the
+        tip to the thickness: then the profile of the palm keeps its form.
+        """
+        wider = width / (self.width or width)
+        thicker = thickness / (self.thickness or thickness)
+        return {
+            "pad_radius": self.pad_radius and round(wider * self.pad_radius, DIGITS),
+            "tip_radius": self.tip_radius and round(thicker * self.tip_radius, DIGITS),
+            "tip_tissue": self.tip_tissue and round(thicker * self.tip_tissue, DIGITS),
+        }
 
 
 def maeno1998() -> TissueSet:
@@ -221,22 +241,31 @@ CALIBRATED = "calibrated.json"
 """Report of the calibrations that gave the sets below."""
 
 _FITTED: dict[str, tuple[float, float, float, tuple[float, ...], tuple[float, ...]]] = {
-    "d.p.": (9.407, 6.98, 14.79, (0.2208, 0.4504, 0.1496, 0.1792), (252.6, 13.91, 0.6657)),
-    "d.s.": (7.301, 2.25, 15.87, (0.2908, 0.3989, 0.188, 0.1224), (181.3, 10.48, 0.7965)),
-    "a.h.": (4.582, 2.866, 17.14, (0.2559, 0.4037, 0.1858, 0.1547), (221.0, 13.58, 0.6823)),
-    "p.w.": (4.856, 2.16, 21.72, (0.296, 0.3851, 0.1956, 0.1233), (259.4, 21.07, 0.7526)),
-    MEANS: (5.654, 3.608, 17.28, (0.2648, 0.4134, 0.1771, 0.1447), (228.3, 14.43, 0.7324)),
+    "d.p.": (3.371, 10.84, 12.5, (0.2208, 0.4504, 0.1496, 0.1792), (252.6, 13.91, 0.6659)),
+    "d.s.": (11.11, 4.288, 10.5, (0.2907, 0.3989, 0.188, 0.1224), (181.3, 10.48, 0.7957)),
+    "a.h.": (4.763, 3.525, 14.0, (0.2559, 0.4037, 0.1858, 0.1547), (221.0, 13.58, 0.6822)),
+    "p.w.": (4.375, 3.964, 17.0, (0.296, 0.3851, 0.1956, 0.1233), (259.4, 21.07, 0.7528)),
+    MEANS: (4.351, 4.479, 14.6, (0.2648, 0.4134, 0.1771, 0.1446), (228.3, 14.44, 0.7329)),
 }
 """Subcutaneous modulus kPa, exponent, pad radius mm, weights and rates of G, from the reports."""
 
-_ROUND = (4.573, 3.375)
-"""Subcutaneous modulus kPa and exponent of `calibrated_ah_round`, from its report."""
+_TIPS = {
+    "d.p.": (0.25, 0.75),
+    "d.s.": (0.4, 0.6),
+    "a.h.": (0.25, 0.62),
+    "p.w.": (0.25, 0.65),
+    MEANS: (0.25, 0.65),
+}
+"""Radius of the tip, and tissue between tip and bone, over the thickness; chosen, not fitted.
 
-ROUND_SKIN = (10.0, 2.9)
-"""Modulus and exponent of its skin over those of its pulp."""
+So that a plate at 30 degrees presses hardest in the middle of its contact, with the pad radius of
+Table 3.2 or near it (suite `calibration`)."""
 
-SKIN_RATIO = 102.4 / 34
-"""Skin over subcutaneous modulus of the calibrated sets: that of maeno1998, a prior."""
+SKIN_RATIO = 10.0
+"""Skin over subcutaneous modulus of the calibrated sets: that of Dandekar (2003), a prior."""
+
+SKIN_EXPONENT_RATIO = 2.9
+"""Exponent of their skin over that of their pulp: chosen with the tips of the fingers."""
 
 
 def calibrated_name(subject: str) -> str:
@@ -248,60 +277,41 @@ def calibrated_name(subject: str) -> str:
 def _calibrated(subject: str) -> TissueSet:
     """Fit of the model (Demiray's law in both layers) to a subject; not a measurement of tissue.
 
-    With modulus and exponent `solid` reproduces the stiffness against force of Table 2.1
-    (confidence low: both trade against each other and against the ratio of the layers, which is a
-    prior; the reports have the uncertainties). The relaxation is that of the same table. Fitted
-    with the finger of the subject; `source` says on which mesh. At small strain the exponent has no
-    effect, and the set is too soft.
+    With modulus and exponent `solid` reproduces the stiffness against force of Table 2.1, with the
+    pad radius the R of Table 3.2 (confidence low: modulus and exponent trade against each other and
+    against SKIN_RATIO and SKIN_EXPONENT_RATIO, which are chosen; the reports have the
+    uncertainties). The relaxation is that of Table 2.1. `source` says on which mesh. At small
+    strain the exponents have no effect, and the set is too soft.
     """
     modulus, exponent, radius, c, v = _FITTED[subject]
     mesh = "standard" if subject in ("a.h.", MEANS) else "coarse"
     report = CALIBRATED if subject != MEANS else "calibrated-means.json"
-    skin = Tissue(SKIN_RATIO * modulus, 0.48, 1.0, law="demiray", exponent=exponent)
+    size, (tip_radius, tip_tissue) = pawluk_bulk()[subject], _TIPS[subject]
     return TissueSet(
-        skin=skin,
+        skin=prior_skin(Tissue(modulus, 0.48, law="demiray", exponent=exponent)),
         subcutaneous=Tissue(modulus, 0.48, law="demiray", exponent=exponent),
-        source=f"fitted on the {mesh} mesh to the curves of subject {subject} in Table 2.1 of "
-        f"{PAWLUK} by `fefinger calibrate` (reports/{report}): a fit of a model, not a "
+        source=f"fitted on the {mesh} mesh to the curves of subject {subject} in Tables 2.1 and "
+        f"3.2 of {PAWLUK} by `fefinger calibrate` (reports/{report}): a fit of a model, not a "
         "measurement of tissue",
         confidence="low",
         pad_radius=radius,
         prony=Prony(c, v),
+        tip_tissue=round(tip_tissue * size.thickness, DIGITS),
+        tip_radius=round(tip_radius * size.thickness, DIGITS),
+        width=size.width,
+        thickness=size.thickness,
     )
 
 
-ROUND = "calibrated_ah_round"
-"""Second set of a.h., of a finger with a round tip."""
-
-
-def calibrated_ah_round() -> TissueSet:
-    """Second fit of the model to a.h., of a finger with a round tip (confidence low).
-
-    `calibrated_ah` needs a pad so flat that a plate at 30 degrees presses hardest at the tip. This
-    finger has the pad radius printed in Table 3.2 and turns to its tip later. Its skin is 10 times
-    as stiff as the pulp (Dandekar 2003) and has 2.9 times its exponent; both widen the pressure.
-    The bone ends 6 mm before the tip. Radius and tissue of the tip and the ratio of the exponents
-    were chosen, by some 60 trials, so that the array returns R and the pressure has its peak in the
-    middle; modulus and exponent were fitted to Table 2.1. Relaxation: that of `calibrated_ah`.
-    """
-    (modulus, exponent), (stiff, stiffening) = _ROUND, ROUND_SKIN
-    return TissueSet(
-        skin=Tissue(stiff * modulus, 0.48, 1.0, law="demiray", exponent=stiffening * exponent),
-        subcutaneous=Tissue(modulus, 0.48, law="demiray", exponent=exponent),
-        source="fitted on the standard mesh to the curves of subject a.h. in Table 2.1 of "
-        f"{PAWLUK} (reports/round-tip.json): a fit of a model, not a measurement of tissue",
-        confidence="low",
-        pad_radius=pawluk_quasistatic()["a.h."].radius,
-        prony=_calibrated("a.h.").prony,
-        tip_tissue=6.0,
-        tip_radius=2.5,
-    )
+def prior_skin(pulp: Tissue) -> Tissue:
+    """Return the skin of calibrated sets on a pulp: 1 mm thick, stiffer, and stiffening more."""
+    exponent = None if pulp.exponent is None else SKIN_EXPONENT_RATIO * pulp.exponent
+    return replace(pulp, modulus=SKIN_RATIO * pulp.modulus, thickness=1.0, exponent=exponent)
 
 
 def fitted_to(tissue: str) -> str | None:
     """Name of the subject that a tissue set was fitted to; None for other sets."""
-    known = {calibrated_name(subject): subject for subject in _FITTED} | {ROUND: "a.h."}
-    return known.get(tissue)
+    return {calibrated_name(subject): subject for subject in _FITTED}.get(tissue)
 
 
 PUBLISHED = "maeno1998"
@@ -325,7 +335,6 @@ TISSUE_SETS: dict[str, Callable[[], TissueSet]] = {
     "maeno1998": maeno1998,
     "dandekar2003": dandekar2003,
     "saal2017": saal2017,
-    ROUND: calibrated_ah_round,
     **{calibrated_name(subject): partial(_calibrated, subject) for subject in _FITTED},
 }
 TISSUE_SETS |= {f"{name}{VISCOUS}": partial(_viscous, name) for name in tuple(TISSUE_SETS)}

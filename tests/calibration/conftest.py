@@ -8,6 +8,7 @@ import pytest
 from fefinger.calibration import pad_radius, press_store
 from fefinger.calibration.curve import family
 from fefinger.calibration.slow_press import Press
+from fefinger.scene import library
 from fefinger.theory.array.sensor import ArraySensor, blurred
 
 
@@ -59,7 +60,7 @@ def write():
 
 @pytest.fixture(scope="session")
 def law():
-    return family((0.02, 1.5, 3.0, 4.5), 14.0, made)
+    return family((0.02, 1.5, 3.0, 5.0, 7.0), 14.0, made)
 
 
 @pytest.fixture(scope="session")
@@ -74,8 +75,8 @@ def solved(monkeypatch):
 
     def answer(finger, mechanics, part=None, spare=None):
         small = mechanics == "condensed"
-        exponent = 0.0 if small else finger.skin.exponent
-        ratio = finger.skin.modulus / finger.subcutaneous.modulus / (102.4 / 34)
+        exponent = 0.0 if small else finger.subcutaneous.exponent
+        ratio = finger.skin.modulus / finger.subcutaneous.modulus / library.SKIN_RATIO
         asked.append((mechanics, finger.resolution, finger.pad_radius, exponent, ratio))
         return made(exponent, finger.pad_radius, ratio, 400 if small else 24, 2.0)
 

@@ -9,9 +9,9 @@ import pytest
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.calibration import jobs, press_store
+from fefinger.calibration import jobs, press_store, targets
 from fefinger.calibration.force import predicted
-from fefinger.calibration.outcome import errors, layer, refuse_gross
+from fefinger.calibration.outcome import errors, refuse_gross, stiffening
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import LATER, PART, SPARE
 from fefinger.scene import library
@@ -48,7 +48,7 @@ def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linea
     started = time.process_time()
     found = ff.calibrate(
         write(tmp_path / "press.csv", table),
-        finger=ff.Finger.subject("a.h.", tissue="maeno1998"),
+        finger=targets.finger_of("a.h."),
         mechanics="condensed",
         check=check,
     )
@@ -69,9 +69,7 @@ def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linea
 
 def test_a_finger_that_does_not_show_its_record_is_no_calibration(tmp_path, solved, linear, write):
     press = write(tmp_path / "press.csv", record_of(linear.at(0.9, 14.0), 1.3, 0.4))
-    found = ff.calibrate(
-        press, finger=ff.Finger.subject("a.h.", tissue="maeno1998"), mechanics="condensed"
-    )
+    found = ff.calibrate(press, finger=targets.finger_of("a.h."), mechanics="condensed")
     refuse_gross(found)
     gross = replace(found, residuals=found.residuals | {"mse": 1.5}, deepest=2.2)
     with pytest.raises(ConvergenceError, match=r"received 150 %; press less deep than 2\.2 mm"):
@@ -82,9 +80,7 @@ def test_a_touch_beside_that_of_the_lumped_law_is_told(tmp_path, solved, law, wr
     press = write(tmp_path / "press.csv", record_of(law.at(2.4, 14.0), 0.7, 0.4))
     for apart, count in ((1.0, 0), (1e-9, 1)):
         monkeypatch.setattr("fefinger.calibration.outcome.APART", apart)
-        found = ff.calibrate(
-            press, finger=ff.Finger.subject("a.h.", tissue="maeno1998"), resolution="coarse"
-        )
+        found = ff.calibrate(press, finger=targets.finger_of("a.h."), resolution="coarse")
         assert sum("x0: this finger touches at" in said for said in found.unidentified) == count
 
 
@@ -99,7 +95,7 @@ def test_a_record_is_calibrated_through_solid(tmp_path, solved, law, write):
     table = record_of(law.at(2.4, 14.0), 0.7, 0.4)
     found = ff.calibrate(
         write(tmp_path / "press.csv", table),
-        finger=ff.Finger.subject("a.h.", tissue="maeno1998"),
+        finger=targets.finger_of("a.h."),
         resolution="coarse",
     )
     assert {each[:3] for each in solved} == {("solid", "coarse", 14.0)}
@@ -117,11 +113,11 @@ def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
         *("solid, coarse", "array, coarse", "solid, standard", "array")
     ]
     assert ("solid, coarse", 1.0) in said
-    numbers = np.array([each[2:] for each in solved[:8]])
-    shapes = [(14, b, 1) for b in (0.02, 1.5, 3, 4.5, 7, 10)]
-    np.testing.assert_allclose(numbers, [*shapes, (14, 3, 2), (16.1, 3, 1)])
-    assert {each[1] for each in solved[:8]} == {"coarse"}
-    assert {each[1] for each in solved[8:]} == {"standard"}
+    numbers = np.array([each[2:] for each in solved[:10]])
+    shapes = [(14, b, 1) for b in (0.02, 1.5, 3, 5, 7, 10, 13, 16)]
+    np.testing.assert_allclose(numbers, [*shapes, (14, 3, 2), (12.6, 3, 1)])
+    assert {each[1] for each in solved[:10]} == {"coarse"}
+    assert {each[1] for each in solved[10:]} == {"standard"}
     assert found.residuals["array radius"] == pytest.approx(14.0, rel=0.02)
     assert found.residuals["m"] == pytest.approx(2.1, rel=0.1)
     assert {"modulus", "exponent", "skin_ratio", "c0"} <= {each.name for each in found.parameters}
@@ -136,11 +132,13 @@ def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
     )
     finger = ff.Scene.from_toml(scene).finger
     assert finger.skin.law == "demiray"
-    assert finger.skin.exponent == pytest.approx(found["exponent"].value, abs=1e-4)
+    assert finger.subcutaneous.exponent == pytest.approx(found["exponent"].value, abs=1e-4)
+    assert finger.skin.exponent == pytest.approx(2.9 * found["exponent"].value, abs=3e-4)
     assert finger.subcutaneous.modulus == pytest.approx(found["modulus"].value)
-    assert finger.skin.modulus == pytest.approx(found["modulus"].value * 102.4 / 34)
+    assert finger.skin.modulus == pytest.approx(found["modulus"].value * 10)
     assert finger.prony == found.prony
     assert finger.pad_radius == found.finger["pad_radius"]
+    assert (finger.tip_radius, finger.tip_tissue) == (2.5, 6.2)
     assert [name.rsplit("/", 1)[1] for name in files] == ["calibration.json", "tissue.toml"]
 
 
@@ -206,12 +204,15 @@ def test_errors_are_those_of_equation_2_5():
     assert errors(measured, measured + 0.3) == pytest.approx({"mse": 0.36 / 5, "peak": 0.1})
 
 
-def test_a_layer_keeps_what_is_not_its_law():
+def test_a_stiffening_finger_keeps_what_is_not_its_law():
     skin = ff.Tissue(100, 0.48, 1.0, law="mooney-rivlin", share=0.3)
-    stiff = layer(skin, 2.5, 0.5)
-    assert (stiff.modulus, stiff.poisson, stiff.thickness) == (50, 0.48, 1.0)
-    assert (stiff.law, stiff.exponent, stiff.share) == ("demiray", 2.5, None)
-    assert layer(skin, None, 2.0).law == "mooney-rivlin"
+    finger = ff.Finger(14, 10, skin=skin, subcutaneous=ff.Tissue(30, 0.48))
+    stiff = stiffening(finger, 2.5, 0.5)
+    assert (stiff.skin.modulus, stiff.skin.poisson, stiff.skin.thickness) == (50, 0.48, 1.0)
+    assert (stiff.skin.law, stiff.skin.share) == ("demiray", None)
+    assert (stiff.subcutaneous.modulus, stiff.subcutaneous.exponent) == (15, 2.5)
+    assert stiff.skin.exponent == library.SKIN_EXPONENT_RATIO * 2.5
+    assert stiffening(finger, None, 2.0).skin.law == "mooney-rivlin"
 
 
 @pytest.mark.parametrize(
@@ -248,7 +249,7 @@ def test_after_a_press_that_buckled_later_ones_on_its_mesh_spare_less(monkeypatc
         return replace(formula(1.0, finger.pad_radius, 1.0), halt=halt)
 
     monkeypatch.setattr(press_store, "press", press)
-    own = press_store.Work(ff.Finger.subject("a.h.", tissue="maeno1998"), None)
+    own = press_store.Work(targets.finger_of("a.h."), None)
     for mesh, exponent in (("coarse", 1.0), ("standard", 1.0), ("standard", 2.0), ("coarse", 2.0)):
         own.press("solid", mesh, 14.0, exponent)
     assert spares == [SPARE, SPARE, LATER, SPARE]

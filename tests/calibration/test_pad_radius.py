@@ -9,7 +9,6 @@ import fefinger as ff
 from fefinger.calibration import pad_radius, targets
 from fefinger.calibration.slow_press import array_pressure, pressed
 from fefinger.mechanics import hertz
-from fefinger.support.checks import InputError
 from fefinger.theory.array.sensor import ArraySensor
 
 
@@ -30,11 +29,15 @@ def test_the_thesis_finds_its_own_half_space(formula):
 
 
 def test_a_radius_is_found_where_the_fit_has_the_wanted_one():
-    radius, power = pad_radius.radius_for(13.0, (10.0, 14.0), (12.0, 15.0))
-    assert power == pytest.approx(np.log(15 / 12) / np.log(1.4))
+    radius, power = pad_radius.radius_for(13.0, (10.0, 14.0), (12.0, 18.0))
+    assert power == pytest.approx(np.log(18 / 12) / np.log(1.4))
     assert 12 * (radius / 10) ** power == pytest.approx(13.0)
-    with pytest.raises(InputError, match="expected the fitted R to grow"):
-        pad_radius.radius_for(13.0, (10.0, 14.0), (15.0, 12.0))
+
+
+def test_a_radius_on_which_the_fit_hardly_depends_remains():
+    radius, power = pad_radius.radius_for(14.6, (14.0, 13.0), (14.3, 14.5))
+    assert radius == 14.0
+    assert power < pad_radius.LEAST
 
 
 def test_the_next_radius_is_between_those_that_hold_the_wanted_r_or_beyond_the_nearest():

@@ -12,11 +12,11 @@ import numpy as np
 
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
-from fefinger.calibration.calibrate import WIDER
+from fefinger.calibration.calibrate import SMALLER
 from fefinger.calibration.curve import Curve, family
 from fefinger.calibration.force import Forces, prony_of
 from fefinger.calibration.inverse import solve
-from fefinger.calibration.outcome import FitResult, layer, line
+from fefinger.calibration.outcome import FitResult, layer, line, stiffening
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import Press, press
@@ -83,23 +83,27 @@ class Fitted(Found):
 def fingers(start: Finger) -> Iterator[tuple[str, Finger, Laws]]:
     """Yield name, finger and law at an exponent: one thing after the other is changed."""
     skin, pulp = start.skin, start.subcutaneous
-    yield "the finger as it is", start, both
-    wider = replace(start, pad_radius=WIDER * start.pad_radius)
-    yield f"pad radius x {WIDER:g}", wider, both
-    for ratio in (1.0, 10.0):
+    yield "the finger as it is", start, stiffening
+    smaller = replace(start, pad_radius=SMALLER * start.pad_radius)
+    yield f"pad radius x {SMALLER:g}", smaller, stiffening
+    for ratio in (1.0, 3.0):
         stiff = replace(start, skin=replace(skin, modulus=ratio * pulp.modulus))
-        yield f"skin {ratio:g} times as stiff as pulp (3)", stiff, both
-    yield "skin 0.5 mm thick (1)", replace(start, skin=replace(skin, thickness=0.5)), both
+        yield f"skin {ratio:g} times as stiff as pulp ({library.SKIN_RATIO:g})", stiff, stiffening
+    thin = replace(start, skin=replace(skin, thickness=0.5))
+    yield "skin 0.5 mm thick (1)", thin, stiffening
     for poisson in (0.4, 0.499):
         one, other = (replace(each, poisson=poisson) for each in (skin, pulp))
         loose = replace(start, skin=one, subcutaneous=other)
-        yield f"Poisson's ratio {poisson:g} (0.48)", loose, both
-    yield "nail free (held)", replace(start, nail="free"), both
-    for ahead in (3.8, 5.5):
+        yield f"Poisson's ratio {poisson:g} (0.48)", loose, stiffening
+    yield "nail free (held)", replace(start, nail="free"), stiffening
+    for ahead in (3.8, 5.0):
         longer = replace(start, tip_tissue=ahead)
-        yield f"bone ends {ahead:g} mm before the tip (4.2)", longer, both
-    yield "bone elastic, 17 GPa (rigid)", replace(start, bone=Hard(17e6)), both
-    yield "proximal cut held by bone and nail alone", replace(start, cut="nail"), both
+        yield f"bone ends {ahead:g} mm before the tip ({start.tip_tissue:g})", longer, stiffening
+    sharper = replace(start, tip_radius=2.0)
+    yield f"tip of radius 2 mm ({start.tip_radius:g})", sharper, stiffening
+    yield "bone elastic, 17 GPa (rigid)", replace(start, bone=Hard(17e6)), stiffening
+    yield "proximal cut held by bone and nail alone", replace(start, cut="nail"), stiffening
+    yield "one exponent in both layers", start, both
     yield "skin alone stiffens", start, skin_alone
     yield "pulp alone stiffens", start, pulp_alone
 
@@ -190,7 +194,7 @@ def _line(wanted: Bulk, curve: Curve, factor: float, prony: Prony) -> tuple[floa
 
 def of_fingers(subject: str) -> list[dict[str, float | str]]:
     """Return the levers in the finger of a subject, on the coarse mesh."""
-    start = Work(Finger.subject(subject, resolution="coarse", tissue="maeno1998"), None).finger
+    start = Work(targets.finger_of(subject, resolution="coarse"), None).finger
     tried = (of_finger(*each) for each in fingers(start))
     return [asdict(each) for each in tried if each is not None]
 

@@ -14,7 +14,7 @@ from fefinger.validation.calibration.twin import PRONY, SPREAD, start, written
 from fefinger.validation.oracles.synthetic import FORCE_NOISE, POSITION_NOISE
 
 from fefinger.calibration.calibrate import calibrate
-from fefinger.calibration.outcome import layer
+from fefinger.calibration.outcome import stiffening
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import PLATE
 from fefinger.mechanics import solid
@@ -50,8 +50,7 @@ TRUTH = {**TISSUE, **RELAXATION}
 def finger() -> Finger:
     """Return the finger of the twin, on the coarse mesh."""
     base = start()
-    skin, pulp = (layer(each, EXPONENT, SOFTER) for each in (base.skin, base.subcutaneous))
-    return replace(base, prony=PRONY, skin=skin, subcutaneous=pulp)
+    return replace(stiffening(base, EXPONENT, SOFTER), prony=PRONY)
 
 
 @cache

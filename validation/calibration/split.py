@@ -6,7 +6,6 @@ is taken at its own.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,10 +13,9 @@ import numpy as np
 from fefinger.calibration import slow_press, targets
 from fefinger.calibration.calibrate import EXPONENTS
 from fefinger.calibration.curve import curve
-from fefinger.calibration.outcome import layer, line
+from fefinger.calibration.outcome import line, stiffening
 from fefinger.calibration.record import Calibration
 from fefinger.scene import library
-from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array
 
 
@@ -34,17 +32,14 @@ COUNT = 40
 
 def split(calibration: Calibration) -> dict[str, float]:
     """Return m in 1/mm of a subject by parts, which add up to that of Table 2.1."""
-    finger = Finger.subject(calibration.target, resolution="coarse", tissue="maeno1998")
+    finger = targets.finger_of(
+        calibration.target, resolution="coarse", pad_radius=calibration.finger["pad_radius"]
+    )
     wanted = targets.subject(calibration.target)
     deep = float(calibration.curve.depth(wanted.prony.long_time * wanted.force[-1]))
     deep = min(deep, calibration.deepest)
     linear, _ = curve(slow_press.small(finger))
-    neo = replace(
-        finger,
-        skin=layer(finger.skin, EXPONENTS[0]),
-        subcutaneous=layer(finger.subcutaneous, EXPONENTS[0]),
-    )
-    finite, _ = curve(slow_press.press(neo, "solid"))
+    finite, _ = curve(slow_press.press(stiffening(finger, EXPONENTS[0]), "solid"))
     chain = [
         steepness(lambda x: x**1.5, deep),
         steepness(linear.force, deep),

@@ -19,11 +19,10 @@ from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
 from fefinger.calibration.curve import Curve, curve
 from fefinger.calibration.force import stiffness
-from fefinger.calibration.outcome import FREQUENCIES, layer, line
+from fefinger.calibration.outcome import FREQUENCIES, line, stiffening
 from fefinger.calibration.slow_press import press
 from fefinger.calibration.targets import Bulk
 from fefinger.scene import library
-from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array
 from fefinger.support.package_data import report
 
@@ -206,15 +205,11 @@ def shipped(subject: str) -> float:
 def fresh(subject: str, resolution: str = "coarse") -> Curve:
     """Return the curve of a new press of the calibrated finger."""
     calibration = calibrated(subject)
-    radius = calibration.finger["pad_radius"]
-    finger = Finger.subject(subject, resolution=resolution, pad_radius=radius, tissue="maeno1998")
-    exponent = library.tissue_set(library.calibrated_name(subject)).skin.exponent
-    relaxed = replace(
-        finger,
-        skin=layer(finger.skin, exponent),
-        subcutaneous=layer(finger.subcutaneous, exponent),
+    finger = targets.finger_of(
+        subject, resolution=resolution, pad_radius=calibration.finger["pad_radius"]
     )
-    one, _ = curve(press(relaxed, "solid"))
+    exponent = library.tissue_set(library.calibrated_name(subject)).subcutaneous.exponent
+    one, _ = curve(press(stiffening(finger, exponent), "solid"))
     factor = calibration["modulus"].value / finger.subcutaneous.modulus
     return replace(one, q=one.q + np.log(factor))
 

@@ -62,7 +62,7 @@ def relaxing(subject: str) -> float:
 
 def left_out(subject: str) -> float:
     """Return the largest relative error of the force at an exponent whose press is left out."""
-    work = Work(Finger.subject(subject, resolution="coarse", tissue="maeno1998"), None)
+    work = Work(targets.finger_of(subject, resolution="coarse"), None)
     radius = work.finger.pad_radius
 
     def pressed(exponent: float) -> Press:

@@ -13,7 +13,7 @@ import numpy as np
 from fefinger.validation.oracles.synthetic import FORCE_NOISE, POSITION_NOISE
 
 from fefinger.calibration import slow_press
-from fefinger.calibration.calibrate import SMALLER, calibrate
+from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.outcome import FREQUENCIES, errors
 from fefinger.calibration.record import Calibration
 from fefinger.mechanics.press.pad import on_seen, whole_pad
@@ -36,7 +36,7 @@ SPEED, DEPTH, HOLD = 60.0, 1.5, 6.0
 SLOW, PRESS = 0.2, 1.8  # mm/s, mm
 RATE, FRAMES = 1e4, 40
 TRUTH = {
-    **{"t_b": LAW.b, "t_m": LAW.m, "x0": TOUCH, "pad_radius": SMALLER * 14.0},
+    **{"t_b": LAW.b, "t_m": LAW.m, "x0": TOUCH, "pad_radius": 0.8 * 14.0},
     **{f"c{i}": c for i, c in enumerate(PRONY.weights)},
     **{f"v{i}": v for i, v in enumerate(PRONY.v, start=1)},
 }

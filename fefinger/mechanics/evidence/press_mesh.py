@@ -172,11 +172,12 @@ def subject(finger: Finger) -> str:
 def stiffening(finger: Finger) -> bool:
     """Whether a finger has calibrated tissue and is otherwise as in the presses."""
     tissues = library.tissue_set(finger.tissue)
+    tip = tissues.lengths(finger.width, finger.thickness)
     return (
         bool(subject(finger))
         and (finger.skin, finger.subcutaneous) == (tissues.skin, tissues.subcutaneous)
         and finger.surface is None
-        and (finger.tip_tissue, finger.tip_radius) == (None, None)
+        and (finger.tip_tissue, finger.tip_radius) == (tip["tip_tissue"], tip["tip_radius"])
         and finger.relaxation == "whole"
         and (finger.bone, finger.nail, finger.cut) == HELD
     )
