@@ -50,8 +50,9 @@ CONTRAST = 30.0
 """Ratio of the moduli of the layers up to which errors are taken as measured at 3: three times the
 largest of a published set."""
 
-EXPONENT = 10.0
-"""Exponent of the tissue up to which errors are taken; calibrated fingers go up to 7.5."""
+EXPONENTS = {"skin": 32.0, "subcutaneous": 11.0}
+"""Exponents up to which errors are taken: the largest ones of calibrated fingers, which were
+pressed."""
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
@@ -85,10 +86,13 @@ def unmeasured(finger: Finger) -> list[Doubt]:
             "errors are not measured there"
         )
         doubts.append(Doubt("finger.skin.modulus", reason))
-    steepest = max(layer.exponent or 0.0 for layer in layers)
-    if steepest > EXPONENT:
-        reason = f"exponent = {steepest:.3g} > {EXPONENT:g}: errors are not measured there"
-        doubts.append(Doubt("finger", reason))
+    for (name, most), layer in zip(EXPONENTS.items(), layers, strict=True):
+        if (layer.exponent or 0.0) > most:
+            reason = (
+                f"exponent of {name} = {layer.exponent:.3g} > {most:g}: errors are not measured "
+                "there"
+            )
+            doubts.append(Doubt(f"finger.{name}", reason))
     return doubts
 
 
