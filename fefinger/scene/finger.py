@@ -22,7 +22,7 @@ STANDARD = "standard"
 FILES = ("tissue", "surface", "bone_surface")
 """Fields that may name a file."""
 PULP = 0.5
-"""Upper bound of the soft tissue under the pad, over the thickness of the finger."""
+"""Soft tissue under the pad over the thickness of the finger, about."""
 BONE = 0.47
 """Soft tissue between first touch (30 degree plate) and bone, over the thickness of the finger."""
 
@@ -40,8 +40,9 @@ class Finger:
     thickness
         Size of the fingertip in mm from pad to nail, along z.
     pad_radius
-        Effective radius R of the pad in mm, as in Table 3.2 of the thesis; by default the mean of
-        its subjects. The transverse radius follows from width and thickness.
+        Effective radius R of the pad in mm, as in Table 3.2 of the thesis; by default that of the
+        finger that the tissue was fitted to, in proportion to the width. The transverse radius
+        follows from width and thickness.
     subject_name
         Subject of the thesis that the values belong to, or None.
     surface
@@ -52,17 +53,18 @@ class Finger:
         File with the surface of the bone, placed as in `surface`, or None for a parametric bone.
     tip_tissue
         Soft tissue in mm ahead of the parametric bone, along x from its end to the tip of the
-        finger, as in a radiograph; by default 0.42 of the thickness or more, as far as the pulp
-        under the 30 degree plate stays 0.47 of it (7.2 mm for a.h.).
+        finger, as in a radiograph; by default that of the finger that the tissue was fitted to, in
+        proportion to the thickness (6.2 mm for a.h.); with other tissue 0.42 of the thickness or
+        more, as far as the pulp under the 30 degree plate stays 0.47 of it.
     tip_radius
-        Radius in mm of the palmar profile at the tip of a parametric finger; by default 0.2 of the
-        thickness or more, as far as the tip lies 0.65 of it above the lowest point.
+        Radius in mm of the palmar profile at the tip of a parametric finger; by default as
+        `tip_tissue` (2.5 mm for a.h.); with other tissue 0.2 of the thickness or more, as far as
+        the tip lies 0.65 of it above the lowest point.
     tissue
         Name of the tissue set of the library, or a file (.toml) of `fefinger calibrate`, that gives
         the defaults of `skin` and `subcutaneous`; a set that was fitted to a finger also gives its
-        pad radius, its relaxation and, where it has them, the values of the tip. By default that of
-        the subject, of other fingers that of the means of Table 2.1; where `skin` or `subcutaneous`
-        is given, "maeno1998".
+        pad radius, its tip and its relaxation. By default that of the subject, of other fingers
+        that of the means of Table 2.1; where `skin` or `subcutaneous` is given, "maeno1998".
     prony
         Relaxation of all soft tissues; by default Table 3.1, of the subject or the means.
     relaxation
@@ -210,7 +212,7 @@ class Finger:
 
     @property
     def pulp(self) -> float:
-        """Upper bound of the thickness of soft tissue under the pad in mm."""
+        """Thickness of soft tissue under the pad in mm, about: 0.44 to 0.58 of the finger's."""
         return PULP * self.thickness
 
     @classmethod

@@ -245,7 +245,7 @@ _FITTED: dict[str, tuple[float, float, float, tuple[float, ...], tuple[float, ..
     "d.s.": (11.11, 4.288, 10.5, (0.2907, 0.3989, 0.188, 0.1224), (181.3, 10.48, 0.7957)),
     "a.h.": (4.763, 3.525, 14.0, (0.2559, 0.4037, 0.1858, 0.1547), (221.0, 13.58, 0.6822)),
     "p.w.": (4.375, 3.964, 17.0, (0.296, 0.3851, 0.1956, 0.1233), (259.4, 21.07, 0.7528)),
-    MEANS: (4.351, 4.479, 14.6, (0.2648, 0.4134, 0.1771, 0.1446), (228.3, 14.44, 0.7329)),
+    MEANS: (4.574, 4.457, 14.6, (0.2648, 0.4134, 0.1771, 0.1446), (228.3, 14.43, 0.7328)),
 }
 """Subcutaneous modulus kPa, exponent, pad radius mm, weights and rates of G, from the reports."""
 
@@ -254,7 +254,7 @@ _TIPS = {
     "d.s.": (0.4, 0.6),
     "a.h.": (0.25, 0.62),
     "p.w.": (0.25, 0.65),
-    MEANS: (0.25, 0.65),
+    MEANS: (0.22, 0.65),
 }
 """Radius of the tip, and tissue between tip and bone, over the thickness; chosen, not fitted.
 

@@ -297,5 +297,5 @@ def test_missing_files_are_named(tmp_path: Path) -> None:
         ff.Finger(14, 10, tissue="maeno1998", **both)
     with pytest.raises(InputError, match=r"tip_radius: expected none beside finger\.surface"):
         ff.Finger(14, 10, tissue="maeno1998", surface=str(path), tip_radius=2.0)
-    scan = ff.Finger(14, 10, tissue="calibrated_ah_round", surface=str(path))
-    assert (scan.tip_tissue, scan.tip_radius) == (6.0, None)
+    scan = ff.Finger(14, 10, tissue="calibrated_ah", surface=str(path))
+    assert (scan.tip_tissue, scan.tip_radius) == (6.2, None)

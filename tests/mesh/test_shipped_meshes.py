@@ -187,4 +187,5 @@ def test_contact_patch_is_finer_than_the_rest(mesh: FingerMesh, shape: Shape) ->
 
 
 def test_pulp_is_about_half_the_thickness(mesh: FingerMesh) -> None:
-    assert 0.44 < mesh.quality["pulp_thickness"] / mesh.recipe["thickness"] < 0.5
+    """That of d.s. calibrated is thickest, since its plate touches ahead of the end of its bone."""
+    assert 0.44 < mesh.quality["pulp_thickness"] / mesh.recipe["thickness"] < 0.58

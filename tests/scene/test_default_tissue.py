@@ -1,7 +1,10 @@
 """Which tissue a finger has that names none."""
 
+import numpy as np
 import pytest
 
+from fefinger.mesh.parametric import parametric
+from fefinger.mesh.recipe import Recipe
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
@@ -42,3 +45,15 @@ def test_the_set_of_the_means_is_that_of_its_report() -> None:
     assert tissue.subcutaneous.exponent == pytest.approx(row["subcutaneous"]["exponent"], rel=1e-3)
     assert tissue.pad_radius == pytest.approx(row["finger"]["pad_radius"], rel=1e-3)
     assert tissue.prony.c == pytest.approx(row["prony"]["c"], rel=1e-3)
+
+
+@pytest.mark.parametrize("size", [(9.0, 7.0), (12.0, 10.5), (16.0, 11.0), (20.0, 16.0)])
+def test_a_finger_of_any_size_keeps_the_profile_of_the_mean_one(size: tuple[float, float]) -> None:
+    finger, mean = Finger(*size), Finger(14.0, 11.0)
+    thicker = finger.thickness / mean.thickness
+    own, large = (parametric(Recipe.of(each)).skin for each in (finger, mean))
+    x = np.linspace(-5.0, large.tip - 0.1, 40)
+    apart = own.heights(thicker * x)[1] - thicker * large.heights(x)[1]
+    assert np.abs(apart).max() < 0.02 * finger.thickness
+    assert finger.tip_radius == pytest.approx(thicker * mean.tip_radius)
+    assert finger.pad_radius == pytest.approx(finger.width / mean.width * mean.pad_radius)

@@ -34,8 +34,7 @@ def test_the_report_has_all_subjects_that_are_shipped():
     elastic = [name for name in library.TISSUE_SETS if not name.endswith(library.VISCOUS)]
     shipped = [name for name in elastic if name.startswith("calibrated_")]
     fitted = (*SUBJECTS, library.MEANS)  # the means have a report of their own
-    names = [*map(library.calibrated_name, fitted), library.ROUND]
-    assert sorted(names) == sorted(shipped)
+    assert sorted(map(library.calibrated_name, fitted)) == sorted(shipped)
 
 
 @pytest.mark.parametrize("subject", SUBJECTS)
@@ -102,23 +101,24 @@ def test_the_scatter_of_a_line_is_that_of_many_lines():
     assert found == pytest.approx(tuple(np.std(lines, axis=0)), rel=0.05)
 
 
-def test_the_set_with_a_round_tip_is_the_one_of_its_report():
-    row = tip_shape.of_report(tip_shape.ALL)
-    tissues = library.tissue_set(library.ROUND)
-    found = (tissues.subcutaneous.modulus, tissues.subcutaneous.exponent)
-    assert found == pytest.approx((row["modulus"], row["exponent"]), rel=1e-3)
-
-
 def test_the_steps_to_a_round_tip_end_at_the_shipped_finger():
     last = [each for _, each in tip_shape.steps()][-1]
-    shipped = Finger.subject("a.h.", tissue=library.ROUND)
+    shipped = Finger.subject("a.h.")
     for name in ("pad_radius", "tip_tissue", "tip_radius", "width", "thickness"):
         assert getattr(last, name) == getattr(shipped, name)
-    skin, pulp = shipped.skin, shipped.subcutaneous
-    assert (skin.modulus / pulp.modulus, skin.exponent / pulp.exponent) == pytest.approx(
-        library.ROUND_SKIN
+    ratio = last.skin.modulus / last.subcutaneous.modulus
+    assert ratio == pytest.approx(shipped.skin.modulus / shipped.subcutaneous.modulus)
+    stiff = tip_shape.law(last, 3.0)
+    assert stiff.skin.exponent / stiff.subcutaneous.exponent == pytest.approx(
+        shipped.skin.exponent / shipped.subcutaneous.exponent
     )
-    assert last.skin.modulus / last.subcutaneous.modulus == pytest.approx(library.ROUND_SKIN[0])
+
+
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_the_figures_of_a_shipped_finger_are_of_its_tissue(subject):
+    row, tissues = tip_shape.of_report(subject), Finger.subject(subject)
+    pulp = tissues.subcutaneous
+    assert (row["modulus"], row["exponent"]) == (pulp.modulus, pulp.exponent)
 
 
 def test_the_speed_of_surface_waves_is_the_root_of_the_cubic_of_rayleigh():

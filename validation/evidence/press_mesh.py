@@ -120,6 +120,9 @@ ones that more depends on first."""
 
 OTHER_SUBJECTS = ("d.s.", "d.p.", "p.w.")
 
+STIFF = {("d.p.", "flat-60"): 0.15}
+"""Depth over the thickness of presses that stiffen so much that a deeper one takes ten minutes."""
+
 PUBLISHED = (
     *("flat-30", "sphere-5", "flat-0", "flat-15", "sphere-10", "sphere-2"),
     *("grating", "bar", "cylinder", "flat-60", "flat-45", "pin", "grating-6", "bar-4"),
@@ -144,7 +147,9 @@ MEASUREMENTS = {
         for subject in (*OTHER_SUBJECTS, library.MEANS)
     },
     **{
-        f"{subject}/{name}": Measurement(subject, *OBJECTS[name])
+        f"{subject}/{name}": Measurement(
+            subject, OBJECTS[name][0], min(OBJECTS[name][1], STIFF.get((subject, name), DEEP))
+        )
         for name in SHARED
         for subject in OTHER_SUBJECTS
         if (subject, name) != ("p.w.", "flat-0")  # it reaches the proximal cut of the finger
