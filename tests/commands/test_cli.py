@@ -233,7 +233,7 @@ def test_mesh_takes_the_ready_one_and_writes_it(capsys, tmp_path):
     assert main(["mesh", *QUICK[:2], "--whole"]) == 0
     text = capsys.readouterr().out
     assert "the whole finger" in text
-    assert "14 mm wide, 10 mm thick, pad radius 17.14 mm" in text
+    assert "14 mm wide, 10 mm thick, pad radius 14 mm" in text
     points, cells = 2 * record["points"], 2 * record["tetrahedra"]
     assert int(text.split(" points")[0].split()[-1]) < points  # the medial plane's once
     assert f"{cells} tetrahedra" in text

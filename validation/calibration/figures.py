@@ -80,7 +80,8 @@ def _stiffness() -> Any:
 def _table_caption() -> str:
     return (
         "The calibrated sets: relaxed modulus of the subcutaneous tissue and exponent with one "
-        "standard deviation (the skin has 3.0 times the modulus, a prior), the line through the "
+        f"standard deviation (the skin has {library.SKIN_RATIO:g} times the modulus and "
+        f"{library.SKIN_EXPONENT_RATIO:g} times the exponent, chosen), the line through the "
         "stiffness, the parts of m, and what the thesis's fit finds in the simulated frames. They "
         f"are fits of a model, not measurements of tissue. {_cost()}"
     )

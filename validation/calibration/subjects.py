@@ -37,9 +37,10 @@ MIDDLE = 1
 """Number of the profile at 1.1 N, the middle one of Figure 3-4."""
 
 FLATTER = (
-    "Tissue that stiffens enough for Table 2.1 draws the pressure together below the bone; a pad "
-    "that is flatter along the finger spreads it again. The radius that the thesis's fit finds is "
-    "so met; the width, which weighs the tails of the pressure, is not."
+    "Tissue that stiffens enough for Table 2.1 draws the pressure together below the bone; skin "
+    "that is stiffer than the pulp, and a bone farther from the tip, spread it again. The radius "
+    "that the thesis's fit finds is so met; the width, which weighs the tails of the pressure, is "
+    "not."
 )
 
 STIFFER = (

@@ -120,7 +120,7 @@ ones that more depends on first."""
 
 OTHER_SUBJECTS = ("d.s.", "d.p.", "p.w.")
 
-STIFF = {("d.p.", "flat-60"): 0.15}
+STIFF = {("d.p.", "flat-60"): 0.12}
 """Depth over the thickness of presses that stiffen so much that a deeper one takes ten minutes."""
 
 PUBLISHED = (
