@@ -231,7 +231,7 @@ IMPOSSIBLE = [
     ({"finger.skin.modulus": 1e6}, "modulus / subcutaneous modulus = 2.94e+04, not within 30"),
     (
         {"finger.skin.law": "demiray", "finger.skin.exponent": 40},
-        "exponent = 40 > 10: errors are not measured there",
+        "exponent of skin = 40 > 32: errors are not measured there",
     ),
 ]
 

@@ -309,6 +309,32 @@ def prior_skin(pulp: Tissue) -> Tissue:
     return replace(pulp, modulus=SKIN_RATIO * pulp.modulus, thickness=1.0, exponent=exponent)
 
 
+def macaque() -> TissueSet:
+    """Fingertip of a macaque, in which the afferents of `recorded` were fitted (confidence low).
+
+    10 mm wide and 8 mm thick with an effective pad radius of 10 mm, an estimate from the look of
+    published fingertips; tip, pulp and relaxation are in proportion to those of the means. Its skin
+    is 3 times as stiff as the pulp (Maeno 1998) with the same exponent. With the ratios of the
+    calibrated sets the strain at SAI end organs hardly grows with the curvature of small spheres,
+    where recorded rates do (`validation/afferents`).
+    """
+    width, thickness, means = 10.0, 8.0, _calibrated(MEANS)
+    pulp, skin = means.subcutaneous, maeno1998()
+    ratio = skin.skin.modulus / skin.subcutaneous.modulus
+    lengths = means.lengths(width, thickness)
+    return TissueSet(
+        skin=replace(pulp, modulus=ratio * pulp.modulus, thickness=1.0),
+        subcutaneous=pulp,
+        source="calibrated_means, with the ratio of the layers of maeno1998: an assumption on a "
+        "finger that nobody measured",
+        confidence="low",
+        **(lengths | {"pad_radius": 10.0}),
+        prony=means.prony,
+        width=width,
+        thickness=thickness,
+    )
+
+
 def fitted_to(tissue: str) -> str | None:
     """Name of the subject that a tissue set was fitted to; None for other sets."""
     return {calibrated_name(subject): subject for subject in _FITTED}.get(tissue)
@@ -335,6 +361,7 @@ TISSUE_SETS: dict[str, Callable[[], TissueSet]] = {
     "maeno1998": maeno1998,
     "dandekar2003": dandekar2003,
     "saal2017": saal2017,
+    "macaque": macaque,
     **{calibrated_name(subject): partial(_calibrated, subject) for subject in _FITTED},
 }
 TISSUE_SETS |= {f"{name}{VISCOUS}": partial(_viscous, name) for name in tuple(TISSUE_SETS)}
