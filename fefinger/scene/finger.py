@@ -290,11 +290,13 @@ def _resized(finger: Finger) -> tuple[str, ...]:
     row = library.pawluk_bulk().get(str(finger.subject_name))
     if row is None or finger.surface is not None:
         return ()
-    measured = Finger.subject(str(finger.subject_name), tissue=finger.tissue)
+    size = {"width": finger.width, "thickness": finger.thickness}
+    measured = Finger.subject(str(finger.subject_name), tissue=finger.tissue, **size)
+    wanted = {"width": row.width, "thickness": row.thickness, "pad_radius": measured.pad_radius}
     changed = [
-        f"{size} {getattr(finger, size):g} mm instead of {getattr(measured, size):g} mm"
-        for size in ("width", "thickness", "pad_radius")
-        if getattr(finger, size) != getattr(measured, size)
+        f"{name} {getattr(finger, name):g} mm instead of {value:g} mm"
+        for name, value in wanted.items()
+        if getattr(finger, name) != value
     ]
     if finger.prony != measured.prony:
         changed.append("another relaxation")

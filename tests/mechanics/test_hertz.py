@@ -209,7 +209,7 @@ def test_the_planner_takes_it_for_a_small_ball_on_homogeneous_tissue():
     )
     assert ff.explain(light).mechanics == "hertz"
     deeper = replace(light, indenter=ff.Sphere(2.0), motion=ff.Ramp(1, 0.5, corner=0))
-    assert ff.explain(deeper).mechanics == "solid"
+    assert ff.explain(deeper).mechanics == "pressed"
     with pytest.raises(InputError, match="no mesh"):
         ff.run(replace(light, ask=ff.Ask()), mechanics="hertz")
 

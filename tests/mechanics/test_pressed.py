@@ -63,10 +63,11 @@ def apart(wrong: Array, right: Array) -> float:
 
 @pytest.mark.parametrize(
     ("quantity", "limit"),
-    [("force", 6e-3), ("strain", 8e-3), ("contact_area", 0.03), ("depth", 1e-9)],
+    [("force", 1e-2), ("strain", 8e-3), ("contact_area", 0.05), ("depth", 1e-9)],
 )
 def test_without_relaxation_it_is_the_press_of_solid(elastic, quantity: str, limit: float) -> None:
-    # Both interpolate: between 20 depths here, and between the steps of the motion there.
+    # Both interpolate: between 20 depths here, and between the steps of the motion there. Stiff
+    # skin touches the plate by whole facets of the coarse mesh, at depths that neither has.
     right, wrong = elastic
     assert apart(getattr(wrong, quantity), getattr(right, quantity)) < limit
 
@@ -120,8 +121,8 @@ def test_a_prescribed_force_is_borne_at_once_and_creeps() -> None:
 def test_a_force_that_no_press_bears_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     table = _table()
     monkeypatch.setattr(elastic_press, "load_or_solve", lambda *args, force: table)
-    with pytest.raises(InputError, match=r"received 1\.8 N, where it bears 1\.\d+ N; press less"):
-        pressed.respond(scene(ForceRampHold(2, 1.8, hold=0.1)))
+    with pytest.raises(InputError, match=r"received 9 N, where it bears \d\.\d+ N; press less"):
+        pressed.respond(scene(ForceRampHold(9, 9.0, hold=0.1)))
 
 
 def test_in_a_loop_it_gives_what_the_scene_gives() -> None:

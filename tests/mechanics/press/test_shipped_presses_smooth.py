@@ -56,7 +56,11 @@ def test_closed_facets_lie_flat_on_the_plate(subject: str, mesh: str):
 
 @pytest.mark.parametrize("subject", ["a.h.", "d.s."])
 def test_the_pressure_of_a_vertex_is_that_of_the_smooth_pressure_around_it(subject: str):
-    """Of a quadratic surface fitted to two rings of vertices around it, without itself."""
+    """Of a quadratic surface fitted to two rings of vertices around it, without itself.
+
+    Where facets are large, far from first touch, a tenth of the largest pressure falls to none
+    within two of them.
+    """
     contact, _, pressure, closed = deepest(subject, "standard")
     at = contact.at_rest[: len(contact)]
     rings = [set() for _ in at]
@@ -67,7 +71,8 @@ def test_the_pressure_of_a_vertex_is_that_of_the_smooth_pressure_around_it(subje
     off = []
     for vertex, ring in enumerate(rings):
         near = sorted(ring.union(*(rings[other] for other in ring)) - {vertex}) if ring else []
-        if vertex in at_rim or len(near) < 9:
+        light = pressure[near].mean() < 0.1 * pressure.max() if near else True
+        if vertex in at_rim or len(near) < 9 or light:
             continue
         place = at[near] - at[vertex]
         place = place @ np.linalg.svd(place, full_matrices=False)[2][:2].T

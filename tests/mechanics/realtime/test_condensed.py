@@ -138,7 +138,8 @@ def test_a_step_makes_no_array() -> None:
         finger.step(depth, 1e-3)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert peak - before < finger.now.strain.nbytes / 2
+    # An array of strains would add all of its bytes; numbers of Python take up to half as many.
+    assert peak - before < 0.9 * finger.now.strain.nbytes
 
 
 def test_compiled_steps_make_no_array_either(finger: Condensed) -> None:
