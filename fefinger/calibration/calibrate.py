@@ -30,7 +30,7 @@ from fefinger.support.progress import Progress
 
 MECHANICS = ("condensed", "solid")
 
-EXPONENTS = (0.02, 1.5, 3.0, 5.0, 7.0)
+EXPONENTS = (0.02, 1.2, 2.8, 4.8, 7.0)
 """Exponents of Demiray's law at which a finger is solved; the first is nearly neo-Hookean."""
 
 STIFFER = (10.0, 13.0, 16.0)
@@ -143,7 +143,7 @@ def condensed(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calib
         with work.stage("array") as misfit:
             other = SMALLER * radius
             linear = linear.with_radius(work.press("condensed", mesh, other), 1.0, other)
-            radius, power = _radius(work, wanted, frames, linear, (other, radius), result)
+            radius, power = _radius(work, wanted, frames, linear, (radius, other), result)
             result = _solved(_forces(work, wanted, linear, radius), result)
             spread = _spread(wanted, frames, result, radius, power)
             result = _solved(_forces(work, wanted, linear, radius, spread), result)
@@ -181,8 +181,18 @@ def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibrati
     with work.stage("array"):
         shape = _array(wanted, frames, result)
     adapted = replace(start, pad_radius=radius)
-    early = work.ended(result.curve.deepest)
-    return outcome(wanted, adapted, result, work.stages, "solid", shape, coarse.ripple, early)
+    told = (*work.ended(result.curve.deepest), *_undetermined(radius, power))
+    return outcome(wanted, adapted, result, work.stages, "solid", shape, coarse.ripple, told)
+
+
+def _undetermined(radius: float, power: float | None) -> tuple[str, ...]:
+    """Sentence on a pad radius in mm on which the frames hardly depend; () where they do."""
+    if power is None or power >= pad.DETERMINED:
+        return ()
+    return (
+        f"pad_radius: the R of the thesis's fit hardly depends on it (as its power {power:.2g}), "
+        f"so it remains {radius:g} mm",
+    )
 
 
 def _wide_enough(work: Work, wanted: Bulk | Record, radius: float) -> Family:
@@ -266,8 +276,10 @@ def _radius(
     Also return the exponent of the fitted R as a power of it, from the curves at two pad radii.
     """
     tried = [_solved(_forces(work, wanted, curves, each), last) for each in radii]
-    fits = [_fitted(each) for each in tried]
-    radius, power = pad.radius_for(_goal(wanted, frames), radii, fits)
+    fits, goal = [_fitted(each) for each in tried], _goal(wanted, frames)
+    radius, power = pad.radius_for(goal, radii, fits)
+    if abs(fits[0] / goal - 1) <= CLOSE:
+        radius = radii[0]
     radius = float(np.clip(radius, min(radii) / pad.WITHIN, max(radii) * pad.WITHIN))
     return round(work.reachable(radius), 2), power
 
@@ -292,7 +304,7 @@ def _spread(
     where the frames do not determine it.
     """
     fitted = _fitted(result)
-    if power < pad.LEAST or abs(fitted / _goal(wanted, frames) - 1) > AGREES:
+    if power < pad.DETERMINED or abs(fitted / _goal(wanted, frames) - 1) > AGREES:
         return SCATTER * radius
     prony = prony_of(result.solution.values)
     noise = pad.ROUNDING
@@ -325,9 +337,9 @@ def _on_final_mesh(
 ) -> Trial:
     """Press on the final mesh until exponent and fitted R converge; return the best trial.
 
-    Each trial corrects the coarse family by a new press. Without a `power` of at least LEAST the
-    pad radius is fixed.
-    Once a press stopped early beyond the depth of the target, later presses go no deeper.
+    Each trial corrects the coarse family by a new press. Without a `power` of DETERMINED or more
+    the pad radius is fixed. Once a press stopped early beyond the depth of the target, later
+    presses go no deeper.
     """
     goal = math.nan if power is None else _goal(wanted, frames)
     trials: list[Trial] = []
@@ -344,7 +356,7 @@ def _on_final_mesh(
         trials.append(Trial(radius, result, curves, fitted))
         steady = abs(result.solution.values[SHAPE] - exponent) < SETTLED
         next_radius = radius
-        if power is not None and power >= pad.LEAST and abs(fitted / goal - 1) > CLOSE:
+        if power is not None and power >= pad.DETERMINED and abs(fitted / goal - 1) > CLOSE:
             tried = [each.radius for each in trials], [each.fitted for each in trials]
             next_radius = round(work.reachable(pad.nearer(goal, *tried, power)), 2)
         if steady and abs(next_radius / radius - 1) < NONE:

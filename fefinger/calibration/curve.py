@@ -2,7 +2,8 @@
 
 The relaxed force is P = x^(3/2) exp(q(x)): Hertz's power law times the effect of bone, shape,
 finite strain and law. Between presses q and the share of every element of the array are
-interpolated at the same depth by Lagrange's polynomial. Moduli scale the force as a whole.
+interpolated at the same depth by Lagrange's polynomial in the root of the exponent. Moduli scale
+the force as a whole.
 """
 
 import math
@@ -171,7 +172,9 @@ class Family:
 
         `ratio` is that of skin to subcutaneous modulus, over that of the presses.
         """
-        weights = _lagrange(self.shapes, shape) if len(self.shapes) > 1 else np.ones(1)
+        # In the root of the exponent q bends least: left out, a press is met within 0.6 %, not 1.5.
+        nodes = [math.sqrt(each) for each in self.shapes]
+        weights = _lagrange(nodes, math.sqrt(shape)) if len(nodes) > 1 else np.ones(1)
         wider = np.log(radius / self.radius)
         q: Array = self.correction + np.log(ratio) * self.by_ratio + wider * self.by_radius
         shares: Array = self.shares_correction + wider * self.shares_by_radius

@@ -43,9 +43,10 @@ AGREES = 0.05
 
 ONE_G = (
     "one G relaxes the force, where the stress relaxes and strain is finite: weights of a twin "
-    "come back 2 to 3 % off, its fastest rate 5 %, which their deviations do not count"
+    "come back 2 to 3 % off, its exponent 4 %, its fastest rate 5 %, which their deviations do not "
+    "count"
 )
-"""Bias of G in fits by `solid` (suite `calibration`, twin of solid)."""
+"""Bias of fits by `solid` (suite `calibration`, twin of solid)."""
 
 APART = 0.1
 """Difference in mm of two estimates of the touch above which it is reported."""
@@ -96,19 +97,19 @@ def outcome(
     mechanics: str,
     array: dict[str, float] | None = None,
     ripple: float = math.nan,
-    early: Sequence[str] = (),
+    told: Sequence[str] = (),
 ) -> Calibration:
     """Make the record of a fit on a finger.
 
     array: results of the thesis's fit, by name; ripple: distance of the last press from its curve;
-    early: sentences on presses that ended early, where the curve ends.
+    told: sentences on presses that ended early, where the curve ends, and on the pad radius.
     """
     solution = result.solution
-    factor, exponent, sentences = 1.0, None, list(early)
+    factor, exponent, sentences = 1.0, None, list(told)
     if MECHANICS[mechanics].finite:
         factor = solution.values[MODULUS] / finger.subcutaneous.modulus
         exponent = round(solution.values[SHAPE], 4)
-        sentences += [f"c0, c1, v1 ...: {ONE_G}"] if isinstance(wanted, Record) else []
+        sentences += [f"exponent, c0, c1, v1 ...: {ONE_G}"] if isinstance(wanted, Record) else []
     fitted = stiffening(finger, exponent, factor)
     residuals = {"misfit": solution.misfit, **_misfits(wanted, result), **(array or {})}
     if math.isfinite(ripple):

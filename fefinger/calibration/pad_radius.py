@@ -45,9 +45,13 @@ WITHIN = 1.15
 LEAST = 1.0
 """Smallest exponent of a fitted R as a power of the pad radius: that of Hertz's contact.
 
-On a finger with a flat pad it is 1.5 to 2.6. Smaller values are mesh errors of two radii close to
-each other, or of a pad whose tip and bone decide how wide its pressure is.
+On a finger with a flat pad it is 1.5 to 2.6; smaller values are mesh errors of two radii close to
+each other.
 """
+
+DETERMINED = 0.6
+"""Exponent below which the frames do not determine the pad radius: with a round tip and stiff skin
+it is 0.2 to 1, as tip and bone decide how wide the pressure is."""
 
 
 @dataclass(frozen=True)
@@ -125,12 +129,12 @@ def radius_for(
     """Interpolate the pad radius in mm at which the thesis's fit gives `wanted`, and its exponent.
 
     The logarithm of the fitted R is a line in that of the pad radius, by least squares through the
-    tried `radii`; its slope is the exponent. Where it is below
-    LEAST the frames do not determine the pad radius, and the first one that was tried remains.
+    tried `radii`; its slope is the exponent. Where it is below DETERMINED the first radius that
+    was tried remains.
     """
     x, y = np.log(radii), np.log(fitted)
     slope, start = np.polyfit(x, y, 1)
-    if slope < LEAST:
+    if slope < DETERMINED:
         return radii[0], float(slope)
     radius = float(np.clip(np.exp((np.log(wanted) - start) / slope), *RADII))
     return radius, float(slope)

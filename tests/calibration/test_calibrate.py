@@ -114,7 +114,7 @@ def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
     ]
     assert ("solid, coarse", 1.0) in said
     numbers = np.array([each[2:] for each in solved[:10]])
-    shapes = [(14, b, 1) for b in (0.02, 1.5, 3, 5, 7, 10, 13, 16)]
+    shapes = [(14, b, 1) for b in (0.02, 1.2, 2.8, 4.8, 7, 10, 13, 16)]
     np.testing.assert_allclose(numbers, [*shapes, (14, 3, 2), (12.6, 3, 1)])
     assert {each[1] for each in solved[:10]} == {"coarse"}
     assert {each[1] for each in solved[10:]} == {"standard"}

@@ -37,7 +37,7 @@ def test_a_radius_is_found_where_the_fit_has_the_wanted_one():
 def test_a_radius_on_which_the_fit_hardly_depends_remains():
     radius, power = pad_radius.radius_for(14.6, (14.0, 13.0), (14.3, 14.5))
     assert radius == 14.0
-    assert power < pad_radius.LEAST
+    assert power < pad_radius.DETERMINED
 
 
 def test_the_next_radius_is_between_those_that_hold_the_wanted_r_or_beyond_the_nearest():

@@ -119,7 +119,7 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
         "gain": (100.0, 1e4),
         "corner": (60.0, 500.0),
         "negative": (0.5, 1.0),
-        "largest": (2.0, 100.0),
+        "largest": (13.0, 100.0),
         "adapting": (0.1, 1.0),
         "adaptation": (5e-4, 0.1),
         "recovery": (0.1, 10.0),

@@ -30,12 +30,12 @@ WANTED = {
 
 MISSES = {
     ("loading", "force"): (
-        0.032,
+        0.0396,
         "the shape of the tissue is taken to depend on the depth alone, not on earlier stress",
     ),
-    ("peak", "area"): (0.043, "shallow contacts on the coarse mesh are a few facets wide"),
+    ("peak", "area"): (0.112, "shallow contacts on the coarse mesh are a few facets wide"),
     ("retreat", "strain"): (
-        0.21,
+        0.229,
         "near and after lift-off the strain that is left is not that of the press at any depth",
     ),
 }
