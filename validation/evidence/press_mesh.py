@@ -105,7 +105,7 @@ OBJECTS: dict[str, tuple[Indenter, float]] = {
     "sphere-10": (Sphere(10), 0.2),
     "sphere-2": (Sphere(2), 0.08),
     "sphere-1": (Sphere(1), 0.25),
-    "pin": (Pin(width=2.0), 0.15),
+    "pin": (Pin(width=2.0), 0.19),
     "grating-10": (Grating(period=4.0, ridge=2.0, depth=0.6, angle=10.0), 0.15),
     "tilt-15": (Flat(30, tilt=15.0), 0.15),
     "sphere-5, 4 mm beside": (Sphere(5, at=(0.0, 4.0)), 0.12),
