@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fefinger.validation.case import Outcome
-from fefinger.validation.waves import bodies, suite
+from fefinger.validation.waves import bodies, drawings, finger, suite
 from scipy import special
 
 
@@ -36,3 +36,14 @@ def test_lambs_integral_is_that_of_statics_at_rest() -> None:
 
 def test_a_wave_in_the_half_space_takes_energy_away() -> None:
     assert all(bodies.half_space_exact(f).imag < 0 for f in (1.0, 100.0, 1000.0))
+
+
+@pytest.mark.usefixtures("operators")
+def test_the_lowest_modes_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only the whole suite draws them otherwise."""
+    monkeypatch.setattr(finger, "MESH", "coarse")
+    finger.finger.cache_clear()
+    drawn = drawings._shapes()
+    finger.finger.cache_clear()
+    assert len(drawn.axes) == drawings.SHAPES
+    assert all(axis.get_title().endswith(" Hz") for axis in drawn.axes)

@@ -130,7 +130,8 @@ def _shapes() -> Any:
     with style():
         drawn = figure(8.0, 4.6)
         for number, axis in enumerate(drawn.subplots(2, SHAPES // 2).ravel()):
-            moved = loop.modes.shape(number, 3 * len(points)).reshape(-1, 3)
+            one = np.array([number]), np.ones((1, 1))
+            moved = loop.modes.combined(3 * len(points), *one).reshape(-1, 3)
             moved = moved * (1.2 / np.abs(moved).max())
             for place, color, width in ((points, "#b0b0b0", 0.6), (points + moved, STEEL, 1.2)):
                 lines = place[edges]
