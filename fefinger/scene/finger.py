@@ -57,9 +57,10 @@ class Finger:
         proportion to the thickness (6.2 mm for a.h.); with other tissue 0.42 of the thickness or
         more, as far as the pulp under the 30 degree plate stays 0.47 of it.
     tip_radius
-        Radius in mm of the palmar profile at the tip of a parametric finger; by default as
-        `tip_tissue` (2.5 mm for a.h.); with other tissue 0.2 of the thickness or more, as far as
-        the tip lies 0.65 of it above the lowest point.
+        Radius in mm of the palmar profile at the tip of a parametric finger; by default that of the
+        finger that the tissue was fitted to, in proportion to the thickness (2.5 mm for a.h.); with
+        other tissue 0.2 of the thickness or more, as far as the tip lies 0.65 of it above the
+        lowest point.
     tissue
         Name of the tissue set of the library, or a file (.toml) of `fefinger calibrate`, that gives
         the defaults of `skin` and `subcutaneous`; a set that was fitted to a finger also gives its
