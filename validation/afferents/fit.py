@@ -67,7 +67,7 @@ SET: dict[str, dict[str, tuple[float, str]]] = {
     },
     "SAII": {
         "jitter": (0.0, WITHOUT),
-        "gain": (103.8, EDIN),
+        "gain": (92.83, EDIN),
         "static": (0.3, EDIN),
         "corner": (1.0, EDIN),
         "order": (1.0, "a choice, as SAI"),
