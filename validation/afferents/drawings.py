@@ -265,7 +265,7 @@ TEXTS = (
     "maeno1998, three times as stiff at small forces as the four measured fingers, SAI units came "
     "out four times as sensitive as those of the models behind the bands of pins. On the tissue "
     "calibrated on those fingers, at finite strain, the 21 rates under spheres lie on one rising "
-    "function of the strain within 2.5 % RMS. On maeno1998 no rising function comes nearer than "
+    "function of the strain within 1.1 % RMS. On maeno1998 no rising function comes nearer than "
     "12 %.",
     "Probes and pins are pressed at finite strain on that tissue too. At small strain, on tissue "
     "that does not stiffen, the end organ of SAI under a pin 1 mm wide is strained 1.4 to 1.9 "
