@@ -187,5 +187,6 @@ def test_contact_patch_is_finer_than_the_rest(mesh: FingerMesh, shape: Shape) ->
 
 
 def test_pulp_is_about_half_the_thickness(mesh: FingerMesh) -> None:
-    """That of d.s. calibrated is thickest, since its plate touches ahead of the end of its bone."""
-    assert 0.44 < mesh.quality["pulp_thickness"] / mesh.recipe["thickness"] < 0.58
+    """More in d.s. calibrated, since its plate touches ahead of the end of its bone."""
+    most = 0.58 if mesh.name.startswith("ds-calibrated") else 0.5
+    assert 0.44 < mesh.quality["pulp_thickness"] / mesh.recipe["thickness"] < most

@@ -7,10 +7,10 @@ epidermis of 0.3 to 0.5 mm (confidence low; of 0.4, 0.45, 0.5 and 0.6 mm, those 
 edges of a bar and the holds of a wide pin agree), those of FAI 0.5 mm, the others as in people.
 
 All are pressed at finite strain, on tissue that stiffens as that of four measured fingers, with a
-skin that is 3 times as stiff as the pulp (`library.macaque`). Of skins 3, 5 and 10 times as stiff,
-with its exponent or 2.9 times that, it is the one with which rates under vibrations and spheres can
-both be fitted: SAI have R2 .94 and 16 % under spheres, with the ratios of the calibrated fingers
-(10, 2.9) .78 and 18 %. At small strain, on tissue that does not stiffen, a pin 1 mm wide strains
+skin that is 3 times as stiff as the pulp (`library.macaque`). With this skin rates of SAI under
+vibrations have R2 .94 and those under spheres an error of 16 %; with 2.9 times the exponent of the
+pulp .90 and 16 %; with the ratios of the calibrated fingers (10 times as stiff, 2.9 times the
+exponent) .78 and 17 %. At small strain, on tissue that does not stiffen, a pin 1 mm wide strains
 the end organs below it 1.3 to 1.9 times as much from 0.5 to 1.5 mm on, and a sphere or a plate 0.5
 to 0.7 times: the gains of probes and of spheres would not be those of one unit.
 """

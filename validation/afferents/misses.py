@@ -9,7 +9,7 @@ WIDE = (
 SPHERES = (
     "rates of vibrations and spheres are weighed against each other; the strain at 0.45 mm under "
     "the lightest force is too small below a flat surface and too large below wide spheres, by a "
-    "fourth. In the finger of before, whose pad was flatter at its tip, it was 14 %"
+    "fourth"
 )
 
 BURST = (

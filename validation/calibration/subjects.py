@@ -34,7 +34,7 @@ STANDARD = "calibrated-standard.json"
 """Presses of the calibrated fingers on the standard mesh (`evidence_standard.py`)."""
 
 COARSER = {"d.p.": 0.07, "p.w.": 0.026}
-"""Relative distances that are more, as found."""
+"""Subjects whose force on the standard mesh is farther from the report, and by how much."""
 
 FITTED = "It was fitted on the coarse mesh, which costs a minute instead of some four."
 
