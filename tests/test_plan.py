@@ -233,6 +233,10 @@ IMPOSSIBLE = [
         {"finger.skin.law": "demiray", "finger.skin.exponent": 40},
         "exponent of skin = 40 > 32: errors are not measured there",
     ),
+    (
+        {"finger.subcutaneous.law": "demiray", "finger.subcutaneous.exponent": 20},
+        "exponent of subcutaneous = 20 > 11: errors are not measured there",
+    ),
 ]
 
 

@@ -9,7 +9,8 @@ import pytest
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.calibration import jobs, press_store, targets
+from fefinger.calibration import jobs, pad_radius, press_store, targets
+from fefinger.calibration.calibrate import _undetermined
 from fefinger.calibration.force import predicted
 from fefinger.calibration.outcome import errors, refuse_gross, stiffening
 from fefinger.calibration.record import Calibration
@@ -119,6 +120,7 @@ def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
     assert {each[1] for each in solved[:10]} == {"coarse"}
     assert {each[1] for each in solved[10:]} == {"standard"}
     assert found.residuals["array radius"] == pytest.approx(14.0, rel=0.02)
+    assert found.finger["pad_radius"] == 14.0  # its R is within the rounding of the printed one
     assert found.residuals["m"] == pytest.approx(2.1, rel=0.1)
     assert {"modulus", "exponent", "skin_ratio", "c0"} <= {each.name for each in found.parameters}
     assert found["skin_ratio"].how == "held"
@@ -139,7 +141,16 @@ def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
     assert finger.prony == found.prony
     assert finger.pad_radius == found.finger["pad_radius"]
     assert (finger.tip_radius, finger.tip_tissue) == (2.5, 6.2)
+    larger = ff.Finger(28, 20, tissue=str(tmp_path / "tissue.toml"))
+    assert (larger.pad_radius, larger.tip_radius) == (2 * finger.pad_radius, 5.0)
     assert [name.rsplit("/", 1)[1] for name in files] == ["calibration.json", "tissue.toml"]
+
+
+def test_a_pad_radius_that_the_frames_do_not_determine_is_told():
+    assert _undetermined(14.0, pad_radius.DETERMINED) == ()
+    assert _undetermined(14.0, None) == ()
+    (said,) = _undetermined(14.0, 0.3)
+    assert said.endswith("hardly depends on it (as its power 0.3), so it remains 14 mm")
 
 
 def test_the_command_prints_and_writes(tmp_path, solved, capsys):

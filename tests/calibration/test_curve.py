@@ -78,3 +78,10 @@ def test_a_family_learns_radius_ratio_and_a_better_press(law, formula):
     )
     with pytest.raises(InputError, match=r"family\.shapes: expected numbers that rise"):
         family((3.0, 1.0), 14.0, formula)
+
+
+def test_between_two_exponents_curves_are_joined_in_the_root(formula):
+    joined = family((1.0, 4.0), 14.0, formula)
+    low, high = (curve(formula(exponent))[0] for exponent in joined.shapes)
+    middle = joined.at(1.5**2, 14.0)
+    np.testing.assert_allclose(middle.q, (low.q + high.q) / 2, atol=1e-12)
