@@ -9,8 +9,7 @@ import pytest
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.calibration import jobs, pad_radius, press_store, targets
-from fefinger.calibration.calibrate import _undetermined
+from fefinger.calibration import calibrate, jobs, pad_radius, press_store, targets
 from fefinger.calibration.force import predicted
 from fefinger.calibration.outcome import errors, refuse_gross, stiffening
 from fefinger.calibration.record import Calibration
@@ -120,7 +119,6 @@ def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
     assert {each[1] for each in solved[:10]} == {"coarse"}
     assert {each[1] for each in solved[10:]} == {"standard"}
     assert found.residuals["array radius"] == pytest.approx(14.0, rel=0.02)
-    assert found.finger["pad_radius"] == 14.0  # its R is within the rounding of the printed one
     assert found.residuals["m"] == pytest.approx(2.1, rel=0.1)
     assert {"modulus", "exponent", "skin_ratio", "c0"} <= {each.name for each in found.parameters}
     assert found["skin_ratio"].how == "held"
@@ -147,10 +145,24 @@ def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
 
 
 def test_a_pad_radius_that_the_frames_do_not_determine_is_told():
-    assert _undetermined(14.0, pad_radius.DETERMINED) == ()
-    assert _undetermined(14.0, None) == ()
-    (said,) = _undetermined(14.0, 0.3)
+    assert calibrate._undetermined(14.0, pad_radius.DETERMINED) == ()
+    assert calibrate._undetermined(14.0, None) == ()
+    (said,) = calibrate._undetermined(14.0, 0.3)
     assert said.endswith("hardly depends on it (as its power 0.3), so it remains 14 mm")
+
+
+@pytest.mark.parametrize(("fitted", "radius"), [(14.2, 14.0), (15.0, 13.42)])
+def test_a_pad_radius_whose_r_is_as_printed_remains(monkeypatch, fitted, radius):
+    """R grows as the pad radius to the power 1.63; that of a.h. is 14 mm, printed to the mm."""
+    work = press_store.Work(targets.finger_of("a.h."), None)
+    smaller = fitted * 0.9**1.63
+    fits = iter((fitted, smaller))
+    monkeypatch.setattr(calibrate, "_forces", lambda *given: None)
+    monkeypatch.setattr(calibrate, "_solved", lambda *given: None)
+    monkeypatch.setattr(calibrate, "_fitted", lambda result: next(fits))
+    radii, wanted = (14.0, 12.6), targets.subject("a.h.")
+    found, power = calibrate._radius(work, wanted, None, None, radii, None)
+    assert (found, power) == (radius, pytest.approx(1.63))
 
 
 def test_the_command_prints_and_writes(tmp_path, solved, capsys):
