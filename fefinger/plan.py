@@ -10,8 +10,7 @@ from typing import Any
 
 from fefinger import mechanics as ladder
 from fefinger.mechanics.evidence import force_control, machine, vibration, wall_time
-from fefinger.mechanics.evidence.stated_errors import spikes
-from fefinger.mechanics.evidence.tradeoff import STATED
+from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, MESHED, Candidate
 from fefinger.results.plan_text import ladder as written
@@ -207,8 +206,6 @@ def _rung(
     errors = {what: each for what, each in errors.items() if math.isfinite(each)}
     if case.motion.control == "force" and math.isfinite(error):
         errors = force_control.errors(errors, error, case)
-    # Errors of spikes were measured with the membranes of the family `thesis`.
-    errors |= spikes(candidate, case) if ask.spikes and ask.afferents == "thesis" else {}
     return Rung(name, seconds, error, evidence, refusals, candidate.resolution, errors, wall)
 
 

@@ -2,9 +2,12 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+from fefinger.mechanics.evidence import machine
+from fefinger.support import cache
 
 
 VARIABLE = "XDG_CACHE_HOME"
@@ -29,3 +32,10 @@ def empty_cache(*shared: Path) -> Iterator[Path]:
             del os.environ[VARIABLE]
             if before is not None:
                 os.environ[VARIABLE] = before
+
+
+def only_meshes() -> AbstractContextManager[Path]:
+    """Let the cache have meshes and the speed of the machine alone."""
+    meshes = cache.root() / "meshes"
+    meshes.mkdir(parents=True, exist_ok=True)
+    return empty_cache(meshes, machine.kept_path())

@@ -29,14 +29,6 @@ ABOUT = {
 
 SUITES = tuple(ABOUT)
 
-LONG = {"tradeoff": "up to two hours on two cores, or minutes where its runs are kept"}
-"""Suites that are run in full only if they are named, or all asked for, and how long they take."""
-
-
-def left_out(suites: Sequence[str], *, quick: bool, every: bool) -> tuple[str, ...]:
-    """Return the long suites that are not run: none if suites are named, or the run is quick."""
-    return () if suites or quick or every else tuple(LONG)
-
 
 def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:
     """Return the cases of a suite; `quick` leaves out what takes longer than seconds."""
@@ -86,17 +78,10 @@ def run(
     suites: Sequence[str] = (),
     *,
     quick: bool = False,
-    every: bool = False,
     progress: Callable[[str, float], None] = lambda stage, fraction: None,
 ) -> dict[str, tuple[Outcome, ...]]:
-    """Measure every case of the suites named; by default of all but the long ones.
-
-    `every` takes those too, as does `quick`, in which nothing is long.
-    """
-    chosen = [choice("suite", suite, SUITES) for suite in suites]
-    if not chosen:
-        out = left_out(suites, quick=quick, every=every)
-        chosen = [suite for suite in SUITES if suite not in out]
+    """Measure every case of the suites named; by default of all."""
+    chosen = [choice("suite", suite, SUITES) for suite in suites] or list(SUITES)
     outcomes: dict[str, tuple[Outcome, ...]] = {}
     for suite in chosen:
         todo = cases(suite, quick=quick)

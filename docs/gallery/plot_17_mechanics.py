@@ -2,7 +2,7 @@
 The mechanics compared: error against time
 ==========================================
 
-The measured front: medians over the held-out scenes of ``reports/held-out.json``.
+The measured front: medians over the scenes of ``reports/held-out.json``, drawn by chance.
 """
 
 import json
@@ -18,9 +18,9 @@ from fefinger.results.candidate import MECHANICS
 
 report = json.loads((Path(fefinger.reports.__path__[0]) / "held-out.json").read_text())
 measured = {}
-for scene in report["scenes"].values():
-    for name, each in scene["candidates"].items():
-        measured.setdefault(name, []).append((each["seconds"], each["actual"]["force"]))
+for scene, errors in report["errors"].items():
+    for name, each in errors.items():
+        measured.setdefault(name, []).append((report["taken"][scene][name], each["force"]))
 
 fig, axis = plt.subplots(figsize=(7, 4), layout="constrained")
 for name, rows in measured.items():
@@ -29,7 +29,7 @@ for name, rows in measured.items():
     mark = {"coarse": "v", "standard": "o", "fine": "^"}.get(mesh, "s")
     color = f"C{list(MECHANICS).index(mechanics)}"
     axis.loglog(seconds, 100 * error, mark, color=color, label=name)
-axis.set(xlabel="time of a first answer / s (median)", ylabel="error of the force / % (median)")
+axis.set(xlabel="CPU time of a first answer / s (median)", ylabel="error of the force / % (median)")
 axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
 plt.show()
 

@@ -22,7 +22,7 @@ from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import PART
 from fefinger.calibration.targets import Bulk, Frames, Record
-from fefinger.scene import library
+from fefinger.scene import pawluk1997
 from fefinger.scene.finger import RESOLUTIONS, Finger
 from fefinger.support.checks import InputError, choice
 from fefinger.support.progress import Progress
@@ -222,7 +222,7 @@ def _row(work: Work, radius: float, exponents: tuple[float, ...]) -> Family:
 
 def _named(source: str | Path) -> str:
     """Return the subject that a source names; InputError for a record without a finger."""
-    names = list(library.pawluk_bulk())
+    names = list(pawluk1997.bulk())
     if isinstance(source, str) and source in names:
         return source
     msg = (
@@ -237,7 +237,7 @@ def _named(source: str | Path) -> str:
 
 def _target(work: Work, source: str | Path) -> Bulk | Record:
     """Load the target: a subject, or a record with its lumped fit."""
-    if isinstance(source, str) and source in library.pawluk_bulk():
+    if isinstance(source, str) and source in pawluk1997.bulk():
         return targets.subject(source)
     with work.stage("lumped") as misfit:
         record = targets.record(source, work.finger.resolution)

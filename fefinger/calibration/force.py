@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from fefinger.calibration.curve import Curve, Family
 from fefinger.calibration.inverse import Unknown, Values
 from fefinger.calibration.targets import Bulk, Record
-from fefinger.scene import library
+from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.theory.contact.ting import press_by_depth, radius_nodes
 from fefinger.theory.relaxation import Prony, hereditary_integral
@@ -42,7 +42,7 @@ FRAMES = "the frames of the array, by the thesis's fit; its scatter and the mesh
 
 def relaxation_unknowns(name: str) -> tuple[Unknown, ...]:
     """Unknowns of G, with priors from Table 3.1, of a subject or of the means."""
-    table = library.pawluk_relaxation()
+    table = pawluk1997.relaxation()
     prony = table.get(name, table["means"])
     weights = prony.weights
     source = "Table 3.1 of Pawluk (1997), with the scatter of its five subjects"

@@ -14,7 +14,7 @@ import numpy as np
 from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import RADII
 from fefinger.calibration.targets import Frames, aligned
-from fefinger.scene import library
+from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.array.sensor import ArraySensor, blurred
@@ -168,7 +168,7 @@ def scatter(curve: Curve, factor: float, prony: Prony) -> float:
 
 def printed(subject: str) -> PadFit:
     """Return the row of Table 3.2 of a subject."""
-    row = library.pawluk_quasistatic()[subject]
+    row = pawluk1997.quasistatic()[subject]
     return PadFit(row.radius, row.m, row.b, float("nan"))
 
 
@@ -196,8 +196,8 @@ def profile(curve: Curve, factor: float, prony: Prony, subject: str, force: floa
     readings = slow(prony, depth, factor * curve.array_pressure(depth))[-1]
     reached = float(slow(prony, depth, factor * curve.force(depth))[-1])
     frames = aligned(np.zeros((1, len(readings))), readings[None], sensor)
-    row = library.pawluk_quasistatic()[subject]
-    pad = Fingerpad(row.radius, row.m, row.b, library.pawluk_relaxation()[subject])
+    row = pawluk1997.quasistatic()[subject]
+    pad = Fingerpad(row.radius, row.m, row.b, pawluk1997.relaxation()[subject])
     deep = float(pad.depth_at(1e3 * reached, relaxed=True))
     theirs = blurred(
         lambda r: pad.relaxed_pressure(r, deep), float(pad.contact_radius(deep)), frames.distance

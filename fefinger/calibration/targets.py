@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from fefinger.calibration import lumped_fit
-from fefinger.scene import library
+from fefinger.scene import library, pawluk1997
 from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice
@@ -151,13 +151,13 @@ def finger_of(name: str | None, **values: Any) -> Finger:
     Its shape is that of the calibrated finger of the subject, or in proportion to that of the
     means. Its pulp is that of Maeno (1998) and does not stiffen; its skin keeps its ratios to it.
     """
-    row = library.pawluk_bulk().get(name or "")
+    row = pawluk1997.bulk().get(name or "")
     size = {} if row is None else {"width": row.width, "thickness": row.thickness}
-    tissue = library.calibrated_name(name if name and row else library.MEANS)
+    tissue = library.calibrated_name(name if name and row else pawluk1997.MEANS)
     pulp = library.tissue_set(library.PUBLISHED).subcutaneous
     layers = {"skin": library.prior_skin(pulp), "subcutaneous": pulp}
     given = {"tissue": tissue} | layers | size | values
-    if name in (None, library.MEANS):
+    if name in (None, pawluk1997.MEANS):
         return Finger(**given)
     return Finger.subject(name, **given)
 
@@ -170,9 +170,9 @@ def subject(name: str) -> Bulk:
     InputError
         For a name that Table 2.1 does not have.
     """
-    rows = library.pawluk_bulk()
+    rows = pawluk1997.bulk()
     choice("subject", name, rows)
-    row, (stiffness_vaf, hold_vaf) = rows[name], library.pawluk_accounted()[name]
+    row, (stiffness_vaf, hold_vaf) = rows[name], pawluk1997.accounted()[name]
     spring = Spring(row.b, row.m)
     deepest = float(spring.position(PEAK / row.prony.long_time))
     depth = np.linspace(0.0, deepest, 2000)

@@ -13,22 +13,19 @@ from fefinger.support.checks import InputError
 @click.command()
 @click.argument("suites", nargs=-1)
 @click.option("--quick", is_flag=True, help="Leave out cases that take longer than seconds.")
-@click.option("--all", "every", is_flag=True, help="Run the long suites too.")
 @output_option("validation.json and validation.html")
 @click.option("--name", default="validation", metavar="NAME", help="Base name of these files.")
 @json_option
 def validate(
     suites: tuple[str, ...],
     quick: bool,
-    every: bool,
     output: str | None,
     name: str,
     as_json: bool,
 ) -> int:
     """Compare fefinger with theory and published numbers.
 
-    Runs the SUITES named, or all but the long ones (--all: these too; --quick: all, shortened).
-    If DIR has an index.html of validations, it is updated.
+    Runs the SUITES named, or all of them. If DIR has an index.html of validations, it is updated.
     """
     from fefinger.support import outputs
     from fefinger.validation import suites as available
@@ -38,16 +35,12 @@ def validate(
         raise InputError(message)
     written: list[str] = []
     with outputs.output(output) as folder:
-        for suite in available.left_out(suites, quick=quick, every=every):
-            reason = f"{suite} is left out, because it takes {available.LONG[suite]}"
-            click.echo(f"{reason}: name it, or give --all.", err=True)
         with console.progress() as report:
-            outcomes = available.run(suites, quick=quick, every=every, progress=report or silent)
+            outcomes = available.run(suites, quick=quick, progress=report or silent)
         record = available.as_json(outcomes)
         try:
             if folder is not None:
-                options = {"--quick": quick, "--all": every}
-                words = [*suites, *(key for key, given in options.items() if given)]
+                words = [*suites, *(["--quick"] if quick else [])]
                 written = _save(record, folder, name, " ".join(["fefinger validate", *words]))
         finally:  # print the outcome also where saving it fails
             console.print_answer(

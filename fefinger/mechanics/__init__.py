@@ -42,7 +42,7 @@ class Mechanics(Protocol):
     def error(self, case: Situation, quantity: str = "force") -> tuple[float, str]:
         """Return the expected relative error of a quantity, and the report that measured it.
 
-        Not a number where it is not known; the quantities are those of `evidence.tradeoff.STATED`.
+        Not a number where it is not known; quantities: `evidence.stated_errors.STATED`.
         """
 
     def coarser(self, scene: Scene) -> Finger | None:

@@ -3,7 +3,7 @@
 In `theory/contact/`, `stack.py` and `indentation.py` are the equations, `contact_table.py` the
 contacts solved once per stack, and `ting.py` makes them right on unloading and touching again. The
 first press of a stack takes a quarter of a second, another one some 30 ms
-(`reports/layered-cost.json`).
+(`reports/small-strain-cost.json`).
 """
 
 from typing import TYPE_CHECKING

@@ -7,6 +7,7 @@ relaxation then run on that small dense problem (`press/small_strain.py`). What 
 
 from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import small_strain_cost
+from fefinger.mechanics.evidence.measured_tissue import largest_exponents
 from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import proximal_cut
 from fefinger.mechanics.press.discretization import refinement_location
@@ -50,10 +51,6 @@ CONTRAST = 30.0
 """Ratio of the moduli of the layers up to which errors are taken as measured at 3: three times the
 largest of a published set."""
 
-EXPONENTS = {"skin": 32.0, "subcutaneous": 11.0}
-"""Exponents up to which errors are taken: the largest ones of calibrated fingers, which were
-pressed."""
-
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: it can solve every scene, less accurately at large strain."""
@@ -86,10 +83,10 @@ def unmeasured(finger: Finger) -> list[Doubt]:
             "errors are not measured there"
         )
         doubts.append(Doubt("finger.skin.modulus", reason))
-    for (name, most), layer in zip(EXPONENTS.items(), layers, strict=True):
+    for (name, most), layer in zip(largest_exponents().items(), layers, strict=True):
         if (layer.exponent or 0.0) > most:
             reason = (
-                f"exponent of {name} = {layer.exponent:.3g} > {most:g}: errors are not measured "
+                f"exponent of {name} = {layer.exponent:.3g} > {most:.3g}: errors are not measured "
                 "there"
             )
             doubts.append(Doubt(f"finger.{name}", reason))

@@ -5,9 +5,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
-from fefinger.mechanics.evidence import reached_depth, tradeoff
+from fefinger.mechanics.evidence import measured_tissue, reached_depth
 from fefinger.mechanics.evidence.table import Measured
-from fefinger.mechanics.evidence.tradeoff import Place
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.time_steps import moving, time_grid, too_long
 from fefinger.mechanics.refusals import Doubt
@@ -105,46 +104,26 @@ class Situation:
         return tuple(Doubt("motion", each) for each in too_long(self.motion, fast=self.fast))
 
     @cached_property
-    def place(self) -> Place | None:
-        """Position of the object among the reference presses; None outside of their range."""
-        return tradeoff.place_of(self.indenter)
+    def published_tissue(self) -> bool:
+        """Whether the tissues are the published ones that were measured, up to a common modulus."""
+        return measured_tissue.published(self.finger)
 
     @cached_property
-    def measured_tissue(self) -> bool:
-        """Whether the tissues are those of the reference presses, up to a common modulus."""
-        return tradeoff.measured_tissue(self.finger)
+    def calibrated_tissue(self) -> bool:
+        """Whether the tissues are those of a subject, on a finger like those that were pressed."""
+        return measured_tissue.calibrated(self.finger)
 
     @cached_property
-    def neighbors(self) -> tuple[str, ...]:
-        """Reference presses on either side of the object; empty without a place."""
-        return () if self.place is None else tradeoff.neighbors(self.place)
+    def force_curves(self) -> tuple[Measured, ...]:
+        """Force over the depth in the measured presses next to the scene."""
+        return reached_depth.curves(self.finger, self.indenter)
 
     @cached_property
-    def _own_curve(self) -> Measured | None:
-        """Force over depth of a calibrated finger under a plate."""
-        press = "" if self.indenter.flat is None else reached_depth.calibrated(self.finger)
-        return reached_depth.force_curve(press) if press else None
+    def depth_over_thickness(self) -> float:
+        """Largest depth over the finger's thickness, once tissue has relaxed.
 
-    def depth_over_thickness(self, force: Measured) -> float:
-        """Return the largest depth over the finger's thickness, once tissue has relaxed.
-
-        Where the motion prescribes the force, it is read from the `force` of a measured press, or
-        from the finger's own curve.
+        Where the motion prescribes the force, it is read from the presses next to the scene.
         """
         if self.motion.control == "depth":
             return self.peak / self.finger.thickness
-        return reached_depth.under_force(self.finger, self.peak, force, self._own_curve)
-
-    def deepest(self, press: str) -> float:
-        """Return the largest depth over thickness, from the force of one reference press."""
-        return self.depth_over_thickness(tradeoff.forces()[press])
-
-    @cached_property
-    def among_neighbors(self) -> float | None:
-        """Largest depth over thickness, from the force of the neighboring reference presses.
-
-        None where none is, or the tissue is another one and bears another force.
-        """
-        if not (self.neighbors and self.measured_tissue):
-            return None
-        return max(map(self.deepest, self.neighbors))
+        return reached_depth.under_force(self.finger, self.peak, self.force_curves)

@@ -87,10 +87,7 @@ def trust(rung: "Rung", ask: "Ask") -> str:
         )
     bounds = ", ".join(f"{words[name]} {percent(errors[name])}" for name in known)
     sentences = [f"Expected within: {bounds}."] if known else []
-    if ask.spikes and "spike count" in errors:
-        count, first = percent(errors["spike count"]), duration(errors["first spike"])
-        sentences.append(f"In scenes like it spike counts were within {count}, first ones {first}.")
-    elif ask.spikes:
+    if ask.spikes:
         unknown.append("spikes")
     sentences += [f"No error is known of: {', '.join(unknown)}."] if unknown else []
     return " ".join(sentences)

@@ -47,8 +47,7 @@ class Rung:
     relative error of the force, the largest through time, over its peak; all nan where it cannot
     answer or was not considered; `evidence`: the report that measured the error; `errors`: of the
     highest "pressure" over 1 mm², the contact "area" and the "strain" at the end organs, where the
-    force is largest; of the "spike count", relative, and of the "first spike" in s, the worst in
-    scenes like it. An error that is not in `errors` is unknown. Where the force is prescribed,
+    force is largest. An error that is not in `errors` is unknown. Where the force is prescribed,
     `error` is that at the depth of the answer, and `errors` are at that force, with that of its
     "depth".
     """

@@ -4,7 +4,7 @@ from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import Any, Self
 
-from fefinger.scene import library
+from fefinger.scene import library, pawluk1997
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.outputs import check_input
@@ -113,7 +113,7 @@ class Finger:
         """Fill in defaults of the library, then check every field."""
         name = self.subject_name or "means"
         if self.subject_name is not None:
-            choice("finger.subject", self.subject_name, library.subjects())
+            choice("finger.subject", self.subject_name, pawluk1997.subjects())
         layers: tuple[Any, ...] = (self.skin, self.subcutaneous)
         given = any(layer is not None for layer in layers)
         self._default("tissue", library.default_tissue(self.subject_name, given=given))
@@ -121,11 +121,11 @@ class Finger:
         for size in ("width", "thickness"):
             self._set_length(size)
         lengths = tissues.lengths(self.width, self.thickness)
-        radius = lengths["pad_radius"] or library.pawluk_quasistatic()[name].radius
+        radius = lengths["pad_radius"] or pawluk1997.quasistatic()[name].radius
         self._default("pad_radius", radius)
         self._default("skin", tissues.skin)
         self._default("subcutaneous", tissues.subcutaneous)
-        self._default("prony", tissues.prony or library.pawluk_relaxation()[name])
+        self._default("prony", tissues.prony or pawluk1997.relaxation()[name])
         if self.bone_surface is None:
             self._default("tip_tissue", lengths["tip_tissue"])
         if self.surface is None:
@@ -256,8 +256,8 @@ class Finger:
 
         `overrides` replace single fields; f.c., who was not measured, needs width and thickness.
         """
-        choice("finger.subject", name, library.subjects())
-        row = library.pawluk_bulk().get(name)
+        choice("finger.subject", name, pawluk1997.subjects())
+        row = pawluk1997.bulk().get(name)
         size = {} if row is None else {"width": row.width, "thickness": row.thickness}
         values = size | overrides
         missing = [key for key in ("width", "thickness") if values.get(key) is None]
@@ -277,7 +277,7 @@ def origin_notes(finger: Finger) -> tuple[str, ...]:
     notes = []
     if source != finger.subject_name and len(given) < len(LAYERS):
         whose = f"subject {source}, another finger"
-        if source == library.MEANS:
+        if source == pawluk1997.MEANS:
             whose = "the mean curves of the subjects, not to this finger"
         notes.append(f"The tissue was fitted to {whose} ({finger.tissue}).")
     if given:
@@ -288,7 +288,7 @@ def origin_notes(finger: Finger) -> tuple[str, ...]:
 
 def _resized(finger: Finger) -> tuple[str, ...]:
     """Note on sizes and relaxation that differ from those of the named subject."""
-    row = library.pawluk_bulk().get(str(finger.subject_name))
+    row = pawluk1997.bulk().get(str(finger.subject_name))
     if row is None or finger.surface is not None:
         return ()
     size = {"width": finger.width, "thickness": finger.thickness}

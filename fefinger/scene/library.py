@@ -12,6 +12,8 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Literal
 
+from fefinger.scene import pawluk1997
+from fefinger.scene.pawluk1997 import MEANS
 from fefinger.scene.tissue import Tissue
 from fefinger.support.checks import InputError, choice, reject_unknown
 from fefinger.support.outputs import check_input
@@ -19,101 +21,6 @@ from fefinger.theory.relaxation import Prony
 
 
 Confidence = Literal["high", "medium", "low"]
-
-PAWLUK = "Pawluk (1997), A Viscoelastic Model of the Human Fingerpad, PhD thesis, Harvard"
-
-
-# Subjects of the thesis
-
-MEANS = "means"
-"""Row of the tables for whom the thesis did not measure."""
-
-
-@dataclass(frozen=True)
-class Lumped:
-    """A row of Table 2.1: T(x) = (b/m) [exp(m (x - x0)) - 1], and its relaxation function.
-
-    width and thickness of the fingertip in mm, m 1/mm, b N/mm.
-    """
-
-    width: float
-    thickness: float
-    m: float
-    b: float
-    prony: Prony
-
-
-@dataclass(frozen=True)
-class Quasistatic:
-    """A row of Table 3.2: effective radius R mm, m 1/mm and b kPa/mm of t(u) (Eq. 3.11).
-
-    `b` is the printed value, most likely c0 b, the steady-state value (the text says that c0 b was
-    fitted, and tables 2.1 and 3.2 agree only in that reading).
-    """
-
-    radius: float
-    m: float
-    b: float
-
-
-@cache
-def pawluk_bulk() -> dict[str, Lumped]:
-    """Table 2.1 of the thesis: lumped force at 60 mm/s, per subject (confidence high)."""
-    rows = {
-        "d.p.": (12, 9.5, 3.2, 0.092, (0.22, 0.45, 0.15, 0.18), (253, 14, 0.66)),
-        "d.s.": (14, 11.5, 1.6, 0.28, (0.29, 0.40, 0.19, 0.13), (183, 11, 0.77)),
-        "a.h.": (14, 10, 2.1, 0.18, (0.25, 0.40, 0.19, 0.16), (224, 14, 0.63)),
-        "p.w.": (17, 13, 1.6, 0.22, (0.29, 0.38, 0.20, 0.13), (264, 22, 0.69)),
-        "means": (14, 11, 2.1, 0.19, (0.26, 0.41, 0.18, 0.15), (231, 15, 0.69)),
-    }
-    return {name: Lumped(*row[:4], Prony(*row[4:])) for name, row in rows.items()}
-
-
-def pawluk_accounted() -> dict[str, tuple[float, float]]:
-    """VAF_k and VAF_G of Table 2.1: variance accounted for in stiffness and relaxation."""
-    return {
-        "d.p.": (0.98, 0.99),
-        "d.s.": (0.97, 0.85),
-        "a.h.": (0.98, 0.88),
-        "p.w.": (0.96, 0.77),
-        "means": (0.97, 0.87),
-    }
-
-
-def pawluk_relaxation() -> dict[str, Prony]:
-    """Table 3.1 of the thesis: relaxation of the pressure, per subject (confidence high)."""
-    return {
-        "d.p.": Prony((0.33, 0.44, 0.13, 0.10), (163, 2.8, 0.31)),
-        "d.s.": Prony((0.33, 0.42, 0.16, 0.08), (256, 9.7, 0.91)),
-        "a.h.": Prony((0.29, 0.47, 0.13, 0.10), (226, 8.6, 0.61)),
-        "p.w.": Prony((0.33, 0.42, 0.16, 0.08), (238, 20.5, 0.79)),
-        "f.c.": Prony((0.29, 0.49, 0.11, 0.10), (175, 8.2, 0.59)),
-        "means": Prony((0.31, 0.45, 0.14, 0.09), (212, 10.0, 0.64)),
-    }
-
-
-def pawluk_quasistatic() -> dict[str, Quasistatic]:
-    """Table 3.2 of the thesis: quasi-static pressure, per subject (confidence high).
-
-    The mean radius is 14.6 mm, the mean of the column; the thesis prints 14.
-    """
-    return {
-        "d.p.": Quasistatic(15, 2.1, 2.3),
-        "d.s.": Quasistatic(12, 1.1, 6.1),
-        "a.h.": Quasistatic(14, 1.9, 1.9),
-        "p.w.": Quasistatic(17, 1.1, 3.6),
-        "f.c.": Quasistatic(15, 1.7, 3.8),
-        "means": Quasistatic(14.6, 1.6, 3.5),
-    }
-
-
-def subjects() -> tuple[str, ...]:
-    """Names of the subjects of the thesis; f.c. has no width and thickness."""
-    return tuple(name for name in pawluk_relaxation() if name != MEANS)
-
-
-# Tissue sets
-
 
 DIGITS = 6
 """Of lengths in mm that are in proportion to others."""
@@ -210,7 +117,7 @@ def _viscous(name: str) -> TissueSet:
     strains meet some 8 times the stiffness: a set for vibrations, not for impacts.
     """
     base = TISSUE_SETS[name]()
-    slow = base.prony or pawluk_relaxation()[MEANS]
+    slow = base.prony or pawluk1997.relaxation()[MEANS]
     # Below its rate a branch is a damper, of weight / rate; before it the stiffness is the sum.
     fast = FASTEST / (2 * math.pi * VISCOUS_FROM)
     weights = (*slow.weights, fast)
@@ -241,11 +148,17 @@ CALIBRATED = "calibrated.json"
 """Report of the calibrations that gave the sets below."""
 
 _FITTED: dict[str, tuple[float, float, float, tuple[float, ...], tuple[float, ...]]] = {
-    "d.p.": (3.371, 10.84, 12.5, (0.2208, 0.4504, 0.1496, 0.1792), (252.6, 13.91, 0.6659)),
-    "d.s.": (11.11, 4.288, 10.5, (0.2907, 0.3989, 0.188, 0.1224), (181.3, 10.48, 0.7957)),
+    "d.p.": (2.925, 11.29, 12.5, (0.2208, 0.4504, 0.1496, 0.1792), (252.6, 13.91, 0.6659)),
+    "d.s.": (11.09, 4.327, 10.5, (0.2907, 0.3989, 0.188, 0.1224), (181.3, 10.48, 0.7957)),
     "a.h.": (4.763, 3.525, 14.0, (0.2559, 0.4037, 0.1858, 0.1547), (221.0, 13.58, 0.6822)),
-    "p.w.": (4.375, 3.964, 17.0, (0.296, 0.3851, 0.1956, 0.1233), (259.4, 21.07, 0.7528)),
-    MEANS: (4.574, 4.457, 14.6, (0.2648, 0.4134, 0.1771, 0.1446), (228.3, 14.43, 0.7328)),
+    "p.w.": (4.476, 4.018, 17.0, (0.296, 0.3851, 0.1956, 0.1233), (259.4, 21.07, 0.7528)),
+    MEANS: (
+        4.574,
+        4.457,
+        14.6,
+        (0.2648, 0.4134, 0.1771, 0.1446),
+        (228.3, 14.43, 0.7328),
+    ),
 }
 """Subcutaneous modulus kPa, exponent, pad radius mm, weights and rates of G, from the reports."""
 
@@ -280,19 +193,18 @@ def _calibrated(subject: str) -> TissueSet:
     With modulus and exponent `solid` reproduces the stiffness against force of Table 2.1, with the
     pad radius the R of Table 3.2 (confidence low: modulus and exponent trade against each other and
     against SKIN_RATIO and SKIN_EXPONENT_RATIO, which are chosen; the reports have the
-    uncertainties). The relaxation is that of Table 2.1. `source` says on which mesh. At small
-    strain the exponents have no effect, and the set is too soft.
+    uncertainties). The relaxation is that of Table 2.1. At small strain the exponents have no
+    effect, and the set is too soft.
     """
     modulus, exponent, radius, c, v = _FITTED[subject]
-    mesh = "standard" if subject in ("a.h.", MEANS) else "coarse"
     report = CALIBRATED if subject != MEANS else "calibrated-means.json"
-    size, (tip_radius, tip_tissue) = pawluk_bulk()[subject], _TIPS[subject]
+    size, (tip_radius, tip_tissue) = pawluk1997.bulk()[subject], _TIPS[subject]
     return TissueSet(
         skin=prior_skin(Tissue(modulus, 0.48, law="demiray", exponent=exponent)),
         subcutaneous=Tissue(modulus, 0.48, law="demiray", exponent=exponent),
-        source=f"fitted on the {mesh} mesh to the curves of subject {subject} in Tables 2.1 and "
-        f"3.2 of {PAWLUK} by `fefinger calibrate` (reports/{report}): a fit of a model, not a "
-        "measurement of tissue",
+        source="fitted on the standard mesh by `fefinger calibrate` to the curves of subject "
+        f"{subject} in Tables 2.1 and 3.2 of {pawluk1997.SOURCE} (reports/{report}): a fit of a "
+        "model, not a measurement of tissue",
         confidence="low",
         pad_radius=radius,
         prony=Prony(c, v),

@@ -11,7 +11,7 @@ from dataclasses import MISSING, fields
 from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
-from fefinger.scene import library
+from fefinger.scene import pawluk1997
 from fefinger.scene.ask import SOLVERS, Ask
 from fefinger.scene.dots import ARRANGEMENTS
 from fefinger.scene.finger import AUTO, CUTS, NAILS, RELAXATIONS, RESOLUTIONS, RIGID, Finger
@@ -78,7 +78,7 @@ def schema() -> Schema:
 def _finger() -> Schema:
     """Return the schema of the table [finger]."""
     keys = _keys("finger", Finger)
-    keys[SUBJECT] = keys.pop("subject_name") | {"enum": list(library.subjects())}
+    keys[SUBJECT] = keys.pop("subject_name") | {"enum": list(pawluk1997.subjects())}
     hard = _table(_keys("hard", Hard), required=("modulus",))
     for name, words in (("bone", (RIGID,)), ("nail", NAILS)):
         either = {"anyOf": [{"enum": list(words)}, hard]}

@@ -11,7 +11,7 @@ from fefinger.validation.oracles import synthetic, taylor
 from fefinger.calibration import inverse, targets
 from fefinger.calibration.force import Forces, prony_of, stiffness
 from fefinger.calibration.outcome import line
-from fefinger.scene import library
+from fefinger.scene import pawluk1997
 from fefinger.scene.finger import Finger
 from fefinger.support import package_data
 from fefinger.support.checks import InputError
@@ -20,7 +20,7 @@ from fefinger.theory.lumped.spring import Spring, force
 from fefinger.theory.relaxation import Prony
 
 
-ROW = library.pawluk_bulk()["a.h."]
+ROW = pawluk1997.bulk()["a.h."]
 PRONY = Prony((0.3, 0.42, 0.16, 0.12), (220.0, 9.0, 0.6))
 
 

@@ -10,7 +10,7 @@ import pytest
 
 import fefinger as ff
 from fefinger.mechanics import condensed, linear
-from fefinger.mechanics.evidence.table import CONDENSED, read
+from fefinger.mechanics.evidence.table import SMALL_STRAIN_COST, read
 from fefinger.mechanics.press import operator, operator_cache
 from fefinger.mechanics.press.notes import RIGID_BONE
 from fefinger.mechanics.situation import Situation
@@ -190,7 +190,7 @@ def test_the_error_is_that_of_a_mesh_that_does_not_follow_the_touch() -> None:
 
 def test_the_cost_knows_whether_the_operator_is_at_hand() -> None:
     finger = replace(FINGER, resolution="standard")
-    row = read(CONDENSED)["resolutions"]["standard"]
+    row = read(SMALL_STRAIN_COST)["rows"]["condensed standard"]
     asked = scene("hold", finger=finger)
     assert condensed.cost(Situation.of(asked)) > row["build_seconds"]
     operator_cache.folder(operator_cache.identity(finger, odd=False)).mkdir(parents=True)

@@ -11,6 +11,7 @@ from fefinger.mechanics import hertz, linear
 from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.axisymmetric import Touch, turned
 from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import MECHANICS
 from fefinger.results.records import Sites
 from fefinger.support.checks import InputError
 from fefinger.theory.contact import ting
@@ -209,7 +210,7 @@ def test_the_planner_takes_it_for_a_small_ball_on_homogeneous_tissue():
     )
     assert ff.explain(light).mechanics == "hertz"
     deeper = replace(light, indenter=ff.Sphere(2.0), motion=ff.Ramp(1, 0.5, corner=0))
-    assert ff.explain(deeper).mechanics == "pressed"
+    assert MECHANICS[ff.explain(deeper).mechanics].finite
     with pytest.raises(InputError, match="no mesh"):
         ff.run(replace(light, ask=ff.Ask()), mechanics="hertz")
 

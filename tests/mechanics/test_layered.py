@@ -10,7 +10,7 @@ import fefinger as ff
 from fefinger import mechanics
 from fefinger.mechanics import hertz, layered, linear
 from fefinger.mechanics.evidence import machine
-from fefinger.mechanics.evidence.table import LAYERED, read
+from fefinger.mechanics.evidence.table import SMALL_STRAIN_COST, read
 from fefinger.mechanics.situation import Situation
 from fefinger.support.checks import InputError
 from fefinger.theory.contact.contact_table import tabulate_to
@@ -166,8 +166,8 @@ def test_where_it_was_not_compared_its_error_is_not_known_and_the_reason_is_stat
 
 
 def test_the_expected_time_is_that_of_the_report():
-    measured, motion = read(LAYERED), ff.RampHold(20, 0.5, hold=1.0)
-    setup = measured["setup_seconds"] * machine.slowness(measured)
+    measured, motion = read(SMALL_STRAIN_COST), ff.RampHold(20, 0.5, hold=1.0)
+    setup = measured["rows"]["layered"]["setup_seconds"] * machine.slowness(measured)
     assert layered.cost(Situation.of(scene(motion=motion))) > setup
     more = layered.cost(Situation.of(scene(motion=motion, ask=replace(ASK, spikes=("FAII",)))))
     assert more > layered.cost(Situation.of(scene(motion=motion, ask=replace(ASK, spikes=()))))

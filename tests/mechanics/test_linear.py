@@ -13,6 +13,7 @@ from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import linear
+from fefinger.mechanics.evidence import measured_tissue
 from fefinger.mechanics.press import (
     constitutive,
     hard_parts,
@@ -24,6 +25,7 @@ from fefinger.mechanics.press import (
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Response
+from fefinger.scene import library
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony, hereditary_integral
@@ -244,3 +246,12 @@ def test_time_steps_follow_the_motion(motion: Motion, fast: bool) -> None:
         assert np.diff(grid)[moving].max() <= limit * 1.001
     for corner in motion.breaks:
         assert np.abs(grid - corner).min() < 1e-9
+
+
+@pytest.mark.parametrize("tissue", sorted(filter(library.fitted_to, library.TISSUE_SETS)))
+def test_the_tissue_of_no_subject_is_beyond_what_was_measured_and_a_stiffer_one_is(tissue):
+    finger = ff.Finger.subject("a.h.", tissue=tissue)
+    assert linear.unmeasured(finger) == []
+    most = measured_tissue.largest_exponents()["skin"]
+    stiffer = replace(finger, skin=replace(finger.skin, exponent=1.01 * most))
+    assert [doubt.field for doubt in linear.unmeasured(stiffer)] == ["finger.skin"]

@@ -306,15 +306,17 @@ def _table() -> ElasticPress:
 
 
 def test_the_error_of_carrying_is_the_largest_of_the_scenes_about_as_deep() -> None:
-    errors = [(0.05, 0.04), (0.06, 0.03), (0.1, 0.02), (0.11, 0.025)]
-    for quantity, deeper in (("force", 0.02), ("area", 0.025)):  # the scene at 0.11 is deeper
+    errors = [(0.1, 0.02)] * carrying.FEWEST + [(0.11, 0.025), (0.15, 0.03)]
+    assert carrying.largest_about(0.1, errors, "force") == 0.02  # the scene at 0.11 is deeper
+    assert carrying.largest_about(0.1, errors, "area") == 0.025
 
-        def about(part: float, quantity: str = quantity) -> float:
-            return carrying.largest_about(part, errors, quantity)
 
-        largest = {part: about(part) for part in (0.01, 0.05, 0.07, 0.1, 0.3)}
-        assert largest == {0.01: 0.04, 0.05: 0.04, 0.07: 0.03, 0.1: deeper, 0.3: 0.025}
-        assert about(0.0775) == 0.04  # none is as deep: about the nearest
+def test_where_few_scenes_are_as_deep_the_nearest_ones_tell_the_error_of_carrying() -> None:
+    errors = [(0.05 + 0.005 * number, 0.01 * number) for number in range(2 * carrying.FEWEST)]
+    known = 0.01 * (carrying.FEWEST - 1)
+    for part in (0.001, 0.04, 0.05):
+        assert carrying.largest_about(part, errors, "force") == pytest.approx(known)
+    assert carrying.largest_about(0.3, errors, "force") == pytest.approx(errors[-1][1])
 
 
 def test_an_error_that_is_not_known_has_its_reason_alone_as_source() -> None:

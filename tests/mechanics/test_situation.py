@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from fefinger.validation.problems import published
 
-import fefinger as ff
 from fefinger import mechanics, plan
 from fefinger.mechanics import situation
 from fefinger.mechanics.press.time_steps import time_grid
@@ -43,14 +42,13 @@ def test_the_meshes_are_those_that_the_scene_leaves_open() -> None:
     assert free.on("fine") is free.meshes[2]
 
 
-def test_a_situation_holds_the_times_and_the_place_of_its_scene() -> None:
+def test_a_situation_holds_the_times_and_the_presses_next_to_its_scene() -> None:
     scene = pressed(ask__spikes=["FAII"])
     case = Situation.of(scene)
     assert np.array_equal(case.times, time_grid(scene.motion, fast=True))
     assert case.half == scene.indenter.mirrored
-    assert case.neighbors == ("flat-30",)
-    assert case.under(ff.Flat(45)).neighbors == ()
-    assert case.under(ff.Flat(25)).neighbors == ("flat-15", "flat-30")
+    assert [each.press for each in case.force_curves] == ["maeno1998/flat-30"]
+    assert case.depth_over_thickness == scene.motion.peak / scene.finger.thickness
 
 
 def test_a_plan_builds_no_scene_again_and_counts_time_steps_once_per_mesh(

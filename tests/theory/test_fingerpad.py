@@ -8,7 +8,7 @@ from fefinger.validation.thesis.pressure import lumped_ratio
 from fefinger.validation.thesis.unloading import pressure_as_printed
 from scipy.integrate import quad
 
-from fefinger.scene import library
+from fefinger.scene import pawluk1997
 from fefinger.theory.contact.curvature import relative_radius
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.fingerpad import Fingerpad
@@ -20,7 +20,7 @@ PRINTED_MEAN_RADIUS = 14.0  # the reference values use it; the mean of the colum
 
 
 def pad(name, reading="relaxed"):
-    row, prony = library.pawluk_quasistatic()[name], library.pawluk_relaxation()[name]
+    row, prony = pawluk1997.quasistatic()[name], pawluk1997.relaxation()[name]
     radius = PRINTED_MEAN_RADIUS if name == "means" else row.radius
     return Fingerpad(radius, row.m, row.b, prony, reading)
 

@@ -21,7 +21,7 @@ from fefinger.validation.calibration.report import calibrated, rows
 
 from fefinger.calibration import pad_radius, targets
 from fefinger.calibration.outcome import line
-from fefinger.scene import library
+from fefinger.scene import library, pawluk1997
 from fefinger.scene.finger import Finger
 from fefinger.view import figures
 
@@ -33,7 +33,7 @@ def test_the_report_has_all_subjects_that_are_shipped():
     assert tuple(rows()) == SUBJECTS
     elastic = [name for name in library.TISSUE_SETS if not name.endswith(library.VISCOUS)]
     shipped = [name for name in elastic if name.startswith("calibrated_")]
-    fitted = (*SUBJECTS, library.MEANS)  # the means have a report of their own
+    fitted = (*SUBJECTS, pawluk1997.MEANS)  # the means have a report of their own
     assert sorted(map(library.calibrated_name, fitted)) == sorted(shipped)
 
 
@@ -56,7 +56,7 @@ def test_a_shipped_set_is_what_was_calibrated_and_says_so(subject):
 def test_the_parts_of_the_stiffening_add_up_to_table_2_1(subject):
     split = rows()[subject]["split"]
     total = sum(split[part] for part in calibration_split.PARTS)
-    assert total == pytest.approx(library.pawluk_bulk()[subject].m)
+    assert total == pytest.approx(pawluk1997.bulk()[subject].m)
     assert sum(split["shares"].values()) == pytest.approx(1.0)
     found = calibrated(subject)
     own = calibration_split.steepness(found.curve.force, split["depth"])
@@ -79,7 +79,7 @@ def test_the_figures_of_the_quick_cases_are_drawn():
 
 @pytest.mark.parametrize("subject", SUBJECTS)
 def test_table_3_2_comes_back_from_its_own_frames(subject):
-    row = library.pawluk_quasistatic()[subject]
+    row = pawluk1997.quasistatic()[subject]
     found = pad_radius.thesis_fit(levers.half_space(subject))
     assert (found.radius, found.m, found.c0_b) == pytest.approx((row.radius, row.m, row.b), 1e-3)
 

@@ -1,30 +1,24 @@
 """The trade-off: its measures against closed forms; the report has a file of its own."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from fefinger.validation.evidence import press_mesh
-from fefinger.validation.tradeoff import errors as tradeoff_errors
+from fefinger.validation.evidence import lumped, press_mesh, time_steps
+from fefinger.validation.evidence.press_errors import Press, left_on
 from fefinger.validation.tradeoff import held_out
-from fefinger.validation.tradeoff import motion as tradeoff_motion
 from fefinger.validation.tradeoff import scenes as tradeoff_scenes
-from fefinger.validation.tradeoff.errors import Press
+from fefinger.validation.tradeoff.figures import front
 from fefinger.validation.tradeoff.held_out import summary
-from fefinger.validation.tradeoff.runs import TAXELS, taxels
-from fefinger.validation.tradeoff.study import front
-from scipy.spatial import Delaunay
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence.tradeoff import STATED
+from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.linear import FACETS
-from fefinger.results.records import Pad
-from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenters import Flat
-from fefinger.scene.motions import Ramp, RampHold, Sinusoid
+from fefinger.scene.indenters import Sphere
+from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
+from fefinger.theory.lumped.spring import Spring
 
 
 def pressed(scale=1.0, exponent=1.5):
@@ -34,55 +28,10 @@ def pressed(scale=1.0, exponent=1.5):
         depth=depth,
         force=scale * depth**exponent,
         area=np.pi * 9 * depth,
-        centroid=np.zeros((12, 2)),
-        taxels=scale * np.multiply.outer(depth, np.ones((3, 3))),
         pressure=scale * depth**0.5,
         strain=strain,
         at=np.arange(12),
     )
-
-
-def test_errors_are_those_of_a_press_that_is_stiffer_by_a_tenth():
-    found = tradeoff_errors.errors(pressed(1.1), pressed())
-    np.testing.assert_allclose(found["force"], 0.1, rtol=1e-9)
-    np.testing.assert_allclose(found["pressure"], 0.1, rtol=1e-9)
-    np.testing.assert_allclose(found["taxels"], 0.1, rtol=1e-9)
-    assert found["area"].max() == found["strain"].max() == 0.0
-    moved = replace(pressed(), centroid=np.tile([0.3, 0.4], (12, 1)))
-    radius = 3 * np.sqrt(pressed().depth)
-    np.testing.assert_allclose(
-        tradeoff_errors.errors(moved, pressed())["centroid"], 0.5 / radius, rtol=1e-12
-    )
-
-
-def test_the_error_of_the_force_is_the_largest_on_the_way():
-    bump = pressed().force.copy()
-    bump[3] += 0.2
-    found = tradeoff_errors.errors(replace(pressed(), force=bump), pressed())["force"]
-    np.testing.assert_allclose(found[:3], 0.0)
-    np.testing.assert_allclose(found[3:], 0.2 / pressed().force[3:])
-
-
-def test_identical_presses_have_no_errors():
-    found = tradeoff_errors.errors(pressed(), pressed())
-    assert {name: values.max() for name, values in found.items()} == dict.fromkeys(found, 0.0)
-    assert set(tradeoff_errors.STATED) < set(found)
-
-
-def test_a_strain_that_was_wrong_on_the_way_counts_where_it_is_right_again():
-    strain = pressed().strain.copy()
-    strain[3] *= 1.5
-    found = tradeoff_errors.errors(replace(pressed(), strain=strain), pressed())["strain"]
-    depth = pressed().depth
-    np.testing.assert_allclose(found[:3], 0.0)
-    np.testing.assert_allclose(found[3:], 0.5 * depth[3] / depth[3:], rtol=1e-12)
-
-
-def test_two_meshes_give_the_limit_of_errors_of_second_order():
-    cells = np.array([1e4, 3.7e4])
-    meshes = [pressed(1 + 40 * n ** (-2 / 3)) for n in cells]
-    best = tradeoff_errors.limit(*meshes, cells[1] / cells[0])
-    np.testing.assert_allclose(best.force, pressed().force, rtol=1e-12)
 
 
 def test_of_area_and_strain_the_error_is_the_largest_at_the_depths_about() -> None:
@@ -105,7 +54,7 @@ def test_what_is_left_on_a_mesh_is_recovered_from_errors_of_second_order(truth) 
     facets = {mesh: FACETS[mesh] for mesh in ("coarse", "standard", "fine")}
     meshes = {mesh: truth * (1 + 0.1 * h**2) for mesh, h in facets.items()}
     for coarser, finer in (("coarse", "standard"), ("standard", "fine")):
-        left = tradeoff_errors.left_on(coarser, finer)
+        left = left_on(coarser, finer)
         assert left * (meshes[coarser] - meshes[finer]) == pytest.approx(meshes[finer] - truth)
     assert press_mesh.FINE == pytest.approx((meshes["fine"] - truth) / (meshes["standard"] - truth))
 
@@ -116,7 +65,7 @@ def test_a_mesh_errs_by_no_less_than_a_third_mesh_changes_it(changed, held) -> N
     presses = {"coarse": pressed(1.1), "standard": pressed()}
     fine = {"part": [0.0, 1.0]} | {what: [changed, changed] for what in STATED}
     row = press_mesh.judge(measurement, presses, {}, fine)
-    by_order = 0.1 * tradeoff_errors.left_on("coarse", "standard")
+    by_order = 0.1 * left_on("coarse", "standard")
     known = changed if held else by_order
     rounded = {"rtol": 5e-3}  # three digits are written
     np.testing.assert_allclose(row["errors"]["solid standard"]["force"], known, **rounded)
@@ -137,65 +86,52 @@ def test_every_object_has_a_third_mesh_of_its_own_or_of_one_like_it() -> None:
     assert set(press_mesh.ALIKE) <= set(press_mesh.OBJECTS)
 
 
-def test_what_is_identified_is_what_was_put_in():
-    depth = np.linspace(0.1, 1.2, 12)
-    true = replace(pressed(), force=0.3 / 0.9 * np.expm1(0.9 * depth))
-    found = tradeoff_errors.identify(true, pressed(2.0), 0.5)
+def test_the_error_of_the_force_is_the_largest_on_the_way() -> None:
+    bump = pressed().force.copy()
+    bump[3] += 0.2
+    found = press_mesh.apart(replace(pressed(), force=bump), pressed())["force"]
+    np.testing.assert_allclose(found[:3], 0.0)
+    np.testing.assert_allclose(found[3:], 0.2 / pressed().force[3:])
+
+
+def test_the_spring_that_is_identified_is_that_which_was_put_in() -> None:
+    depth = np.linspace(0.1, 2.0, 12)
+    force = np.array([Spring(0.3, 0.9).force(each) for each in depth])
+    found = lumped.identified(depth, force)
     assert (found.b, found.m) == pytest.approx((0.3, 0.9), rel=1e-6)
-    np.testing.assert_allclose(
-        tradeoff_errors.law((found.b, found.m), depth), true.force, rtol=1e-6
+
+
+def test_changes_by_finer_steps_are_those_of_the_curves() -> None:
+    scene = Scene(finger=Finger.subject("a.h."), indenter=Sphere(5), motion=Ramp(60.0, 1.0))
+    finer = hertz.respond(scene)
+    stiffer = replace(
+        finer,
+        force=1.1 * finer.force,
+        pressure=1.2 * finer.pressure,
+        contact_area=1.3 * finer.contact_area,
+        strain=1.4 * finer.strain,
     )
-    assert found.radius == pytest.approx(9.0)
-    hertzian = tradeoff_errors.identify(pressed(0.75), pressed(3.0), 0.5)
-    assert hertzian.modulus * 4 / 3 * np.sqrt(9.0) / 0.75 / 1e3 == pytest.approx(0.75)
-    assert hertzian.stiffness == pytest.approx(0.25)
-    assert max(hertzian.residual["hertz"], hertzian.residual["layered"]) < 1e-12
+    expected = {"force": 0.1, "pressure": 0.2, "area": 0.3, "strain": 0.4}
+    assert time_steps.changes(stiffer, finer) == pytest.approx(expected, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    "motion",
-    [RampHold(60, 1.0, hold=0.2), Ramp(1, 0.6, corner=0.05), Sinusoid(0.4, 2.0, 2)],
-    ids=lambda motion: motion.kind,
-)
-def test_a_press_carries_to_a_motion_as_a_direct_answer_has_it(motion):
-    finger = Finger.subject("a.h.", tissue="maeno1998")
-    ask = Ask(fields=False)
-    scene = Scene(finger=finger, indenter=Flat(30), motion=motion, ask=ask)
-    relaxed = tradeoff_scenes.press("flat-30")
-    curve = hertz.respond(relaxed)
-    known = Press.of(curve)
-    carried, direct = tradeoff_motion.motion_history(known, scene), hertz.respond(scene)
-    assert carried.force == pytest.approx(direct.force, abs=2e-3 * direct.force.max())
-    assert carried.area == pytest.approx(direct.contact_area, abs=5e-3 * direct.contact_area.max())
-    size = np.abs(direct.strain).max()
-    assert np.abs(carried.strain - direct.strain).max() < 0.02 * size
-
-
-def test_taxels_hold_the_force_and_are_highest_in_the_middle():
-    response = hertz.respond(tradeoff_scenes.press("sphere-10"))
-    found = taxels(response, -1)
-    assert found.sum() == pytest.approx(1e3 * response.force[-1], rel=1e-9)
-    assert np.argmax(found) == TAXELS**2 // 2
-
-
-@pytest.mark.parametrize("seed", [1, 2])
-def test_taxels_of_a_linear_pressure_do_not_depend_on_the_points(seed):
-    """Points at random on a square: inside it every taxel of 1 mm² bears the pressure there."""
-    rng = np.random.default_rng(seed)
-    corners = [(x, y) for x in (-6.0, 6.0) for y in (-6.0, 6.0)]
-    flat = np.vstack([rng.uniform(-6, 6, (150, 2)), corners])
-    triangles = Delaunay(flat).simplices.astype(np.int64)
-    one, two = (flat[triangles[:, i]] - flat[triangles[:, 0]] for i in (1, 2))
-    size = np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) / 2
-    areas = np.bincount(triangles.ravel(), np.repeat(size / 3, 3), minlength=len(flat))
-    points = np.column_stack([flat, np.zeros(len(flat))])
-    pad = Pad(points, areas, np.tile([0.0, 0.0, -1.0], (len(flat), 1)), triangles)
-    pressure = 20 + flat @ [1.5, -0.5]
-    found = taxels(SimpleNamespace(pad=pad, pressure=pressure[None], centroid=np.zeros((1, 2))), 0)
-    middle = slice(TAXELS // 2 - 4, TAXELS // 2 + 5)
-    x, y = np.meshgrid(*2 * (np.arange(-4.0, 5.0),), indexing="ij")
-    off = found[middle, middle] - (20 + 1.5 * x - 0.5 * y)
-    assert np.abs(off).max() < 0.01 * 20  # at the points alone it is several times that
+def test_a_candidate_that_is_wrong_by_a_tenth_and_one_spike_is_told_so() -> None:
+    scene = Scene(finger=Finger.subject("a.h."), indenter=Sphere(5), motion=Ramp(60.0, 1.0))
+    true, counts = hertz.respond(scene), np.array([3, 0, 2])
+    off = replace(true, force=1.1 * true.force, strain=1.2 * true.strain)
+    found = held_out.actual(
+        {
+            "solid coarse": held_out.Answer(true, 1.0, counts),
+            "solid standard": held_out.Answer(true, 1.0, counts),
+            "linear coarse": held_out.Answer(off, 1.0, np.array([3, 1, 2])),
+            "lumped": held_out.Answer(replace(off, strain=None), 1.0, None),
+        }
+    )
+    assert found["linear coarse"] == pytest.approx(
+        {"force": 0.1, "pressure": 0.0, "area": 0.0, "strain": 0.2, "spikes": 0.2}, abs=1e-6
+    )
+    assert found["lumped"] == pytest.approx({"force": 0.1}, abs=1e-6)
+    assert max(found["solid standard"].values()) == 0.0
 
 
 def test_the_front_is_what_nothing_beats():
@@ -203,26 +139,16 @@ def test_the_front_is_what_nothing_beats():
     assert front(points) == ["a", "c"]
 
 
-def test_spikes_are_compared_by_count_by_the_first_and_by_distance():
-    class Trains:
-        def __init__(self, *times):
-            self.times = tuple(np.array(each) for each in times)
-
-    true = Trains([0.1, 0.2], [0.3], [], [])
-    found = tradeoff_motion.spike_errors(Trains([0.1005, 0.2], [], [], []), true)
-    assert found == pytest.approx({"count": 1 / 3, "first_ms": 0.5, "distance": 1.5 / 3})
-    assert tradeoff_motion.spike_errors(true, true)["distance"] == 0.0
-
-
 def test_held_out_scenes_are_many_and_drawn_by_seed():
     drawn = tradeoff_scenes.held_out()
     assert len(drawn) == len(tradeoff_scenes.OBJECTS)  # every kind as often as in the others
     assert drawn == tradeoff_scenes.held_out()
     assert len({scene.indenter for scene in drawn.values()}) > 0.8 * len(drawn)
-    assert {type(scene.motion).__name__ for scene in drawn.values()} == {
-        *("Ramp", "RampHold", "Trapezoid", "Sinusoid")
-    }
     again = tradeoff_scenes.development()
+    every = (drawn | again).values()
+    assert {scene.motion.kind for scene in every} == {
+        *("ramp", "ramp-hold", "trapezoid", "sinusoid")
+    }
     seen, new = (
         {(x.finger, x.indenter, x.motion) for x in each.values()} for each in (again, drawn)
     )

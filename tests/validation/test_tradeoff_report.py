@@ -3,9 +3,6 @@
 What the planner states has to follow from it, and it from itself.
 """
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fefinger.validation.tradeoff import scenes as tradeoff_scenes
@@ -22,14 +19,6 @@ from fefinger.scene.indenters import Flat
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.scene.textured import Relief
-
-
-REPORT = Path(__file__).resolve().parents[2] / "reports" / "tradeoff.json"
-
-
-@pytest.fixture(scope="module")
-def report():
-    return json.loads(REPORT.read_text(encoding="utf-8"))
 
 
 def on(indenter, depth, resolution="standard"):
@@ -53,7 +42,7 @@ def test_what_a_mechanics_does_not_give_or_no_press_was_like_has_no_error():
 def test_the_summary_is_that_of_the_held_out_scenes_of_the_report():
     held = read(HELD_OUT)
     assert summary(held["scenes"]) == held["summary"]
-    assert held["summary"]["scenes"] + held["development"]["summary"]["scenes"] >= 39
+    assert held["summary"]["scenes"] + held["development"]["scenes"] >= 60
 
 
 def test_the_planner_states_today_what_the_report_says_that_it_states():
@@ -77,7 +66,7 @@ def _of_error(rung: Rung) -> list[str]:
     return [refusal.reason for refusal in rung.refusals]
 
 
-def test_the_quick_cases_are_read_from_the_report(report):
+def test_the_quick_cases_are_read_from_the_report():
     values = {case.name: case.measure() for case in suite.cases(quick=True)}
     kept = read(HELD_OUT)["summary"]["stated_kept"]["force"]
     assert values["stated error kept by the picks: force"] == kept

@@ -21,7 +21,7 @@ from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import Press, press
 from fefinger.calibration.targets import Bulk, Frames, aligned
-from fefinger.scene import library
+from fefinger.scene import library, pawluk1997
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard
 from fefinger.support.arrays import Array
@@ -225,7 +225,7 @@ def of_reading(calibration: Calibration) -> list[Found]:
 def of_force(calibration: Calibration) -> list[Found]:
     """Apply the thesis's fit to contacts of Hertz's shape and the printed R, by their force."""
     subject, curve, prony = calibration.target, calibration.curve, calibration.prony
-    radius, bulk = pad.printed(subject).radius, library.pawluk_bulk()[subject]
+    radius, bulk = pad.printed(subject).radius, pawluk1997.bulk()[subject]
     depth = pad.slow_press(curve, 1.0, prony)
     relaxed = bulk.prony.long_time * bulk.b / bulk.m
     top = float(np.log1p(pad.HEAVIEST / relaxed) / bulk.m)
@@ -258,8 +258,8 @@ def hertzian(radius: float, depth: Array, force: Array) -> Frames:
 
 def half_space(subject: str, seed: int | None = None) -> Frames:
     """Return frames of the half-space of Table 3.2 to 2.3 N; `seed` starts the noise, if any."""
-    row = library.pawluk_quasistatic()[subject]
-    one = Fingerpad(row.radius, row.m, row.b, library.pawluk_relaxation()[subject])
+    row = pawluk1997.quasistatic()[subject]
+    one = Fingerpad(row.radius, row.m, row.b, pawluk1997.relaxation()[subject])
     deepest = float(one.depth_at(1e3 * pad.HEAVIEST, relaxed=True))
     depth = np.linspace(0.0, deepest, pad.LEVELS + 1)[1:]
     frames = _framed(depth, row.radius, lambda r: one.relaxed_pressure(r, depth[:, None]))

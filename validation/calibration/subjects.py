@@ -4,7 +4,6 @@ What the report says of a finger's pressure, between presses of other pads and e
 measured again by a press of its own on the coarse mesh.
 """
 
-import json
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache, partial
@@ -22,21 +21,12 @@ from fefinger.calibration.force import stiffness
 from fefinger.calibration.outcome import FREQUENCIES, line, stiffening
 from fefinger.calibration.slow_press import press
 from fefinger.calibration.targets import Bulk
-from fefinger.scene import library
+from fefinger.scene import library, pawluk1997
 from fefinger.support.arrays import Array
-from fefinger.support.package_data import report
 
 
 PRINTED = {"mse": 0.07, "peak": 0.18}
 """Errors of the thesis's own prediction of sinusoids (section 2.4.2), as fractions."""
-
-STANDARD = "calibrated-standard.json"
-"""Presses of the calibrated fingers on the standard mesh (`evidence_standard.py`)."""
-
-COARSER = {"d.p.": 0.07, "p.w.": 0.026}
-"""Subjects whose force on the standard mesh is farther from the report, and by how much."""
-
-FITTED = "It was fitted on the coarse mesh, which costs a minute instead of some four."
 
 MIDDLE = 1
 """Number of the profile at 1.1 N, the middle one of Figure 3-4."""
@@ -71,21 +61,12 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
         "reports/calibrated.json",
         reason="rounded to the digits that are shipped",
     )
-    yield Case(
-        f"{subject}: force of a press on the standard mesh, from a third of its depth on",
-        partial(on_standard, subject),
-        Expected(COARSER.get(subject, 0.0), 0.02, "1"),
-        f"{STANDARD}, against the curve in the report",
-        wanted=0.0 if subject in COARSER else None,
-        shortfall=FITTED if subject in COARSER else "",
-        reason="the force of a coarse mesh, on which three of them were fitted",
-    )
     if not quick:
         yield from _pressed_again(subject)
 
 
 def _force(subject: str) -> Iterator[Case]:
-    calibration, bulk = calibrated(subject), library.pawluk_bulk()[subject]
+    calibration, bulk = calibrated(subject), pawluk1997.bulk()[subject]
     sd, _ = line_sd(targets.subject(subject))
     yield Case(
         f"{subject}: m of stiffness against force of the calibrated finger",
@@ -120,7 +101,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         partial(first_stiffness, subject),
         Expected(calibration.residuals["b"], 3 * line_sd(targets.subject(subject))[1], "N/mm"),
         f"{kept_curve}; wanted is Table 2.1",
-        wanted=library.pawluk_bulk()[subject].b,
+        wanted=pawluk1997.bulk()[subject].b,
         shortfall=STIFFER,
         reason="three standard deviations that VAF_k leaves over these forces",
     )
@@ -220,15 +201,6 @@ def fresh(subject: str, resolution: str = "coarse") -> Curve:
     one, _ = curve(press(stiffening(finger, exponent), "solid"))
     factor = calibration["modulus"].value / finger.subcutaneous.modulus
     return replace(one, q=one.q + np.log(factor))
-
-
-def on_standard(subject: str) -> Noted:
-    """Return the largest relative distance of the force on the standard mesh from the report."""
-    row = json.loads(report(STANDARD))["rows"][subject]
-    depth, force, reported = (np.array(row[key]) for key in ("depth_mm", "force_N", "report_N"))
-    off = np.abs(force / reported - 1)[depth > depth[-1] / 3].max()
-    values = [f"{name} {row[name]['standard']:.3g}, {row[name]['report']:.3g}" for name in "mbR"]
-    return Noted(float(off), f"On the standard mesh and in the report: {'; '.join(values)}.")
 
 
 def again(subject: str) -> float:

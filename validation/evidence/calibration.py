@@ -24,13 +24,10 @@ from fefinger.support.arrays import Array
 FORCES = (0.54, 1.1, 2.3)
 """N at which the thesis shows profiles (Figure 3-4)."""
 
-MESH = {"a.h.": "standard", "d.s.": "coarse", "d.p.": "coarse", "p.w.": "coarse"}
-"""Mesh on which they are finished; the coarse one is within 1 to 3 % of the force of the other."""
-
 
 def row(subject: str) -> dict[str, Any]:
     """Return the calibration of a subject, its split and its profiles."""
-    calibration = calibrate(subject, resolution=MESH[subject])
+    calibration = calibrate(subject)
     return {
         "calibration": calibration.record(),
         "split": split.table(calibration),

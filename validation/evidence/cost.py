@@ -10,8 +10,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from fefinger.validation.empty_cache import only_meshes
 from fefinger.validation.provenance import compact, provenance
-from fefinger.validation.tradeoff.runs import only_meshes
 
 from fefinger.mechanics import solid
 from fefinger.mechanics.evidence.table import SOLID_COST

@@ -10,33 +10,32 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fefinger.validation.calibration.subjects import calibrated
 from fefinger.validation.evidence.solid import REPORT as SOLID
 from fefinger.validation.provenance import compact, provenance
-from fefinger.validation.tradeoff.errors import law, spring
+from scipy.optimize import least_squares
 
-from fefinger.mechanics.evidence.press_margins import MAIN
-from fefinger.mechanics.evidence.table import LUMPED, TRADEOFF, read
+from fefinger.mechanics.evidence.pressed_objects import objects
+from fefinger.mechanics.evidence.table import LUMPED, MAIN, PRESS_MESH, read
+from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array
+from fefinger.theory.lumped.spring import Spring
 
 
 ANGLE = 30.0
-"""Angle in degrees of the plate under which the subjects' fingers were pressed and calibrated."""
-
-DEPTHS = 40
+"""Angle in degrees of the plate under which the other subjects' fingers were pressed."""
 
 
 def row(subject: str, angle: float, depth: Array, force: Array, source: str) -> dict[str, Any]:
     """Return b, m of relaxed force in N against depth in mm, the misfit, and whose finger it is."""
     finger = Finger.subject(subject, tissue="maeno1998")
-    b, m = spring(depth, force)
-    off = np.abs(law((b, m), depth) - force).max() / force.max()
+    spring = identified(depth, force)
+    off = np.abs(_force(spring, depth) - force).max() / force.max()
     return {
         "subject": subject,
         "angle": angle,
-        "b": float(f"{b:.5g}"),
-        "m": float(f"{m:.5g}"),
+        "b": float(f"{spring.b:.5g}"),
+        "m": float(f"{spring.m:.5g}"),
         "residual": float(f"{off:.3g}"),
         "deepest_mm": float(depth[-1]),
         "width_mm": finger.width,
@@ -49,13 +48,26 @@ def row(subject: str, angle: float, depth: Array, force: Array, source: str) -> 
     }
 
 
+def identified(depth: Array, force: Array) -> Spring:
+    """Return the spring of Eq. 2.1 that is nearest to a force (n,) in N over depths (n,) in mm."""
+    optimum = least_squares(
+        lambda logs: _force(Spring(*np.exp(logs).tolist()), depth) - force, np.zeros(2)
+    )
+    return Spring(*np.exp(optimum.x).tolist())
+
+
+def _force(spring: Spring, depth: Array) -> Array:
+    return np.array([spring.force(each) for each in depth.tolist()])
+
+
 def rows() -> Iterator[dict[str, Any]]:
     """Give the laws of every finger and plate of which a press of `solid` is kept."""
-    for name, press in read(TRADEOFF)["rules"]["presses"].items():
-        if press["angle"] is not None:
+    for name, press in read(PRESS_MESH)["rows"].items():
+        tissue, _, object_ = name.partition("/")
+        flat = objects()[object_].flat
+        if tissue == library.PUBLISHED and flat is not None:
             depth, force = (np.array(press[key]) for key in ("depth_mm", "force_N"))
-            source = f"reports/{TRADEOFF}, {name}"
-            yield row(MAIN, press["angle"], depth, force, source)
+            yield row(MAIN, flat.angle, depth, force, f"reports/{PRESS_MESH}, {name}")
     for name, press in read(SOLID)["rows"].items():
         subject, _, kind = name.partition("/")
         if kind == f"flat-{ANGLE:g}" and subject != MAIN:
@@ -63,21 +75,11 @@ def rows() -> Iterator[dict[str, Any]]:
             yield row(subject, ANGLE, depth, force, f"reports/{SOLID}, {name}")
 
 
-def relaxed(subject: str) -> dict[str, list[float]]:
-    """Return the relaxed force in N of the finger that was fitted to a subject, by depth in mm."""
-    curve = calibrated(subject).curve
-    depth = np.linspace(0, curve.deepest, DEPTHS + 1)[1:]
-    listed = {"depth_mm": depth, "force_N": curve.force(depth)}
-    return {key: [float(f"{x:.4g}") for x in values] for key, values in listed.items()}
-
-
 def main(folder: Path) -> None:
     """Write the report."""
     command = "python -m fefinger.validation.evidence.lumped reports"
     report = provenance(command) | {
-        "angle": ANGLE,
         "rows": list(rows()),
-        "calibrated": {name: relaxed(name) for name in ("d.p.", "d.s.", "a.h.", "p.w.")},
     }
     text = compact(report)
     (folder / LUMPED).write_text(text, encoding="utf-8")

@@ -22,22 +22,22 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.empty_cache import empty_cache
+from fefinger.validation.evidence.press_errors import Press, left_on, norm
 from fefinger.validation.provenance import compact, provenance
-from fefinger.validation.tradeoff.errors import Press, left_on, norm
 from numpy.typing import NDArray
 
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence import lumped_law
 from fefinger.mechanics.evidence.press_margins import ABOUT
+from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.evidence.table import PRESS_MESH
-from fefinger.mechanics.evidence.tradeoff import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh import vtu
 from fefinger.mesh.build import SETTINGS, build
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.store import cached_path
 from fefinger.results.candidate import Candidate
-from fefinger.scene import library
+from fefinger.scene import library, pawluk1997
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import STANDARD, Finger
 from fefinger.scene.indenter import Indenter
@@ -69,7 +69,7 @@ class Measurement:
     @property
     def finger(self) -> Finger:
         """The finger that is pressed, with its own relaxation."""
-        if self.subject == library.MEANS:
+        if self.subject == pawluk1997.MEANS:
             return Finger(*MEAN_SIZE)
         return Finger.subject(self.subject, tissue=self.tissue)
 
@@ -144,7 +144,7 @@ MEASUREMENTS = {
     **{
         f"{subject}/{name}": Measurement(subject, OBJECTS[name][0], 0.2)
         for name in ("flat-30", "sphere-5")
-        for subject in (*OTHER_SUBJECTS, library.MEANS)
+        for subject in (*OTHER_SUBJECTS, pawluk1997.MEANS)
     },
     **{
         f"{subject}/{name}": Measurement(
@@ -237,8 +237,9 @@ def judge(
     rows = {
         label: {what: _short(each[what], 3) for what in STATED} for label, each in curves.items()
     }
-    if measurement.tissue is None:
-        rows["lumped"] = {"force": _short(_lumped(measurement, true) + remaining["force"], 3)}
+    lumped = _lumped(measurement, true)
+    if lumped is not None:
+        rows["lumped"] = {"force": _short(lumped + remaining["force"], 3)}
     return {
         "depth_mm": _short(true.depth[true.at]),
         "force_N": _short(true.force[true.at]),
@@ -277,9 +278,11 @@ def _over(difference: NDArray[np.float64], size: NDArray[np.float64]) -> NDArray
     return np.divide(difference, size, out=np.ones_like(difference), where=size > 0)
 
 
-def _lumped(measurement: Measurement, true: Press) -> NDArray[np.float64]:
-    """Return the errors (n,) of the relaxed force by the law of a calibrated finger."""
+def _lumped(measurement: Measurement, true: Press) -> NDArray[np.float64] | None:
+    """Return the errors (n,) of the relaxed force by the law of the finger; None without one."""
     law = lumped_law.law(Situation.of(replace(measurement.scene(None), finger=measurement.finger)))
+    if law.doubt and measurement.tissue is not None:
+        return None
     force = law.prony.long_time * np.array([law.spring.force(depth) for depth in true.depth])
     return apart(replace(true, force=force), true)["force"]
 

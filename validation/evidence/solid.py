@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from fefinger.validation.evidence.press_errors import ORDER
 from fefinger.validation.problems.chain import (
     ASIDE,
     CHAIN,
@@ -22,10 +23,9 @@ from fefinger.validation.problems.chain import (
     stiffening,
 )
 from fefinger.validation.provenance import compact, provenance
-from fefinger.validation.tradeoff.errors import ORDER
 
 from fefinger.mechanics import solid
-from fefinger.mechanics.evidence.press_margins import MAIN
+from fefinger.mechanics.evidence.table import MAIN
 from fefinger.results.records import Response
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError

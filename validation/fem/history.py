@@ -18,7 +18,7 @@ from fefinger.validation.problems.quarter import Quarter, outer
 from fefinger.fem.contact.step_compiled import march
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.forms import Elastic
-from fefinger.scene.library import pawluk_relaxation
+from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.theory.contact import indentation
 from fefinger.theory.contact.ting import ContactHistory, press_by_depth, press_by_force
@@ -40,7 +40,7 @@ TING = "Ting 1966 for the exact layer (Lebedev and Ufliand 1958)"
 
 def prony() -> Prony:
     """Return the relaxation of the means of Table 3.1."""
-    return pawluk_relaxation()["means"]
+    return pawluk1997.relaxation()["means"]
 
 
 @cache

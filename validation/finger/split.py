@@ -13,7 +13,7 @@ import numpy as np
 from fefinger.validation.evidence.solid import REPORT as SOLID
 from fefinger.validation.problems.chain import DEPTHS, SUBJECTS, models, scene
 
-from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic
+from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.package_data import report
@@ -96,7 +96,7 @@ def steepness(subject: str, model: str, press: str = "flat-30") -> float:
 
 def printed(subject: str) -> tuple[float, float]:
     """Return m in 1/mm of Tables 2.1 and 3.2 of the thesis."""
-    return pawluk_bulk()[subject].m, pawluk_quasistatic()[subject].m
+    return pawluk1997.bulk()[subject].m, pawluk1997.quasistatic()[subject].m
 
 
 def unexplained(subject: str, press: str, model: str) -> float:

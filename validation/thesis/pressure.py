@@ -9,7 +9,7 @@ from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles import goodwin
 from fefinger.validation.thesis.lumped import DIGITS, digits
 
-from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic, pawluk_relaxation
+from fefinger.scene import pawluk1997
 from fefinger.theory.contact.curvature import series_modulus
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.fingerpad import Fingerpad, Reading
@@ -66,9 +66,9 @@ RADII = (1.0, 0.768, 0.654, 0.547, 0.444)
 @cache
 def pad(subject: str, reading: Reading) -> Fingerpad:
     """Return a row of Table 3.2 with its relaxation of Table 3.1, the means as printed."""
-    row = pawluk_quasistatic()[subject]
+    row = pawluk1997.quasistatic()[subject]
     radius = PRINTED_RADIUS if subject == "means" else row.radius
-    return Fingerpad(radius, row.m, row.b, pawluk_relaxation()[subject], reading)
+    return Fingerpad(radius, row.m, row.b, pawluk1997.relaxation()[subject], reading)
 
 
 def ball(name: str) -> tuple[float, Hertz]:
@@ -91,7 +91,7 @@ def lumped_ratio(subject: str, reading: Reading, depth: float) -> float:
     It would be 1 if both chapters described the same finger; T of Eq. 3.16 starts as x^(5/2), and
     its m differs from that of Eq. 3.4.
     """
-    row = pawluk_bulk()[subject]
+    row = pawluk1997.bulk()[subject]
     lumped = 1e3 * row.b / row.m * np.expm1(row.m * depth)
     return float(lumped / pad(subject, reading).force(depth))
 
@@ -191,7 +191,7 @@ def _profiles() -> Iterator[Case]:
                     reason=DIGITS,
                 )
     for reading, moduli in MODULI.items():
-        for subject, expected in zip(pawluk_quasistatic(), moduli, strict=True):
+        for subject, expected in zip(pawluk1997.quasistatic(), moduli, strict=True):
             yield Case(
                 f"3.2: modulus where 60 mm/s gives 3 N, {subject}, b {reading}",
                 partial(modulus_at, subject, reading),
@@ -205,7 +205,7 @@ def _profiles() -> Iterator[Case]:
             lambda s=subject: stiffness_line(s)[0],
             Expected(expected, 0.06, "1/mm"),
             "section 3.2, recomputed",
-            printed=pawluk_quasistatic()[subject].m,
+            printed=pawluk1997.quasistatic()[subject].m,
             erratum="The m of Table 3.2 is not that of Table 2.1: x^(3/2) adds to the slope.",
             reason=DIGITS,
         )
@@ -288,7 +288,7 @@ def integrated(subject: str, depth: float) -> float:
 
 
 def _others() -> Iterator[Case]:
-    for subject in pawluk_quasistatic():
+    for subject in pawluk1997.quasistatic():
         yield Case(
             f"Eq. 3.16: T(2 mm) over the integral of the pressure, {subject}",
             lambda s=subject: float(pad(s, "relaxed").force(2.0)) / integrated(s, 2.0),

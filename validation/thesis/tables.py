@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 from fefinger.validation.case import Case, Expected
 
-from fefinger.scene.library import pawluk_bulk, pawluk_quasistatic, pawluk_relaxation
+from fefinger.scene import pawluk1997
 from fefinger.theory.relaxation import Prony
 
 
@@ -65,7 +65,7 @@ GROWTH = {
 @cache
 def columns(table: str) -> dict[str, tuple[float, ...]]:
     """Return the columns of a table, one value per subject, without the row of means."""
-    bulk = [row for name, row in pawluk_bulk().items() if name != "means"]
+    bulk = [row for name, row in pawluk1997.bulk().items() if name != "means"]
     if table == "2.1":
         values = {
             "w": tuple(row.width for row in bulk),
@@ -75,9 +75,9 @@ def columns(table: str) -> dict[str, tuple[float, ...]]:
         }
         return values | _prony_columns([row.prony for row in bulk])
     if table == "3.1":
-        rows = [prony for name, prony in pawluk_relaxation().items() if name != "means"]
+        rows = [prony for name, prony in pawluk1997.relaxation().items() if name != "means"]
         return _prony_columns(rows)
-    quasistatic = [row for name, row in pawluk_quasistatic().items() if name != "means"]
+    quasistatic = [row for name, row in pawluk1997.quasistatic().items() if name != "means"]
     return {
         "R": tuple(row.radius for row in quasistatic),
         "m": tuple(row.m for row in quasistatic),
@@ -101,7 +101,7 @@ def correlation(first: str, second: str) -> tuple[float, float]:
 def prony(source: str) -> Prony:
     """Return the relaxation of "Table 2.1 a.h." and the like."""
     _, table, subject = source.split()
-    return pawluk_bulk()[subject].prony if table == "2.1" else pawluk_relaxation()[subject]
+    return pawluk1997.bulk()[subject].prony if table == "2.1" else pawluk1997.relaxation()[subject]
 
 
 def cases(*, quick: bool) -> Iterator[Case]:

@@ -1,13 +1,13 @@
-"""Figures of the trade-off: fronts of cost and error, numerical against model error, held out."""
+"""Figures of the trade-off: fronts of cost and error, and what the planner made of them."""
 
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from fefinger.validation.tradeoff.held_out import ENOUGH
-from fefinger.validation.tradeoff.study import front
 
 from fefinger.results.candidate import Candidate
+from fefinger.support.arrays import Array
 from fefinger.view.figures import INK, STEEL, WIDE, figure, style
 
 
@@ -20,26 +20,26 @@ COLORS = {
     "linear": "#0072B2",
     "solid": "#D55E00",
 }
-MARKERS = {"coarse": "o", "standard": "s", "identified": "P", "": "X"}
+MARKERS = {"coarse": "o", "standard": "s", "": "X"}
 LEAST = 1e-4
 """Errors below it are drawn at it."""
 
-QUANTITIES = {
+OTHERS = {
     "pressure": "highest pressure",
-    "taxels": "pressure on taxels",
     "area": "contact area",
     "strain": "strain at end organs",
+    "spikes": "spikes",
 }
+
+Points = dict[str, tuple[float, float]]
+"""Cost and error by candidate."""
 
 
 def figures(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure."""
     with style():
         yield _front_caption(), _front(data)
-        yield _fronts_caption(), _fronts(data)
         yield _others_caption(), _others(data)
-        yield _spikes_caption(), _spikes(data)
-        yield _split_caption(), _split(data)
         yield _held_caption(data), _held(data)
         yield _cost_caption(data), _cost(data)
 
@@ -57,7 +57,34 @@ def _point(axes: Any, candidate: str, cost: float, error: float) -> None:
     )
 
 
-def _scatter(axes: Any, points: dict[str, tuple[float, float]]) -> None:
+def front(points: Points) -> list[str]:
+    """Return the names of the points (cost, error) that no other beats in both, cheapest first."""
+    order = sorted(points, key=lambda name: points[name])
+    best, names = np.inf, []
+    for name in order:
+        if points[name][1] < best:
+            best = points[name][1]
+            names.append(name)
+    return names
+
+
+def _points(data: dict[str, Any], quantity: str, published: bool | None = None) -> dict[str, Array]:
+    """Return CPU seconds and errors (n, 2) by candidate: of all scenes, or by their tissue."""
+    found: dict[str, list[tuple[float, float]]] = {}
+    for scene, rows in data["errors"].items():
+        if published is None or ("published" in scene) == published:
+            for name, row in rows.items():
+                if quantity in row:
+                    point = data["taken"][scene][name], max(row[quantity], LEAST)
+                    found.setdefault(name, []).append(point)
+    return {name: np.array(each) for name, each in found.items()}
+
+
+def _medians(found: dict[str, Array]) -> Points:
+    return {name: tuple(np.median(each, axis=0).tolist()) for name, each in found.items()}
+
+
+def _scatter(axes: Any, points: Points) -> None:
     """Draw (cost, error) of candidates and the line through those that nothing beats."""
     best = front(points)
     line = np.array([points[name] for name in best])
@@ -75,7 +102,6 @@ def _legend(drawn: Any) -> None:
         for name, color in COLORS.items()
     ]
     names = {"coarse": "coarse mesh", "standard": "standard mesh", "": "no mesh"}
-    names["identified"] = "no mesh, identified"
     lines += [
         Line2D(
             [],
@@ -93,25 +119,20 @@ def _legend(drawn: Any) -> None:
 
 def _front_caption() -> str:
     return (
-        "The front of error and time: error of the force in the held-out scenes against the "
-        "expected time of a first answer, medians of each candidate with the quarters on either "
-        "side; scenes of published tissue (left), which all mechanics answer, and of calibrated "
-        "fingers (right). Gray line: Pareto front of the medians."
+        "The front of error and time: error of the force in the scenes, held out and of "
+        "development, against the CPU time of a first answer; medians of each candidate with "
+        "the quarters on either side. Scenes of published tissue (left), which all mechanics "
+        "answer, and of calibrated fingers (right). Gray line: Pareto front of the medians."
     )
 
 
 def _front(data: dict[str, Any]) -> Any:
     drawn = figure(WIDE, 3.6)
     for axis, published in zip(drawn.subplots(1, 2, sharey=True), (True, False), strict=True):
-        rows: dict[str, list[tuple[float, float]]] = {}
-        for key, each in data["held_out"].items():
-            if ("published" in key) == published:
-                for name, row in each["candidates"].items():
-                    found = rows.setdefault(name, [])
-                    found.append((row["seconds"], max(row["actual"]["force"], LEAST)))
-        medians = {name: tuple(np.median(found, axis=0)) for name, found in rows.items()}
-        for name, found in rows.items():
-            low, middle, high = np.quantile(np.array(found)[:, 1], [0.25, 0.5, 0.75])
+        found = _points(data, "force", published)
+        medians = _medians(found)
+        for name, points in found.items():
+            low, middle, high = np.quantile(points[:, 1], [0.25, 0.5, 0.75])
             color = COLORS[Candidate.of(name).mechanics]
             axis.errorbar(
                 medians[name][0], middle, [[middle - low], [high - middle]], color=color, lw=0.8
@@ -119,130 +140,33 @@ def _front(data: dict[str, Any]) -> Any:
         _scatter(axis, medians)
         axis.set(
             title="published tissue" if published else "calibrated fingers",
-            xlabel="expected time of a first answer / s",
+            xlabel="CPU time of a first answer / s",
         )
     drawn.axes[0].set_ylabel("error of the force")
     _legend(drawn)
     return drawn
 
 
-def _fronts_caption() -> str:
-    return (
-        "Largest error of the force over time, relative to its peak, against the expected time of "
-        "a press, for each base scene; gray line: Pareto front. The reference is solid "
-        "extrapolated over its meshes; the dashed line is the uncertainty of the reference. lumped "
-        "is identified from the press of the plate."
-    )
-
-
-def _fronts(data: dict[str, Any]) -> Any:
-    rows = data["scenes"]
-    drawn, axes = _per_scene(len(rows), "error of the force")
-    for axis, (name, row) in zip(axes, rows.items(), strict=False):
-        points = {
-            key: (each["expected_s"], each["force"]) for key, each in row["candidates"].items()
-        }
-        _scatter(axis, points)
-        axis.axhline(max(row["bars"]["force"], LEAST), color=INK, linewidth=0.8, linestyle="--")
-        axis.set_title(name)
-    return drawn
-
-
-def _per_scene(count: int, quantity: str) -> tuple[Any, Any]:
-    """Return a figure with a legend, and its axes of a quantity over time for each base scene."""
-    drawn = figure(WIDE, 5.2)
-    axes = drawn.subplots(2, 4, sharex=True, sharey=True).ravel()
-    for axis in axes[count:]:
-        axis.set_axis_off()
-    for axis in axes[4:]:
-        axis.set_xlabel("expected time / s")
-    for axis in (axes[0], axes[4]):
-        axis.set_ylabel(quantity)
-    axes[3].xaxis.set_tick_params(labelbottom=True)
-    _legend(drawn)
-    return drawn, axes
-
-
 def _others_caption() -> str:
     return (
-        "Errors of other quantities in two presses at their full depth: highest pressure over 1 "
-        "mm², forces on taxels of 1 mm around the centroid (L2), contact area, strain at the four "
-        "central end organs. Dashed: uncertainty of the reference."
+        "Errors of other quantities in the scenes that `solid` answers, held out and of "
+        "development: medians of each candidate. Highest pressure over 1 mm², contact area and "
+        "strain at the end organs when the force is largest; missing and extra spikes of SAI, SAII "
+        "and FAI, of all, against those of solid on the standard mesh."
     )
 
 
 def _others(data: dict[str, Any]) -> Any:
     drawn = figure(WIDE, 5.2)
-    grid = drawn.subplots(2, 4, sharex=True, sharey=True)
-    for line, name in zip(grid, ("flat-30", "sphere-10"), strict=True):
-        rows = data["presses"][name]
-        bars = data["rules"]["presses"][name]["bars"]
-        for axis, (key, title) in zip(line, QUANTITIES.items(), strict=True):
-            points = {
-                candidate: (row["expected_s"], row["total"][key])
-                for candidate, row in rows.items()
-                if key in row["total"]
-            }
-            _scatter(axis, points)
-            axis.axhline(max(bars[key][-1], LEAST), color=INK, linewidth=0.8, linestyle="--")
-            axis.set_title(f"{name}: {title}", fontsize=8)
-        line[0].set_ylabel("error")
+    grid = drawn.subplots(2, 2, sharex=True)
+    for axis, (quantity, title) in zip(grid.ravel(), OTHERS.items(), strict=True):
+        _scatter(axis, _medians(_points(data, quantity)))
+        axis.set_title(title)
     for axis in grid[1]:
-        axis.set_xlabel("expected time / s")
+        axis.set_xlabel("CPU time of a first answer / s")
+    for axis in grid[:, 0]:
+        axis.set_ylabel("error")
     _legend(drawn)
-    return drawn
-
-
-def _spikes_caption() -> str:
-    return (
-        "Spikes of the four central afferents: distance of Victor and Purpura from those of the "
-        "reference, per spike, where moving a spike by 1 ms costs as much as losing one."
-    )
-
-
-def _spikes(data: dict[str, Any]) -> Any:
-    rows = data["scenes"]
-    drawn, axes = _per_scene(len(rows), "distance per spike")
-    for axis, (name, row) in zip(axes, rows.items(), strict=False):
-        points = {
-            key: (each["expected_s"], max(each["spikes"]["distance"], 1e-3))
-            for key, each in row["candidates"].items()
-            if "spikes" in each
-        }
-        _scatter(axis, points)
-        axis.set_title(f"{name}: {sum(row['spikes'].values())} spikes", fontsize=8)
-    return drawn
-
-
-def _split_caption() -> str:
-    return (
-        "Numerical error of the force (dark: mesh, relative to the converged value of the same "
-        "mechanics) and model error (light: that converged value relative to solid) at the full "
-        "depth of each base press. hertz and layered both with tissue parameters and as identified "
-        "from the plate at 30 degrees."
-    )
-
-
-def _split(data: dict[str, Any]) -> Any:
-    presses = data["presses"]
-    drawn = figure(WIDE, 5.2)
-    axes = drawn.subplots(2, len(presses) // 2, sharey=True, sharex=True).ravel()
-    names = list(dict.fromkeys(key for rows in presses.values() for key in rows))
-    for axis, (press, rows) in zip(axes, presses.items(), strict=True):
-        for place, name in enumerate(names):
-            if name not in rows:
-                continue
-            numerical = rows[name]["numerical"]["force"]
-            model = rows[name]["model"]["force"]
-            color = COLORS[Candidate.of(name).mechanics]
-            axis.barh(place - 0.2, max(numerical, LEAST), 0.36, left=LEAST / 2, color=color)
-            axis.barh(place + 0.2, max(model, LEAST), 0.36, left=LEAST / 2, color=color, alpha=0.4)
-        deepest = data["rules"]["presses"][press]["depth_mm"][-1]
-        axis.set(xscale="log", title=f"{press}, {deepest:g} mm", xlim=(LEAST, 3))
-        axis.set_yticks(range(len(names)), labels=names)
-        axis.invert_yaxis()
-    for axis in axes[len(axes) // 2 :]:
-        axis.set_xlabel("error of the force")
     return drawn
 
 
@@ -271,7 +195,7 @@ def _held(data: dict[str, Any]) -> Any:
     drawn = figure(WIDE, 5.2)
     grid = drawn.subplots(2, 2, sharex=True, sharey=True)
     for axis, (quantity, title) in zip(grid.ravel(), _NAMES.items(), strict=True):
-        for each in data["held_out"].values():
+        for each in data["scenes"].values():
             for name, row in each["candidates"].items():
                 stated = row["stated"].get(quantity)
                 if stated is None:
@@ -316,7 +240,7 @@ def _cost(data: dict[str, Any]) -> Any:
     summary = data["summary"]
     drawn = figure(WIDE, 3.2)
     left, right = drawn.subplots(1, 2)
-    ratios = np.sort([e["ratio"] for e in data["held_out"].values() if e["ratio"] is not None])
+    ratios = np.sort([e["ratio"] for e in data["scenes"].values() if e["ratio"] is not None])
     left.step(ratios, np.arange(1, len(ratios) + 1) / len(ratios), where="post", color=INK)
     left.axvline(ENOUGH, color=STEEL, linewidth=1)
     left.set(xscale="log", xlabel="time of the choice / least time", ylabel="share of the scenes")

@@ -3,9 +3,9 @@
 Every candidate answers every scene. The truth is `solid`, run through the scene on the coarse and
 the standard mesh: its force is extrapolated, with errors of order 2 in the facets of the pad; of
 all else the standard mesh is taken, and what is left of its error is added to that of a candidate.
-Run as `python -m fefinger.validation.tradeoff.held_out reports`; some forty minutes on one core.
-Scenes that are in the report already are not run again, but judged again; so are the scenes of
-development, which were held out until the present rules were chosen.
+Run as `python -m fefinger.validation.tradeoff.held_out reports`; some hour on one core. Scenes that
+are in the report already are not run again, but judged again; so are the scenes of development,
+which were held out until the present rules were chosen.
 """
 
 import json
@@ -18,13 +18,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from fefinger.validation.empty_cache import only_meshes
+from fefinger.validation.evidence.press_errors import left_on
 from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff import scenes
-from fefinger.validation.tradeoff.errors import left_on
-from fefinger.validation.tradeoff.runs import only_meshes
 
+from fefinger.afferents import fire
 from fefinger.mechanics import get
-from fefinger.mechanics.evidence.tradeoff import STATED
+from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.plan import rungs
 from fefinger.results.candidate import Candidate
@@ -33,7 +34,7 @@ from fefinger.results.records import Response, Rung
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import STANDARD
 from fefinger.scene.scene import Scene
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.text import finite
@@ -51,7 +52,10 @@ CANDIDATES = (
 )
 """Candidates that are compared."""
 
-EVERYTHING = Ask(pressure=True, strain=True, fields=False)
+SPIKES = ("SAI", "SAII", "FAI")
+"""Types of afferents whose spikes are compared; those of FAII need time steps of their own."""
+
+EVERYTHING = Ask(pressure=True, strain=True, spikes=SPIKES, fields=False)
 
 ENOUGH = 1.2
 """Cost over that of the cheapest that meets the tolerance which is asked of the planner."""
@@ -67,10 +71,14 @@ SMALLER = (0.9, 0.8, 0.7, 0.6, 0.5)
 
 
 class Answer(NamedTuple):
-    """What a candidate answers, and the CPU seconds that it took with nothing kept but meshes."""
+    """What a candidate answers, and the CPU seconds that it took with nothing kept but meshes.
+
+    counts: the number of spikes of each unit; None without strain.
+    """
 
     response: Response
     seconds: float
+    counts: Integers | None
 
 
 def answers(scene: Scene) -> dict[str, Answer]:
@@ -81,26 +89,34 @@ def answers(scene: Scene) -> dict[str, Answer]:
         mesh = candidate.resolution or STANDARD
         own = replace(scene, finger=replace(scene.finger, resolution=mesh), ask=EVERYTHING)
         mechanics = get(candidate.mechanics)
-        asked = replace(own, ask=replace(EVERYTHING, pressure=False, strain=False))
+        asked = replace(own, ask=Ask(pressure=False, strain=False, spikes=(), fields=False))
         able = own if candidate.mechanics != "lumped" else asked
         if any(each.about == "ability" for each in mechanics.refuse(Situation.of(able))):
             continue
         with suppress(InputError, ConvergenceError), only_meshes():
             started = time.process_time()
             response = mechanics.respond(able)
-            found[label] = Answer(response, time.process_time() - started)
+            seconds = time.process_time() - started
+            counts = None
+            if response.strain is not None:
+                counts = np.array([len(train) for train in fire(EVERYTHING, response).times])
+            found[label] = Answer(response, seconds, counts)
     return found
 
 
-def actual(found: Mapping[str, Response]) -> dict[str, dict[str, float]]:
+def actual(answered: Mapping[str, Answer]) -> dict[str, dict[str, float]]:
     """Return the errors of every candidate in a scene, by their answers, as fractions.
 
     Of the force (or depth, where the force is prescribed) the largest through time, of its peak;
-    of the rest that when the force is largest. Empty where `solid` does not answer.
+    of spikes the missing and extra ones of every unit, of all; of the rest that when the force is
+    largest. Empty where `solid` does not answer.
     """
-    if not {"solid coarse", "solid standard"} <= found.keys():
+    if not {"solid coarse", "solid standard"} <= answered.keys():
         return {}
+    found = {label: each.response for label, each in answered.items()}
     rough, fine = found["solid coarse"], found["solid standard"]
+    spikes = answered["solid standard"].counts
+    assert spikes is not None
     size = left_on("coarse", "standard")
     quantities = {name: _through_time(fine, name) for name in STATED}
     coarse = {name: _through_time(rough, name) for name in STATED}
@@ -115,6 +131,9 @@ def actual(found: Mapping[str, Response]) -> dict[str, dict[str, float]]:
             if response.strain is not None:
                 value = _through_time(response, name)[_nearest(response, fine.time[top])]
                 row[name] = _apart(value, quantities[name][top]) + bars[name]
+        counts = answered[label].counts
+        if counts is not None:
+            row["spikes"] = float(np.abs(counts - spikes).sum() / max(spikes.sum(), 1))
         rows[label] = {name: float(f"{value:.4g}") for name, value in row.items()}
     return rows
 
@@ -158,7 +177,9 @@ def judge(
         known = {"force": rung.error, **rung.errors}
         rows[name] = {
             "seconds": float(f"{rung.seconds:.4g}"),
-            "stated": {key: _short(known.get(key, np.inf)) for key in errors[name]},
+            "stated": {
+                key: _short(known.get(key, np.inf)) for key in STATED if key in errors[name]
+            },
             "actual": errors[name],
             "willing": not rung.refusals,
         }
@@ -327,35 +348,42 @@ def main(folder: Path) -> None:
     path = folder / REPORT
     known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     command = "python -m fefinger.validation.tradeoff.held_out reports"
-    drawn = scenes.held_out()
+    drawn = scenes.held_out() | scenes.development()
     errors, taken = (
         {key: known[what][key] for key in drawn if key in known.get(what, {})}
         for what in ("errors", "taken")
     )
     report: dict[str, Any] = provenance(command) | {"errors": errors, "taken": taken}
-    report["development"] = known.get("development", {})
     for key, scene in drawn.items():
         if key not in errors:
-            found = answers(scene)
-            errors[key] = actual({label: each.response for label, each in found.items()})
-            taken[key] = {label: float(f"{each.seconds:.3g}") for label, each in found.items()}
+            errors[key], taken[key] = measured(scene)
             print(key, flush=True)  # progress
             _put(path, report)
-    rows = {key: judge(drawn[key], errors[key], taken[key]) for key in drawn if errors[key]}
-    report |= {"scenes": rows, "summary": summary(rows), "development": developed(report)}
-    _put(path, report)
+    _put(path, report | judgment(report))
 
 
-def developed(report: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what the scenes of development had, and the summary of today's picks there."""
-    development = report["development"]
-    errors = development.get("errors", {})
-    rows = {
-        key: judge(scene, errors[key])
-        for key, scene in scenes.development().items()
-        if errors.get(key)
+def measured(scene: Scene) -> tuple[dict[str, dict[str, float]], dict[str, float]]:
+    """Return the errors and the CPU seconds of every candidate in a scene."""
+    found = answers(scene)
+    return actual(found), {name: float(f"{each.seconds:.3g}") for name, each in found.items()}
+
+
+def judgment(report: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the judged scenes that are held out, and the summaries of both sets.
+
+    They are judged by what the planner states now.
+    """
+
+    def judged(drawn: Mapping[str, Scene]) -> dict[str, dict[str, Any]]:
+        errors, taken = report["errors"], report["taken"]
+        return {key: judge(drawn[key], errors[key], taken[key]) for key in drawn if errors[key]}
+
+    held = judged(scenes.held_out())
+    return {
+        "scenes": held,
+        "summary": summary(held),
+        "development": summary(judged(scenes.development())),
     }
-    return {**development, "summary": summary(rows)} if rows else {}
 
 
 def _put(path: Path, report: dict[str, Any]) -> None:

@@ -1,10 +1,4 @@
-"""The scenes of the trade-off: presses of relaxed tissue, base scenes, and scenes held out.
-
-With one G for all tissue the elastic press decides every motion (`tradeoff_motion`), so one press
-serves many scenes of its object.
-"""
-
-from dataclasses import dataclass, replace
+"""The scenes of the trade-off, drawn by chance: held out, and those that rules were tried on."""
 
 import numpy as np
 
@@ -17,50 +11,13 @@ from fefinger.scene.motion import Motion
 from fefinger.scene.motions import Ramp, RampHold, Sinusoid, Trapezoid
 from fefinger.scene.scene import Scene
 from fefinger.scene.textured import Grating
-from fefinger.theory.relaxation import Prony
 
 
-TYPES = ("SAI", "SAII", "FAI", "FAII")
-
-SPEED = 60.0
-"""mm/s of every press; of relaxed tissue, so that it has no meaning but the number of steps."""
-
-
-@dataclass(frozen=True)
-class Object:
-    """A press: subject whose finger is pressed, the object, and the largest depth in mm."""
-
-    subject: str
-    indenter: Indenter
-    depth: float
-
-
-BASE = {
-    "flat-30": Object("a.h.", Flat(30), 1.9),
-    "flat-15": Object("a.h.", Flat(15), 1.5),
-    "flat-0": Object("a.h.", Flat(0), 1.0),
-    "sphere-10": Object("a.h.", Sphere(10), 2.0),
-    "sphere-5": Object("a.h.", Sphere(5), 1.5),
-    "sphere-2": Object("a.h.", Sphere(2), 0.6),
-}
-"""Presses that the planner's rules are derived from."""
-
-MOTIONS: dict[str, tuple[str, Motion]] = {
-    "flat-0 fast": ("flat-0", RampHold(60, 0.8, hold=1.0)),
-    "flat-30 fast, deep": ("flat-30", RampHold(60, 1.5, hold=1.0)),
-    "flat-30 slow, shallow": ("flat-30", RampHold(1, 0.5, hold=0.5, corner=0.05)),
-    "sphere-2 fast": ("sphere-2", RampHold(20, 0.5, hold=0.5)),
-    "sphere-10 fast, deep": ("sphere-10", RampHold(60, 1.5, hold=1.0)),
-    "sphere-10 slow, shallow": ("sphere-10", RampHold(2, 0.5, hold=0.5, corner=0.05)),
-    "flat-30 sinusoid": ("flat-30", Sinusoid(0.5, 2.0, 2)),
-}
-"""Base scenes: which press each is of, and its motion. The sinusoid unloads to first touch."""
-
-DEVELOPMENT = {32: 23, 33: 20, 34: 12}
+DEVELOPMENT = {33: 20, 34: 12, 35: 12, 36: 12}
 """Seeds and numbers of the scenes that were held out until the present rules were chosen; before
-them seeds 8, 30 and 31."""
+them seeds 8 and 30 to 32."""
 
-N_HELD_OUT, SEED = 12, 35
+N_HELD_OUT, SEED = 12, 37
 
 OBJECTS = (
     *("plate", "ball", "plate", "bar", "plate", "ball", "plate", "grating"),
@@ -75,35 +32,6 @@ STEEP, STEEP_DEEPEST = 35.0, 0.16
 """Angle in degrees beyond which plates go less deep, and their largest depth."""
 
 TOLERANCES = (0.02, 0.05, 0.1, 0.2, 0.4)
-
-PALE = Ask(pressure=True, strain=True, fields=False)
-
-
-def finger(name: str, resolution: str = "standard") -> Finger:
-    """Return the finger of a press."""
-    return Finger.subject(BASE[name].subject, resolution=resolution, tissue="maeno1998")
-
-
-def press(name: str, resolution: str = "standard") -> Scene:
-    """Return the ramp of relaxed tissue to the largest depth of a press."""
-    relaxed = replace(finger(name, resolution), prony=Prony((1.0,), ()))
-    motion = Ramp(SPEED, BASE[name].depth, corner=0.0)
-    # Spikes for the reference press, by which the strains of `thesis` make them.
-    ask = replace(PALE, spikes=TYPES, afferents="thesis")
-    return Scene(name=name, finger=relaxed, indenter=BASE[name].indenter, motion=motion, ask=ask)
-
-
-def base(name: str, resolution: str = "standard") -> Scene:
-    """Return a base scene, with the tissue that relaxes and all four afferents."""
-    pressed, motion = MOTIONS[name]
-    ask = replace(PALE, spikes=TYPES, afferents="thesis")
-    return Scene(
-        name=name,
-        finger=finger(pressed, resolution),
-        indenter=BASE[pressed].indenter,
-        motion=motion,
-        ask=ask,
-    )
 
 
 def development() -> dict[str, Scene]:

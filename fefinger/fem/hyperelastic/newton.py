@@ -35,6 +35,7 @@ from fefinger.support.tolerances import EQUILIBRIUM
 
 ITERATIONS = 120
 PATIENCE = 25  # iterations of one step before its factor is renewed
+STALLED = 5  # iterations without a smaller error before it is renewed sooner
 STUCK = 2 * PATIENCE  # iterations without a smaller error before the step is given up
 FEW = 5  # iterations of a step with a good factor
 RENEWAL = 20  # sum over steps of (iterations beyond FEW)² that justifies a new factor
@@ -136,7 +137,7 @@ class Equilibrium:
                 continue
             sound, error = state, iterate.error
             if error <= self.tolerance:
-                self._excess += max(0, count - FEW) ** 2
+                self._excess += max(0, count - max(renewed, 0) - FEW) ** 2
                 return state
             if error < best:
                 best, best_at = error, count
@@ -144,9 +145,14 @@ class Equilibrium:
                 break
             # One iteration brings the contact of the new step; a tangent before it ages sooner.
             worn = (count == 1 and self._excess > RENEWAL) or count % PATIENCE == PATIENCE - 1
-            if worn or (
-                count - renewed >= SOON
-                and self._folds_too_stiff(iterate.gap.fold_stiffness, target)
+            stalled = count - max(best_at, renewed) >= STALLED
+            if (
+                worn
+                or stalled
+                or (
+                    count - renewed >= SOON
+                    and self._folds_too_stiff(iterate.gap.fold_stiffness, target)
+                )
             ):
                 self._renew(iterate, target, whole=whole)
                 mixing, renewed = Anderson(MEMORY), count

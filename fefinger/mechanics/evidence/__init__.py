@@ -2,10 +2,10 @@
 
 table.py                         the measurements, as the files of `reports/` hold them
 stated_errors.py                 the error that a mechanics states of a scene; from
-formulas.py, press_mesh.py       the measured presses next to it,
+press_mesh.py                    the measured presses next to it,
 pressed_objects.py               the objects between which it lies,
 press_margins.py                 and margins, from leaving presses out
-tradeoff.py                      force of published tissue, and what tissue counts as measured
+measured_tissue.py               what tissue counts as measured
 carrying.py, vibration.py        what time and inertia add
 force_control.py, reached_depth.py    what changes where the force is prescribed
 lumped_law.py                    the force law of `lumped`

@@ -6,13 +6,14 @@ that of pressure. The object and the tissue hardly matter. The error is reduced 
 tissue that relaxes less than in all measured scenes; it vanishes without relaxation.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from fefinger.mechanics.evidence import small_strain_cost
 from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.table import CARRYING, PRESS_MESH, Measured, read, table
+from fefinger.mechanics.evidence.table import CARRYING, Measured, read, table
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.scene.motion import Motion
@@ -23,9 +24,6 @@ REPORT = CARRYING
 
 PRESSED = Candidate("pressed")
 
-PLATE = "a.h./flat-30"
-"""Press whose force curve gives the depth under force control."""
-
 MARGIN = 1.2
 """Factor on the largest error of the measured scenes, for scenes between them."""
 
@@ -34,6 +32,9 @@ ABOUT, DEEPER = 1.25, 1.05
 beyond 0.19 of the thickness, where the contact reaches the tip of the finger, its error grows fast
 with the depth. Left out one at a time, 0.97 of the scenes have a force, and 0.95 a pressure, area
 and strain, within the error that the others give; on retreat all have a force."""
+
+FEWEST = 6
+"""Scenes of which the largest error counts, at least: the shallowest ones are few."""
 
 RELAXING = 0.67
 """Least 1 - G(infinity) of the scenes that were measured."""
@@ -68,7 +69,7 @@ def error(case: Situation, quantity: str) -> float:
     if quantity == "force" and retreats(case.motion):
         rows = [*rows, *_rows("force on retreat")]
     pairs = [(row.conditions["part"], row.value) for row in rows]
-    largest = largest_about(_part(case), pairs, quantity)
+    largest = largest_about(case.depth_over_thickness, pairs, quantity)
     return MARGIN * largest * min(1.0, (1.0 - case.finger.prony.long_time) / RELAXING)
 
 
@@ -76,32 +77,23 @@ def sentence(carried: float, case: Situation) -> str:
     """Return the source of an error, with the largest measured depth if the scene is deeper."""
     phase = "with retreat" if retreats(case.motion) else "without retreat"
     deepest = max(row.conditions["part"] for row in _rows("area"))
-    deeper = f", measured to {deepest:.2g} of the thickness" if _part(case) > deepest else ""
-    return (
-        f"reports/{REPORT}: {percent(carried)} of the tabulated press through time, {phase}{deeper}"
-    )
-
-
-def _part(case: Situation) -> float:
-    """Return the relative depth; under force control by neighboring presses, or by PLATE."""
-    if case.among_neighbors is not None:
-        return case.among_neighbors
-    forces = table().presses(PRESS_MESH, "force", Candidate("solid"))
-    return case.depth_over_thickness(forces[PLATE])
+    source = f"reports/{REPORT}: {percent(carried)} of the tabulated press through time, {phase}"
+    if case.depth_over_thickness > deepest:
+        source += f", measured to {deepest:.2g} of the thickness"
+    return source
 
 
 def largest_about(part: float, errors: Sequence[tuple[float, float]], quantity: str) -> float:
     """Return the largest error of a quantity about a relative depth, of pairs of depth and error.
 
-    Without any scene about it, that about the nearest one.
+    Where fewer than FEWEST scenes are about it, also of the FEWEST that are nearest.
     """
     deeper = DEEPER if quantity == "force" else ABOUT
-
-    def about(here: float) -> list[float]:
-        return [value for each, value in errors if here / ABOUT <= each <= here * deeper]
-
-    nearest = min((each for each, _ in errors), key=lambda each: abs(each - part))
-    return max(about(part) or about(nearest))
+    about = [value for here, value in errors if part / ABOUT <= here <= part * deeper]
+    if len(about) < FEWEST:
+        nearest = sorted(errors, key=lambda pair: abs(math.log(pair[0] / part)))
+        about += [value for _, value in nearest[:FEWEST]]
+    return max(about)
 
 
 def _rows(quantity: str) -> list[Measured]:
@@ -133,7 +125,7 @@ def building(case: Situation) -> float:
     """Return the CPU time in s of solving the press of a scene; 0 where it is at hand."""
     if at_hand(case):
         return 0.0
-    deep = _part(case) / TIMED
+    deep = case.depth_over_thickness / TIMED
     if deep > 1.0:
         harder = deep**HARDER
     else:  # plates go on to that depth, so that other motions find their press

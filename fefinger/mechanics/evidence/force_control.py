@@ -5,8 +5,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from fefinger.mechanics.evidence.pressed_objects import place
 from fefinger.mechanics.evidence.table import Measured
-from fefinger.mechanics.evidence.tradeoff import forces
 from fefinger.mechanics.situation import Situation
 
 
@@ -25,10 +25,9 @@ def steepness(case: Situation) -> float:
 
     It is 1 for a scene without comparable presses: a contact stiffens as it grows.
     """
-    if case.place is None or not case.measured_tissue:
+    if place(case.indenter) is None or not (case.published_tissue or case.calibrated_tissue):
         return 1.0
-    presses = forces()
-    return max(1.0, min(_power(presses[name], case.deepest(name)) for name in case.neighbors))
+    return max(1.0, min(_power(each, case.depth_over_thickness) for each in case.force_curves))
 
 
 def _power(force: Measured, part: float) -> float:

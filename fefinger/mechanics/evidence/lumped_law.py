@@ -10,18 +10,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger.mechanics.evidence import formulas, press_mesh, reached_depth
+from fefinger.mechanics.evidence import measured_tissue, press_mesh
 from fefinger.mechanics.evidence.table import LUMPED, table
-from fefinger.mechanics.evidence.tradeoff import measured_tissue
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
-from fefinger.scene import library
+from fefinger.scene import pawluk1997
 from fefinger.scene.finger import Finger
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
 
-LAW = Candidate("lumped")
+LUMPED_LAW = Candidate("lumped")
 
 SAME = 1e-3
 """Relative difference below which sizes and ratios of moduli count as equal."""
@@ -46,10 +45,9 @@ class Law(NamedTuple):
 
 def law(case: Situation) -> Law:
     """Return the law of the finger of a scene, or that of Table 2.1 with a doubt."""
-    fitted = reached_depth.calibrated(case.finger)
-    if fitted:
+    if measured_tissue.subject(case.finger) is not None:
         return _printed(case, *_misfit(case))
-    laws = table().all(LUMPED, "law", LAW)
+    laws = table().all(LUMPED, "law", LUMPED_LAW)
     rows = [each.conditions for each in laws if _same(case.finger, each.conditions)]
     if not rows:
         return _printed(case, doubt=_strange(case.finger))
@@ -65,9 +63,9 @@ def law(case: Situation) -> Law:
 def _printed(
     case: Situation, error: float = float("nan"), evidence: str = "not known", doubt: str = ""
 ) -> Law:
-    rows, subject = library.pawluk_bulk(), case.finger.subject_name
-    name = subject if subject in rows else library.MEANS
-    row, source = rows[name], f"Table 2.1, {name} ({library.PAWLUK})"
+    rows, subject = pawluk1997.bulk(), case.finger.subject_name
+    name = subject if subject in rows else pawluk1997.MEANS
+    row, source = rows[name], f"Table 2.1, {name} ({pawluk1997.SOURCE})"
     if doubt:
         doubt = f"{doubt}; that of Table 2.1, {name}, is taken"
     return Law(Spring(row.b, row.m), row.prony, source, True, error, evidence, doubt)
@@ -80,11 +78,9 @@ def _own(case: Situation, rows: Sequence[Mapping[str, Any]], b: float, m: float)
     # The presses are of relaxed tissue, b of the law is that of an instant.
     spring = Spring(stiffer * b / finger.prony.long_time, m)
     source = f"reports/{LUMPED}: identified from {' and '.join(row['source'] for row in rows)}"
-    measured = formulas.error(LAW, case, finger.prony)
-    if measured is None:
-        return Law(spring, finger.prony, source, False, float("nan"), "not known: no press like it")
-    evidence = f"{measured.source}, identified from presses of the same finger (reports/{LUMPED})"
-    return Law(spring, finger.prony, source, False, measured.error, evidence)
+    error, evidence = press_mesh.error(LUMPED_LAW, case)
+    evidence = f"{evidence}, identified from presses of the same finger (reports/{LUMPED})"
+    return Law(spring, finger.prony, source, False, error, evidence)
 
 
 def between(rows: Iterable[Mapping[str, Any]], angle: float) -> tuple[float, float] | None:
@@ -106,16 +102,13 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
     skin = finger.skin.thickness or 0.0
     own = [finger.width, finger.thickness, finger.pad_radius, contrast, skin]
     names = ("width_mm", "thickness_mm", "pad_radius_mm", "skin_over_subcutaneous", "skin_mm")
-    return measured_tissue(finger) and np.allclose(own, [row[name] for name in names], rtol=SAME)
+    same = np.allclose(own, [row[name] for name in names], rtol=SAME)
+    return same and measured_tissue.published(finger)
 
 
 def _misfit(case: Situation) -> tuple[float, str]:
     """Return the difference of Table 2.1 from the finger that was fitted to it, and the source."""
-    subject = case.finger.subject_name
-    assert subject is not None  # of a calibrated finger
-    found = formulas.error(LAW, case, library.pawluk_bulk()[subject].prony)
-    if found is None:
-        found = press_mesh.error(LAW, case)
+    found = press_mesh.error(LUMPED_LAW, case)
     return found.error, f"{found.source}: Table 2.1 against the finger that was fitted to it"
 
 

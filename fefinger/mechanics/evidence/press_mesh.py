@@ -1,10 +1,10 @@
 """Errors measured under many objects: of the mesh at finite strain, and of all that is cheaper.
 
-`reports/press-mesh.json` holds presses of the calibrated fingers, and of published tissue under
-objects that the trade-off does not have. Finite strain on each mesh is compared with a finer mesh,
-every other mechanics with finite strain. The error of a plate or ball is interpolated between the
-presses on either side of it; that of any other object is the largest of its neighboring presses.
-Errors are read at the relative depth of the scene: indentation over the thickness of the finger.
+`reports/press-mesh.json` holds presses of the calibrated fingers and of published tissue. Finite
+strain on each mesh is compared with a finer mesh, every other mechanics with finite strain. The
+error of a plate or ball is interpolated between the presses on either side of it; that of any other
+object is the largest of its neighboring presses. Errors are read at the relative depth of the
+scene: indentation over the thickness of the finger.
 """
 
 import math
@@ -13,10 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fefinger.mechanics.evidence import carrying, reached_depth
+from fefinger.mechanics.evidence import carrying, measured_tissue, reached_depth
 from fefinger.mechanics.evidence.press_margins import (
     LOCAL,
-    MAIN,
     about,
     at,
     between_presses,
@@ -36,8 +35,7 @@ from fefinger.mechanics.evidence.pressed_objects import (
     place_on,
     same,
 )
-from fefinger.mechanics.evidence.table import PRESS_MESH, Measured, table
-from fefinger.mechanics.evidence.tradeoff import BEYOND, HELD
+from fefinger.mechanics.evidence.table import MAIN, PRESS_MESH, Measured, table
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.scene import library
@@ -47,7 +45,10 @@ from fefinger.support.text import percent
 from fefinger.theory.relaxation import hereditary_integral
 
 
-LAW = Candidate("lumped")
+LUMPED_LAW = Candidate("lumped")
+
+BEYOND = 1.06
+"""Depth over that of the deepest press up to which the errors there count."""
 
 
 class Known(NamedTuple):
@@ -73,7 +74,7 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
         return Known(math.nan, estimate)
     margin, value = math.hypot(*_margins(estimate, candidate, case, quantity)), estimate.value
     carried = carrying.error(case, quantity) if _carried(candidate, case) else 0.0
-    if case.measured_tissue:  # neither is the larger by far
+    if case.published_tissue:  # neither is the larger by far
         margin += math.hypot(value, carried) - value
     else:
         margin = math.hypot(margin, max(1 - value, 0.0) * carried)
@@ -162,34 +163,13 @@ def _margins(
     return margins
 
 
-def subject(finger: Finger) -> str:
-    """Return the subject whose calibrated tissue a finger has; empty for other tissue."""
-    names = (*library.pawluk_bulk(), library.MEANS)
-    fitted = {library.calibrated_name(name): name for name in names}
-    return fitted.get(finger.tissue, "")
-
-
-def stiffening(finger: Finger) -> bool:
-    """Whether a finger has calibrated tissue and is otherwise as in the presses."""
-    tissues = library.tissue_set(finger.tissue)
-    tip = tissues.lengths(finger.width, finger.thickness)
-    return (
-        bool(subject(finger))
-        and (finger.skin, finger.subcutaneous) == (tissues.skin, tissues.subcutaneous)
-        and finger.surface is None
-        and (finger.tip_tissue, finger.tip_radius) == (tip["tip_tissue"], tip["tip_radius"])
-        and finger.relaxation == "whole"
-        and (finger.bone, finger.nail, finger.cut) == HELD
-    )
-
-
 def _measured_elsewhere(estimate: _Estimate, case: Situation, quantity: str) -> float:
     """Return the share of an estimate that was measured on another finger than the scene's.
 
     The force varies smoothly, so its share is that of the presses of other fingers. Other
     quantities depend by chance on which vertices bear the pressure, so one such press counts fully.
     """
-    known = case.measured_tissue or reached_depth.calibrated(case.finger)
+    known = case.published_tissue or measured_tissue.subject(case.finger)
     own = case.finger.subject_name if known else None
     others = np.array([subject_of(press) != own for press in estimate.presses])
     if quantity != "force":
@@ -208,7 +188,7 @@ def _scatter_of(
     finite strain on the same mesh.
     """
     small = not MECHANICS[candidate.mechanics].finite
-    if not (small and case.measured_tissue and candidate.resolution is not None):
+    if not (small and case.published_tissue and candidate.resolution is not None):
         return candidate, value
     mesh = Candidate("solid", candidate.resolution)
     estimate = _estimate(mesh, case, quantity)
@@ -220,7 +200,7 @@ def _carried(candidate: Candidate, case: Situation) -> bool:
 
     Not that of the lumped law, whose relaxation is compared with measured presses.
     """
-    small = candidate != LAW and not MECHANICS[candidate.mechanics].finite
+    small = candidate != LUMPED_LAW and not MECHANICS[candidate.mechanics].finite
     return small and case.motion.control == "depth"
 
 
@@ -229,10 +209,10 @@ def _presses(
 ) -> list[tuple[Measured, float]]:
     """Return the presses by some objects, each with the relative depth at which it is read."""
     finite = MECHANICS[candidate.mechanics].finite
-    published = case.measured_tissue and not finite
+    published = case.published_tissue and not finite
     tissue = library.PUBLISHED if published else MAIN
     # The error of a mesh depends on the finger, hardly on its tissue.
-    whose = (finite and case.finger.subject_name) or subject(case.finger)
+    whose = (finite and case.finger.subject_name) or library.fitted_to(case.finger.tissue)
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     found = []
     for name in names:
@@ -241,6 +221,14 @@ def _presses(
         if press is not None:
             found.append((press, _reached(press, case) * _sooner(press, case.finger)))
     return found
+
+
+def _reached(press: Measured, case: Situation) -> float:
+    """Return the relative depth of a scene; under force control by a press with the same object."""
+    if case.motion.control == "depth":
+        return case.depth_over_thickness
+    same_object = [x for x in case.force_curves if object_of(x) == object_of(press)]
+    return reached_depth.under_force(case.finger, case.peak, same_object or case.force_curves)
 
 
 def _sooner(press: Measured, finger: Finger) -> float:
@@ -254,17 +242,6 @@ def _sooner(press: Measured, finger: Finger) -> float:
 
 def _deep_enough(parts: list[tuple[Measured, float]]) -> bool:
     return any(part <= BEYOND * press.part[-1] for press, part in parts)
-
-
-def _reached(press: Measured, case: Situation) -> float:
-    """Return the relative depth of a scene; under force control by the force of a press."""
-    if case.among_neighbors is not None:
-        return case.among_neighbors
-    forces = table().presses(PRESS_MESH, "force", Candidate("solid"))
-    force = forces[press.press]
-    if case.measured_tissue:
-        force = forces.get(f"{library.PUBLISHED}/{object_of(press)}", force)
-    return case.depth_over_thickness(force)
 
 
 def _through(case: Situation, press: Measured, part: float, error: float, quantity: str) -> float:

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from fefinger.mechanics.evidence.table import PRESS_MESH, read
-from fefinger.mechanics.evidence.tradeoff import NEAR
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS
 
@@ -17,6 +16,9 @@ PLATE = "flat-30"
 
 SAME = 1e-9
 """Relative difference below which sizes count as equal."""
+
+NEAR = 2.0
+"""Distance in mm of an object from the middle of the pad within which it counts as measured."""
 
 
 @cache

@@ -1,12 +1,10 @@
 """Cost of the mechanics at small strain, and of meshes: CPU seconds, from the reports."""
 
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from fefinger.mechanics.evidence import table
 from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.table import read
+from fefinger.mechanics.evidence.table import SMALL_STRAIN_COST, read, table
 from fefinger.mechanics.press.continuation import continued
 from fefinger.mechanics.press.operator_cache import at_hand
 from fefinger.mechanics.situation import Situation
@@ -35,26 +33,23 @@ WHOLE = 3.0
 """Cost of a whole finger against half of one: twice the unknowns and loads, a larger factor."""
 
 
-LINEAR, CONDENSED, LAYERED = map(Candidate, ("linear", "condensed", "layered"))
-
-
 def linear_seconds(case: Situation) -> float:
     """Return the expected CPU time of `linear` in s, from the times in the report."""
-    whole = _spent(table.LINEAR, LINEAR, case, 1.0 if case.half else WHOLE)
-    return whole * slowness(read(table.LINEAR)) + mesh_seconds(case)
+    return _spent("linear", case, 1.0 if case.half else WHOLE) + mesh_seconds(case)
 
 
-def _seconds(report: str, candidate: Candidate, stage: str) -> float:
-    """Return the measured CPU seconds of a stage."""
-    return table.table().value(report, f"{stage} seconds", candidate)
+def _seconds(candidate: Candidate, stage: str) -> float:
+    """Return the CPU seconds of a stage on this machine."""
+    seconds = table().value(SMALL_STRAIN_COST, f"{stage} seconds", candidate)
+    return seconds * slowness(read(SMALL_STRAIN_COST))
 
 
-def _spent(report: str, mechanics: Candidate, case: Situation, bodies: float) -> float:
-    """Return the expected time in s of a press as in a report, of a body `bodies` times as large.
+def _spent(mechanics: str, case: Situation, bodies: float) -> float:
+    """Return the expected time in s of a press of a body `bodies` times as large as half a finger.
 
     The area is that of the whole pad, and read where contact changes.
     """
-    seconds = partial(_seconds, report, replace(mechanics, resolution=case.mesh))
+    seconds = partial(_seconds, Candidate(mechanics, case.mesh))
     setup, fields = seconds("setup"), seconds("fields")
     spent = bodies * (setup + fields if case.ask.fields else setup)
     spent += len(case.times) * seconds("step") * (GRIPPING if case.indenter.friction else 1.0)
@@ -87,8 +82,7 @@ def condensed_seconds(case: Situation) -> float:
 
     A whole finger is two halves. Under a steep plate the whole mesh is expected to be solved too.
     """
-    whole = _spent(table.CONDENSED, CONDENSED, case, 1.0 if case.half else 2.0)
-    whole = whole * slowness(read(table.CONDENSED)) + condensed_once(case)
+    whole = _spent("condensed", case, 1.0 if case.half else 2.0) + condensed_once(case)
     plate = case.indenter.plate
     steep = plate is not None and plate.angle > STEEPEST
     return whole + linear_seconds(case) if steep else whole
@@ -99,12 +93,11 @@ def condensed_once(case: Situation) -> float:
     spent = mesh_seconds(case, follow=False)
     longer = continued(case.finger, case.indenter, case.motion)
     if not at_hand(case.finger, half=case.half, continued=longer):
-        build = _seconds(table.CONDENSED, replace(CONDENSED, resolution=case.mesh), "build")
-        spent += (1 if case.half else 2) * build * slowness(read(table.CONDENSED))
+        spent += (1 if case.half else 2) * _seconds(Candidate("condensed", case.mesh), "build")
     return spent
 
 
 def layered_seconds(case: Situation) -> float:
     """Return the expected CPU time of `layered` in s, from the times in the report."""
-    seconds = partial(_seconds, table.LAYERED, LAYERED)
-    return (seconds("setup") + len(case.times) * seconds("step")) * slowness(read(table.LAYERED))
+    seconds = partial(_seconds, Candidate("layered"))
+    return seconds("setup") + len(case.times) * seconds("step")

@@ -7,9 +7,8 @@ import numpy as np
 
 from fefinger.mechanics.evidence import small_strain_cost
 from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.pressed_objects import PLATE
-from fefinger.mechanics.evidence.table import LINEAR, SOLID_COST, Measured, read, table
-from fefinger.mechanics.evidence.tradeoff import LAW
+from fefinger.mechanics.evidence.measured_tissue import PUBLISHED_LAW
+from fefinger.mechanics.evidence.table import SMALL_STRAIN_COST, SOLID_COST, Measured, read, table
 from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
@@ -55,7 +54,7 @@ def cost(mesh: str) -> Cost:
             *(each.candidate.resolution == name for name in MESHES),
             _part(each),
             INDENTERS[each.conditions["kind"]].sharp,
-            each.conditions["law"] != LAW,
+            each.conditions["law"] != PUBLISHED_LAW,
         ]
         for each in timed
     ]
@@ -67,7 +66,7 @@ def cost(mesh: str) -> Cost:
     ]
     costs = np.array([*known, np.exp(solution[: len(MESHES)])])
     meshes = [Candidate("linear", name) for name in (*MESHES, mesh)]
-    sizes = np.log([table().value(LINEAR, "unknowns", each) for each in meshes])
+    sizes = np.log([table().value(SMALL_STRAIN_COST, "unknowns", each) for each in meshes])
     power = np.diff(np.log(costs))[:, 0] / (sizes[1] - sizes[0])
     setup, reference, step = (costs[:, 1] * np.exp(power * (sizes[2] - sizes[1]))).tolist()
     deepest = max(map(_part, timed))
@@ -96,9 +95,10 @@ def seconds(case: Situation) -> float:
     spent, finger = cost(case.mesh), case.finger
     relaxing, friction = tissue_relaxations(finger), case.indenter.kinetic
     steps = _steps(case.motion, relaxing, friction, fast=case.fast)
-    deep = min(max(map(case.deepest, case.neighbors or (PLATE,))), spent.deepest)
+    deep = min(case.depth_over_thickness, spent.deepest)
     harder = spent.growth * deep + spent.sharp * case.indenter.sharp
-    harder += spent.stiffening * any(x.law != LAW for x in (finger.skin, finger.subcutaneous))
+    layers = (finger.skin, finger.subcutaneous)
+    harder += spent.stiffening * any(layer.law != PUBLISHED_LAW for layer in layers)
     whole = spent.setup + steps * spent.step * np.exp(harder)
     whole += spent.reference if case.ask.spikes else 0.0
     whole *= 1.0 if case.half else small_strain_cost.WHOLE

@@ -1,8 +1,7 @@
 """The error that a mechanics states of a scene, from the presses that were measured.
 
-Formulas and the lumped law have the errors of `formulas.py`, all else those of `press_mesh.py`:
-of the mesh at finite strain, and at small strain of what that leaves out. Added is what shorter
-time steps change in the base scenes of `reports/tradeoff.json`.
+At finite strain that of the mesh, else of all that is left out. Added is what shorter time steps
+change (`reports/time-steps.json`).
 """
 
 import math
@@ -10,10 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from fefinger.mechanics.evidence import formulas, press_mesh, tradeoff
+from fefinger.mechanics.evidence import measured_tissue, press_mesh
 from fefinger.mechanics.evidence.press_mesh import UNKNOWN, Known
-from fefinger.mechanics.evidence.table import table
-from fefinger.mechanics.evidence.tradeoff import REPORT
+from fefinger.mechanics.evidence.table import TIME_STEPS, table
 from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate
@@ -30,6 +28,11 @@ under the edge of a bar 3.4 times, less than under the plate. With skin 6 and 18
 are 0.8 and 0.2 times as large."""
 
 
+STATED = ("force", "pressure", "area", "strain")
+"""Quantities with stated errors: of the force the largest error through time over the peak, of the
+others (highest pressure over 1 mm², contact area, strain at the end organs as a Frobenius norm)
+the error when the force is largest."""
+
 RAISED = {"coarse": 0.30, "standard": 0.13, "fine": 0.08}
 """Error of the mean force on raised dots 0.7 mm wide that are scanned, by the mesh: against that
 extrapolated from all three; letters and Braille have wider parts and err less (validation/friction,
@@ -41,22 +44,17 @@ def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> 
 
     Not a number where nothing comparable was measured; the source then states the reason.
     """
-    if candidate.mechanics in formulas.NAMES and quantity == "force":
-        formula = formulas.error(candidate, case)
-        if formula is not None:
-            return formula
     if not MECHANICS[candidate.mechanics].finite:
         if case.indenter.raised:
             return _raised(candidate, case, quantity)
-        if not (case.measured_tissue or press_mesh.stiffening(case.finger)):
+        if not (case.published_tissue or case.calibrated_tissue):
             return _other_tissue(candidate, case, quantity)
     found = press_mesh.error(candidate, case, quantity)
     mesh = _of_mesh(candidate, case, quantity)
     if mesh is not None and mesh.error > found.error:
         found = mesh
-    steps = table().value(
-        REPORT, f"error of time steps, {quantity}", Candidate(candidate.mechanics)
-    )
+    paced = table().values(TIME_STEPS, f"error of {quantity}", Candidate(candidate.mechanics))
+    steps = paced.get("", 0.0)  # formulas have none
     return Known(math.hypot(found.error, steps), found.source)  # independent of the mesh
 
 
@@ -82,10 +80,10 @@ def _other_tissue(candidate: Candidate, case: Situation, quantity: str) -> Known
     finger = case.finger
     if not MECHANICS[candidate.mechanics].meshed or stiffens(finger):
         return Known(math.nan, "not known: it was measured on published and calibrated tissue")
-    alike = replace(case, finger=tradeoff.published(finger))
+    alike = replace(case, finger=measured_tissue.of_published(finger))
     known = measured(candidate, alike, quantity)
     source = f"{known.source}, on tissue {library.PUBLISHED!r}"
-    if not tradeoff.soft_skin(finger):
+    if not measured_tissue.soft_skin(finger):
         return Known(known.error, source)
     # Under an edge soft skin bends more than the published one, as it does under a plate.
     bent = measured(candidate, alike.under(Flat()), quantity) if case.indenter.sharp else known
@@ -102,21 +100,3 @@ def _of_mesh(candidate: Candidate, case: Situation, quantity: str) -> Known | No
     if quantity == "force" or candidate.resolution is None:
         return None
     return press_mesh.error(Candidate("solid", candidate.resolution), case, quantity)
-
-
-def spikes(candidate: Candidate, case: Situation) -> dict[str, float]:
-    """Return the largest errors of spike counts and first spikes in the base scenes, over types.
-
-    "spike count": missing or extra spikes over all; "first spike": in s. Empty for a scene without
-    a comparable press.
-    """
-    if case.place is None or not case.measured_tissue:
-        return {}
-    counts, firsts = (
-        table().values(REPORT, f"spikes, {what}", candidate.measured).values()
-        for what in ("count", "first_ms")
-    )
-    if not counts:
-        return {}
-    first = max(each for each in firsts if not math.isnan(each))
-    return {"spike count": max(counts), "first spike": 1e-3 * first}

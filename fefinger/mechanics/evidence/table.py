@@ -20,15 +20,15 @@ from fefinger.support.package_data import report
 
 Array = NDArray[np.float64]
 
-LINEAR = "linear-cost.json"
-CONDENSED = "condensed-cost.json"
-LAYERED = "layered-cost.json"
+SMALL_STRAIN_COST = "small-strain-cost.json"
 SOLID_COST = "solid-cost.json"
 LUMPED = "lumped-force.json"
-TRADEOFF = "tradeoff.json"
+TIME_STEPS = "time-steps.json"
 CARRYING = "carrying.json"
 PRESS_MESH = "press-mesh.json"
-FORMULAS = "formula-force.json"
+
+MAIN = "a.h."
+"""Subject whose finger was pressed by every object."""
 
 CARRIED = ("rules", "held-out", "deep", "built-in")
 """Sets of scenes in which `pressed` was compared with `solid`: three draws, and built-in ones."""
@@ -148,20 +148,12 @@ def _costs(
             yield _entry(name, candidate, f"{stage} seconds", "", seconds, None, conditions)
 
 
-def _linear(name: str) -> Iterator[Measured]:
-    for mesh, row in read(name)["resolutions"].items():
-        candidate = Candidate("linear", mesh)
+def _small_strain_cost(name: str) -> Iterator[Measured]:
+    for label, row in read(name)["rows"].items():
+        candidate = Candidate.of(label)
         yield from _costs(name, candidate, row)
-        yield _entry(name, candidate, "unknowns", "", row["unknowns"])
-
-
-def _condensed(name: str) -> Iterator[Measured]:
-    for mesh, row in read(name)["resolutions"].items():
-        yield from _costs(name, Candidate("condensed", mesh), row)
-
-
-def _layered(name: str) -> Iterator[Measured]:
-    yield from _costs(name, Candidate("layered"), read(name))
+        if "unknowns" in row:
+            yield _entry(name, candidate, "unknowns", "", row["unknowns"])
 
 
 def _solid_cost(name: str) -> Iterator[Measured]:
@@ -173,25 +165,12 @@ def _lumped(name: str) -> Iterator[Measured]:
     candidate = Candidate("lumped")
     for row in read(name)["rows"]:
         yield _entry(name, candidate, "law", row["source"], (row["b"], row["m"]), None, row)
-    for subject, row in read(name)["calibrated"].items():
-        press, conditions = f"calibrated {subject}", {"angle": read(name)["angle"]}
-        yield _entry(name, candidate, "force", press, row["force_N"], row["depth_mm"], conditions)
 
 
-def _tradeoff(name: str) -> Iterator[Measured]:
-    rules = read(name)["rules"]
-    sizes = ("angle", "radius", "width_mm", "thickness_mm", "pad_radius_mm", "subcutaneous_kPa")
-    for press, row in rules["presses"].items():
-        conditions = {key: row[key] for key in sizes} | {"tissue": rules["tissue"]}
-        depth, force = row["depth_mm"], row["force_N"]
-        yield _entry(name, Candidate("solid"), "force", press, force, depth, conditions)
-    for mechanics, row in rules["steps"].items():
-        for what, value in row.items():
-            yield _entry(name, Candidate(mechanics), f"error of time steps, {what}", "", value)
-    for scene, row in read(name)["scenes"].items():
-        for label, errors in row["candidates"].items():
-            for what, value in (errors.get("spikes") or {}).items():
-                yield _entry(name, Candidate.of(label), f"spikes, {what}", scene, value)
+def _time_steps(name: str) -> Iterator[Measured]:
+    for mechanics, row in read(name)["rows"].items():
+        for quantity, error in row.items():
+            yield _entry(name, Candidate(mechanics), f"error of {quantity}", "", error)
 
 
 def _carrying(name: str) -> Iterator[Measured]:
@@ -225,24 +204,12 @@ def _press_mesh(name: str) -> Iterator[Measured]:
                 yield _entry(name, of, what, press, values, depth, conditions)
 
 
-def _formulas(name: str) -> Iterator[Measured]:
-    for press, row in read(name)["rows"].items():
-        depth, force = row["depth_mm"], row["force_N"]
-        yield _entry(name, Candidate("solid"), "force", press, force, depth, row)
-        for mechanics, values in row["log_ratio"].items():
-            quantity, candidate = "log ratio of force", Candidate(mechanics)
-            yield _entry(name, candidate, quantity, press, values, depth, row)
-
-
 READERS = {
-    LINEAR: _linear,
-    CONDENSED: _condensed,
-    LAYERED: _layered,
+    SMALL_STRAIN_COST: _small_strain_cost,
     SOLID_COST: _solid_cost,
     LUMPED: _lumped,
-    TRADEOFF: _tradeoff,
+    TIME_STEPS: _time_steps,
     CARRYING: _carrying,
     PRESS_MESH: _press_mesh,
-    FORMULAS: _formulas,
 }
 """How each report is laid out."""

@@ -312,6 +312,21 @@ def test_what_a_step_spends_beyond_the_usual_is_gone_for_all_later_ones():
     assert FactorizationBudget().after(1000) == FactorizationBudget()
 
 
+def test_a_factor_with_which_the_error_no_longer_falls_is_renewed_before_patience_ends(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pressed = cube(neo_hookean(Elastic(40.0, 0.49)))
+    solver, count = pressed.equilibrium, pressed.body.space.n_unknowns
+    factored = solver._factored
+    uneven = np.exp(0.5 * np.random.default_rng(0).standard_normal(count))
+    solve = factored.solve
+    monkeypatch.setattr(factored, "solve", lambda right: (solve(right).T * uneven).T)
+    start = State(np.zeros(count), np.zeros(len(solver.contact)), 0.0)
+    solver.find(start, Target("depth", 0.1, pressed.body.at_rest))
+    assert solver.factors == 1
+    assert solver.iterations < newton.PATIENCE
+
+
 def test_a_search_that_takes_many_factors_is_left_for_the_way_downhill(
     monkeypatch: pytest.MonkeyPatch,
 ):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fefinger.validation.evidence import cost
-from fefinger.validation.evidence.linear import costs
+from fefinger.validation.evidence.small_strain_cost import costs
 from fefinger.validation.problems import published
 
 import fefinger as ff
@@ -80,32 +80,29 @@ def test_the_expected_seconds_of_solid_are_those_that_a_press_took(row: dict[str
     assert 1 / 1.4 < (solid.cost(Situation.of(pressed)) - built) / (here * row["seconds"]) < 1.4
 
 
-@pytest.mark.parametrize(
-    ("mechanics", "name"),
-    [(linear, table.LINEAR), (condensed, table.CONDENSED)],
-)
+@pytest.mark.parametrize("mechanics", [linear, condensed])
 def test_what_is_measured_of_flat_press_is_what_is_expected_of_it(
-    mechanics: Any, name: str, monkeypatch: pytest.MonkeyPatch, operators: Path
+    mechanics: Any, monkeypatch: pytest.MonkeyPatch, operators: Path
 ) -> None:
     named = scene(finger__resolution="coarse")
     response = mechanics.respond(named)
-    report, whole = table.read(name), sum(response.seconds.values())
-    row = report["resolutions"]["coarse"] | costs(response, whole)
-    monkeypatch.setitem(report["resolutions"], "coarse", row)
+    report, whole = table.read(table.SMALL_STRAIN_COST), sum(response.seconds.values())
+    label = f"{mechanics.__name__.rpartition('.')[2]} coarse"
+    monkeypatch.setitem(report["rows"], label, report["rows"][label] | costs(response, whole))
     measured = table.table.__wrapped__()
-    monkeypatch.setattr(table, "table", lambda: measured)
+    monkeypatch.setattr(small_strain_cost, "table", lambda: measured)
     assert mechanics.cost(Situation.of(named)) == pytest.approx(
         machine.slowness(report) * whole, rel=0.01
     )
 
 
 def test_areas_are_expected_to_be_read_where_contact_changes_and_fields_where_asked() -> None:
-    row = table.read(table.LINEAR)["resolutions"]["coarse"]
+    row = table.read(table.SMALL_STRAIN_COST)["rows"]["linear coarse"]
     short = replace(at(1.0), motion=Ramp(60.0, 1.0, corner=0.0))
     short = replace(short, finger=replace(short.finger, resolution="coarse"))
     held = replace(short, motion=ff.RampHold(60.0, 1.0, hold=1.0, corner=0.0))
     alone = replace(short, ask=replace(short.ask, pressure=False, fields=False))
-    here = machine.slowness(table.read(table.LINEAR))
+    here = machine.slowness(table.read(table.SMALL_STRAIN_COST))
     steps = [len(time_grid(each.motion, fast=True)) for each in (short, held)]
     assert linear.cost(Situation.of(held)) - linear.cost(Situation.of(short)) == pytest.approx(
         here * (steps[1] - steps[0]) * row["step_seconds"]

@@ -9,7 +9,7 @@ import fefinger as ff
 from fefinger import plan
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import force_control
-from fefinger.mechanics.evidence.table import TRADEOFF, read
+from fefinger.mechanics.evidence.table import PRESS_MESH, read
 from fefinger.mechanics.situation import Situation
 
 
@@ -33,7 +33,7 @@ def pressed(name: str, force: float, **parts: object) -> ff.Scene:
 def test_the_depth_is_as_wrong_as_the_inverse_of_a_wrong_force_or_less(
     name: str, sign: int
 ) -> None:
-    row = read(TRADEOFF)["rules"]["presses"][name]
+    row = read(PRESS_MESH)["rows"][f"maeno1998/{name}"]
     forces, depths = np.log(row["force_N"]), np.log(row["depth_mm"])
     for force in forces[3:-2]:
         for error in (0.01, 0.06):
@@ -59,7 +59,7 @@ def test_at_a_force_all_else_is_as_wrong_as_at_its_depth_and_as_the_force() -> N
     for name in ("pressure", "area", "strain"):
         assert found.errors[name] == pytest.approx(linear.error(case, name)[0] + found.error)
     assert 0 < found.errors["depth"] < found.error
-    depth = case.deepest("flat-30") * FINGER.thickness
+    depth = case.depth_over_thickness * FINGER.thickness
     by_depth = replace(by_force, motion=ff.Ramp(60.0, depth, corner=0.0))
     assert found.error < plan.choose(by_depth, "linear").chosen.error  # which grows on the way
 

@@ -1,11 +1,15 @@
 """How deep a force presses: by presses that were measured, and beyond them as far as they grew."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.mechanics.evidence import reached_depth
-from fefinger.mechanics.evidence.table import LUMPED, TRADEOFF, read
+from fefinger.mechanics.evidence import measured_tissue, reached_depth
+from fefinger.mechanics.evidence.pressed_objects import between
+from fefinger.mechanics.evidence.table import PRESS_MESH, read
 from fefinger.mechanics.situation import Situation
 
 
@@ -15,26 +19,49 @@ def pressed(force: float, tissue: str = "maeno1998", indenter: object = None) ->
     return ff.Scene(finger=finger, indenter=indenter or ff.Flat(30), motion=motion)
 
 
-def test_a_measured_force_goes_as_deep_as_it_did_and_more_goes_deeper() -> None:
-    row = read(TRADEOFF)["rules"]["presses"]["flat-30"]
+def part(*scene: Any) -> float:
+    return Situation.of(pressed(*scene)).depth_over_thickness
+
+
+@pytest.mark.parametrize(
+    ("tissue", "press"), [("maeno1998", "maeno1998/flat-30"), ("calibrated_ah", "a.h./flat-30")]
+)
+def test_a_measured_force_goes_as_deep_as_it_did_and_more_goes_deeper(
+    tissue: str, press: str
+) -> None:
+    row = read(PRESS_MESH)["rows"][press]
     for force, depth in list(zip(row["force_N"], row["depth_mm"], strict=True))[2::3]:
-        found = Situation.of(pressed(force)).deepest("flat-30") * row["thickness_mm"]
+        found = part(force, tissue) * row["thickness_mm"]
         assert found == pytest.approx(depth, rel=1e-9)
     last, slope = row["depth_mm"][-1], np.diff(row["depth_mm"])[-1] / np.diff(row["force_N"])[-1]
-    found = Situation.of(pressed(row["force_N"][-1] + 0.1)).deepest("flat-30") * row["thickness_mm"]
+    found = part(row["force_N"][-1] + 0.1, tissue) * row["thickness_mm"]
     assert found == pytest.approx(last + 0.1 * slope, rel=1e-9)
 
 
-def test_a_calibrated_finger_goes_as_deep_as_its_own_curve_says() -> None:
-    """By its modulus at rest, which then stiffens, it would go 2.5 times as deep."""
-    press = reached_depth.calibrated(ff.Finger.subject("a.h.", tissue="calibrated_ah"))
-    assert press == "calibrated a.h."
-    own = read(LUMPED)["calibrated"]["a.h."]
-    depth = float(np.interp(1.0, own["force_N"], own["depth_mm"]))
-    found = Situation.of(pressed(1.0, "calibrated_ah")).deepest("flat-30")
-    assert found == pytest.approx(depth / 10.0, rel=1e-9)
-    ball = Situation.of(pressed(1.0, "calibrated_ah", ff.Sphere(5.0))).deepest("sphere-5")
-    assert ball > 2 * found
-    changed = ff.Finger.subject("a.h.", tissue="calibrated_ah", nail="free")
-    assert reached_depth.calibrated(changed) == ""
-    assert reached_depth.calibrated(ff.Finger.subject("a.h.", tissue="maeno1998")) == ""
+def test_between_two_objects_the_deeper_press_counts() -> None:
+    low, high = (part(1.0, "maeno1998", ff.Flat(angle)) for angle in (15, 30))
+    assert part(1.0, "maeno1998", ff.Flat(20)) == max(low, high)
+    assert part(1.0, "calibrated_ah", ff.Sphere(5.0)) > 1.5 * part(1.0, "calibrated_ah")
+
+
+def test_an_object_like_no_press_counts_as_the_plate() -> None:
+    steep = ff.Flat(30, tilt=45.0)
+    assert not between(steep)[0]
+    assert part(1.0, "maeno1998", steep) == part(1.0, "maeno1998")
+
+
+def test_forces_grow_with_the_modulus_and_the_square_of_the_size() -> None:
+    finger = ff.Finger.subject("a.h.", tissue="maeno1998")
+    (curve,) = reached_depth.curves(finger, ff.Flat(30))
+    stiff = replace(finger, subcutaneous=replace(finger.subcutaneous, modulus=68.0))
+    once = reached_depth.under_force(finger, 0.5, [curve])
+    assert reached_depth.under_force(stiff, 1.0, [curve]) == pytest.approx(once)
+    large = ff.Finger(14.0, 20.0, tissue="maeno1998")
+    assert reached_depth.under_force(large, 2.0, [curve]) == pytest.approx(once)
+
+
+def test_only_an_unchanged_finger_is_that_of_the_subject() -> None:
+    assert measured_tissue.subject(ff.Finger.subject("a.h.")) == "a.h."
+    changed = ff.Finger.subject("a.h.", nail="free")
+    assert measured_tissue.subject(changed) is None
+    assert measured_tissue.subject(ff.Finger.subject("a.h.", tissue="maeno1998")) is None

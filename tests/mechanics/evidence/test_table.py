@@ -25,17 +25,16 @@ def test_every_report_is_in_the_table_and_every_entry_has_numbers() -> None:
 
 
 ENTRIES = [
-    (table.LINEAR, "setup seconds", "linear coarse", "", "resolutions > coarse > setup_seconds"),
     (
-        *(table.LUMPED, "force", "lumped", "calibrated a.h."),
-        "calibrated > a.h. > force_N",
+        *(table.SMALL_STRAIN_COST, "setup seconds", "linear coarse", ""),
+        "rows > linear coarse > setup_seconds",
     ),
-    (table.LAYERED, "step seconds", "layered", "", "step_seconds"),
+    (table.PRESS_MESH, "force", "solid", "a.h./flat-30", "rows > a.h./flat-30 > force_N"),
+    (table.SMALL_STRAIN_COST, "step seconds", "layered", "", "rows > layered > step_seconds"),
     (
-        *(table.TRADEOFF, "error of time steps, strain", "linear", ""),
-        "rules > steps > linear > strain",
+        *(table.TIME_STEPS, "error of strain", "linear", ""),
+        "rows > linear > strain",
     ),
-    (table.TRADEOFF, "force", "solid", "flat-15", "rules > presses > flat-15 > force_N"),
 ]
 """Report, quantity, candidate and press of entries, and where the report has their numbers."""
 

@@ -6,7 +6,7 @@ from fefinger.validation.thesis.ball import fit_ball
 from fefinger.validation.thesis.force_filter import two_pole
 from scipy.signal import butter, lfilter
 
-from fefinger.scene import library
+from fefinger.scene import pawluk1997
 from fefinger.theory.array.sensor import (
     ArraySensor,
     blurred,
@@ -171,7 +171,7 @@ def press(pressure_at, depth_rate=0.2, deepest=2.3, seed=7):
     return depth_rate * reading.time[::40], reading.pressure[::40]
 
 
-ROW = Fingerpad(14.0, 1.9, 1.9, library.pawluk_relaxation()["a.h."])
+ROW = Fingerpad(14.0, 1.9, 1.9, pawluk1997.relaxation()["a.h."])
 
 
 @pytest.fixture(scope="module")

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from fefinger.scene.library import pawluk_relaxation
+from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.theory.contact.one_spring import ElasticForce, Spring, carry
 from fefinger.theory.contact.ting import radius_nodes
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 
 
-PRONY = pawluk_relaxation()["a.h."]
+PRONY = pawluk1997.relaxation()["a.h."]
 ELASTIC = Prony((1.0,), ())
 NODES = radius_nodes(2.0, 128)
 LAWS = {

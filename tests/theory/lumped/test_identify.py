@@ -5,16 +5,14 @@ import pytest
 from fefinger.validation.oracles import synthetic
 from scipy import optimize
 
-from fefinger.scene import library
+from fefinger.scene import pawluk1997
 from fefinger.theory.lumped import confidence, identify, ramp_hold
 from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
-SUBJECTS = {
-    name: (Spring(row.b, row.m, 0.5), row.prony) for name, row in library.pawluk_bulk().items()
-}
+SUBJECTS = {name: (Spring(row.b, row.m, 0.5), row.prony) for name, row in pawluk1997.bulk().items()}
 AH = SUBJECTS["a.h."]
 BIASED_B = {"d.p.": 0.052, "d.s.": 0.189, "a.h.": 0.113, "p.w.": 0.136}
 

@@ -5,13 +5,13 @@ import pytest
 from fefinger.validation.oracles import ergonomics
 from fefinger.validation.oracles.ergonomics import dissipation, tap, vibration
 
-from fefinger.scene import library
+from fefinger.scene import pawluk1997
 from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
 
-ROW = library.pawluk_bulk()["a.h."]
+ROW = pawluk1997.bulk()["a.h."]
 AH = (Spring(ROW.b, ROW.m), ROW.prony)
 CASES = [(1.5, 0.28), (3.0, 0.28), (1.5, 0.14), (3.0, 0.14)]
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from fefinger.validation.oracles import impedance
 
-from fefinger.scene import library
+from fefinger.scene import pawluk1997
 from fefinger.theory.lumped.spring import Spring
 
 
-SUBJECTS = {name: (Spring(row.b, row.m), row.prony) for name, row in library.pawluk_bulk().items()}
+SUBJECTS = {name: (Spring(row.b, row.m), row.prony) for name, row in pawluk1997.bulk().items()}
 MEANS = SUBJECTS["means"]
 EVERY = pytest.mark.parametrize(("spring", "prony"), SUBJECTS.values(), ids=SUBJECTS)
 
