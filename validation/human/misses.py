@@ -35,16 +35,13 @@ REASONS: dict[Reason, str] = {
 }
 
 MISSES: dict[str, tuple[float, Reason]] = {
-    "force at 1.5 mm over that of the subject, d.p.": (1.154, "first touch"),
-    "force at 2 mm over that of the subject, d.s.": (0.893, "first touch"),
-    "force at 2.1 mm over that of the subject, p.w.": (0.719, "first touch"),
-    "stiffness at 0.05 N over that of the subject, d.p.": (1.164, "first touch"),
-    "stiffness at 0.05 N over that of the subject, d.s.": (0.868, "first touch"),
+    "force at 2 mm over that of the subject, d.s.": (0.896, "first touch"),
+    "force at 2.1 mm over that of the subject, p.w.": (0.741, "first touch"),
+    "stiffness at 0.05 N over that of the subject, d.s.": (0.867, "first touch"),
     "stiffness at 0.05 N over that of the subject, a.h.": (0.845, "first touch"),
-    "stiffness at 0.05 N over that of the subject, p.w.": (0.668, "first touch"),
+    "stiffness at 0.05 N over that of the subject, p.w.": (0.675, "first touch"),
     "stiffness at 0.1 N over that of the subject, a.h.": (1.121, "first touch"),
-    "stiffness at 0.1 N over that of the subject, p.w.": (0.803, "first touch"),
-    "stiffness at 1.5 N over that of the subject, p.w.": (0.889, "first touch"),
+    "stiffness at 0.1 N over that of the subject, p.w.": (0.799, "first touch"),
     "displacement at 1 N over that at 5.2 N, flat plate, a.h.": (0.659, "pulp"),
     "displacement at 1 N over that at 5.2 N, flat plate, means": (0.672, "pulp"),
     "contact area at 1 N over that at 10 N, flat plate, a.h.": (0.669, "area"),
