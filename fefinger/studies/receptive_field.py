@@ -221,16 +221,19 @@ def _moved(scene: "Scene", place: Array) -> "Scene":
 def cheapest(scene: "Scene", count: int) -> str | None:
     """Return the mechanics that answers `count` such scenes first; None where all refuse.
 
-    What a mechanics builds once, as the operator of `condensed`, serves all of them.
+    What a mechanics builds once, as the operator of `condensed`, serves all of them; but a press at
+    finite strain is of an object at one place.
     """
     from fefinger.mechanics import get
     from fefinger.mechanics.situation import Situation
     from fefinger.plan import rungs
+    from fefinger.results.candidate import MECHANICS
 
     case, total = Situation.of(scene), {}
     for rung in rungs(scene):
         if not rung.refusals and np.isfinite(rung.error):
             on = case if rung.resolution is None else case.on(rung.resolution)
-            once = get(rung.mechanics).once(on)
+            shared = not MECHANICS[rung.mechanics].finite
+            once = get(rung.mechanics).once(on) if shared else 0.0
             total[rung.mechanics] = once + count * (rung.seconds - once)
     return min(total, key=total.__getitem__, default=None)
