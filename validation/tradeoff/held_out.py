@@ -3,9 +3,9 @@
 Every candidate answers every scene. The truth is `solid`, run through the scene on the coarse and
 the standard mesh: its force is extrapolated, with errors of order 2 in the facets of the pad; of
 all else the standard mesh is taken, and what is left of its error is added to that of a candidate.
-Run as `python -m fefinger.validation.tradeoff.held_out reports`; some hour on one core. Scenes that
-are in the report already are not run again, but judged again; so are the scenes of development,
-which were held out until the present rules were chosen.
+Run as `python -m fefinger.validation.tradeoff.held_out reports`; some ninety minutes on one core.
+Scenes that are in the report already are not run again, but judged again; so are the scenes of
+development, which were held out until the present rules were chosen.
 """
 
 import json
