@@ -1,6 +1,6 @@
 """A press as it is judged, and what a mesh leaves of an error of order 2."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -50,9 +50,17 @@ class Press:
             at=np.searchsorted(response.depth, wanted * (1 - 1e-9)) - 1,
         )
 
-    def with_force(self, force: Array) -> Self:
-        """Return the press with another force (n,) in N."""
-        return replace(self, force=force)
+
+def curve(response: Response, quantity: str) -> Array:
+    """Return the "force", "pressure" (highest over 1 mm²), "area" or "strain" (n_t, ...)."""
+    assert response.pad is not None
+    assert response.pressure is not None
+    assert response.contact_area is not None
+    assert response.strain is not None
+    if quantity == "pressure":
+        return np.asarray(peaks(response.pad, response.pressure))
+    values = {"force": response.force, "area": response.contact_area, "strain": response.strain}
+    return values[quantity]
 
 
 def left_on(coarser: str, finer: str) -> float:

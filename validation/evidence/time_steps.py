@@ -10,14 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fefinger.validation.evidence.press_errors import norm
+from fefinger.validation.evidence.press_errors import curve, norm
 from fefinger.validation.provenance import compact, provenance
 
 from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.evidence.table import TIME_STEPS
 from fefinger.mechanics.press import finite_strain, small_strain
 from fefinger.results.candidate import MECHANICS
-from fefinger.results.pressure import peaks
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -65,19 +64,8 @@ def changes(response: Response, finer: Response) -> dict[str, float]:
 
 def _at(response: Response, name: str, time: float) -> Array:
     """Return a quantity (1, m) of a response at a time."""
-    values = _curve(response, name).reshape(len(response.time), -1)
+    values = curve(response, name).reshape(len(response.time), -1)
     return np.array([[np.interp(time, response.time, column) for column in values.T]])
-
-
-def _curve(response: Response, name: str) -> Array:
-    """Return a quantity (n_t, ...) of a response."""
-    assert response.pad is not None
-    assert response.pressure is not None
-    assert response.contact_area is not None
-    assert response.strain is not None
-    if name == "pressure":
-        return np.asarray(peaks(response.pad, response.pressure))
-    return response.contact_area if name == "area" else response.strain
 
 
 def _scene(motion: Motion) -> Scene:

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from fefinger.validation.empty_cache import only_meshes
-from fefinger.validation.evidence.press_errors import left_on
+from fefinger.validation.evidence.press_errors import curve, left_on
 from fefinger.validation.provenance import provenance
 from fefinger.validation.tradeoff import scenes
 
@@ -29,7 +29,6 @@ from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.plan import rungs
 from fefinger.results.candidate import Candidate
-from fefinger.results.pressure import peaks
 from fefinger.results.records import Response, Rung
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import STANDARD
@@ -118,8 +117,8 @@ def actual(answered: Mapping[str, Answer]) -> dict[str, dict[str, float]]:
     spikes = answered["solid standard"].counts
     assert spikes is not None
     size = left_on("coarse", "standard")
-    quantities = {name: _through_time(fine, name) for name in STATED}
-    coarse = {name: _through_time(rough, name) for name in STATED}
+    quantities = {name: curve(fine, name) for name in STATED}
+    coarse = {name: curve(rough, name) for name in STATED}
     force = quantities["force"] + size * (quantities["force"] - coarse["force"])
     top = int(np.argmax(fine.force))
     bars = {name: size * _apart(coarse[name][top], quantities[name][top]) for name in STATED[1:]}
@@ -129,25 +128,13 @@ def actual(answered: Mapping[str, Answer]) -> dict[str, dict[str, float]]:
         row = {"force": float(np.abs(own - force).max() / force.max())}
         for name in STATED[1:]:
             if response.strain is not None:
-                value = _through_time(response, name)[_nearest(response, fine.time[top])]
+                value = curve(response, name)[_nearest(response, fine.time[top])]
                 row[name] = _apart(value, quantities[name][top]) + bars[name]
         counts = answered[label].counts
         if counts is not None:
             row["spikes"] = float(np.abs(counts - spikes).sum() / max(spikes.sum(), 1))
         rows[label] = {name: float(f"{value:.4g}") for name, value in row.items()}
     return rows
-
-
-def _through_time(response: Response, quantity: str) -> Array:
-    """Return a quantity (n_t, ...) of an answer."""
-    assert response.pad is not None
-    assert response.pressure is not None
-    assert response.contact_area is not None
-    assert response.strain is not None
-    if quantity == "pressure":
-        return np.asarray(peaks(response.pad, response.pressure))
-    values = {"force": response.force, "area": response.contact_area, "strain": response.strain}
-    return values[quantity]
 
 
 def _nearest(response: Response, instant: float) -> int:

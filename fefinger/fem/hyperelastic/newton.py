@@ -146,14 +146,9 @@ class Equilibrium:
             # One iteration brings the contact of the new step; a tangent before it ages sooner.
             worn = (count == 1 and self._excess > RENEWAL) or count % PATIENCE == PATIENCE - 1
             stalled = count - max(best_at, renewed) >= STALLED
-            if (
-                worn
-                or stalled
-                or (
-                    count - renewed >= SOON
-                    and self._folds_too_stiff(iterate.gap.fold_stiffness, target)
-                )
-            ):
+            fold = iterate.gap.fold_stiffness
+            folds = count - renewed >= SOON and self._folds_too_stiff(fold, target)
+            if worn or stalled or folds:
                 self._renew(iterate, target, whole=whole)
                 mixing, renewed = Anderson(MEMORY), count
             state = self._step(iterate, target, mixing)

@@ -11,16 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger.mechanics.evidence import measured_tissue, press_mesh
+from fefinger.mechanics.evidence.press_mesh import LUMPED_LAW
 from fefinger.mechanics.evidence.table import LUMPED, table
 from fefinger.mechanics.situation import Situation
-from fefinger.results.candidate import Candidate
 from fefinger.scene import pawluk1997
 from fefinger.scene.finger import Finger
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
-
-LUMPED_LAW = Candidate("lumped")
 
 SAME = 1e-3
 """Relative difference below which sizes and ratios of moduli count as equal."""

@@ -114,12 +114,6 @@ def table() -> Table:
     return Table(each for name, entries in READERS.items() for each in entries(name))
 
 
-def forget() -> None:
-    """Forget all reports, so that they are read again."""
-    read.cache_clear()
-    table.cache_clear()
-
-
 def _entry(
     report: str,
     candidate: Candidate,
