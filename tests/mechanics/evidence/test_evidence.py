@@ -12,7 +12,7 @@ from fefinger.validation.problems import published
 
 import fefinger as ff
 from fefinger.mechanics import condensed, linear, solid
-from fefinger.mechanics.evidence import machine, small_strain_cost, table
+from fefinger.mechanics.evidence import machine, small_strain_cost, stated_errors, table
 from fefinger.mechanics.press.time_steps import moving, time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.build import SETTINGS
@@ -113,3 +113,13 @@ def test_areas_are_expected_to_be_read_where_contact_changes_and_fields_where_as
     crept = replace(held, motion=ff.ForceRampHold(5.0, 0.2, hold=1.0))
     creeps = time_grid(crept.motion, fast=True)
     assert moving(crept.motion, creeps) == len(creeps)
+
+
+def test_a_skin_that_is_softer_than_the_published_one_states_a_larger_error() -> None:
+    """Both have another Poisson's ratio, so that neither is the published tissue."""
+    skins = [
+        {"finger__skin__modulus": modulus, "finger__skin__poisson": 0.45}
+        for modulus in (102.4, 60.0)
+    ]
+    errors = [linear.error(Situation.of(scene(**skin)))[0] for skin in skins]
+    assert errors[1] == pytest.approx(stated_errors.SOFT_SKIN * errors[0], rel=1e-6)
