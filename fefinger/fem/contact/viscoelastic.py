@@ -105,14 +105,19 @@ def depth_at(
     force: float,
     guess: float,
     peak: float,
+    closing: Array | None = None,
 ) -> tuple[float, Array, int]:
     """Solve for depth and pressure at a force in mN; also return the number of contact solutions.
+
+    The gaps `free` (n,) mm³ are those at a depth of 0 without pressure; they close by `closing`
+    (n,) mm² per mm of depth, by default `projected`.
 
     The force is a rising, piecewise linear function of the depth: Newton's method, kept inside a
     bracket that starts at the last depth without contact. `peak` in mN is the largest force of the
     path, which scales the tolerance of small forces.
     """
-    first_touch = float(np.min(free / projected))
+    closing = projected if closing is None else closing
+    first_touch = float(np.min(free / closing))
     if force <= 0:
         return first_touch, np.zeros(len(free)), 0
     close = FORCE_MATCH * max(force, SMALL_FORCE * peak)
@@ -120,12 +125,12 @@ def depth_at(
     # A little beyond first touch, where there is a contact whose slope Newton can follow.
     depth = max(guess, first_touch + 1e-6 * (1.0 + abs(first_touch)))
     for count in range(1, CORRECTIONS + 1):
-        pressure = g * solver.solve(free - depth * projected)
+        pressure = g * solver.solve(free - depth * closing)
         excess = float(projected @ pressure) - force
         if abs(excess) <= close:
             return depth, pressure, count
         low, high = (depth, high) if excess < 0 else (low, depth)
-        slope = g * float(projected @ solver.on_active(projected))
+        slope = g * float(projected @ solver.on_active(closing))
         depth = depth - excess / slope if slope > 0 else 2 * depth - first_touch
         if not low < depth < high:
             depth = (low + high) / 2 if np.isfinite(high) else low + 2 * (low - first_touch)

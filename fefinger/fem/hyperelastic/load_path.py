@@ -153,6 +153,8 @@ class _PathSolver:
     peak: float
     state: State
     previous: State
+    value: float = 0.0
+    previous_value: float = 0.0
     steps: int = 0
 
     def advance(self, start: float, stop: float, splits: int) -> None:
@@ -171,13 +173,14 @@ class _PathSolver:
             return
         self.stress.advance(stop - start, state.values)
         self.previous, self.state = self.state, state
+        self.previous_value, self.value = self.value, value
         self.steps += 1
 
     def _guess(self, value: float) -> State:
-        """Extrapolate the last two states linearly to a new depth; keep the last under force."""
-        last = self.state.depth - self.previous.depth
-        if self.path.control != "depth" or last == 0:
+        """Extrapolate the last two states linearly to a new depth or force."""
+        last = self.value - self.previous_value
+        if last == 0:
             return self.state
-        ratio = float(np.clip((value - self.state.depth) / last, -FARTHEST, FARTHEST))
-        values = self.state.values + ratio * (self.state.values - self.previous.values)
-        return replace(self.state, values=values)
+        ratio = float(np.clip((value - self.value) / last, -FARTHEST, FARTHEST))
+        guess = self.previous.toward(self.state, 1.0 + ratio)
+        return replace(guess, pressure=self.state.pressure)

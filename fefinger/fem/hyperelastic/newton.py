@@ -37,8 +37,8 @@ ITERATIONS = 120
 PATIENCE = 25  # iterations of one step before its factor is renewed
 STALLED = 5  # iterations without a smaller error before it is renewed sooner
 STUCK = 2 * PATIENCE  # iterations without a smaller error before the step is given up
-FEW = 5  # iterations of a step with a good factor
-RENEWAL = 20  # sum over steps of (iterations beyond FEW)² that justifies a new factor
+FEW = 4  # iterations of a step with a good factor
+RENEWAL = 8  # sum over steps of (iterations beyond FEW)² that justifies a new factor
 SEARCH = 8  # factors of one step under depth control; beyond, blended tangents cost less
 SOON = 3  # iterations with a factor before the fold stiffness may renew it
 # Change of the fold stiffness that a factor tolerates, in shear modulus / facet size. A larger one
@@ -262,10 +262,10 @@ class Equilibrium:
         """
         body, gain = self.body, float(target.history.gains.mean())
         pressed = iterate.state.pressure > 0
-        matrix = body.tangent(iterate.state.values, target.history, whole=whole)
-        matrix, support = matrix + iterate.gap.stiffness(), 0.0
+        contact, support = iterate.gap.stiffness(), 0.0
         if whole:
-            matrix += iterate.gap.spreading_stiffness()
+            contact += iterate.gap.spreading_stiffness()
+        matrix = body.tangent(iterate.state.values, target.history, whole=whole) + contact
         if not (whole and target.control == "depth"):
             renewed = self._rough(matrix)
         else:
@@ -278,15 +278,21 @@ class Equilibrium:
                     break
                 self._support += 1
         supports = np.where(pressed, support, 0.0)
-        self._factored = self._contacting(renewed, iterate.gap, target, supports)
+        self._factored = self._contacting(renewed, iterate.gap, target, supports, contact)
         self._excess = 0
 
     def _contacting(
-        self, renewed: ApproximateFactor, gap: DeformedGap, target: Target, support: Array
+        self,
+        renewed: ApproximateFactor,
+        gap: DeformedGap,
+        target: Target,
+        support: Array,
+        stiffness: sparse.csr_matrix,
     ) -> FactoredTangent:
         """Return the factor of a tangent with the contact of the gaps and the friction of a target.
 
-        support (n,) kPa/mm: what was added to the tangent under the candidates.
+        support (n,) kPa/mm: what was added to the tangent under the candidates; stiffness
+        (n_unknowns, n_unknowns): the part of the tangent that the contact has.
         """
         gain = float(target.history.gains.mean())
         factored = FactoredTangent(
@@ -294,6 +300,10 @@ class Equilibrium:
         )
         if target.drag.any():
             factored.pull(gap, target.drag)
+        if target.control == "force":  # else the obstacle stays where it is
+            rigid = np.zeros(self.body.space.n_unknowns)
+            rigid[: self.body.space.n_displacements].reshape(-1, 3)[:] = self.contact.obstacle.axis
+            factored.follow(stiffness @ rigid)
         return factored
 
     def _blend(self, iterate: "_Iterate", target: Target, share: float) -> float:
@@ -313,14 +323,18 @@ class Equilibrium:
         values = iterate.state.values
         definite = body.tangent(values, target.history, whole=False)
         difference = body.tangent(values, target.history) - definite
-        difference += iterate.gap.spreading_stiffness()
-        fixed = definite + iterate.gap.stiffness()
+        bends, spreads = iterate.gap.stiffness(), iterate.gap.spreading_stiffness()
+        difference += spreads
+        fixed = definite + bends
         unit = gain * body.scale / float(np.sqrt(projected.sum()))
         leans = (iterate.state.pressure > 0) & (target.control == "depth")
         support = np.where(leans, SUPPORTS[-1] * unit, 0.0)
         while True:
             renewed = self._rough(fixed + (1 - share) * difference)
-            factored = self._contacting(renewed, iterate.gap, target, np.zeros(len(projected)))
+            contact = bends + (1 - share) * spreads
+            factored = self._contacting(
+                renewed, iterate.gap, target, np.zeros(len(projected)), contact
+            )
             negative = renewed.negative - factored.add_support(support, projected)
             self._factored = factored
             if share >= 1 or negative <= self._pressures:
@@ -351,24 +365,36 @@ class Equilibrium:
         support = factored.support * (state.pressure > 0) / softer
         force = iterate.pulled @ state.pressure - loads @ (support * apart) - iterate.inner
         alone = softer * factored.solve(force)
-        free = gaps + state.depth * projected + loads.T @ alone
+        following, closing = factored.travel(loads, projected)
+        free = gaps + state.depth * closing + loads.T @ alone
         while True:
             solver = factored.contact(near)
             pressure, depth = np.zeros(len(projected)), state.depth
             clear = free[near] - softer * (solver.flexibility @ state.pressure[near])
             if target.control == "depth":
-                pressure[near] = solver.solve(clear - depth * projected[near]) / softer
+                pressure[near] = solver.solve(clear - depth * closing[near]) / softer
             else:
                 depth, pressure[near], _ = depth_at(
-                    solver, 1 / softer, clear, projected[near], target.value, depth, target.peak
+                    solver,
+                    1 / softer,
+                    clear,
+                    projected[near],
+                    target.value,
+                    depth,
+                    target.peak,
+                    closing[near],
                 )
             change = alone + factored.moved(softer * (pressure - state.pressure))
+            change += (depth - state.depth) * following
             predicted = gaps + (state.depth - depth) * projected + loads.T @ change
             penetrating = ~near & (predicted < 0)
             if not penetrating.any():
                 break
             near = near | penetrating
-        return State(mixing.next(state.values, change), pressure, depth)
+        # With the depth, of which `change` is a function under force control.
+        point, moved = np.append(state.values, state.depth), np.append(change, depth - state.depth)
+        mixed = mixing.next(point, moved)
+        return State(mixed[:-1], pressure, float(mixed[-1]))
 
     def _not_converged(self, error: float, count: int) -> ConvergenceError:
         message = (

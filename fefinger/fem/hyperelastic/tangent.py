@@ -1,6 +1,7 @@
 """Factored tangent of a body, and the flexibility of its contact candidates."""
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.fem.contact.complementarity import Complementarity
@@ -19,6 +20,8 @@ class FactoredTangent:
     stiffness added under the candidates; fold_stiffness (n_candidates,) kPa/mm: that of the
     contact law against folds (see `deformed_gap`). column_of (n_candidates,): the number of a
     candidate's column of Z, -1 until it is needed.
+
+    following (n_unknowns,): displacement per mm of travel that the contact stiffness in K0 causes.
     """
 
     def __init__(
@@ -33,8 +36,30 @@ class FactoredTangent:
         self.approximate_factor, self.free, self.gain = approximate_factor, free, gain
         self.drag = np.zeros(3)
         self.support, self.fold_stiffness = support, fold_stiffness
+        self.following = np.zeros(loads.shape[0])
         self._take(loads, loads)
         self._woodbury: tuple[sparse.csc_matrix, Array, Array] | None = None
+
+    def follow(self, pull: Array) -> None:
+        """Take the load `pull` (n_unknowns,) mN/mm of a contact stiffness that travels.
+
+        A contact stiffness C in K0 resists motion against the obstacle, not motion with it: over a
+        travel dd its force is C (v - dd e), e being the rigid motion of the obstacle. `pull` is
+        C e.
+        """
+        self.following = self.solve(pull)
+
+    def travel(self, loads: sparse.csc_matrix, projected: Array) -> tuple[Array, Array]:
+        """Return displacement (n,) and closing of the gaps (n_candidates,) mm² per mm of travel.
+
+        Facets that spread on the way are left out: 5 to 24 % of the depth of an incompressible cube
+        squeezed by 5 to 20 %, 1 % of that of a finger. Where the body would be unstable without the
+        obstacle, and gaps open by it, nothing follows.
+        """
+        closing = projected - loads.T @ self.following
+        if (closing > 0).all():
+            return self.following, closing
+        return np.zeros_like(self.following), projected
 
     def pull(self, gap: DeformedGap, drag: Array) -> None:
         """Take loads at the present gaps, with friction of the vector `drag` (3,).
@@ -46,7 +71,8 @@ class FactoredTangent:
 
     def _take(self, loads: sparse.csc_matrix, pulled: sparse.csc_matrix) -> None:
         self.loads, self.pulled = loads, pulled
-        self._surface = np.unique(loads.indices)
+        self._surface = np.unique(loads.indices)  # all else is not loaded
+        self._surface_loads = loads[self._surface]
         self.column_of = np.full(loads.shape[1], -1, dtype=np.int64)
         self.columns = np.empty((0, loads.shape[0]), dtype=np.float32)
         self.flexibility = np.empty((0, 0))
@@ -99,9 +125,7 @@ class FactoredTangent:
             self.column_of[new] = len(self.columns) + np.arange(len(new))
             added = self.solve(self.pulled[:, new].toarray()).T.astype(np.float32)
             self.columns = np.concatenate([self.columns, added])
-            order = np.argsort(self.column_of)[-len(self.columns) :]
-            surface = self._surface  # all else is not loaded
-            self.flexibility = self.loads[surface][:, order].T @ self.columns[:, surface].T
+            self.flexibility = self._bordered(added, new)
         where = self.column_of[near]
         flexibility = self.flexibility[np.ix_(where, where)].astype(np.float64)
         symmetric = not self.drag.any()
@@ -110,6 +134,20 @@ class FactoredTangent:
         self._near = near
         self._solver = Complementarity(flexibility, any_sign=True, symmetric=symmetric)
         return self._solver
+
+    def _bordered(self, added: NDArray[np.float32], new: Integers) -> Array:
+        """Return the flexibility with `added` columns (n, n_unknowns) of the candidates `new`.
+
+        Only rows and columns of the new candidates are computed.
+        """
+        surface, loads = self._surface, self._surface_loads
+        order = np.argsort(self.column_of)[-len(self.columns) :]
+        known = len(order) - len(new)
+        whole = np.empty((len(order), len(order)))
+        whole[:known, :known] = self.flexibility
+        whole[:, known:] = loads[:, order].T @ added[:, surface].T
+        whole[known:, :known] = loads[:, new].T @ self.columns[:known, surface].T
+        return whole
 
     def moved(self, pressure: Array) -> Array:
         """Displacement Z dp (n_unknowns,) under a change of pressure (n_candidates,)."""

@@ -263,6 +263,22 @@ def test_a_held_force_creeps_to_the_depth_of_the_relaxed_cube():
     assert depths[-1] == pytest.approx(0.2, rel=1e-3)
 
 
+@pytest.mark.parametrize("poisson", [0.3, 0.45])
+def test_one_iteration_with_a_fresh_tangent_finds_the_depth_of_a_slightly_larger_force(
+    poisson: float,
+):
+    # The stiffness of the contact travels with the plate: it does not resist the travel itself.
+    force, _, state = squeezed(neo_hookean(Elastic(40.0, poisson)), [0.15, 0.3])
+    pressed = cube(neo_hookean(Elastic(40.0, poisson)))
+    solver = pressed.equilibrium
+    more = Target("force", 1.0001 * force, pressed.body.at_rest, force)
+    iterate = solver._evaluate(state, more)
+    solver._renew(iterate, more)
+    first = solver._step(iterate, more, Anderson(1))
+    exact = solver.find(state, more)
+    assert first.depth - state.depth == pytest.approx(exact.depth - state.depth, rel=1e-3)
+
+
 def test_an_iteration_that_runs_away_is_told_as_one_so_that_its_step_is_split():
     """It left as an error of the linear algebra, which no step control catches."""
     mixing = Anderson(3)
