@@ -69,7 +69,8 @@ def test_the_whole_contact_slips_from_when_no_vertex_sticks_at_small_strain():
     assert since[1] == pytest.approx(since[0], abs=3 * np.diff(small.time).max())
 
 
-def test_the_bone_bears_pressure_and_friction_and_their_moment():
+def test_the_bone_bears_pressure_and_friction_and_their_moment(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(finite_strain, "PRESS_EQUILIBRIUM", EQUILIBRIUM)
     stages = Stages(None)
     press = Press.of(scene(), finite_strain.FINITE_STRAIN, stages, mechanics="solid", notes=())
     history = finite_strain.solve(press, stages)
