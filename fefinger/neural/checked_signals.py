@@ -29,33 +29,28 @@ def checked_signals(
     """Check the signals; return time (n_t,) in s and x_in = drive * length (n_t, n_units) in mm."""
     time, drive = np.asarray(time, float), np.asarray(drive, float)
     if time.ndim != 1 or len(time) < 2 or drive.shape != (len(time), n_units):
-        msg = (
+        raise InputError(
             f"time, drive: expected (n_t,) and (n_t, {n_units}) for {n_units} units with two "
             f"samples or more, received {time.shape} and {drive.shape}"
         )
-        raise InputError(msg)
     mm = np.asarray(lengths, float)
     if mm.shape not in ((), (n_units,)):
-        msg = f"lengths: expected one number or {n_units} in mm, received {mm.shape}"
-        raise InputError(msg)
+        raise InputError(f"lengths: expected one number or {n_units} in mm, received {mm.shape}")
     x_in = drive * mm
     if not (np.isfinite(time).all() and np.isfinite(x_in).all()) or np.any(np.diff(time) < 0):
-        msg = "time, drive: expected finite values and times in s that never decrease"
-        raise InputError(msg)
+        raise InputError("time, drive: expected finite values and times in s that never decrease")
     if time[-1] - time[0] > LONGEST_RUN:
-        msg = (
+        raise InputError(
             f"time: expected at most {LONGEST_RUN:g} s in one run, received "
             f"{time[-1] - time[0]:g} s; are the times in another unit?"
         )
-        raise InputError(msg)
     return time, x_in
 
 
 def checked_types(types: Sequence[str]) -> tuple[str, ...]:
     """Check that there are afferent types and that all are in TYPES."""
     if not len(types):
-        msg = "types: expected one afferent unit or more, received none"
-        raise InputError(msg)
+        raise InputError("types: expected one afferent unit or more, received none")
     return tuple(choice("types", kind, TYPES) for kind in types)
 
 
@@ -64,11 +59,10 @@ def organ_columns(unit: ArrayLike, n_units: int) -> tuple[NDArray[np.intp], ...]
     unit = np.asarray(unit)
     whole = unit.ndim == 1 and (np.issubdtype(unit.dtype, np.integer) or not unit.size)
     if not n_units or not whole or not np.array_equal(np.unique(unit), np.arange(n_units)):
-        msg = (
+        raise InputError(
             f"unit: expected the index of the unit for each end organ, with one or more for "
             f"each of {n_units} units; received {np.unique(unit).tolist()}"
         )
-        raise InputError(msg)
     order = np.argsort(unit, kind="stable")
     return tuple(np.split(order, np.searchsorted(unit[order], np.arange(1, n_units))))
 

@@ -95,14 +95,12 @@ def driven_displacements(
     strain, normals = np.asarray(strain, float), np.asarray(normals, float)
     n = len(types)
     if strain.ndim != 4 or strain.shape[1:] != (n, 3, 3) or normals.shape != (n, 3):
-        msg = (
+        raise InputError(
             f"strain, normals: expected (n_t, {n}, 3, 3) and ({n}, 3) for {n} sites, received "
             f"{strain.shape} and {normals.shape}"
         )
-        raise InputError(msg)
     if not np.isfinite(strain).all():
-        msg = "strain: expected finite values"
-        raise InputError(msg)
+        raise InputError("strain: expected finite values")
     x_in = np.empty(strain.shape[:2])
     for kind in dict.fromkeys(types):
         of_kind = np.array([other == kind for other in types])

@@ -57,12 +57,11 @@ class PoleZero:
         poles = np.sort(self.poles)
         distinct = bool((np.diff(poles) > _APART * poles[1:]).all())
         if len(self.zeros) != len(self.poles) or not (finite and distinct and all(self.poles)):
-            msg = (
+            raise InputError(
                 "end organ: expected as many zeros as poles, zeros of 0 Hz or more and poles "
                 f"above 0 Hz that differ by {_APART:g} of themselves, received zeros {self.zeros} "
                 f"and poles {self.poles} Hz"
             )
-            raise InputError(msg)
 
     def frequency_response(self, frequency: ArrayLike) -> NDArray[np.complex128]:
         """Return X_out / X_in at frequencies in Hz, of any shape."""

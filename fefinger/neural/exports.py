@@ -282,8 +282,7 @@ def _in_place(path: str | PathLike[str]) -> Iterator[Path]:
     """Yield a temporary name next to `path`; move the file to `path` after the enclosed block."""
     path = Path(path)
     if not path.parent.is_dir():
-        msg = f"{path}: expected a folder that exists, received {str(path.parent)!r}"
-        raise InputError(msg)
+        raise InputError(f"{path}: expected a folder that exists, received {str(path.parent)!r}")
     try:
         with moved(path) as new:
             yield new

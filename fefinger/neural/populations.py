@@ -42,11 +42,10 @@ class Surface:
         n = len(self.points)
         shapes = (np.shape(self.points), np.shape(self.normals), np.shape(self.areas))
         if n < NEIGHBORS or shapes != ((n, 3), (n, 3), (n,)):
-            msg = (
+            raise InputError(
                 f"surface: expected {NEIGHBORS} points or more with normals, (n, 3), and areas, "
                 f"(n,); received {shapes}"
             )
-            raise InputError(msg)
         unit = np.abs(np.linalg.norm(self.normals, axis=1) - 1.0).max() < 1e-6
         finite = np.isfinite(self.points).all() and np.isfinite(self.areas).all()
         if not (unit and finite and np.all(self.areas >= 0.0) and self.areas.sum() > 0.0):
@@ -147,11 +146,10 @@ def scatter(
         density = number(f"densities.{kind}", density, above=0.0, unit="per cm²")
         count = round(density * area)
         if count == 0:
-            msg = (
+            raise InputError(
                 f"densities.{kind}: {density:g} per cm² leaves no unit on {area:.3g} cm² of skin; "
                 "raise the density or the radius, or give the place of one"
             )
-            raise InputError(msg)
         rng = np.random.default_rng([_seed(seed), TYPES.index(kind)])
         across = np.tile(np.asarray(normal, float), (count, 1))
         places.append(_disc(rng, across, np.full(count, float(radius))))
@@ -216,8 +214,7 @@ def line(surface: Surface, start: ArrayLike, stop: ArrayLike, count: int) -> Arr
     start, stop: (2,) mm. InputError where a point of the line is off the skin.
     """
     if count < 2:
-        msg = f"count: expected 2 or more places on a line, received {count}"
-        raise InputError(msg)
+        raise InputError(f"count: expected 2 or more places on a line, received {count}")
     places = np.linspace(np.asarray(start, float), np.asarray(stop, float), count)
     return over(surface, places, "start, stop", "bring the ends of the line closer")
 
@@ -273,8 +270,7 @@ def populate(
     centers, normals = _centers(surface, types, places)
     missing = sorted(set(types) - set(depths))
     if missing:
-        msg = f"depths: expected one for each type, {', '.join(missing)} is missing"
-        raise InputError(msg)
+        raise InputError(f"depths: expected one for each type, {', '.join(missing)} is missing")
     streams = np.asarray(np.arange(len(types)) if numbers is None else numbers, np.int64)
     skin, skin_normals, unit = [], [], []
     for i, kind in enumerate(types):
@@ -307,19 +303,17 @@ def _centers(surface: Surface, types: tuple[str, ...], places: ArrayLike) -> tup
     """Project the places of units onto the skin: points and normals; InputError beside it."""
     wanted = np.asarray(places, float)
     if not types or wanted.shape != (len(types), 3) or not np.isfinite(wanted).all():
-        msg = (
+        raise InputError(
             f"places: expected finite (n, 3) mm for {len(types)} units, one or more, received "
             f"{wanted.shape}"
         )
-        raise InputError(msg)
     centers, normals, on = surface.project(wanted)
     if not on.all():
         first = np.flatnonzero(~on)[0]
-        msg = (
+        raise InputError(
             f"places: {np.count_nonzero(~on)} of {len(on)} lie beside the skin, the first is "
             f"{types[first]} at {np.round(wanted[first], 3).tolist()} mm"
         )
-        raise InputError(msg)
     return centers, normals
 
 
@@ -350,11 +344,10 @@ def _spread(
         points, normals = np.concatenate([points, drawn[on]]), np.concatenate([normals, upward[on]])
         if len(points) == count:
             return points, normals
-    msg = (
+    raise InputError(
         f"fields.{kind}: the skin is too small for {count} end organs within {diameter:g} mm; "
         "narrow the field"
     )
-    raise InputError(msg)
 
 
 def _disc(rng: np.random.Generator, normals: Array, radius: Array) -> Array:

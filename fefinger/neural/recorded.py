@@ -114,8 +114,7 @@ class Recorded:
             )
             object.__setattr__(self, name, value)
         if self.order not in (1.0, 2.0):
-            msg = f"order: expected 1 or 2, received {self.order:g}"
-            raise InputError(msg)
+            raise InputError(f"order: expected 1 or 2, received {self.order:g}")
 
     @classmethod
     def of(cls, table: dict[str, Any]) -> Self:
@@ -123,8 +122,7 @@ class Recorded:
         names = [field.name for field in fields(cls)]
         reject_unknown("recorded", table, names)
         if missing := [name for name in names if name not in table]:
-            msg = f"recorded: expected every parameter, {', '.join(missing)} missing"
-            raise InputError(msg)
+            raise InputError(f"recorded: expected every parameter, {', '.join(missing)} missing")
         return cls(**table)
 
     def frequency_response(self, frequency: Array) -> NDArray[np.complex128]:
@@ -136,8 +134,7 @@ class Recorded:
         """Rate in Hz in a constant current over threshold: no noise, adaptation complete."""
         left = current * (1.0 - self.adapting)
         if self.recovery:
-            msg = "rate: expected a unit without recovery, which has no closed form"
-            raise InputError(msg)
+            raise InputError("rate: expected a unit without recovery, which has no closed form")
         if left <= 1.0:
             return 0.0
         return 1.0 / (self.refractory - self.membrane * math.log1p(-1.0 / left))

@@ -145,11 +145,10 @@ def _units(
     if variation is None:
         return units_of(chosen)
     if variation.numbers is not None and len(variation.numbers) != len(types):
-        msg = (
+        raise InputError(
             f"numbers: expected one for each of {len(types)} units, received "
             f"{len(variation.numbers)}"
         )
-        raise InputError(msg)
     noise = variation.noise
     return units_of(
         chosen,

@@ -65,11 +65,10 @@ class RecordedAfferents:
             raise InputError(message)
         normals = np.asarray(normals, float)
         if normals.shape != (len(owner), 3):
-            message = (
+            raise InputError(
                 f"normals: expected ({len(owner)}, 3) for {len(owner)} end organs, received "
                 f"{normals.shape}"
             )
-            raise InputError(message)
         by_type = {**fitted(), **(parameters or {})}
         chosen = [by_type[kind] for kind in self.types]
         self.units: Units = units_of(
@@ -130,11 +129,10 @@ class RecordedAfferents:
             )
         )
         if fired == compiled.REFUSED:
-            message = (
+            raise InputError(
                 f"strain: expected finite numbers up to {LARGEST_STRAIN:g}, received "
                 f"{np.abs(strain).max():g}; the state of the units is unchanged"
             )
-            raise InputError(message)
         self._clock += dt
         if self._counts.max() > ROOM:
             message = f"dt: expected steps with at most {ROOM} spikes of a unit, received {dt:g} s"
@@ -150,9 +148,8 @@ class RecordedAfferents:
 def _code(unit: Recorded) -> int:
     """Index of the drive of a unit in STREAMED; InputError for one without a compiled form."""
     if unit.drive not in STREAMED:
-        message = (
+        raise InputError(
             f"drive: expected one of {', '.join(STREAMED)} for stepped units, received "
             f"{unit.drive!r}; use neural.recorded_simulation on the whole strain"
         )
-        raise InputError(message)
     return STREAMED.index(unit.drive)

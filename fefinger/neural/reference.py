@@ -57,27 +57,24 @@ class Reference:
         number("reference.depth", self.depth, above=0.0, unit="mm")
         n, strain, normals = len(self.types), np.shape(self.strain), np.shape(self.normals)
         if strain != (n, 3, 3) or normals != (n, 3):
-            msg = (
+            raise InputError(
                 f"reference.strain, reference.normals: expected ({n}, 3, 3) and ({n}, 3) for {n} "
                 f"types, received {strain} and {normals}"
             )
-            raise InputError(msg)
 
     def _length(self, kind: str, drive: str) -> float:
         """Skin displacement in mm per unit of drive of one type."""
         if kind not in self.types:
-            msg = f"reference.types: expected every type in use, {kind} is missing"
-            raise InputError(msg)
+            raise InputError(f"reference.types: expected every type in use, {kind} is missing")
         i = self.types.index(kind)
         value = float(DRIVE_BY_NAME[drive](self.strain[i : i + 1], self.normals[i : i + 1])[0])
         norm = float(np.linalg.norm(self.strain[i]))
         if not value > SMALLEST_DRIVE * norm:
-            msg = (
+            raise InputError(
                 f"drives.{kind}: the drive {drive!r} is {value:.3g} at the site of {kind} in the "
                 f"reference press of {self.depth:g} mm, against a strain of {norm:.3g}; expected "
                 "it clearly above zero; choose another drive or another depth of the site"
             )
-            raise InputError(msg)
         return self.depth / value
 
 

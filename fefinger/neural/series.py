@@ -81,23 +81,20 @@ def read(path: str | PathLike[str]) -> Signals:
     table = read_table(str(path), path)
     header = table.header
     if len(table.rows) < 2:
-        msg = f"{path}: expected two rows of numbers or more, received one"
-        raise InputError(msg)
+        raise InputError(f"{path}: expected two rows of numbers or more, received one")
     at = [i for i, name in enumerate(header) if name in TIME]
     if len(at) != 1:
         msg = f"{path}: expected one column named {', '.join(TIME)}, received {', '.join(header)}"
         raise InputError(msg)
     if twice := repeated(header):
         names = ", ".join(map(repr, twice))
-        msg = (
+        raise InputError(
             f"{path}: expected a different name for each column, received {names} more than once; "
             "rename the columns, as in left_displacement_mm"
         )
-        raise InputError(msg)
     columns = [i for i in range(len(header)) if i != at[0]]
     if not columns:
-        msg = f"{path}: expected a column of a signal beside the time, received none"
-        raise InputError(msg)
+        raise InputError(f"{path}: expected a column of a signal beside the time, received none")
     lengths = tuple(_length(path, header[i]) for i in columns)
     values = table.numbers(range(len(header)))
     signals = Signals(
@@ -226,11 +223,10 @@ def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[st
     for i, header in enumerate(signals.headers):
         prefix = header.partition("_")[0]
         if prefix not in TYPES and re.fullmatch("[sf]a[a-z0-9]{0,2}", prefix.lower()):
-            msg = (
+            raise InputError(
                 f"column {header!r}: its name begins like that of an afferent type, but is none of "
                 f"{', '.join(TYPES)}.{nearest(prefix.upper(), TYPES)} Rename the column"
             )
-            raise InputError(msg)
         driven = (prefix,) if prefix in TYPES else types
         columns += [i] * len(driven)
         kinds += driven
@@ -263,27 +259,24 @@ def _check(table: CsvTable, signals: Signals) -> None:
     back = np.flatnonzero(np.diff(signals.time) < 0)
     if len(back):
         i = int(back[0])
-        msg = (
+        raise InputError(
             f"{table.source}: line {table.rows[i + 1][0]}: expected times that never decrease, "
             f"received {signals.time[i + 1]:g} s after {signals.time[i]:g} s; sort the rows"
         )
-        raise InputError(msg)
     if not signals.time[-1] > signals.time[0]:
-        msg = (
+        raise InputError(
             f"{table.source}: expected times that span more than 0 s, all are {signals.time[0]:g} s"
         )
-        raise InputError(msg)
     for header, column, length in zip(
         signals.headers, signals.drive.T, signals.lengths, strict=True
     ):
         largest = float(np.abs(column).max()) * (length or 1.0)
         limit, unit = (LARGEST_STRAIN, "") if length is None else (LARGEST_MM, " mm")
         if largest > limit:
-            msg = (
+            raise InputError(
                 f"{table.source}: column {header}: expected at most {limit:g}{unit}, received "
                 f"{largest:g}{unit}; check the unit, and that the signal is zero before the touch"
             )
-            raise InputError(msg)
 
 
 def _mm(signals: Signals, column: int, length: float | None) -> float:
@@ -292,12 +285,11 @@ def _mm(signals: Signals, column: int, length: float | None) -> float:
     if unit_length is not None:
         return unit_length
     if length is None:
-        msg = (
+        raise InputError(
             f"--length: column {signals.headers[column]!r} is a strain; expected the skin "
             "displacement in mm per strain of 1 (the depth of a small flat press over the strain "
             "that it causes at the end organ, 2 mm for 0.2 mm and 0.1), received none"
         )
-        raise InputError(msg)
     return length
 
 
@@ -368,10 +360,9 @@ def _check_sampling(signals: Signals, column: int, kind: str, length: float, pol
         apart = np.diff(signals.time)
         limit = SLOW_JUMP * float(np.abs(np.diff(x)[apart > 0] / apart[apart > 0]).max())
     if jump > limit:
-        msg = (
+        raise InputError(
             f"column {signals.headers[column]!r}: samples more than {1e3 * step:g} ms apart are "
             f"too coarse for {kind}, whose fastest pole is at {pole:g} Hz: the velocity jumps by "
             f"{jump:.3g} mm/s there; sample it more finely, leave {kind} out with --type, or give "
             "--corners if straight lines between the samples are exact"
         )
-        raise InputError(msg)

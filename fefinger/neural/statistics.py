@@ -39,11 +39,9 @@ def psth(trials: Sequence[ArrayLike], edges: ArrayLike) -> Array:
     """
     edges = np.asarray(edges, float)
     if edges.ndim != 1 or len(edges) < 2 or not np.all(np.diff(edges) > 0):
-        msg = f"edges: expected two times in s or more that increase, received {edges}"
-        raise InputError(msg)
+        raise InputError(f"edges: expected two times in s or more that increase, received {edges}")
     if len(trials) == 0:
-        msg = "trials: expected one spike train or more, received none"
-        raise InputError(msg)
+        raise InputError("trials: expected one spike train or more, received none")
     counts = np.histogram(np.concatenate([_ascending(t) for t in trials]), edges)[0]
     return np.asarray(counts / (len(trials) * np.diff(edges)), np.float64)
 
@@ -127,6 +125,5 @@ def _ascending(times: ArrayLike) -> Array:
     """Check that spike times ascend and convert them to an array."""
     array = np.asarray(times, float)
     if array.ndim != 1 or not np.isfinite(array).all() or np.any(np.diff(array) < 0):
-        msg = "times: expected finite spike times in s that ascend"
-        raise InputError(msg)
+        raise InputError("times: expected finite spike times in s that ascend")
     return array

@@ -125,8 +125,7 @@ class Afferents:
         n = len(self.types)
         normals = np.asarray(normals, float)
         if normals.shape != (n, 3):
-            message = f"normals: expected ({n}, 3) for {n} units, received {normals.shape}"
-            raise InputError(message)
+            raise InputError(f"normals: expected ({n}, 3) for {n} units, received {normals.shape}")
         self.membranes = _stepped(membrane or IntegrateAndFire(), n, method, dt)
         organs = {kind: END_ORGANS[kind].partial_fractions() for kind in set(self.types)}
         share, pole = np.zeros((n, 2)), np.ones((n, 2))
@@ -192,11 +191,10 @@ class Afferents:
         if getattr(strain, "shape", None) != self._shape:
             raise InputError(unfit_strain(strain, self._shape))
         if not compiled.currents(self.state, strain, 1e3 * dt):
-            message = (
+            raise InputError(
                 f"strain: expected finite numbers up to {compiled.LARGEST_STRAIN:g}, received "
                 f"{np.abs(strain).max():g}; the state of the units is unchanged"
             )
-            raise InputError(message)
         fired = self.membranes.step(self.state, 1e3 * dt)
         if fired < 0:
             message = f"dt: expected steps with at most {ROOM} spikes of a unit, received {dt:g} s"
@@ -216,11 +214,10 @@ def _stepped(membrane: object, n: int, method: str, dt: float | None) -> Stepped
         return _Leaky(membrane, n)
     if isinstance(membrane, HodgkinHuxley):
         return _Axons(membrane, n, method, dt)
-    message = (
+    raise InputError(
         "membrane: expected IntegrateAndFire or HodgkinHuxley for stepped units, received "
         f"{type(membrane).__name__}; use neural.units on the whole strain"
     )
-    raise InputError(message)
 
 
 def unfit_strain(strain: object, shape: tuple[int, int]) -> str:
@@ -243,17 +240,15 @@ def _length(kind: str, lengths: Mapping[str, float]) -> float:
 def _whole(substeps: int) -> int:
     """Check the number of substeps."""
     if isinstance(substeps, bool) or not isinstance(substeps, int) or substeps < 1:
-        message = f"substeps: expected a whole number of 1 or more, received {substeps!r}"
-        raise InputError(message)
+        raise InputError(f"substeps: expected a whole number of 1 or more, received {substeps!r}")
     return substeps
 
 
 def _code(kind: str, drive: str) -> int:
     """Index of a drive in STREAMED; InputError for one without a compiled form."""
     if drive not in STREAMED:
-        message = (
+        raise InputError(
             f"drives.{kind}: expected one of {', '.join(STREAMED)} for stepped units, "
             f"received {drive!r}; use neural.units on the whole strain"
         )
-        raise InputError(message)
     return STREAMED.index(drive)

@@ -71,8 +71,7 @@ class TrainRecord:
         counts |= {field: np.shape(getattr(self, field))[-1] for field in ("x_in", "current")}
         for field, count in counts.items():
             if count != n:
-                msg = f"{field}: expected one for each of {n} names, received {count}"
-                raise InputError(msg)
+                raise InputError(f"{field}: expected one for each of {n} names, received {count}")
 
     def __len__(self) -> int:
         """Return the number of units."""
@@ -82,8 +81,7 @@ class TrainRecord:
         """Index of a unit given by index or name; KeyError lists the names if it is unknown."""
         if isinstance(unit, str):
             if unit not in self.names:
-                msg = f"no unit {unit!r} among {', '.join(self.names)}"
-                raise KeyError(msg)
+                raise KeyError(f"no unit {unit!r} among {', '.join(self.names)}")
             return self.names.index(unit)
         return range(len(self))[unit]
 

@@ -36,8 +36,7 @@ class SpikeTrains(TrainRecord):
         try:
             return cls(**fields)
         except InputError as error:
-            msg = f"{path}: {error}"
-            raise InputError(msg) from error
+            raise InputError(f"{path}: {error}") from error
 
     def to_pandas(self) -> "pd.DataFrame":
         """Convert to a table, one row per spike: unit, type, place and depth in mm, time in s."""

@@ -299,8 +299,7 @@ def _currents(setup: _Setup, time: Array, x_in: Array) -> Array:
 def _squid(membrane: object, what: str) -> HodgkinHuxley:
     """Check that a membrane is a HodgkinHuxley."""
     if not isinstance(membrane, HodgkinHuxley):
-        msg = f"{what} a HodgkinHuxley membrane, received {type(membrane).__name__}"
-        raise InputError(msg)
+        raise InputError(f"{what} a HodgkinHuxley membrane, received {type(membrane).__name__}")
     return membrane
 
 
@@ -363,11 +362,10 @@ def _race(
         spikes,
     )
     if count > len(spikes):
-        msg = (
+        raise InputError(
             f"current: drives the membrane {count} times through 40 mV, faster than any membrane "
             "can follow; lower the gain"
         )
-        raise InputError(msg)
     return Firing(
         times=(1e-3 * spikes[:count],),
         peak_mV=np.array([peak]),

@@ -33,8 +33,7 @@ class Variation:
     def __post_init__(self) -> None:
         """Check the seed and the sizes."""
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            msg = f"seed: expected a whole number of 0 or more, received {self.seed!r}"
-            raise InputError(msg)
+            raise InputError(f"seed: expected a whole number of 0 or more, received {self.seed!r}")
         if self.spread is not None:
             number("spread", self.spread, at_least=0.0, at_most=3.0)
         if self.noise is not None:

@@ -88,11 +88,10 @@ def _straight(time: Array, current: Array) -> list[tuple[float, float, float, fl
     bends = (np.abs(np.diff(slopes)) > _STRAIGHT * size) | (starts[1:] != ends[:-1])
     first = np.append(0, np.flatnonzero(bends) + 1)
     if len(first) >= MOST:
-        msg = (
+        raise InputError(
             f"current: expected fewer than {MOST} straight pieces for the adaptive method, "
             f"received {len(first)}; take fewer samples, 'runge-kutta', or a larger tolerance"
         )
-        raise InputError(msg)
     last = np.append(first[1:], len(pieces_at)) - 1
     spans = zip(
         time[pieces_at[first]], time[pieces_at[last] + 1], starts[first], ends[last], strict=True

@@ -58,21 +58,18 @@ def signals(time: ArrayLike, current: ArrayLike) -> tuple[Array, Array]:
     time, current = np.asarray(time, float), np.asarray(current, float)
     shaped = current.ndim in (1, 2) and current.shape[:1] == time.shape
     if not shaped or len(time) < 2 or current.size == 0:
-        msg = (
+        raise InputError(
             "time, current: expected (n_t,) and (n_t,) or (n_t, n_units) with two samples or more "
             f"and one unit or more, received {time.shape} and {current.shape}"
         )
-        raise InputError(msg)
     if not np.isfinite(time).all() or np.any(np.diff(time) < 0):
-        msg = "time: expected finite times in s that never decrease"
-        raise InputError(msg)
+        raise InputError("time: expected finite times in s that never decrease")
     largest = float(max(current.max(initial=0.0), -current.min(initial=0.0)))
     if not math.isfinite(largest) or largest > _LARGEST_INPUT:
-        msg = (
+        raise InputError(
             f"current: expected at most {_LARGEST_INPUT:g} uA/cm², received {largest:g}; "
             "lower the gain or use the saturating generator"
         )
-        raise InputError(msg)
     return 1e3 * time, current.reshape(len(time), -1)
 
 
@@ -123,12 +120,11 @@ def fired(run: Callable[[bool], Run], *, stimulus_driven: bool) -> Firing:
     times, rows = run(False)
     lost = np.flatnonzero(~np.isfinite(rows).all(axis=1))
     if len(lost):
-        msg = (
+        raise InputError(
             f"current: expected one that the membrane can follow, received one that drives unit "
             f"{lost[0]} of {len(rows)} out of the range of its rates; use smaller currents, "
             "especially below zero, or smaller jumps"
         )
-        raise InputError(msg)
     driven = [len(each) for each in run(True)[0]] if stimulus_driven else [0] * len(times)
     return Firing(
         times=tuple(1e-3 * each for each in times),
@@ -142,9 +138,8 @@ def fired(run: Callable[[bool], Run], *, stimulus_driven: bool) -> Firing:
 def trimmed(spikes: Array, counts: Integers) -> list[Array]:
     """Cut rows of spike times to their counts; InputError where a row was too short."""
     if counts.max(initial=0) > spikes.shape[1]:
-        msg = (
+        raise InputError(
             f"current: drives the membrane {counts.max()} times through 40 mV, faster than any "
             "membrane can follow; lower the gain"
         )
-        raise InputError(msg)
     return [row[:count].copy() for row, count in zip(spikes, counts, strict=True)]

@@ -152,10 +152,9 @@ class HodgkinHuxley:
         """
         if tolerance is not None:
             if dt is not None or method is not None:
-                msg = (
+                raise InputError(
                     "tolerance: expected a tolerance or method and dt, received both; leave one out"
                 )
-                raise InputError(msg)
             method, dt = self.integrator(tolerance, float(np.ptp(time)))
         method = choice("method", "runge-kutta" if method is None else method, METHODS)
         time_ms, columns = signals(time, current)
