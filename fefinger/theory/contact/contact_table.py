@@ -71,12 +71,6 @@ class Table:
         departure = np.exp(self._departure(self._rank(force, 1))[..., 1])
         return np.asarray(np.cbrt(force / (self._hertz * departure)) ** 2)
 
-    def at(self, depth: float) -> Contact:
-        """Return the contact at an approach of `depth` mm, above 0 to `deepest`."""
-        elastic.require_positive("Table.at", depth=depth)
-        a = float(self.contact_radius(depth))
-        return Contact(self.stack, a, self.radius, depth, a**2 * self._shape(a))
-
     def load(self, depth: ArrayLike, r: ArrayLike) -> Array:
         """Return the force (n_d, n_r) in mN within r (n_r,) mm of the axis at depths (n_d,) mm.
 

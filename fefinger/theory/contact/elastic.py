@@ -78,14 +78,6 @@ def distances(owner: str, r: ArrayLike) -> Array:
     return numbers(owner, "r", r, least=0.0)
 
 
-def places(owner: str, place: ArrayLike) -> Array:
-    """Convert places (..., 3) mm to an array; ValueError unless below the surface."""
-    place = np.asarray(place, np.float64)
-    if place.shape[-1:] != (3,) or not np.isfinite(place).all() or np.any(place[..., 2] <= 0):
-        raise ValueError(f"{owner}: expected finite places (..., 3) below the surface, z > 0 mm")
-    return place
-
-
 def plane_modulus(modulus: float, poisson: float) -> float:
     """Contact modulus E* = E / (1 - nu²) under a rigid indenter."""
     return modulus / (1 - poisson**2)
@@ -104,9 +96,3 @@ def strain(stress: Array, modulus: float, poisson: float) -> Array:
     grow = 1 + poisson
     normal = [grow * part - trace for part in (radial, hoop, axial)]
     return np.array([*normal, grow * shear]) / modulus
-
-
-def strain_tensor(stress: Array, modulus: float, poisson: float) -> Array:
-    """Strain (..., 3, 3) of a `stress` (..., 3, 3) by Hooke's law."""
-    trace = np.trace(stress, axis1=-2, axis2=-1)[..., None, None]
-    return ((1 + poisson) * stress - poisson * trace * np.eye(3)) / modulus

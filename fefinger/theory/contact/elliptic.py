@@ -16,7 +16,6 @@ from scipy.special import ellipkm1, elliprd
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
-from fefinger.theory.contact.ellipsoidal import deeper, potentials
 
 
 LONGEST = 1e6
@@ -66,22 +65,6 @@ class Elliptic:
             "Elliptic", "a depth", self.depth, limit=self.short_radius, of="the short radius"
         )
 
-    @classmethod
-    def under_force(
-        cls,
-        long_radius: float,
-        short_radius: float,
-        *,
-        force: float,
-        modulus: float,
-        poisson: float,
-    ) -> "Elliptic":
-        """Return the contact that carries `force` mN; P grows as depth^(3/2)."""
-        elastic.require_positive("Elliptic", force=force)
-        unit = cls(long_radius, short_radius, short_radius, modulus=modulus, poisson=poisson)
-        depth = short_radius * (force / unit.force) ** (2 / 3)
-        return cls(long_radius, short_radius, depth, modulus=modulus, poisson=poisson)
-
     @cached_property
     def axis_ratio(self) -> float:
         """Ratio k = b / a <= 1 of the axes, from R' / R'' = [E/k² - K] / [K - E]."""
@@ -126,39 +109,6 @@ class Elliptic:
         x, y = elastic.numbers("Elliptic", "x", x), elastic.numbers("Elliptic", "y", y)
         inside = 1 - (x / a) ** 2 - (y / b) ** 2
         return self.peak_pressure * np.sqrt(np.maximum(inside, 0.0))
-
-    def stress(self, place: ArrayLike) -> Array:
-        """Stress tensor (..., 3, 3) in kPa at `place` (..., 3) mm from first touch.
-
-        x along the longest axis of the contact, z > 0 into the body (ValueError otherwise; the
-        surface itself carries `pressure`). Positive in tension.
-        """
-        place, nu = elastic.places("Elliptic.stress", place), self.poisson
-        potential = potentials(place, self.semi_axes, self.peak_pressure)
-        z = place[..., 2, None, None]
-        stress = -z * potential.hessian
-        sink = potential.gradient[..., 2]
-        for i, part in enumerate((2 * nu, 2 * nu, 1.0)):
-            stress[..., i, i] += part * sink
-        if nu < 0.5:
-            _, across = deeper(place, self.semi_axes, self.peak_pressure)
-            stress[..., :2, :2] -= (1 - 2 * nu) * across
-        return stress / (2 * np.pi)
-
-    def strain(self, place: ArrayLike) -> Array:
-        """Strain tensor (..., 3, 3) at `place`, as in `stress`."""
-        return elastic.strain_tensor(self.stress(place), self.modulus, self.poisson)
-
-    def displacement(self, place: ArrayLike) -> Array:
-        """Displacement u (..., 3) in mm at `place` (..., 3), as in `stress`; zero at infinity."""
-        place, nu = elastic.places("Elliptic.displacement", place), self.poisson
-        potential = potentials(place, self.semi_axes, self.peak_pressure)
-        moved = -place[..., 2, None] * potential.gradient
-        moved[..., 2] += 2 * (1 - nu) * potential.psi
-        if nu < 0.5:
-            slope, _ = deeper(place, self.semi_axes, self.peak_pressure)
-            moved[..., :2] -= (1 - 2 * nu) * slope
-        return moved / (4 * np.pi * elastic.shear_modulus(self.modulus, nu))
 
     @property
     def _complete(self) -> float:

@@ -46,15 +46,6 @@ class Hertz:
         elastic.require_elastic("Hertz", self.modulus, self.poisson)
         elastic.require_small("Hertz", "a depth", self.depth, limit=self.radius, of="the radius")
 
-    @classmethod
-    def under_force(cls, radius: float, force: float, *, modulus: float, poisson: float) -> "Hertz":
-        """Return the contact that carries `force` mN: depth³ = 9 P² / (16 R E*²)."""
-        elastic.require_positive("Hertz", radius=radius, force=force)
-        elastic.require_elastic("Hertz", modulus, poisson)
-        stiff = elastic.plane_modulus(modulus, poisson)
-        depth = float(np.cbrt(9 * force**2 / (16 * radius * stiff**2)))
-        return cls(radius, depth, modulus=modulus, poisson=poisson)
-
     @property
     def contact_radius(self) -> float:
         """Contact radius a = sqrt(R depth) in mm."""
@@ -69,11 +60,6 @@ class Hertz:
     def force(self) -> float:
         """P = 4/3 E* sqrt(R) depth^(3/2) in mN."""
         return 4 / 3 * self.plane_modulus * self.radius**0.5 * self.depth**1.5
-
-    @property
-    def stiffness(self) -> float:
-        """Slope dP / d(depth) = 2 E* a in mN/mm."""
-        return 2 * self.plane_modulus * self.contact_radius
 
     @property
     def peak_pressure(self) -> float:

@@ -21,7 +21,6 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
-from scipy.special import j0
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
@@ -78,51 +77,22 @@ class Contact:
         """Contact pressure in kPa at r (...,) mm, zero outside; a punch's edge is infinite."""
         x = elastic.distances("Contact", r) / self.contact_radius
         y = np.sqrt(np.maximum(1 - x**2, 0.0))
-        series = self._over_edge()
         with np.errstate(divide="ignore", invalid="ignore"):
-            value = legendre.legval(y, series) / (self.contact_radius * y)
+            value = legendre.legval(y, over_edge(self.phi)) / (self.contact_radius * y)
         edge = 0.0 if math.isfinite(self.radius) else math.inf
         return np.where(x < 1, value, np.where(x > 1, 0.0, edge))
-
-    def load(self, r: ArrayLike) -> Array:
-        """Force in mN carried within r (...,) mm of the axis."""
-        x = elastic.distances("Contact", r) / self.contact_radius
-        y = np.sqrt(np.maximum(1 - x**2, 0.0))
-        inner = legendre.legint(self._over_edge(), lbnd=0)
-        whole = legendre.legval(1.0, inner)
-        return 2 * np.pi * self.contact_radius * (whole - legendre.legval(y, inner))
 
     def transform(self, xi: ArrayLike) -> Array:
         """Hankel transform of the pressure (...,) in mN at wavenumbers xi (...,).
 
         It is the integral of p r J0(xi r) dr; at xi = 0 the force over 2 pi.
         """
-        xi = np.asarray(xi, np.float64)
-        if xi.size:
-            elastic.numbers("Contact.transform", "wavenumbers", xi, least=0.0)
-        a, flat = self.contact_radius, xi.reshape(-1)
+        xi = elastic.numbers("Contact.transform", "wavenumbers", xi, least=0.0)
+        a = self.contact_radius
         # phi oscillates at most as a wave of its degree; its last coefficients are rounding.
-        fastest = float(flat.max(initial=0.0)) + len(self.phi) / a
-        t, weights = panels(a / 2, a, reach=fastest)
+        t, weights = panels(a / 2, a, reach=float(xi.max()) + len(self.phi) / a)
         density = weights * legendre.legval(t / a, _even(self.phi))
-        return (np.cos(np.multiply.outer(flat, t)) @ density).reshape(xi.shape)
-
-    def _over_edge(self) -> Array:
-        """Legendre series of a y p in y = sqrt(1 - r² / a²)."""
-        return over_edge(self.phi)
-
-    def displacement(self, r: ArrayLike) -> Array:
-        """Displacement u_z of the surface in mm at r (...,) mm, inside and outside the contact."""
-        r = elastic.distances("Contact.displacement", r)
-        flat = np.atleast_1d(r).ravel()
-        near = np.minimum(flat, self.contact_radius)
-        top = np.arcsin(np.where(flat > 0, near / np.where(flat > 0, flat, 1.0), 1.0))
-        nodes, weights = legendre.leggauss(2 * len(self.phi) + 8)
-        t = flat[:, None] * np.sin(top[:, None] * (nodes + 1) / 2)
-        half_space = legendre.legval(t / self.contact_radius, _even(self.phi)) @ weights * top / 2
-        xi, weight = spectrum(self.body, float(flat.max(initial=0.0)) + self.contact_radius)
-        layers = j0(flat[:, None] * xi) @ (weight * self.transform(xi))
-        return (_compliance_of_half_space(self.body) * (half_space - layers)).reshape(r.shape)
+        return np.asarray(np.cos(np.multiply.outer(xi, t)) @ density)
 
 
 def paraboloid(body: LayeredBody, radius: float, *, contact_radius: float) -> Contact:
@@ -219,11 +189,6 @@ def _contact(body: LayeredBody, a: float, radius: float, *, depth: float, phi: A
     return Contact(body, a, radius, depth, phi[:count])
 
 
-def _compliance_of_half_space(body: LayeredBody) -> float:
-    """Compliance C = 2 (1 - nu²) / E of the surface in 1/kPa."""
-    return 2 / elastic.plane_modulus(*body.surface)
-
-
 def _solve(body: LayeredBody, a: float) -> tuple[Array, Array]:
     """Solve the equation for g = 1 and for g = x²: phi (n,) in even Legendre coefficients."""
     wide = a / body.scales[0]
@@ -240,7 +205,8 @@ def _solve(body: LayeredBody, a: float) -> tuple[Array, Array]:
     xi, departure = spectrum(body, 2 * a)
     wave = np.cos(x[:, None] * xi)
     matrix = np.pi / 2 * np.eye(count) - (wave * departure) @ wave.T * weight
-    right = np.stack([np.ones(count), x**2], axis=1) / _compliance_of_half_space(body)
+    compliance = 2 / elastic.plane_modulus(*body.surface)
+    right = np.stack([np.ones(count), x**2], axis=1) / compliance
     values = np.linalg.solve(matrix, right)
     norm = 4.0 * np.arange(count) + 1
     phi = norm[:, None] * (even_basis(count).T * weights) @ values

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from oracles.solved_contact import load_within
 
 from fefinger.theory.contact.contact_table import STEP, tabulate, tabulate_to
 from fefinger.theory.contact.hertz import Hertz
@@ -20,13 +21,9 @@ DEPTHS = [2e-3, 0.03, 0.3, 1.1, 2.0]
 @pytest.mark.parametrize("depth", DEPTHS)
 def test_any_depth_is_the_contact_solved_there(depth):
     """Tolerances: what the docstring of LEVELS promises."""
-    solved, contact = paraboloid_at(FINGER, 10.0, depth=depth), TABLE.at(depth)
+    solved = paraboloid_at(FINGER, 10.0, depth=depth)
     assert float(TABLE.force(depth)) == pytest.approx(solved.force, rel=1e-6)
-    assert contact.contact_radius == pytest.approx(solved.contact_radius, rel=1e-6)
-    assert contact.force == pytest.approx(solved.force, rel=3e-6)
-    # Short of the edge, where the pressure is a root and a part in 1e6 of a shows as 1e-3.
-    r = np.linspace(0, 0.98, 20) * solved.contact_radius
-    np.testing.assert_allclose(contact.pressure(r), solved.pressure(r), rtol=1e-5)
+    assert float(TABLE.contact_radius(depth)) == pytest.approx(solved.contact_radius, rel=1e-6)
 
 
 def test_the_force_within_a_radius_is_that_of_the_contacts_solved_there():
@@ -35,7 +32,7 @@ def test_the_force_within_a_radius_is_that_of_the_contacts_solved_there():
     assert np.abs(actual[0]).max() == 0
     for row, depth in zip(actual[1:], DEPTHS, strict=True):
         solved = paraboloid_at(FINGER, 10.0, depth=depth)
-        np.testing.assert_allclose(row, solved.load(r), atol=3e-6 * solved.force)
+        np.testing.assert_allclose(row, load_within(solved, r), atol=3e-6 * solved.force)
 
 
 @pytest.mark.parametrize("wanted", [{"depth": 0.01}, {"depth": 1.1}, {"force": 5.0}])
@@ -104,7 +101,6 @@ def test_a_contact_wider_than_the_radius_is_refused_and_one_as_wide_is_not():
         (lambda: TABLE.force(-0.1), "depths in 0 to"),
         (lambda: TABLE.force(1.01 * TABLE.deepest), "depths in 0 to"),
         (lambda: TABLE.depth(3000.0), "a force in 0 to"),
-        (lambda: TABLE.at(0.0), "depth above 0"),
         (lambda: TABLE.strain([0.1], [0.0], z=[0.1]), r"at least 0\.02 contact radii"),
         (lambda: tabulate(FINGER, 10.0, widest=1.0, levels=3), "at least 4 levels"),
         (lambda: TABLE.load(math.nan, 1.0), "depths in 0 to"),

@@ -24,11 +24,6 @@ def test_the_closed_forms_agree_with_each_other():
     assert h.plane_modulus == pytest.approx(4 * 34.0 / 3)
     assert h.contact_radius == pytest.approx((0.75 * h.force * 10.0 / h.plane_modulus) ** (1 / 3))
     assert h.peak_pressure == pytest.approx(1.5 * h.force / (math.pi * h.contact_radius**2))
-    nudge = 1e-6
-    more, less = (Hertz(10.0, 0.4 + s * nudge, modulus=34.0, poisson=0.5) for s in (1, -1))
-    assert h.stiffness == pytest.approx((more.force - less.force) / (2 * nudge), rel=1e-8)
-    back = Hertz.under_force(10.0, h.force, modulus=34.0, poisson=0.5)
-    assert back.depth == pytest.approx(0.4, rel=1e-14)
 
 
 def test_pressure_integrates_to_the_force_and_vanishes_outside():
