@@ -189,7 +189,7 @@ def hereditary_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDA
     Pawluk (1997), Eq. 2.3. Each exponential obeys q(t + dt) = q(t) e^-x + dsignal (1 - e^-x) / x
     with x = v dt, stable for any dt.
     """
-    time, signal = _checked("hereditary_integral", time, signal)
+    time, signal = checked_signal("hereditary_integral", time, signal, columns=True)
     flat, weights = signal.reshape(len(time), -1), np.array(prony.weights)
     x = np.multiply.outer(np.diff(time), np.array(prony.v))[:, :, None]
     decay, added = np.exp(-x), exprel(-x) * np.diff(flat, axis=0)[:, None]
@@ -203,14 +203,17 @@ def hereditary_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDA
     return out.reshape(signal.shape)
 
 
-def _checked(
-    owner: str, time: ArrayLike, signal: ArrayLike
+def checked_signal(
+    owner: str, time: ArrayLike, signal: ArrayLike, *, columns: bool = False
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Check time and signal and convert them to arrays."""
+    """Convert time (n_t,) and signal (n_t,), or with `columns` (n_t, k), to arrays.
+
+    ValueError for other shapes, no sample, values that are not finite, or times that decrease.
+    """
     time, signal = np.asarray(time, float), np.asarray(signal, float)
-    if time.ndim != 1 or signal.ndim not in (1, 2) or len(signal) != len(time) or not len(time):
+    if time.ndim != 1 or signal.ndim not in (1, 1 + columns) or not 0 < len(time) == len(signal):
         raise ValueError(
-            f"{owner}: expected time (n_t,) and signal (n_t,) or (n_t, k), "
+            f"{owner}: expected time (n_t,) and signal (n_t,){' or (n_t, k)' if columns else ''}, "
             f"received {time.shape} and {signal.shape}"
         )
     finite = np.isfinite(time).all() and np.isfinite(signal).all()
@@ -230,7 +233,7 @@ def creep_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDArray[
     J = 1 + sum k_j (1 - exp(-lam_j t)), and each term r obeys, with x = lam dt, r(t + dt) = r e^-x
     + signal (1 - e^-x) + dsignal (1 - (1 - e^-x) / x), without cancellation at any creep strain.
     """
-    time, signal = _checked("creep_integral", time, signal)
+    time, signal = checked_signal("creep_integral", time, signal, columns=True)
     _, k, lam = prony.creep()
     x = np.multiply.outer(np.diff(time), lam)
     gains = -np.expm1(-x)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.theory.relaxation import Prony
+from fefinger.theory.relaxation import Prony, exprel
 
 
 Array = NDArray[np.float64]
@@ -150,9 +150,7 @@ class Spring:
     def _past(self, dt: float) -> tuple[float, Array, Array, Array]:
         """Return g and h of stress = g shape + h at the end of a step, and its factors."""
         exponent = self._rates * dt
-        decay = np.exp(-exponent)
-        ramp = np.ones_like(exponent)
-        np.divide(-np.expm1(-exponent), exponent, out=ramp, where=exponent > 0)
+        decay, ramp = np.exp(-exponent), exprel(-exponent)
         gain = float(self._weights @ ramp)
         past = (self._weights * decay) @ self._terms - gain * self._shape
         return 1.0 + gain, past, decay, ramp

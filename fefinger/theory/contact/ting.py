@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.theory.relaxation import Prony
+from fefinger.theory.relaxation import Prony, checked_signal, exprel
 
 
 Array = NDArray[np.float64]
@@ -98,7 +98,7 @@ def press_by_depth(prony: Prony, time: ArrayLike, depth: ArrayLike, nodes: Array
     Each exponential of G is exact over a step in which its share is linear; where contact begins
     or ends inside a step, that is an error of second order in the step.
     """
-    time, depth = _signal("depth", time, depth)
+    time, depth = checked_signal("depth", time, depth)
     return _march(prony, time, nodes, lambda step, g, onset: float(depth[step]))
 
 
@@ -119,7 +119,7 @@ def press_by_force(
     ValueError
         As `press_by_depth`; also for a force below zero.
     """
-    time, force = _signal("force", time, force)
+    time, force = checked_signal("force", time, force)
     if force.min() < 0:
         raise ValueError(
             f"force: expected forces of 0 or more (a contact cannot pull), received {force.min():g}"
@@ -151,17 +151,6 @@ def spring_weights(elastic_force: Array, nodes: Array) -> Array:
     return weights
 
 
-def _signal(name: str, time: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:
-    """Check a signal and its times and convert them to arrays."""
-    time, values = np.asarray(time, float), np.asarray(values, float)
-    if time.ndim != 1 or time.shape != values.shape or not len(time):
-        msg = f"{name}: expected one per time, received {values.shape} for times {time.shape}"
-        raise ValueError(msg)
-    if not (np.isfinite(time).all() and np.isfinite(values).all() and (np.diff(time) >= 0).all()):
-        raise ValueError(f"{name}: expected finite values at times that never decrease")
-    return time, values
-
-
 def _march(
     prony: Prony, time: Array, nodes: Array, depth_at: Callable[[int, float, Array], float]
 ) -> ContactHistory:
@@ -174,8 +163,7 @@ def _march(
         raise ValueError("nodes: expected depths that start at 0 and rise")
     weights, rates = np.array(prony.weights), np.array(prony.v)
     exponent = np.multiply.outer(np.diff(time, prepend=time[0]), rates)
-    decays = np.exp(-exponent)
-    ramps = np.where(exponent > 0, -np.expm1(-exponent) / np.where(exponent > 0, exponent, 1), 1)
+    decays, ramps = np.exp(-exponent), exprel(-exponent)
     gains = weights[0] + ramps @ weights[1:]
     memory, share = np.zeros((len(rates), len(nodes))), np.zeros(len(nodes))
     stressed, strained = np.empty((len(time), len(nodes))), np.empty((len(time), len(nodes)))

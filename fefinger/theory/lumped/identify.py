@@ -134,12 +134,12 @@ def joint(
             f"joint: the fit did not converge in {fit.nfev} evaluations "
             f"({fit.message}); fit fewer terms than {terms}, or a longer hold"
         )
-    values = fit.x
+    order = _sorted(3, terms, fit.x)
+    values, covariance = fit.x[order], covariance_of(fit.jac, fit.fun, at_least=1.0)
     spring, prony = _unpacked(values)
-    covariance = covariance_of(fit.jac, fit.fun, at_least=1.0)
-    order = np.argsort(prony.v)[::-1]
-    prony = _sorted(prony, order)
-    spread = _spread(spring, prony, covariance, order)
+    of_spring = (np.sqrt(np.diag(covariance)[:3]) * (spring.b, spring.m, 1.0)).tolist()
+    spread = dict(zip(("b", "m", "x0"), of_spring, strict=True))
+    spread |= _spread(prony, covariance[np.ix_(order[3:], order[3:])])
     hold, model = t >= record.time[record.hold], force_of(values, t, x)
     return Identification(
         spring=spring,
@@ -256,18 +256,11 @@ def _relaxation(
     t, _, f, size = (values[start:] for values in averages(record))
     root = np.sqrt(size)
     fit = _exponentials(t - record.time[record.hold], f, root, terms, record.hold_seconds)
-    order = np.argsort(fit.x[terms + 1 :])[::-1]
-    amplitudes = np.exp(np.clip(fit.x[: terms + 1], -40, 40))
-    rates = np.exp(np.clip(fit.x[terms + 1 :], -20, 20))
-    prony = _sorted(Prony(tuple(amplitudes / amplitudes.sum()), tuple(rates)), order)
-    covariance = covariance_of(fit.jac, fit.fun)
-    share = [0, *(1 + int(i) for i in order)]
-    weights = np.array(prony.weights)
-    jacobian = np.diag(weights) - np.outer(weights, weights)
-    deviation = deviations(jacobian, covariance[np.ix_(share, share)])
-    spread = {f"c{i}": value for i, value in enumerate(deviation)}
-    for i, row in enumerate(order, start=1):
-        spread[f"v{i}"] = prony.v[i - 1] * float(np.sqrt(covariance.diagonal()[terms + 1 + row]))
+    order = _sorted(1, terms, fit.x)
+    amplitudes = np.exp(np.clip(fit.x[order[: terms + 1]], -40, 40))
+    rates = np.exp(np.clip(fit.x[order[terms + 1 :]], -20, 20))
+    prony = Prony(tuple(amplitudes / amplitudes.sum()), tuple(rates))
+    spread = _spread(prony, covariance_of(fit.jac, fit.fun)[np.ix_(order, order)])
     vaf = accounted(f, f + fit.fun / root)
     warning = (
         f"the {terms} terms had not converged after {fit.nfev} evaluations; they leave "
@@ -318,28 +311,24 @@ def _unpacked(values: Array) -> tuple[Spring, Prony]:
     )
 
 
-def _sorted(prony: Prony, order: NDArray[np.intp]) -> Prony:
-    """Sort the terms of G by `order`; the tables of the thesis have the fastest first."""
-    c, v = prony.weights, prony.v
-    return Prony((c[0], *(c[1 + i] for i in order)), tuple(v[i] for i in order))
+def _sorted(first: int, terms: int, values: Array) -> list[int]:
+    """Order of parameters with the fastest term first, as in the tables of the thesis.
+
+    values: `first` others, then the logarithms of the weights of the terms and of their rates.
+    """
+    fastest = np.argsort(values[first + terms :])[::-1]
+    return [*range(first), *(first + fastest), *(first + terms + fastest)]
 
 
-def _spread(
-    spring: Spring, prony: Prony, covariance: Array, order: NDArray[np.intp]
-) -> dict[str, float]:
-    """Return the standard deviations of all parameters of `joint`, by name."""
-    deviation = np.sqrt(np.diag(covariance))
-    terms = len(prony.v)
-    shares = [3 + int(i) for i in order]
-    weights = np.array(prony.weights)
-    jacobian = -np.outer(weights, weights[1:])
-    jacobian[1:] += np.diag(weights[1:])
-    of_weights = deviations(jacobian, covariance[np.ix_(shares, shares)])
+def _spread(prony: Prony, covariance: Array) -> dict[str, float]:
+    """Return the standard deviations of weights and rates by name.
+
+    covariance: of the logarithms of the weights, with or without that of c0, and of the rates.
+    """
+    weights, count = np.array(prony.weights), len(covariance) - len(prony.v)
+    jacobian = (np.diag(weights) - np.outer(weights, weights))[:, -count:]
     spread = {
-        "b": spring.b * float(deviation[0]),
-        "m": spring.m * float(deviation[1]),
-        "x0": float(deviation[2]),
+        f"c{i}": value for i, value in enumerate(deviations(jacobian, covariance[:count, :count]))
     }
-    spread |= {f"c{i}": value for i, value in enumerate(of_weights)}
-    rates = enumerate(order, start=1)
-    return spread | {f"v{i}": prony.v[i - 1] * float(deviation[3 + terms + j]) for i, j in rates}
+    of_rates = (np.sqrt(np.diag(covariance)[count:]) * prony.v).tolist()
+    return spread | {f"v{i}": value for i, value in enumerate(of_rates, start=1)}

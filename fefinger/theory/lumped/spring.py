@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
-from fefinger.theory.relaxation import Prony, creep_integral, exprel
+from fefinger.theory.relaxation import Prony, checked_signal, creep_integral, exprel
 
 
 LARGEST = 600.0
@@ -99,7 +99,7 @@ def force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) ->
     z = A + v h, y the indentation at its start, dy its change and h the part of the segment in
     contact.
     """
-    time, position = _samples(time, position)
+    time, position = checked_signal("lumped", time, position)
     _require_small(spring.m * float(spring.depth(position).max()))
     decay, gain = _gains(spring, prony, time, position)
     weights = prony.weights
@@ -117,7 +117,7 @@ def contact_force(spring: Spring, prony: Prony, time: ArrayLike, position: Array
     P = 0 until the indenter reaches the skin again. Loss and return of contact are resolved to one
     time step.
     """
-    time, position = _samples(time, position)
+    time, position = checked_signal("lumped", time, position)
     pulled = force(spring, prony, time, position)
     if not np.any(pulled < 0):
         return pulled
@@ -170,20 +170,6 @@ def _require_small(exponent: float) -> None:
     if exponent > LARGEST:
         msg = f"lumped: expected m times depth of at most {LARGEST:g}, received {exponent:.3g}"
         raise ValueError(msg)
-
-
-def _samples(time: ArrayLike, position: ArrayLike) -> tuple[Array, Array]:
-    """Check the samples and convert them to arrays."""
-    time, position = np.asarray(time, float), np.asarray(position, float)
-    if time.ndim != 1 or position.shape != time.shape or not len(time):
-        raise ValueError(
-            f"lumped: expected time and position of one shape (n_t,), "
-            f"received {time.shape} and {position.shape}"
-        )
-    finite = np.isfinite(time).all() and np.isfinite(position).all()
-    if not finite or np.any(np.diff(time) < 0):
-        raise ValueError("lumped: expected finite values and times that never decrease")
-    return time, position
 
 
 def _gains(spring: Spring, prony: Prony, time: Array, position: Array) -> tuple[Array, Array]:

@@ -269,7 +269,7 @@ def test_springs_reproduce_the_force_at_their_nodes():
 
 BAD = [
     (lambda: press_by_depth(ELASTIC, [0, 1], [0, 2], radius_nodes(1.0)), "depths up to 2 mm"),
-    (lambda: press_by_depth(ELASTIC, [0, 1], [0], radius_nodes(1.0)), "one per time"),
+    (lambda: press_by_depth(ELASTIC, [0, 1], [0], radius_nodes(1.0)), r"signal \(n_t,\), received"),
     (lambda: press_by_depth(ELASTIC, [1, 0], [0, 1], radius_nodes(1.0)), "never decrease"),
     (lambda: press_by_depth(ELASTIC, [0, 1], [0, 1], np.array([0.5, 1])), "start at 0"),
     (lambda: press_by_force(ELASTIC, [0], [-1], radius_nodes(1.0), hertz), "cannot pull"),

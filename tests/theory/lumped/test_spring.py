@@ -196,7 +196,7 @@ def test_under_a_constant_force_the_finger_creeps_to_its_relaxed_depth(spring, p
     [
         (lambda: Spring(0.0, 2.0), "b > 0 N/mm"),
         (lambda: Spring(0.1, float("nan")), "finite"),
-        (lambda: lumped.force(*AH, [0, 1], [0, 1, 2]), "one shape"),
+        (lambda: lumped.force(*AH, [0, 1], [0, 1, 2]), r"signal \(n_t,\)"),
         (lambda: lumped.force(*AH, [0, -1], [0, 1]), "never decrease"),
         (lambda: lumped.constant_velocity(*AH, 1.0, 0.0), "speed above 0"),
         (lambda: lumped.position_under(*AH, [0, 1], [0, -1]), "forces of 0 or more"),
