@@ -177,20 +177,18 @@ def units_of(
     factors (n,): on the gains; noise: of all units, where it is not that of their types, 0 without
     jitter; seed and numbers (n,) select the noise of each unit.
     """
-    from fefinger.neural.recorded_compiled import Units
+    from fefinger.neural.recorded_compiled import Units, mixed
 
     n = len(parameters)
-
-    def column(name: str) -> Array:
-        return np.array([getattr(unit, name) for unit in parameters])
-
-    static, corner, order = (column(name) for name in ("static", "corner", "order"))
+    column = {
+        field.name: np.array([getattr(unit, field.name) for unit in parameters])
+        for field in fields(Recorded)
+    }
+    double = column["order"] == 2.0
     # Two poles of order 2 are a thousandth apart, where the partial fractions are still exact.
-    apart = np.where(order == 2.0, 1e-3, 0.0)
-    poles = np.column_stack([corner, corner * (1.0 + apart)])
-    zeros = static * corner
-    first, second = poles.T
-    double = order == 2.0
+    first = column["corner"]
+    second = first * np.where(double, 1.001, 1.0)
+    zeros = column["static"] * first
     gap = np.where(double, second - first, 1.0)
     share = np.column_stack(
         [
@@ -198,32 +196,16 @@ def units_of(
             np.where(double, (zeros - second) ** 2 / (gap * second), 0.0),
         ]
     )
-    at_rest = np.where(double, zeros**2 / (first * second), zeros / first)
-    streams = np.arange(n) if numbers is None else np.asarray(numbers)
-    return Units(
-        gain=column("gain") * (1.0 if factors is None else factors),
-        at_rest=at_rest,
-        share=share,
-        pole=2.0 * np.pi * poles,
-        negative=column("negative"),
-        largest=column("largest"),
-        adapting=column("adapting"),
-        adaptation=column("adaptation"),
-        recovery=column("recovery"),
-        recovering=column("recovering"),
-        membrane=column("membrane"),
-        refractory=column("refractory"),
-        noise=column("noise") if noise is None else np.full(n, float(noise)),
-        jitter=np.zeros(n) if noise == 0.0 else column("jitter"),
-        stream=_streams(seed, streams),
-    )
-
-
-def _streams(seed: int, numbers: NDArray[Any]) -> NDArray[np.uint64]:
-    """Return the starts (n,) of the random streams of units: of a seed and their numbers alone."""
     (base,) = np.random.SeedSequence([seed, 2, 1]).generate_state(1, np.uint64)
-    # Splitmix64 of a counter: a bijection, so that no two units share a start.
-    z = base + numbers.astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)
-    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return np.asarray(z ^ (z >> np.uint64(31)), np.uint64)
+    streams = np.asarray(np.arange(n) if numbers is None else numbers).astype(np.uint64)
+    column |= {
+        "gain": column["gain"] * (1.0 if factors is None else factors),
+        "at_rest": np.where(double, zeros**2 / (first * second), zeros / first),
+        "share": share,
+        "pole": 2.0 * np.pi * np.column_stack([first, second]),
+        "noise": column["noise"] if noise is None else np.full(n, float(noise)),
+        "jitter": np.zeros(n) if noise == 0.0 else column["jitter"],
+        # Splitmix64 of a counter: a bijection, so that no two units share a start.
+        "stream": mixed(base + streams * np.uint64(0x9E3779B97F4A7C15)),
+    }
+    return Units(**{name: column[name] for name in Units._fields})

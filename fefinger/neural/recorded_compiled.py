@@ -64,7 +64,7 @@ KNOTS = 1e-3
 
 
 @njit(cache=True)
-def _mixed(z: np.uint64) -> np.uint64:
+def mixed(z: np.uint64) -> np.uint64:
     """Mix the bits of a counter (splitmix64)."""
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
@@ -77,7 +77,7 @@ def normal(stream: np.uint64, knot: int) -> float:
 
     The sum of four uniform numbers of 16 bits, of mean 0 and variance 1: none is beyond 3.5.
     """
-    bits = _mixed(stream + np.uint64(knot) * np.uint64(0x9E3779B97F4A7C15))
+    bits = mixed(stream + np.uint64(knot) * np.uint64(0x9E3779B97F4A7C15))
     mask = np.uint64(0xFFFF)
     low = float(bits & mask) + float((bits >> np.uint64(16)) & mask)
     high = float((bits >> np.uint64(32)) & mask) + float(bits >> np.uint64(48))
@@ -131,24 +131,6 @@ def displaced(units: Units, i: int, state: Array, fired: float) -> float:
     return time
 
 
-LENGTH, STEPS, STEP, FADE, WANE, GROW, RISE, ADAPT, AFTERWARDS, LEAK, N_FACTORS = range(11)
-"""Places of the factors of the steps of a unit in a span of some length."""
-
-
-@njit(cache=True)
-def _refresh(units: Units, i: int, length: float, longest: float, factors: Array) -> None:
-    """Compute the factors of the steps of unit i in a span of `length` s."""
-    steps = max(1, math.ceil(length / longest - 1e-9))
-    h = length / steps
-    factors[LENGTH], factors[STEPS], factors[STEP] = length, steps, h
-    factors[FADE], factors[WANE] = math.exp(-units.pole[i, 0] * h), math.exp(-units.pole[i, 1] * h)
-    factors[GROW] = (1.0 - factors[FADE]) / (units.pole[i, 0] * length)
-    factors[RISE] = (1.0 - factors[WANE]) / (units.pole[i, 1] * length)
-    factors[ADAPT] = -math.expm1(-h / units.adaptation[i])
-    factors[AFTERWARDS] = math.exp(-h / units.recovering[i])
-    factors[LEAK] = -math.expm1(-h / units.membrane[i])
-
-
 @njit(cache=True, error_model="numpy")
 def advance(
     units: Units,
@@ -157,7 +139,6 @@ def advance(
     span: tuple[float, float],
     x: float,
     longest: float,
-    factors: Array,
     spikes: Array,
     count: int,
 ) -> int:
@@ -165,9 +146,8 @@ def advance(
 
     Steps of at most `longest` s: filter, adaptation and membrane are exact for the mean current of
     a step, and a spike lies on the straight line between the potentials at its ends, displaced by
-    its jitter. `factors`
-    (N_FACTORS,) are those of the last span of this unit. Returns the new count of spikes, whose
-    times in s go to `spikes` as far as it is long enough.
+    its jitter. Returns the new count of spikes, whose times in s go to `spikes` as far as it is
+    long enough.
     """
     start, length = span[0], span[1] - span[0]
     change = x - state[X]
@@ -177,12 +157,14 @@ def advance(
         state[SLOW] += change
         generate(units, i, state)
         return count
-    if abs(factors[LENGTH] - length) > 1e-9 * length:
-        _refresh(units, i, length, longest, factors)
-    steps, h = int(factors[STEPS]), factors[STEP]
-    fade, wane, leak = factors[FADE], factors[WANE], factors[LEAK]
-    adapt, after = factors[ADAPT], factors[AFTERWARDS]
-    grow, rise = change * factors[GROW], change * factors[RISE]
+    steps = max(1, math.ceil(length / longest - 1e-9))
+    h = length / steps
+    first, second = units.pole[i, 0], units.pole[i, 1]
+    fade, wane = math.exp(-first * h), math.exp(-second * h)
+    grow = change * ((1.0 - fade) / (first * length))
+    rise = change * ((1.0 - wane) / (second * length))
+    leak, adapt = -math.expm1(-h / units.membrane[i]), -math.expm1(-h / units.adaptation[i])
+    after = math.exp(-h / units.recovering[i])
     gain, negative, saturation = units.gain[i], units.negative[i], 1.0 / units.largest[i]
     move, stream, refractory = change / steps, units.stream[i], units.refractory[i]
     at_rest, share, other = units.at_rest[i], units.share[i, 0], units.share[i, 1]

@@ -1,16 +1,18 @@
-"""Compiled time step of the units of `recorded_streaming`; imported at the first step."""
+"""Compiled time step of the units of `recorded_streaming`."""
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fefinger.neural.recorded_compiled import LENGTH, N_FACTORS, Units, advance
-from fefinger.neural.streaming_step import LARGEST_STRAIN, compressive_strain, tangent_strain
+from fefinger.neural.recorded_compiled import Units, advance
+from fefinger.neural.streaming_step import (
+    CROWDED,
+    LARGEST_STRAIN,
+    REFUSED,
+    compressive_strain,
+    tangent_strain,
+)
 from fefinger.support.arrays import Array, Integers
-
-
-REFUSED = -1
-"""Returned for a strain that is not finite or too large."""
 
 
 @njit(cache=True)
@@ -24,7 +26,7 @@ def step(
     spikes: Array,
     counts: Integers,
 ) -> int:
-    """Advance all units over a span (start, stop) in s; return the number of spikes, or REFUSED.
+    """Advance all units over a span (start, stop) in s; return the spikes, REFUSED or CROWDED.
 
     organs: index of the drive (n_units,), length (n_units,) mm, first end organ of each unit and
     their number (n_units + 1,), and vectors in the skin (n_organs, 2, 3).
@@ -34,7 +36,6 @@ def step(
         for c in range(6):
             if not abs(strain[k, c]) <= LARGEST_STRAIN:
                 return REFUSED
-    factors = np.empty(N_FACTORS)
     total = 0
     for i in range(len(counts)):
         largest = -np.inf
@@ -43,17 +44,7 @@ def step(
                 largest = max(largest, compressive_strain(strain[k]))
             else:
                 largest = max(largest, tangent_strain(strain[k], across[k]))
-        factors[LENGTH] = 0.0
-        counts[i] = advance(
-            units,
-            i,
-            states[i],
-            span,
-            length[i] * largest,
-            longest[i],
-            factors,
-            spikes[i],
-            0,
-        )
+        x = length[i] * largest
+        counts[i] = advance(units, i, states[i], span, x, longest[i], spikes[i], 0)
         total += counts[i]
-    return total
+    return CROWDED if counts.max() > spikes.shape[1] else total

@@ -1,4 +1,4 @@
-"""Compiled time step of the units of `streaming`; imported at the first step."""
+"""Compiled time step of the units of `streaming`."""
 
 import math
 from typing import NamedTuple
@@ -39,6 +39,10 @@ class State(NamedTuple):
 
 LARGEST_STRAIN = 1e6
 """Largest accepted strain: far beyond any skin, far below an overflow of the drives."""
+
+REFUSED, CROWDED = -1, -2
+"""Returned, instead of the number of spikes, for a strain that is not finite or too large, and for
+more than ROOM spikes of one unit."""
 
 
 @njit(cache=True)
@@ -121,7 +125,7 @@ def currents(s: "State", strain: NDArray[np.floating], dt: float) -> bool:
 def integrate_and_fire(
     s: "State", units: NDArray[np.float64], numbers: tuple[float, float, float], dt: float
 ) -> int:
-    """Advance integrate-and-fire units by dt ms; return the number of spikes, or -1 beyond ROOM.
+    """Advance integrate-and-fire units by dt ms; return the number of spikes, or CROWDED.
 
     units (n, 3): potential, highest potential, ms when free. numbers: threshold in uA/cm², time
     constant and refractory time in ms.
@@ -158,7 +162,7 @@ def hodgkin_huxley(
     block: tuple[float, float, float],
     dt: float,
 ) -> int:
-    """Advance Hodgkin-Huxley units by dt ms; return the number of spikes, or -1 beyond ROOM.
+    """Advance Hodgkin-Huxley units by dt ms; return the number of spikes, or CROWDED.
 
     units (n_blocks, :) and last (n_blocks,) of LANES units each; how, rest and block as in
     `membranes.vectorized`.
@@ -187,6 +191,6 @@ def hodgkin_huxley(
 
 @njit(cache=True)
 def _advance_clock(s: "State", dt: float) -> int:
-    """Advance the clock; return the number of spikes, or -1 for more than ROOM of one unit."""
+    """Advance the clock; return the number of spikes, or CROWDED."""
     s.clock[0] += dt
-    return -1 if s.counts.max() > s.spikes.shape[1] else s.counts.sum()
+    return CROWDED if s.counts.max() > s.spikes.shape[1] else s.counts.sum()

@@ -308,16 +308,12 @@ def test_units_side_by_side_fire_as_each_by_itself():
     steps = np.array([LONGEST[kind] for kind in kinds])
     states = compiled.rested(units, x[0], time[0])
     together, current = vectorized.fire(units, states.copy(), time, x, steps)
-    factors = np.empty(compiled.N_FACTORS)
     assert sum(map(len, together)) > 200
     for i, times in enumerate(together):
         spikes, count = np.empty(400), 0
-        factors[compiled.LENGTH] = 0.0
         for k in range(1, len(time)):
             span = (time[k - 1], time[k])
-            count = compiled.advance(
-                units, i, states[i], span, x[k, i], steps[i], factors, spikes, count
-            )
+            count = compiled.advance(units, i, states[i], span, x[k, i], steps[i], spikes, count)
         assert times == pytest.approx(np.minimum(spikes[:count], time[-1]), abs=1e-9)
         assert current[-1, i] == pytest.approx(states[i, compiled.CURRENT], rel=1e-9)
 

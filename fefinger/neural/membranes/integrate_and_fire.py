@@ -43,6 +43,11 @@ class IntegrateAndFire:
         number("time_constant", self.time_constant, above=0.0, unit="s")
         number("refractory", self.refractory, at_least=0.0, unit="s")
 
+    @property
+    def numbers(self) -> tuple[float, float, float]:
+        """Threshold in uA/cm², time constant and refractory time in ms."""
+        return self.threshold, 1e3 * self.time_constant, 1e3 * self.refractory
+
     def rate(self, current: float) -> float:
         """Return the firing rate in Hz in a constant current in uA/cm²."""
         if current <= self.threshold:
@@ -69,12 +74,11 @@ class IntegrateAndFire:
         time_ms, columns = signals(time, current)
         largest = float(columns.max())
         room = int(1e-3 * (time_ms[-1] - time_ms[0]) * self.rate(largest)) + 2
-        numbers = self.threshold, 1e3 * self.time_constant, 1e3 * self.refractory
 
         def block(part: Array) -> Run:
             n = part.shape[1]
             spikes, counts = np.empty((n, room)), np.zeros(n, np.int64)
-            rows = compiled.integrate(time_ms, part, numbers, spikes, counts)
+            rows = compiled.integrate(time_ms, part, self.numbers, spikes, counts)
             return trimmed(spikes, counts), rows
 
         times, rows = in_blocks(block, columns, _WIDTH)
