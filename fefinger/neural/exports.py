@@ -33,6 +33,7 @@ CSV_COLUMNS = ("unit", "type", "x_mm", "y_mm", "z_mm", "time_s")
 
 SIGNALS = ("x_in", "current")
 PER_UNIT = ("peak_mV", "block_seconds", "stimulus_driven")
+LISTS = ("types", "names", "notes")
 OPTIONAL = ("positions", "depths", "seed")
 
 UNITS = {
@@ -76,18 +77,17 @@ def to_npz(trains: TrainRecord, path: str | PathLike[str]) -> None:
     `units_of_arrays` the unit of each array as "name unit", `meanings` the descriptions of SIGNALS
     as "name: meaning".
     """
-    arrays: dict[str, Any] = {name: getattr(trains, name) for name in ("time", *SIGNALS, *PER_UNIT)}
-    arrays |= {name: getattr(trains, name) for name in ("types", "names", "notes")}
+    names = ("time", *SIGNALS, *PER_UNIT, *LISTS, *OPTIONAL)
+    arrays = {name: getattr(trains, name) for name in names if getattr(trains, name) is not None}
     arrays |= {
-        name: getattr(trains, name) for name in OPTIONAL if getattr(trains, name) is not None
+        "spikes": np.concatenate(trains.times),
+        "offsets": np.cumsum([0, *trains.count()]),
+        "span": [trains.t_start, trains.t_stop],
+        "format": NPZ_FORMAT,
+        "family": trains.family,
+        "units_of_arrays": [f"{name} {unit}" for name, unit in UNITS.items()],
+        "meanings": [f"{name}: {meaning}" for name, meaning in MEANINGS.items()],
     }
-    arrays["spikes"] = np.concatenate(trains.times)
-    arrays["offsets"] = np.cumsum([0, *trains.count()])
-    arrays["span"] = [trains.t_start, trains.t_stop]
-    arrays["format"] = NPZ_FORMAT
-    arrays["family"] = trains.family
-    arrays["units_of_arrays"] = [f"{name} {unit}" for name, unit in UNITS.items()]
-    arrays["meanings"] = [f"{name}: {meaning}" for name, meaning in MEANINGS.items()]
     with _in_place(path) as new, open(new, "wb") as file:
         np.savez_compressed(file, **arrays)
 
@@ -113,17 +113,13 @@ def read_npz(path: str | PathLike[str]) -> dict[str, Any]:
 
 def _fields(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
     """Convert stored arrays to the fields of SpikeTrains; KeyError where one is missing."""
-    offsets = data["offsets"]
     fields: dict[str, Any] = {name: data[name] for name in ("time", *SIGNALS, *PER_UNIT)}
-    fields |= {name: tuple(data[name].tolist()) for name in ("types", "names", "notes")}
+    fields |= {name: tuple(data[name].tolist()) for name in LISTS}
     fields |= {name: data[name] for name in ("positions", "depths") if name in data}
-    if "seed" in data:
-        fields["seed"] = int(data["seed"])
-    if "family" in data:
-        fields["family"] = str(data["family"])
-    pieces = np.split(data["spikes"], offsets[1:-1])
-    start, stop = data["span"].tolist()
-    return fields | {"times": tuple(pieces), "t_start": start, "t_stop": stop}
+    fields |= {name: data[name].item() for name in ("seed", "family") if name in data}
+    fields["times"] = tuple(np.split(data["spikes"], data["offsets"][1:-1]))
+    fields["t_start"], fields["t_stop"] = data["span"].tolist()
+    return fields
 
 
 def to_pandas(trains: TrainRecord) -> "pd.DataFrame":

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fefinger.neural.drives import in_plane
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.vocabulary import TYPES
@@ -88,25 +89,17 @@ class Surface:
 class Population:
     """Units and their end organs.
 
-    types (n_units,); centers (n_units, 3) mm on the skin and normals (n_units, 3) there; depths
-    (n_units,) mm of the end organs. skin (n_organs, 3) mm: point of the skin above each end organ,
-    organ_normals (n_organs, 3) there, unit (n_organs,): index of its unit. numbers (n_units,):
-    numbers of the units among all requested ones. seed: of the random draws.
+    types (n_units,); depths (n_units,) mm of the end organs; numbers (n_units,): of the units among
+    all requested ones. skin (n_organs, 3) mm: point of the skin above each end organ, organ_normals
+    (n_organs, 3) there, unit (n_organs,): index of its unit.
     """
 
     types: tuple[str, ...]
-    centers: Array
-    normals: Array
     depths: Array
+    numbers: Integers
     skin: Array
     organ_normals: Array
     unit: Integers
-    numbers: Integers
-    seed: int | None = None
-
-    def __len__(self) -> int:
-        """Return the number of units."""
-        return len(self.types)
 
     @property
     def organ_depths(self) -> Array:
@@ -151,8 +144,7 @@ def scatter(
                 "raise the density or the radius, or give the place of one"
             )
         rng = np.random.default_rng([_seed(seed), TYPES.index(kind)])
-        across = np.tile(np.asarray(normal, float), (count, 1))
-        places.append(_disc(rng, across, np.full(count, float(radius))))
+        places.append(_disc(rng, np.asarray(normal, float), radius, count))
         types += [kind] * count
     return tuple(types), np.concatenate(places)
 
@@ -274,10 +266,14 @@ def populate(
     streams = np.asarray(np.arange(len(types)) if numbers is None else numbers, np.int64)
     skin, skin_normals, unit = [], [], []
     for i, kind in enumerate(types):
-        low, high = _number_of_organs(kind, organs or {})
+        low, high = (organs or {}).get(kind, (1, 1))
+        if not 1 <= low <= high:
+            raise InputError(
+                f"organs.{kind}: expected a smallest number of 1 or more and a largest, received "
+                f"{(low, high)!r}"
+            )
         if high == 1:
-            points = centers[i : i + 1]
-            upward = normals[i : i + 1]
+            points, upward = centers[i : i + 1], normals[i : i + 1]
         else:
             rng = np.random.default_rng([_seed(seed), len(TYPES), streams[i]])
             diameter = number(f"fields.{kind}", (fields or {}).get(kind), above=0.0, unit="mm")
@@ -288,14 +284,11 @@ def populate(
         unit += [i] * len(points)
     return Population(
         types=types,
-        centers=centers,
-        normals=normals,
         depths=np.array([number(f"depths.{k}", depths[k], above=0.0, unit="mm") for k in types]),
         skin=np.concatenate(skin),
         organ_normals=np.concatenate(skin_normals),
         unit=np.array(unit, np.int64),
         numbers=streams,
-        seed=seed,
     )
 
 
@@ -317,15 +310,6 @@ def _centers(surface: Surface, types: tuple[str, ...], places: ArrayLike) -> tup
     return centers, normals
 
 
-def _number_of_organs(kind: str, organs: Mapping[str, tuple[int, int]]) -> tuple[int, int]:
-    """Smallest and largest number of end organs of a type, checked."""
-    low, high = organs.get(kind, (1, 1))
-    if not 1 <= low <= high:
-        msg = f"organs.{kind}: expected a smallest number of 1 or more and a largest, received "
-        raise InputError(msg + repr((low, high)))
-    return low, high
-
-
 def _spread(
     surface: Surface,
     rng: np.random.Generator,
@@ -338,9 +322,8 @@ def _spread(
     """Draw `count` random points of the skin around a center, with normals."""
     points, normals = np.empty((0, 3)), np.empty((0, 3))
     for _ in range(ATTEMPTS):
-        around = np.tile(normal, (count - len(points), 1))
-        radius = np.full(len(around), 0.5 * diameter)
-        drawn, upward, on = surface.project(center + _disc(rng, around, radius))
+        around = center + _disc(rng, normal, 0.5 * diameter, count - len(points))
+        drawn, upward, on = surface.project(around)
         points, normals = np.concatenate([points, drawn[on]]), np.concatenate([normals, upward[on]])
         if len(points) == count:
             return points, normals
@@ -350,16 +333,12 @@ def _spread(
     )
 
 
-def _disc(rng: np.random.Generator, normals: Array, radius: Array) -> Array:
-    """Draw vectors (n, 3), uniformly over discs of these radii perpendicular to the normals."""
-    # The axis farthest from the normal, with which its cross product is never near zero.
-    axis = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
-    first: Array = np.cross(normals, axis)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    second = np.cross(normals, first)
-    angle = rng.uniform(0.0, 2.0 * np.pi, len(normals))[:, None]
+def _disc(rng: np.random.Generator, normal: Array, radius: float, count: int) -> Array:
+    """Draw vectors (count, 3), uniformly over a disc perpendicular to the normal (3,)."""
+    first, second = in_plane(normal)
+    angle = rng.uniform(0.0, 2.0 * np.pi, count)[:, None]
     # The square root: the area of a disc grows with the square of its radius.
-    length = (radius * np.sqrt(rng.uniform(size=len(normals))))[:, None]
+    length = radius * np.sqrt(rng.uniform(size=count))[:, None]
     return length * (np.cos(angle) * first + np.sin(angle) * second)
 
 

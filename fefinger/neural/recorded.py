@@ -206,6 +206,6 @@ def units_of(
         "noise": column["noise"] if noise is None else np.full(n, float(noise)),
         "jitter": np.zeros(n) if noise == 0.0 else column["jitter"],
         # Splitmix64 of a counter: a bijection, so that no two units share a start.
-        "stream": mixed(base + streams * np.uint64(0x9E3779B97F4A7C15)),
+        "stream": np.asarray(mixed(base + streams * np.uint64(0x9E3779B97F4A7C15))),
     }
     return Units(**{name: column[name] for name in Units._fields})

@@ -11,6 +11,7 @@ from fefinger.neural.recorded import Recorded, fitted, units_of
 from fefinger.neural.recorded_compiled import rested
 from fefinger.neural.recorded_simulation import LONGEST
 from fefinger.neural.streaming import ROOM, SteppedUnits, drive_code, planes
+from fefinger.neural.streaming_step import REFUSED
 from fefinger.support.checks import InputError
 
 
@@ -85,6 +86,6 @@ class RecordedAfferents(SteppedUnits):
         fired = compiled.step(
             self.units, self._states, span, strain, self._organs, self._longest, *spikes
         )
-        if fired != compiled.REFUSED:
+        if fired != REFUSED:
             self._clock = span[1]
         return int(fired)

@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.neural.trains import SpikeTrains
+from fefinger.neural.train_record import TrainRecord
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 
 
-def mean_rates(trains: SpikeTrains, start: float, stop: float) -> Array:
+def mean_rates(trains: TrainRecord, start: float, stop: float) -> Array:
     """Return spikes per second of each unit from `start` up to `stop` s, (n_units,) Hz."""
     start = number("start", start, unit="s")
     length = number("stop", stop, above=start, unit="s") - start

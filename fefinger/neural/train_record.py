@@ -13,9 +13,6 @@ from fefinger.support.vocabulary import FAMILIES
 FEW = 12
 """Largest number of units that are listed and drawn one by one."""
 
-COLUMNS = ("unit", "type", "time_s")
-"""Column names of `SpikeTrains.to_rows`."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class TrainRecord:
@@ -73,6 +70,10 @@ class TrainRecord:
             if count != n:
                 raise InputError(f"{field}: expected one for each of {n} names, received {count}")
 
+    def __repr__(self) -> str:
+        """Show the numbers of spikes, not the arrays."""
+        return f"<SpikeTrains, {self.t_start:g} to {self.t_stop:g} s: {self.summary()}>"
+
     def __len__(self) -> int:
         """Return the number of units."""
         return len(self.names)
@@ -110,11 +111,3 @@ class TrainRecord:
         times = self.times[self.index(unit)]
         steps = np.concatenate([[0.0], 1.0 / np.diff(times), [0.0]]) if len(times) else np.zeros(1)
         return steps[np.searchsorted(times, np.asarray(t, float), side="right")]
-
-    def to_rows(self) -> list[tuple[str, str, float]]:
-        """Return one row (unit, type, time in s) per spike, by unit and then time."""
-        return [
-            (name, kind, float(t))
-            for name, kind, times in zip(self.names, self.types, self.times, strict=True)
-            for t in times
-        ]

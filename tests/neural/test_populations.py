@@ -131,7 +131,6 @@ def test_branches_are_drawn_by_number_whichever_units_are_beside_the_skin():
 
 def test_end_organs_lie_at_their_depth_along_the_normal():
     population = populate(CAP, ("SAI", "FAII"), [[0, 0, 0], [3, 0, -0.4]], depths=DEPTHS)
-    assert len(population) == 2
     depth = 10 - np.linalg.norm(population.sites + np.array([0, 0, 10]), axis=1)
     np.testing.assert_allclose(depth, [0.8, 2.5], atol=0.01)
     np.testing.assert_array_equal(population.unit, [0, 1])

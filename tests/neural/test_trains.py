@@ -1,11 +1,10 @@
-"""SpikeTrains: counts, instantaneous rate and rows."""
+"""SpikeTrains: counts and instantaneous rate."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from fefinger.neural.train_record import COLUMNS
 from fefinger.neural.trains import SpikeTrains
 from fefinger.support.checks import InputError
 
@@ -27,13 +26,10 @@ def trains(*times):
     )
 
 
-def test_counts_and_rows_follow_the_units():
+def test_counts_follow_the_units():
     both = trains([0.5, 1.0], [0.25])
     assert len(both) == 2
     np.testing.assert_array_equal(both.count(), [2, 1])
-    rows = [("SAI-1", "SAI", 0.5), ("SAI-1", "SAI", 1.0), ("SAI-2", "SAI", 0.25)]
-    assert both.to_rows() == rows
-    assert len(COLUMNS) == len(rows[0])
 
 
 def test_rate_is_one_over_the_interval_all_through_it():
