@@ -155,10 +155,8 @@ def fire(
         raise InputError(msg)
     if length is not None:
         number("--length", length, above=0.0, unit="mm")
-    recorded = choice("--afferents", family, FAMILIES) == "recorded"
-    simulate = _recorded(tolerance, generator) if recorded else _thesis(tolerance, generator)
+    simulate, poles, lengths = _family(family, tolerance, generator)
     columns, kinds, names = _units(signals, types)
-    poles, lengths = _poles_and_lengths(recorded)
     lengths = lengths if length is None else dict.fromkeys(TYPES, length)
     mm = [_mm(signals, i, lengths.get(kind)) for i, kind in zip(columns, kinds, strict=True)]
     if not corners:
@@ -166,7 +164,7 @@ def fire(
             _check_sampling(signals, i, kind, each, poles[kind])
     run = partial(simulate, types=kinds, lengths=mm, names=names)
     trains = run(signals.time, signals.drive[:, columns])
-    notes = trains.notes + _starts(signals) + _signs(signals)
+    notes = (*trains.notes, *_remarks(signals))
     if length is not None and None not in signals.lengths:
         notes += ("--length is not used, because no column is a strain.",)
     if not corners:
@@ -180,39 +178,34 @@ def fire(
     return replace(trains, notes=notes)
 
 
-def _poles_and_lengths(recorded: bool) -> tuple[dict[str, float], dict[str, float | None]]:
-    """Fastest pole of each type in Hz, and the length in mm of a strain where it has a default."""
-    if recorded:
+def _family(
+    family: str, tolerance: float | None, generator: str
+) -> tuple[Callable[..., "SpikeTrains"], dict[str, float], dict[str, float]]:
+    """Choose a simulation, with the fastest pole of each type in Hz and its length of a strain.
+
+    The length in mm is that of the fit, so the family "thesis" has none.
+    """
+    if choice("--afferents", family, FAMILIES) == "recorded":
         from fefinger.neural.recorded import fitted
+        from fefinger.neural.recorded_simulation import simulate_recorded
 
+        given = {"--tolerance": tolerance is not None, "generator": generator != GENERATORS[0]}
+        for name, value in given.items():
+            if value:
+                raise InputError(
+                    f"{name}: expected none for the afferents 'recorded', which have one integrator"
+                )
         units = fitted()
-        return (
-            {kind: unit.corner for kind, unit in units.items()},
-            {kind: unit.length for kind, unit in units.items()},
-        )
+        lengths = {kind: unit.length for kind, unit in units.items()}
+        return simulate_recorded, {kind: unit.corner for kind, unit in units.items()}, lengths
     from fefinger.neural.endorgans import END_ORGANS
-
-    return {kind: max(organ.poles) for kind, organ in END_ORGANS.items()}, {}
-
-
-def _recorded(tolerance: float | None, generator: str) -> "Callable[..., SpikeTrains]":
-    """Choose the simulation of the family `recorded`; InputError for a choice it does not have."""
-    from fefinger.neural.recorded_simulation import simulate_recorded
-
-    given = {"--tolerance": tolerance is not None, "generator": generator != GENERATORS[0]}
-    for name, value in given.items():
-        if value:
-            msg = f"{name}: expected none for the afferents 'recorded', which have one integrator"
-            raise InputError(msg)
-    return simulate_recorded
-
-
-def _thesis(tolerance: float | None, generator: str) -> "Callable[..., SpikeTrains]":
-    """Choose the simulation of the family `thesis`."""
     from fefinger.neural.units import simulate_units
 
-    seconds = None if tolerance is None else _seconds(tolerance)
-    return partial(simulate_units, generator=generator, tolerance=seconds)
+    seconds = None
+    if tolerance is not None:
+        seconds = 1e-3 * number("--tolerance", tolerance, above=0.0, at_most=10.0, unit="ms")
+    poles = {kind: max(organ.poles) for kind, organ in END_ORGANS.items()}
+    return partial(simulate_units, generator=generator, tolerance=seconds), poles, {}
 
 
 def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[str], list[str]]:
@@ -293,24 +286,14 @@ def _mm(signals: Signals, column: int, length: float | None) -> float:
     return length
 
 
-def _seconds(tolerance: float) -> float:
-    """Check a tolerance in ms and convert it to s."""
-    return 1e-3 * number("--tolerance", tolerance, above=0.0, at_most=10.0, unit="ms")
-
-
-def _starts(signals: Signals) -> tuple[str, ...]:
-    """Describe columns that do not start at 0."""
-    return tuple(
+def _remarks(signals: Signals) -> list[str]:
+    """Describe columns that do not start at 0, or extend further below 0 than above it."""
+    notes = [
         f"{header}: starts at {first:g}, which is a jump from 0 for every unit; begin the series "
         "before the touch, unless the jump is intended"
         for header, first in zip(signals.headers, signals.drive[0], strict=True)
         if first != 0.0
-    )
-
-
-def _signs(signals: Signals) -> tuple[str, ...]:
-    """Describe columns that extend further below 0 than above it."""
-    notes = []
+    ]
     for header, column, length in zip(
         signals.headers, signals.drive.T, signals.lengths, strict=True
     ):
@@ -321,7 +304,7 @@ def _signs(signals: Signals) -> tuple[str, ...]:
                 f"{header}: goes down to {low:g}, but only up to {high:g}; expected are positive "
                 f"values {wanted}; if the sign is wrong, change it"
             )
-    return tuple(notes)
+    return notes
 
 
 def _curved(signals: Signals) -> tuple[Array, Array]:

@@ -22,8 +22,7 @@ from fefinger.neural.endorgans import END_ORGANS, RECTIFIERS, Organ, PoleZero, c
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import LARGEST_CURRENT, transduce
 from fefinger.neural.membranes import LARGEST_STEP, Firing, HodgkinHuxley, Membrane
-from fefinger.neural.membranes.firing import largest_step
-from fefinger.neural.membranes.hodgkin_huxley import BLOCK_AFTER, BLOCK_CURRENT, BLOCK_MV
+from fefinger.neural.membranes.firing import largest_step, trimmed
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.variation import Variation
 from fefinger.support.arrays import Array
@@ -257,6 +256,9 @@ def simulate_units(
     notes = remarks(time, mean_in, types, names, firing)
     if check:
         notes += _changes(setup, time, x_in, dt, names, firing)
+    by_type = sorted(range(len(types)), key=types.__getitem__)
+    current = np.empty((len(time), len(types)))
+    current[:, by_type] = setup.combined(by_type, time, x_in)
     return SpikeTrains(
         types=types,
         names=names,
@@ -265,7 +267,7 @@ def simulate_units(
         t_stop=float(time[-1] + later.max()),
         time=time,
         x_in=mean_in,
-        current=_currents(setup, time, x_in),
+        current=current,
         peak_mV=firing.peak_mV,
         block_seconds=firing.block_seconds,
         stimulus_driven=firing.stimulus_driven,
@@ -286,14 +288,6 @@ def _integrator(
     if tolerance is None:
         return None, dt
     return _squid(membrane, "tolerance: expected").integrator(tolerance, seconds)
-
-
-def _currents(setup: _Setup, time: Array, x_in: Array) -> Array:
-    """Compute the currents (n_t, n_units) without noise, type by type."""
-    by_type = sorted(range(len(setup.types)), key=setup.types.__getitem__)
-    current = np.empty((len(time), len(by_type)))
-    current[:, by_type] = setup.combined(by_type, time, x_in)
-    return current
 
 
 def _squid(membrane: object, what: str) -> HodgkinHuxley:
@@ -347,27 +341,13 @@ def _race(
 
     (currents,) = setup.branches([unit], time, x_in, at)
     currents = np.ascontiguousarray(currents + setup.noise(unit, at, currents.shape[1]))
-    membrane, crossings = _squid(setup.membrane, "rule: expected for 'first'"), 0
-    if driven:
-        crossings = int(membrane.fire(at, currents, dt=dt).stimulus_driven.max())
-    spikes = np.empty(int(2e3 * max(1.0, membrane.speed) * (at[-1] - at[0])) + 16)
-    dt = min(dt, LARGEST_STEP / max(1.0, membrane.speed))
-    count, peak, blocked, final = race(
-        1e3 * at,
-        currents,
-        1e3 * dt,
-        1.0 / membrane.speed,
-        membrane.rest(),
-        (BLOCK_MV, BLOCK_CURRENT, 1e3 * BLOCK_AFTER / membrane.speed),
-        spikes,
-    )
-    if count > len(spikes):
-        raise InputError(
-            f"current: drives the membrane {count} times through 40 mV, faster than any membrane "
-            "can follow; lower the gain"
-        )
+    membrane = _squid(setup.membrane, "rule: expected for 'first'")
+    crossings = membrane.fire(at, currents, dt=dt).stimulus_driven.max() if driven else 0
+    spikes = np.empty((1, int(2e3 * max(1.0, membrane.speed) * (at[-1] - at[0])) + 16))
+    constants = membrane.step_ms(dt), membrane.speed, membrane.rest(), membrane.block
+    count, peak, blocked, final = race(1e3 * at, currents, *constants, spikes[0])
     return Firing(
-        times=(1e-3 * spikes[:count],),
+        times=(1e-3 * trimmed(spikes, np.array([count]))[0],),
         peak_mV=np.array([peak]),
         block_seconds=np.array([1e-3 * blocked]),
         stimulus_driven=np.array([crossings], np.int64),
@@ -378,10 +358,8 @@ def _race(
 def _joined(runs: Sequence[Firing], order: NDArray[np.intp]) -> Firing:
     """Concatenate the firing of groups of units and reorder it."""
     times = [times for run in runs for times in run.times]
+    arrays = ("peak_mV", "block_seconds", "stimulus_driven", "final")
     return Firing(
         times=tuple(times[i] for i in order),
-        peak_mV=np.concatenate([run.peak_mV for run in runs])[order],
-        block_seconds=np.concatenate([run.block_seconds for run in runs])[order],
-        stimulus_driven=np.concatenate([run.stimulus_driven for run in runs])[order],
-        final=np.concatenate([run.final for run in runs])[order],
+        **{name: np.concatenate([getattr(run, name) for run in runs])[order] for name in arrays},
     )

@@ -24,7 +24,7 @@ MOST = 1_000_000
 
 def integrate(
     time: Array,
-    divisor: float,
+    slow: float,
     frozen: bool,
     rest: Array,
     block: tuple[float, float, float],
@@ -35,7 +35,7 @@ def integrate(
     The solver restarts at every kink of the current; peak and block are read at the ends of steps.
     InputError for MOST straight pieces or more, ConvergenceError where the solver gives up.
     """
-    slow, thaw = 1.0 / divisor, 0.0 if frozen else 1.0
+    thaw = 0.0 if frozen else 1.0
     y, step, armed, above, peak, blocked = rest, None, True, 0.0, float(rest[0]), 0.0
     spikes: list[float] = []
     for t0, t1, i0, i1 in _straight(time, current[:, 0]):

@@ -14,19 +14,19 @@ def race(
     time: NDArray[np.float64],
     current: NDArray[np.float64],
     dt_max: float,
-    divisor: float,
+    slow: float,
     rest: NDArray[np.float64],
     block: tuple[float, float, float],
     spikes: NDArray[np.float64],
 ) -> tuple[int, float, float, NDArray[np.float64]]:
     """Integrate the branches of one unit from rest; the first to fire resets the others.
 
-    time (n_t,) ms, current (n_t, n_branches). The branch that first reaches a spike fires the unit,
-    and the others take over its state. `block`: potential, current and time of a depolarization
-    block; the longest block of the branches counts. Returns the number of spikes, the peak, the ms
-    in block and the final states.
+    time (n_t,) ms, current (n_t, n_branches); slow: factor on all rates. The branch that first
+    reaches a spike fires the unit, and the others take over its state. `block`: potential, current
+    and time of a depolarization block; the longest block of the branches counts. Returns the number
+    of spikes, the peak, the ms in block and the final states.
     """
-    n, slow = current.shape[1], 1.0 / divisor
+    n = current.shape[1]
     y = np.empty((n, 4))
     y[:] = rest
     armed, above, blocked = np.ones(n, np.bool_), np.zeros(n), np.zeros(n)

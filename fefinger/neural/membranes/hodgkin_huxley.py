@@ -174,10 +174,8 @@ class HodgkinHuxley:
         if method == "adaptive":
             from fefinger.neural.membranes import adaptive
 
-            unit = partial(
-                adaptive.integrate, time_ms, 1.0 / self.speed, frozen, self.rest(), self.block
-            )
-            return in_blocks(unit, current, 1)
+            constants = time_ms, self.speed, frozen, self.rest(), self.block
+            return in_blocks(partial(adaptive.integrate, *constants), current, 1)
         from fefinger.neural.membranes import vectorized
 
         rest = self.rest()
