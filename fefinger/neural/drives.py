@@ -25,12 +25,12 @@ def compressive(strain: Array, normals: Array) -> Array:
     J Neurophysiol 46:1192 (as cited in thesis 4.1). Default of FAII: the corpuscle is compressed
     between indenter and bone (thesis 4.2.1), and its lamellae have no preferred tangent direction.
     """
-    return np.maximum(0.0, -_principal(strain)[..., 0])
+    return np.maximum(0.0, -np.linalg.eigvalsh(strain)[..., 0])
 
 
 def tensile(strain: Array, normals: Array) -> Array:
     """Return the largest principal strain in any direction, negative where all are compressive."""
-    return _principal(strain)[..., 2]
+    return np.asarray(np.linalg.eigvalsh(strain)[..., 2])
 
 
 def tangent(strain: Array, normals: Array) -> Array:
@@ -108,11 +108,6 @@ def driven_displacements(
             strain[:, of_kind], normals[of_kind]
         )
     return x_in
-
-
-def _principal(strain: Array) -> Array:
-    """Return the principal strains (..., 3), ascending."""
-    return np.asarray(np.linalg.eigvalsh(strain), np.float64)
 
 
 def in_plane(normals: Array) -> tuple[Array, Array]:

@@ -8,9 +8,8 @@ The parameters are fitted to responses of single units through the mechanics of 
 """
 
 import json
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING, Any, Self
@@ -130,26 +129,6 @@ class Recorded:
         s = 1j * np.asarray(frequency, float)
         return ((s + self.static * self.corner) / (s + self.corner)) ** self.order
 
-    def rate(self, current: float) -> float:
-        """Rate in Hz in a constant current over threshold: no noise, adaptation complete."""
-        left = current * (1.0 - self.adapting)
-        if self.recovery:
-            raise InputError("rate: expected a unit without recovery, which has no closed form")
-        if left <= 1.0:
-            return 0.0
-        return 1.0 / (self.refractory - self.membrane * math.log1p(-1.0 / left))
-
-    def varied(self, **changes: float) -> Self:
-        """Parameters with some of them changed."""
-        values: dict[str, Any] = dict(changes)
-        return replace(self, **values)
-
-
-@cache
-def fitted() -> dict[str, Recorded]:
-    """Fitted parameters by type."""
-    return {kind: Recorded.of(_values(kind)) for kind in TYPES}
-
 
 @cache
 def record() -> dict[str, Any]:
@@ -158,10 +137,14 @@ def record() -> dict[str, Any]:
     return dict(json.loads(text))
 
 
-def _values(kind: str) -> dict[str, Any]:
-    """Values of the parameters of a type, without their uncertainties."""
-    table = record()["types"][kind]
-    return {name: part["value"] if isinstance(part, dict) else part for name, part in table.items()}
+@cache
+def fitted() -> dict[str, Recorded]:
+    """Fitted parameters by type."""
+    tables = {kind: record()["types"][kind].items() for kind in TYPES}
+    return {
+        kind: Recorded.of({name: x["value"] if isinstance(x, dict) else x for name, x in table})
+        for kind, table in tables.items()
+    }
 
 
 def units_of(

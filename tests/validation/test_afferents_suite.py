@@ -1,5 +1,6 @@
 """The suite `afferents`: its data, its closed forms against simulation, and its names."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -33,7 +34,7 @@ def test_every_file_of_data_has_its_points_and_says_where_they_are_from(name):
 @pytest.mark.parametrize("kind", ["SAI", "FAI", "FAII"])
 @pytest.mark.parametrize("frequency", [30.0, 200.0])
 def test_the_threshold_in_closed_form_is_that_of_the_simulated_unit(kind, frequency):
-    unit = fitted()[kind].varied(noise=0.0)
+    unit = replace(fitted()[kind], noise=0.0)
     probed = Probed(kind, unit, 0.5)
     edge = probed.threshold(frequency)
     for factor, fires in ((0.93, False), (1.07, True)):

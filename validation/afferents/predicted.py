@@ -1,6 +1,6 @@
 """Responses of the fitted units that were not fitted: holds, profiles, surround, bursts, jitter."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -48,7 +48,7 @@ def inputs(kind: str, driven: Array) -> Array:
 def fire(kind: str, time: Array, x: Array, *, factor: float = 1.0) -> list[Array]:
     """Spike times of units of a type with inputs x (n_t, n_units) mm."""
     unit = fitted()[kind]
-    parameters = {kind: unit.varied(gain=factor * unit.gain)}
+    parameters = {kind: replace(unit, gain=factor * unit.gain)}
     types = (kind,) * x.shape[1]
     return list(simulate_recorded(time, x, types=types, parameters=parameters, check=False).times)
 

@@ -109,16 +109,10 @@ class ArraySensor:
         square = ((self.positions[:, None] - points) ** 2).sum(axis=-1)
         return np.exp(-square / (2 * self.sigma**2)) / (2 * np.pi * self.sigma**2) * areas
 
-    def read(
-        self,
-        time: ArrayLike,
-        points: ArrayLike,
-        areas: ArrayLike,
-        pressure: ArrayLike,
-        *,
-        seed: int | None = None,
+    def scan(
+        self, time: ArrayLike, element_pressure: ArrayLike, *, seed: int | None = None
     ) -> Reading:
-        """Simulate readings of a pressure (n_t, n_points) in kPa at the times (n_t,) s.
+        """Simulate readings of the pressure (n_t, n) in kPa on the elements at times (n_t,) s.
 
         The pressure is linear between the times and read from `time[0]` on; only whole frames are
         returned. `seed` is that of the noise; None: without noise.
@@ -128,13 +122,6 @@ class ArraySensor:
         ValueError
             Shapes that do not match, times that do not increase, or less than one frame.
         """
-        pressure = elastic.numbers("pressure", "pressures", pressure)
-        return self.scan(time, pressure @ self.weights(points, areas).T, seed=seed)
-
-    def scan(
-        self, time: ArrayLike, element_pressure: ArrayLike, *, seed: int | None = None
-    ) -> Reading:
-        """Scan the pressure (n_t, n) in kPa on the elements; other arguments as in `read`."""
         time = elastic.numbers("time", "times", time)
         element_pressure = elastic.numbers("element_pressure", "pressures", element_pressure)
         if element_pressure.shape[:1] != time.shape or not (np.diff(time) > 0).all():
@@ -151,17 +138,6 @@ class ArraySensor:
         if seed is not None:
             read = read + np.random.default_rng(seed).normal(0.0, self.noise, read.shape)
         return Reading(at, read)
-
-
-def centroid(positions: ArrayLike, pressure: ArrayLike) -> Array:
-    """Return the center of pressure (..., 2) mm (Eq. 3.2 and 3.3) of pressures (..., n).
-
-    Not a number where the pressures add up to nothing or less.
-    """
-    pressure = elastic.numbers("centroid", "pressures", pressure)
-    total = pressure.sum(axis=-1)[..., None]
-    moment = pressure @ np.asarray(positions, float)
-    return np.divide(moment, total, out=np.full_like(moment, np.nan), where=total > 0)
 
 
 def isobar(points: ArrayLike, triangles: ArrayLike, pressure: ArrayLike, level: float) -> Array:

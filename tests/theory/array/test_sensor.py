@@ -7,12 +7,7 @@ from fefinger.validation.thesis.force_filter import two_pole
 from scipy.signal import butter, lfilter
 
 from fefinger.scene import pawluk1997
-from fefinger.theory.array.sensor import (
-    ArraySensor,
-    blurred,
-    centroid,
-    isobar,
-)
+from fefinger.theory.array.sensor import ArraySensor, Reading, blurred, isobar
 from fefinger.theory.array.sensor_fit import BlurredCap, fit_fingerpad
 from fefinger.theory.contact.curvature import series_modulus
 from fefinger.theory.contact.hertz import Hertz
@@ -29,6 +24,10 @@ def grid(step, half=8.0):
     line = np.arange(-half + step / 2, half, step)
     points = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
     return points, np.full(len(points), step**2), np.hypot(*points.T)
+
+
+def readings(time, points, areas, pressure, seed=None) -> Reading:
+    return SENSOR.scan(time, pressure @ SENSOR.weights(points, areas).T, seed=seed)
 
 
 # Elements
@@ -114,7 +113,7 @@ def test_each_element_reads_the_pressure_of_its_own_moment():
     points, areas, _ = grid(1.0, half=12.0)
     time = np.linspace(0.0, 0.1, 21)
     ramp = np.outer(30.0 * time, np.ones(len(points)))
-    reading = SENSOR.read(time, points, areas, ramp)
+    reading = readings(time, points, areas, ramp)
     assert reading.pressure == pytest.approx(30.0 * reading.time, abs=1e-5)
     assert reading.time[1] - reading.time[0] == pytest.approx(1 / 200)
     assert reading.time.max() <= 0.1 < reading.time.max() + 1 / 200
@@ -125,26 +124,16 @@ def test_each_element_reads_the_pressure_of_its_own_moment():
 def test_noise_is_seeded_and_as_large_as_told():
     points, areas, _ = grid(1.0)
     time, still = np.array([0.0, 1.0]), np.zeros((2, len(points)))
-    first, same, other = (SENSOR.read(time, points, areas, still, seed=s) for s in (1, 1, 2))
+    first, same, other = (readings(time, points, areas, still, seed=s) for s in (1, 1, 2))
     assert (first.pressure == same.pressure).all()
     assert (first.pressure != other.pressure).any()
     assert first.pressure.std() == pytest.approx(0.5, rel=0.02)  # 12 736 readings
-    assert not SENSOR.read(time, points, areas, still).pressure.any()
+    assert not readings(time, points, areas, still).pressure.any()
     on_one = 0.5 * SENSOR.pitch**2 / 9.80665  # gram weight: the thesis says 1.2
     assert on_one == pytest.approx(0.20, abs=5e-3)
 
 
 # Descriptors
-
-
-def test_centroid_finds_the_center_of_a_cap():
-    place = np.array([0.7, -1.3])
-    points, areas, _ = grid(0.25)
-    pressure = BALL.pressure(np.hypot(*(points - place).T))
-    element_pressure = SENSOR.weights(points, areas) @ pressure
-    assert centroid(SENSOR.positions, element_pressure) == pytest.approx(place, abs=0.02)
-    assert centroid(points, pressure * areas) == pytest.approx(place, abs=1e-3)
-    assert np.isnan(centroid(SENSOR.positions, np.zeros(64))).all()
 
 
 def test_isobars_of_a_cone_are_circles_and_close():
@@ -167,7 +156,7 @@ def press(pressure_at, depth_rate=0.2, deepest=2.3, seed=7):
     """Return the depth at each reading of a slow press and the reading, one frame in 40."""
     points, areas, r = grid(0.5)
     time = np.linspace(0, deepest / depth_rate, 200)
-    reading = SENSOR.read(time, points, areas, pressure_at(r, depth_rate * time), seed=seed)
+    reading = readings(time, points, areas, pressure_at(r, depth_rate * time), seed=seed)
     return depth_rate * reading.time[::40], reading.pressure[::40]
 
 
@@ -240,8 +229,8 @@ BAD = [
     (lambda: ArraySensor(pitch=0.0), "pitch above 0"),
     (lambda: SENSOR.weights([[0.0, 0.0]], [4.0]), "sides up to 1.44 mm"),
     (lambda: SENSOR.weights([0.0, 0.0], [1.0]), "areas"),
-    (lambda: SENSOR.read([0, 1e-3], [[0, 0]], [1.0], np.zeros((2, 1))), "at least one frame"),
-    (lambda: SENSOR.read([0, 0], [[0, 0]], [1.0], np.zeros((2, 1))), "2 rising times"),
+    (lambda: readings([0, 1e-3], [[0, 0]], [1.0], np.zeros((2, 1))), "at least one frame"),
+    (lambda: readings([0, 0], [[0, 0]], [1.0], np.zeros((2, 1))), "2 rising times"),
     (lambda: fit_ball(np.ones((2, 3)), np.ones((2, 4)), np.ones(4)), "shape of the pressure"),
 ]
 
