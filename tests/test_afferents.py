@@ -60,9 +60,10 @@ def test_sites_are_the_end_organs_below_the_skin():
 def test_every_place_has_a_unit_of_each_type():
     for layout, count in ((LINE, 5), (ff.Places(places=((0, 0), (1, 2))), 2), (ff.Grid(), 61)):
         units = population.place(asked(layout), SKIN, AXIS)
-        assert units.types == ("SAI", "FAI") * (len(units) // 2)
-        assert len(units) // 2 == pytest.approx(count, abs=20 if count == 61 else 0)
-        np.testing.assert_array_equal(units.centers[::2], units.centers[1::2])
+        places = len(units.types) // 2
+        assert units.types == ("SAI", "FAI") * places
+        assert places == pytest.approx(count, abs=20 if count == 61 else 0)
+        np.testing.assert_array_equal(units.skin[::2], units.skin[1::2])
 
 
 def test_places_of_a_grid_beside_the_skin_are_noted():

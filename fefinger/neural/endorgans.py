@@ -1,7 +1,6 @@
 """End organs: mechanical filters from skin displacement to nerve displacement."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -185,13 +184,8 @@ and poles, so it cannot have both zeros at 0 Hz.
 
 
 def rectify(x_out: Array) -> Array:
-    """Half-wave rectify the nerve displacement in mm (thesis Eq. B.19, after the filter)."""
+    """Half-wave rectify the nerve displacement in mm (thesis Eq. B.19, after the filter).
+
+    The choice of thesis 4.2.1: no known coupling could pull the nerve ending.
+    """
     return np.maximum(x_out, 0.0)
-
-
-RECTIFIERS: dict[str, Callable[[Array], Array]] = {
-    "half": rectify,
-    "full": np.abs,
-}
-"""Rectification after the filter. "half" is the choice of thesis 4.2.1: no known coupling could
-pull the nerve ending. "full" models channels that open in tension and in compression."""

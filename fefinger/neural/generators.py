@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.neural.endorgans import END_ORGANS, RECTIFIERS, Organ
+from fefinger.neural.endorgans import END_ORGANS, Organ, rectify
 from fefinger.support.arrays import Array
 from fefinger.support.vocabulary import GENERATORS
 
@@ -51,14 +51,12 @@ def transduce(
     generator: str = "saturating",
     at: ArrayLike | None = None,
     organ: Organ | None = None,
-    rectifier: str = "half",
 ) -> Array:
     """Return the generator current in uA/cm² of a unit's type for a skin displacement in mm.
 
     End-organ filter, rectification, generator; `time`, `x_in` and `at` as in `PoleZero.respond`,
     `kind` an afferent type, `generator` one of GENERATORS, `organ` the filter where it is not that
-    of END_ORGANS, `rectifier` one of RECTIFIERS.
+    of END_ORGANS.
     """
     x_out = (organ or END_ORGANS[kind]).respond(time, x_in, at)
-    x_nerve = RECTIFIERS[rectifier](x_out)
-    return GENERATOR_BY_NAME[generator](x_nerve, gain)
+    return GENERATOR_BY_NAME[generator](rectify(x_out), gain)

@@ -12,13 +12,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib import resources
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, choice, number, reject_unknown
+from fefinger.support.checks import InputError, choice, number
 from fefinger.support.vocabulary import DRIVES, TYPES
 
 
@@ -104,25 +104,11 @@ class Recorded:
         """Check every parameter."""
         choice("drive", self.drive, DRIVES)
         for name, bounds in BOUNDS.items():
-            value = number(
-                name,
-                getattr(self, name),
-                at_least=bounds.low,
-                at_most=bounds.high,
-                unit=bounds.unit,
-            )
+            limits = {"at_least": bounds.low, "at_most": bounds.high}
+            value = number(name, getattr(self, name), unit=bounds.unit, **limits)
             object.__setattr__(self, name, value)
         if self.order not in (1.0, 2.0):
             raise InputError(f"order: expected 1 or 2, received {self.order:g}")
-
-    @classmethod
-    def of(cls, table: dict[str, Any]) -> Self:
-        """Read a table of parameters; InputError for one that is missing or unknown."""
-        names = [field.name for field in fields(cls)]
-        reject_unknown("recorded", table, names)
-        if missing := [name for name in names if name not in table]:
-            raise InputError(f"recorded: expected every parameter, {', '.join(missing)} missing")
-        return cls(**table)
 
     def frequency_response(self, frequency: Array) -> NDArray[np.complex128]:
         """Output over input of the filter at frequencies in Hz."""
@@ -142,7 +128,7 @@ def fitted() -> dict[str, Recorded]:
     """Fitted parameters by type."""
     tables = {kind: record()["types"][kind].items() for kind in TYPES}
     return {
-        kind: Recorded.of({name: x["value"] if isinstance(x, dict) else x for name, x in table})
+        kind: Recorded(**{name: x["value"] if isinstance(x, dict) else x for name, x in table})
         for kind, table in tables.items()
     }
 

@@ -37,23 +37,8 @@ class Units(NamedTuple):
     stream: NDArray[np.uint64]
 
 
-(
-    X,
-    MODE,
-    SLOW,
-    CURRENT,
-    ADAPTED,
-    AFTER,
-    POTENTIAL,
-    FREE,
-    KNOT,
-    LEFT,
-    RIGHT,
-    PEAK,
-    FIRED,
-    LAST,
-    SIZE,
-) = range(15)
+X, MODE, SLOW, CURRENT, ADAPTED, AFTER, POTENTIAL, FREE = range(8)
+KNOT, LEFT, RIGHT, PEAK, FIRED, LAST, SIZE = range(8, 15)
 """Places in the state of a unit: last input in mm, two modes of the filter, current, adaptation,
 current after spikes, potential, time in s from which it is free to fire, index of the last knot of
 the noise, noise at that knot and the next, highest potential, number of impulses, and time in s of

@@ -126,14 +126,11 @@ def simulate_recorded(
 def combined(organs: Array, columns: Sequence[NDArray[np.intp]], rule: str) -> Array:
     """Combine inputs (n_t, n_organs) in mm of end organs to those (n_t, n_units) of their units."""
     choice("rule", rule, RECORDED_RULES)
-    if all(len(c) == 1 for c in columns):
-        return organs[:, np.concatenate(columns)]
-    joined = np.concatenate(columns)
-    starts = np.cumsum([0, *map(len, columns)])[:-1]
+    counts = [len(c) for c in columns]
+    organs, starts = organs[:, np.concatenate(columns)], np.cumsum([0, *counts])[:-1]
     if rule == "max":
-        return np.asarray(np.maximum.reduceat(organs[:, joined], starts, axis=1))
-    sums = np.add.reduceat(organs[:, joined], starts, axis=1)
-    return np.asarray(sums / np.array([len(c) for c in columns]))
+        return np.asarray(np.maximum.reduceat(organs, starts, axis=1))
+    return np.asarray(np.add.reduceat(organs, starts, axis=1) / counts)
 
 
 def _units(

@@ -37,43 +37,19 @@ LANES = 16
 NEVER = -(10**15)
 """Knot of the noise before the first."""
 
-(
-    _GAIN,
-    _AT_REST,
-    _SHARE,
-    _OTHER,
-    _NEGATIVE,
-    _INVERSE,
-    _ADAPTING,
-    _NOISE,
-    _FADE,
-    _WANE,
-    _GROW,
-    _RISE,
-    _ADAPT,
-    _FORGET,
-    _LEAK,
-    _MOVE,
-    _PUSH,
-    _LIFT,
-    _X,
-    _MODE,
-    _SLOW,
-    _CURRENT,
-    _ADAPTED,
-    _TAKEN,
-    _V,
-    _FREE,
-    _LEFT,
-    _RIGHT,
-    _PEAK,
-    _DRIVE,
-    _RARE,
-    _END,
-) = range(0, 32 * LANES, LANES)
-"""Offsets of the rows in the array of a block. One array, because the compiler then needs no checks
-at run time that rows do not overlap. Parameters, factors of a step, change of the input and of the
-filter modes in a step, state, and what the step leaves: mean drive, and 1 for a lane to finish."""
+# Offsets of the rows in the array of a block. One array, because the compiler then needs no checks
+# at run time that rows do not overlap. Parameters:
+_GAIN, _AT_REST, _SHARE, _OTHER, _NEGATIVE, _INVERSE, _ADAPTING, _NOISE = range(0, 8 * LANES, LANES)
+# Factors of a step:
+_FADE, _WANE, _GROW, _RISE, _ADAPT, _FORGET, _LEAK = range(8 * LANES, 15 * LANES, LANES)
+# Change of the input and of the filter modes in a step:
+_MOVE, _PUSH, _LIFT = range(15 * LANES, 18 * LANES, LANES)
+# State:
+_X, _MODE, _SLOW, _CURRENT, _ADAPTED, _TAKEN, _V, _FREE, _LEFT, _RIGHT, _PEAK = range(
+    18 * LANES, 29 * LANES, LANES
+)
+# What the step leaves, the mean drive and 1 for a lane to finish, and the end:
+_DRIVE, _RARE, _END = range(29 * LANES, 32 * LANES, LANES)
 
 
 @njit(cache=True, fastmath={"contract", "arcp", "nsz"}, error_model="numpy")
@@ -192,7 +168,7 @@ def run(
     than the room where it did not suffice; current (n_t, n_units): generator currents over
     threshold.
     """
-    s = np.zeros(_END + LANES)
+    s = np.zeros(_END)
     # Lanes without a unit are never free to fire.
     s[_FREE : _FREE + LANES] = np.inf
     _load(units, block, states, s)
@@ -228,6 +204,8 @@ def run(
             current[k, block[i]] = s[_CURRENT + i]
     for i in range(len(block)):
         states[block[i], PEAK] = min(1.0, s[_PEAK + i])
+        for k in range(min(counts[i], spikes.shape[1])):
+            spikes[i, k] = displaced(units, block[i], states[block[i]], spikes[i, k])
 
 
 @njit(cache=True)
@@ -238,16 +216,6 @@ def _jump(s: Array, i: int, change: float) -> None:
     s[_SLOW + i] += change
     y = s[_AT_REST + i] * s[_X + i] + s[_SHARE + i] * s[_MODE + i] + s[_OTHER + i] * s[_SLOW + i]
     s[_CURRENT + i] = generator(y, s[_GAIN + i], s[_NEGATIVE + i], s[_INVERSE + i])
-
-
-@njit(cache=True, nogil=True)
-def _displace(
-    units: Units, block: Integers, states: Array, spikes: Array, counts: Integers
-) -> None:
-    """Displace the spikes (n_block, room) of the units of a block by their jitter."""
-    for i in range(len(block)):
-        for k in range(min(counts[i], spikes.shape[1])):
-            spikes[i, k] = displaced(units, block[i], states[block[i]], spikes[i, k])
 
 
 def fire(
@@ -265,7 +233,6 @@ def fire(
     def part(block: Integers) -> list[Array]:
         spikes, counts = np.empty((len(block), room)), np.zeros(len(block), np.int64)
         run(units, block, states, time, x, float(steps[block[0]]), spikes, counts, current)
-        _displace(units, block, states, spikes, counts)
         # The jitter of an impulse at the end of the series would lead out of it.
         return [
             np.minimum(row[:count], time[-1]) for row, count in zip(spikes, counts, strict=True)

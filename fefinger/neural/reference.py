@@ -49,11 +49,6 @@ class Reference:
         for kind, name in chosen.items():
             choice("drives", kind, TYPES)
             choice(f"drives.{kind}", name, DRIVES)
-        self._check()
-        return {kind: self._length(kind, chosen[kind]) for kind in types}
-
-    def _check(self) -> None:
-        """Check depth and shapes."""
         number("reference.depth", self.depth, above=0.0, unit="mm")
         n, strain, normals = len(self.types), np.shape(self.strain), np.shape(self.normals)
         if strain != (n, 3, 3) or normals != (n, 3):
@@ -61,6 +56,7 @@ class Reference:
                 f"reference.strain, reference.normals: expected ({n}, 3, 3) and ({n}, 3) for {n} "
                 f"types, received {strain} and {normals}"
             )
+        return {kind: self._length(kind, chosen[kind]) for kind in types}
 
     def _length(self, kind: str, drive: str) -> float:
         """Skin displacement in mm per unit of drive of one type."""

@@ -18,7 +18,7 @@ from fefinger.neural.checked_signals import (
     unit_delays,
     unit_names,
 )
-from fefinger.neural.endorgans import END_ORGANS, RECTIFIERS, Organ, PoleZero, chord_steps
+from fefinger.neural.endorgans import END_ORGANS, Organ, PoleZero, chord_steps
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import LARGEST_CURRENT, transduce
 from fefinger.neural.membranes import LARGEST_STEP, Firing, HodgkinHuxley, Membrane
@@ -52,7 +52,6 @@ class _Setup:
     columns: tuple[NDArray[np.intp], ...]
     rule: str
     generator: str
-    rectifier: str
     organs: Mapping[str, Organ]
     membrane: Membrane
     variation: Variation | None
@@ -62,7 +61,6 @@ class _Setup:
     def __post_init__(self) -> None:
         """Check the choices."""
         choice("generator", self.generator, GENERATORS)
-        choice("rectifier", self.rectifier, RECTIFIERS)
         choice("rule", self.rule, RULES)
         reject_unknown("organs", self.organs, TYPES)
         numbers = None if self.variation is None else self.variation.numbers
@@ -127,7 +125,6 @@ class _Setup:
             generator=self.generator,
             at=at,
             organ=self.organs.get(kind),
-            rectifier=self.rectifier,
         )
         return np.split(currents, np.cumsum(organs)[:-1], axis=1)
 
@@ -172,7 +169,6 @@ def simulate_units(
     delays: ArrayLike = 0.0,
     variation: Variation | None = None,
     generator: str = "saturating",
-    rectifier: str = "half",
     organs: Mapping[str, Organ] | None = None,
     membrane: Membrane | None = None,
     names: Sequence[str] | None = None,
@@ -210,8 +206,8 @@ def simulate_units(
         (n_units,) or one number: s from a spike at the end organ to where it is recorded.
     variation
         Membrane noise and unequal gains; None: neither.
-    rectifier, organs
-        One of RECTIFIERS; filters by type, where they are not those of END_ORGANS.
+    organs
+        Filters by type, where they are not those of END_ORGANS.
     names, positions, depths
         Of the units: names (default: types, numbered where they repeat), (n_units, 3) mm and
         (n_units,) mm.
@@ -244,7 +240,6 @@ def simulate_units(
         columns=columns,
         rule=rule,
         generator=generator,
-        rectifier=rectifier,
         organs=organs or {},
         membrane=membrane,
         variation=variation,

@@ -95,14 +95,6 @@ def test_how_many_units_are_held_in_memory_changes_nothing(rule, monkeypatch):
         np.testing.assert_allclose(a, b, atol=1e-9)
 
 
-def test_full_wave_rectification_answers_a_pull_as_a_push():
-    pushed, pulled = one([1.0], rectifier="full"), one([-1.0], rectifier="full")
-    # Exact: up to the rectifier the two differ by signs alone.
-    np.testing.assert_array_equal(pushed.times[0], pulled.times[0])
-    assert len(pushed.times[0]) > 0
-    assert len(one([-1.0]).times[0]) == 0
-
-
 def test_a_filter_of_ones_own_replaces_that_of_its_type():
     bare = one([0.02], organs={"SAI": spring(2.0, 1.0, 1.0)}).current[:, 0]
     np.testing.assert_allclose(bare, 100 * -np.expm1(-3.199 * 0.4 * 0.02 * RAMP), rtol=1e-9)
@@ -208,7 +200,6 @@ class Other:
         ({"types": ()}, "one afferent unit or more, received none"),
         ({"types": ("SA",)}, "Did you mean"),
         ({"rule": "sum"}, "rule: expected one of 'mean', 'max', 'first'"),
-        ({"rectifier": "none"}, "rectifier: expected one of"),
         ({"delays": -1.0}, "delays: expected one or 1 times"),
         ({"names": ("a", "b")}, "names: expected 1"),
         ({"variation": Variation(seed=1, numbers=(0, 1))}, "numbers: expected one for each of 1"),

@@ -43,7 +43,7 @@ def test_the_threshold_in_closed_form_is_that_of_the_simulated_unit(kind, freque
 
 
 def test_the_gains_of_a_population_have_the_spread_of_the_type():
-    unit = fitted()["FAI"].varied(spread=0.5)
+    unit = replace(fitted()["FAI"], spread=0.5)
     gains = np.log(Probed("FAI", unit, 0.5).gains(2000))
     assert gains.mean() == pytest.approx(0.0, abs=1e-9)
     assert gains.std() == pytest.approx(0.5, rel=0.01)

@@ -147,7 +147,7 @@ def isobar(points: ArrayLike, triangles: ArrayLike, pressure: ArrayLike, level: 
     """
     points = elastic.numbers("isobar", "places", points)
     pressure = elastic.numbers("isobar", "pressures", pressure)
-    elastic.require_finite("isobar", level=level)
+    elastic.numbers("isobar", "level", level)
     corners = np.asarray(triangles)
     above = pressure[corners] > level
     crossed = corners[above.any(axis=1) & ~above.all(axis=1)]

@@ -20,13 +20,6 @@ def require_positive(owner: str, **values: float) -> None:
             raise ValueError(f"{owner}: expected {name} above 0, received {value!r}")
 
 
-def require_finite(owner: str, **values: float) -> None:
-    """Raise ValueError unless every value is finite."""
-    for name, value in values.items():
-        if not math.isfinite(value):
-            raise ValueError(f"{owner}: expected a finite {name}, received {value!r}")
-
-
 def require_not_negative(owner: str, **values: float) -> None:
     """Raise ValueError unless every value is finite and zero or above."""
     for name, value in values.items():
@@ -71,11 +64,6 @@ def numbers(
         received = f"{wrong.flat[0]:g}" if wrong.size else "none"
         raise ValueError(f"{owner}: expected finite {name}{limit}, received {received}")
     return array
-
-
-def distances(owner: str, r: ArrayLike) -> Array:
-    """Convert distances r (...,) mm from the axis to an array; ValueError unless 0 or above."""
-    return numbers(owner, "r", r, least=0.0)
 
 
 def plane_modulus(modulus: float, poisson: float) -> float:

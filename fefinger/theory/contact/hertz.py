@@ -68,7 +68,7 @@ class Hertz:
 
     def pressure(self, r: ArrayLike) -> Array:
         """Contact pressure in kPa at the distance r (...,) mm from the axis, zero outside."""
-        inside = 1 - (elastic.distances("Hertz", r) / self._size) ** 2
+        inside = 1 - (elastic.numbers("Hertz", "r", r, least=0.0) / self._size) ** 2
         return self.peak_pressure * np.sqrt(np.maximum(inside, 0.0))
 
     def stress(self, r: ArrayLike, z: ArrayLike) -> Array:

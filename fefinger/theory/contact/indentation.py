@@ -75,7 +75,7 @@ class Contact:
 
     def pressure(self, r: ArrayLike) -> Array:
         """Contact pressure in kPa at r (...,) mm, zero outside; a punch's edge is infinite."""
-        x = elastic.distances("Contact", r) / self.contact_radius
+        x = elastic.numbers("Contact", "r", r, least=0.0) / self.contact_radius
         y = np.sqrt(np.maximum(1 - x**2, 0.0))
         with np.errstate(divide="ignore", invalid="ignore"):
             value = legendre.legval(y, over_edge(self.phi)) / (self.contact_radius * y)

@@ -15,12 +15,10 @@ SLOWER, and no larger than that of the depth.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.theory.contact.elastic import Array
 from fefinger.theory.relaxation import Prony, exprel
 
-
-Array = NDArray[np.float64]
 
 NODES = 128
 """Intervals of depth, of equal steps of the contact radius of a ball."""

@@ -15,12 +15,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.theory.contact.elastic import Array
 from fefinger.theory.relaxation import Prony, checked_signal, exprel
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,11 @@
 """Uncertainty and warnings of a least-squares fit to a ramp and hold."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.theory.contact.elastic import Array
 from fefinger.theory.lumped.ramp_hold import RampHold
 from fefinger.theory.relaxation import Prony
 
-
-Array = NDArray[np.float64]
 
 LOOSE = 0.5  # relative standard deviation from which a rate is not identified
 APART = 2.0  # ratio of successive rates below which they cannot be separated

@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.theory.contact.elastic import Array
 from fefinger.theory.lumped import confidence
 from fefinger.theory.lumped.confidence import covariance as covariance_of
 from fefinger.theory.lumped.confidence import deviations
@@ -31,8 +32,6 @@ from fefinger.theory.relaxation import Prony
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
-
-Array = NDArray[np.float64]
 
 TERMS = 3
 FASTEST = 300.0  # 1/s, initial value of the fastest rate

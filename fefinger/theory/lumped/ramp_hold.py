@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.theory.contact.elastic import Array
 from fefinger.theory.lumped.spring import Spring, force
 from fefinger.theory.relaxation import Prony, exprel
 
-
-Array = NDArray[np.float64]
 
 SMOOTHING = 9  # samples of the moving average (Pawluk 1997, section 2.4.1)
 FEWEST = 20  # smallest number of samples in the ramp in contact, and in the hold
@@ -95,20 +94,17 @@ def _check_parts(time: Array, force: Array, touch: int, hold: int) -> None:
         msg = f"force: expected 0 N before touch, received {first:.3g} N; tare the force"
         raise ValueError(msg)
     for name, count in (("ramp in contact", hold - touch), ("hold", len(time) - hold)):
-        if count >= FEWEST:
-            continue
         if count <= 0:
-            msg = (
+            raise ValueError(
                 f"{name}: expected a force that rises with the position, received one that does "
                 "not; check that both columns are of this ramp and recorded at the same times"
             )
-        else:
-            msg = (
+        if count < FEWEST:
+            raise ValueError(
                 f"{name}: expected at least {FEWEST} samples, received {count}, one every "
                 f"{1e3 * float(np.median(np.diff(time))):.3g} ms; the record needs a fast ramp "
                 "into the finger and then a rest at that position, both sampled often enough"
             )
-        raise ValueError(msg)
 
 
 def _check_range(force: Array) -> None:

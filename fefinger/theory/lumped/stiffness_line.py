@@ -5,8 +5,8 @@ The method of the thesis, which treats the ramp as instantaneous (Pawluk 1997, s
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fefinger.theory.contact.elastic import Array
 from fefinger.theory.lumped.confidence import covariance as covariance_of
 from fefinger.theory.lumped.ramp_hold import (
     RAMP_POINTS,
@@ -18,8 +18,6 @@ from fefinger.theory.lumped.ramp_hold import (
 )
 from fefinger.theory.lumped.spring import Spring
 
-
-Array = NDArray[np.float64]
 
 STEADY = 0.8  # fraction of the median speed below which the indenter starts or stops
 CUT = SMOOTHING // 2 + 1  # samples before the hold that smoothing mixes with it

@@ -50,7 +50,8 @@ def test_contact_radius_under_spheres_is_that_of_the_reference():
 def test_the_ratios_are_those_of_hertz_contacts_at_fixed_force_and_fixed_depth():
     def contacts(force):
         radii = [relative_radius(15.0, 1 / c if c else math.inf) for c in (*SPHERES.tolist(), 0.7)]
-        return [Hertz.under_force(r, force, modulus=120.0, poisson=0.5) for r in radii]
+        depths = [(9 * force**2 / (16 * r * 160.0**2)) ** (1 / 3) for r in radii]
+        return [Hertz(r, d, modulus=120.0, poisson=0.5) for r, d in zip(radii, depths, strict=True)]
 
     limit = contacts(200.0)[-1]
     for i, forced in enumerate(contacts(150.0)[:-1]):
