@@ -46,7 +46,7 @@ def test_a_scatter_has_as_many_units_as_its_disc_holds():
         assert row.organs[0] <= counts.min() <= counts.max() <= row.organs[1]
     sparse = ff.Scatter(branched=False, densities={"SAI": 10.0})
     plain = population.place(asked(sparse, ("SAI",)), SKIN, AXIS)
-    assert len(plain.unit) == len(plain) == round(10 * area)
+    assert len(plain.unit) == len(plain.types) == round(10 * area)
 
 
 def test_sites_are_the_end_organs_below_the_skin():

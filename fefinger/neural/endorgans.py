@@ -108,6 +108,8 @@ def respond_modes(
     p (n_poles,) in rad/s with positive real parts; complex ones come in conjugate pairs, as do
     their c, and the output is real.
     """
+    from fefinger.neural.endorgans_compiled import between
+
     time, x_in = np.asarray(time, float), np.asarray(x_in, float)
     columns = x_in.reshape(len(time), -1)
     memory = _memory(time, columns, p)
@@ -119,16 +121,7 @@ def respond_modes(
     # After the last sample the input stays as it is.
     since, step = at - time[k], np.diff(time, append=time[-1])
     slope = np.diff(columns, axis=0, append=columns[-1:]) / np.where(step, step, np.inf)[:, None]
-    if len(p) and not np.iscomplexobj(p):
-        from fefinger.neural.endorgans_compiled import between
-
-        weights, poles = np.asarray(c, float), np.asarray(p, float)
-        real = between(at_rest, weights, poles, columns, slope, memory, k, since)
-        return real.reshape(at.shape + x_in.shape[1:])
-    out = at_rest * (columns[k] + slope[k] * since[:, None])
-    for i, pole in enumerate(p):
-        decay = np.exp(-pole * since)[:, None]
-        out += (c[i] * (memory[k, i] * decay + slope[k] * ((1.0 - decay) / pole))).real
+    out = between(at_rest, c, p, columns, slope, memory, k, since)
     return out.reshape(at.shape + x_in.shape[1:])
 
 

@@ -26,11 +26,11 @@ def remember(
 @njit(cache=True, nogil=True, error_model="numpy")
 def between(
     at_rest: float,
-    weights: NDArray[np.float64],
-    poles: NDArray[np.float64],
+    weights: NDArray[Any],
+    poles: NDArray[Any],
     columns: NDArray[np.float64],
     slopes: NDArray[np.float64],
-    memory: NDArray[np.float64],
+    memory: NDArray[Any],
     interval: NDArray[np.int64],
     since: NDArray[np.float64],
 ) -> NDArray[np.float64]:
@@ -47,5 +47,5 @@ def between(
             fading = weights[i] * np.exp(-poles[i] * s)
             fresh = (weights[i] - fading) / poles[i]
             for u in range(columns.shape[1]):
-                out[a, u] += fading * memory[k, i, u] + fresh * slopes[k, u]
+                out[a, u] += (fading * memory[k, i, u] + fresh * slopes[k, u]).real
     return out

@@ -21,7 +21,7 @@ from fefinger.neural.recorded import Recorded, fitted, units_of
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.variation import Variation
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, choice, number
+from fefinger.support.checks import choice, number
 from fefinger.support.vocabulary import RECORDED_RULES
 
 
@@ -141,11 +141,7 @@ def _units(
     chosen = [by_type[kind] for kind in types]
     if variation is None:
         return units_of(chosen)
-    if variation.numbers is not None and len(variation.numbers) != len(types):
-        raise InputError(
-            f"numbers: expected one for each of {len(types)} units, received "
-            f"{len(variation.numbers)}"
-        )
+    variation.check(len(types))
     noise = variation.noise
     return units_of(
         chosen,

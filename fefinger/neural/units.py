@@ -63,11 +63,8 @@ class _Setup:
         choice("generator", self.generator, GENERATORS)
         choice("rule", self.rule, RULES)
         reject_unknown("organs", self.organs, TYPES)
-        numbers = None if self.variation is None else self.variation.numbers
-        if numbers is not None and len(numbers) != len(self.types):
-            units = len(self.types)
-            msg = f"numbers: expected one for each of {units} units, received {len(numbers)}"
-            raise InputError(msg)
+        if self.variation is not None:
+            self.variation.check(len(self.types))
         for kind, organ in self.organs.items():
             if not hasattr(organ, "respond"):
                 msg = f"organs.{kind}: expected a filter such as PoleZero, received {organ!r}"

@@ -43,6 +43,13 @@ class Variation:
                 msg = f"numbers: expected whole numbers of 0 or more, received {index!r}"
                 raise InputError(msg)
 
+    def check(self, units: int) -> None:
+        """Raise InputError unless there are as many numbers as units, where there are numbers."""
+        if self.numbers is not None and len(self.numbers) != units:
+            raise InputError(
+                f"numbers: expected one for each of {units} units, received {len(self.numbers)}"
+            )
+
     def gain(self, unit: int, spread: float = 0.0) -> float:
         """Random factor on the gain of a unit, of a type with this spread."""
         spread = spread if self.spread is None else self.spread

@@ -12,7 +12,7 @@ Thomson 1950, Haskell 1953 for layers in series.
 
 import math
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,13 +42,6 @@ class Layer:
     def shear(self) -> float:
         """Shear modulus in kPa."""
         return elastic.shear_modulus(self.modulus, self.poisson)
-
-
-class _Waves(NamedTuple):
-    """Amplitudes (n, 2) of the waves that decay downward and upward in one layer."""
-
-    down: Array
-    up: Array
 
 
 @dataclass(frozen=True)
@@ -133,10 +126,11 @@ class Stack:
         for i, depth in enumerate(z):
             index, local = self.locate(float(depth))
             layer = self.layers[index]
-            state = self._down(layer, xi * local) @ waves[index].down[..., None]
+            down, up = waves[index]
+            state = self._down(layer, xi * local) @ down[..., None]
             if layer.thickness < math.inf:
                 rise = self._up(layer, xi * (local - layer.thickness))
-                state += rise @ waves[index].up[..., None]
+                state += rise @ up[..., None]
             out[i] = state[..., 0].T
         out[:, :2] /= 2 * self.layers[0].shear
         return out
@@ -149,8 +143,11 @@ class Stack:
             z -= layer.thickness
         return len(self.layers) - 1, min(z, self.layers[-1].thickness)
 
-    def _waves(self, xi: Array) -> list[_Waves]:
-        """Compute the waves of each layer, top first, under unit pressure on the surface."""
+    def _waves(self, xi: Array) -> list[tuple[Array, Array]]:
+        """Compute the waves of each layer, top first, under unit pressure on the surface.
+
+        They are the amplitudes (n, 2) of those that decay downward, and of those upward.
+        """
         carried, steps = self._join(xi)
         load = np.zeros((len(xi), 2, 1))
         # Rows 2 and 3 of the surface state are its stresses: a unit pressure and no shear.
@@ -159,10 +156,10 @@ class Stack:
         waves = []
         for step in reversed(steps):
             both = step @ down
-            waves.append(_Waves(down[..., 0], both[:, :2, 0]))
+            waves.append((down[..., 0], both[:, :2, 0]))
             down = np.asarray(both[:, 2:], np.float64)
         if len(waves) < len(self.layers):
-            waves.append(_Waves(down[..., 0], np.zeros((len(xi), 2))))
+            waves.append((down[..., 0], np.zeros((len(xi), 2))))
         return waves
 
     def _join(self, xi: Array) -> tuple[Array, list[Array]]:
