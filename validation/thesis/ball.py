@@ -63,27 +63,19 @@ def fitted(cover: str) -> dict[str, float]:
     return fit_ball(*press(cover)).parameters
 
 
-def fit_ball(
-    depth: ArrayLike,
-    pressure: ArrayLike,
-    distance: ArrayLike,
-    *,
-    sensor_modulus: float = SENSOR,
-    start: tuple[float, float] = (31.0, 540.0),
-    sigma: float = 0.96,
-) -> Fit:
+def fit_ball(depth: ArrayLike, pressure: ArrayLike, distance: ArrayLike) -> Fit:
     """Fit radius mm and modulus kPa of an incompressible ball on the array (A.2 to A.4).
 
-    The array is an incompressible half-space of `sensor_modulus`, as in the thesis; a 2 mm cover
+    The array is an incompressible half-space of modulus SENSOR, as in the thesis; a 2 mm cover
     on a rigid plane is actually much stiffer. Arguments and errors as `fit_fingerpad`.
     """
 
     def predict(radius: float, modulus: float, reach: Array, cap: BlurredCap) -> Array:
-        plane = series_modulus((modulus, 0.5), (sensor_modulus, 0.5))
+        plane = series_modulus((modulus, 0.5), (SENSOR, 0.5))
         a = np.minimum(np.sqrt(radius * reach), cap.widest)
         return 2 * plane / (np.pi * radius) * cap(a, distance)
 
-    return search(predict, ("radius", "modulus"), start, depth, pressure, distance, sigma)
+    return search(predict, {"radius": 31.0, "modulus": 540.0}, depth, pressure, distance)
 
 
 def direct(name: str) -> float:

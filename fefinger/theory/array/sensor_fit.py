@@ -30,13 +30,13 @@ class Fit:
 class BlurredCap:
     """Table of the blurred sqrt(a² - r²) in mm for contact radii a and distances r (mm)."""
 
-    def __init__(self, widest: float, farthest: float, sigma: float = 0.96) -> None:
+    def __init__(self, widest: float, farthest: float) -> None:
         from scipy.interpolate import RectBivariateSpline
 
         radii = np.linspace(0.0, widest, TABLE)
         distances = np.linspace(0.0, farthest, TABLE)
         rows = [np.zeros_like(distances)]
-        rows += [blurred(_cap(a), a, distances, sigma) for a in radii[1:].tolist()]
+        rows += [blurred(_cap(a), a, distances) for a in radii[1:].tolist()]
         self.widest = widest
         self._spline = RectBivariateSpline(radii, distances, np.array(rows))
 
@@ -50,14 +50,7 @@ def _cap(a: float) -> Callable[[Array], Array]:
     return lambda s: np.sqrt(np.maximum(a**2 - s**2, 0.0))
 
 
-def fit_fingerpad(
-    depth: ArrayLike,
-    pressure: ArrayLike,
-    distance: ArrayLike,
-    *,
-    start: tuple[float, float, float] = (14.0, 3.0, 1.5),
-    sigma: float = 0.96,
-) -> Fit:
+def fit_fingerpad(depth: ArrayLike, pressure: ArrayLike, distance: ArrayLike) -> Fit:
     """Fit R mm, the relaxed b ("c0_b", kPa/mm) and m 1/mm to a slow press (Eq. 3.17, 3.18).
 
     Parameters
@@ -66,8 +59,6 @@ def fit_fingerpad(
         (n_t, n) mm, at the time of the reading of each element, and kPa.
     distance
         (n,) mm of the elements from the center of contact.
-    start
-        First guess of R, c0 b and m.
 
     Raises
     ------
@@ -79,28 +70,26 @@ def fit_fingerpad(
         a = np.minimum(np.sqrt(radius * reach), cap.widest)
         return 4 * b / (np.pi * radius * m) * np.expm1(m * reach) * cap(a, distance)
 
-    return search(predict, ("radius", "c0_b", "m"), start, depth, pressure, distance, sigma)
+    return search(predict, {"radius": 14.0, "c0_b": 3.0, "m": 1.5}, depth, pressure, distance)
 
 
 def search(
     predict: Callable[..., Array],
-    names: tuple[str, ...],
-    start: tuple[float, ...],
+    guess: dict[str, float],
     depth: ArrayLike,
     pressure: ArrayLike,
     distance: ArrayLike,
-    sigma: float,
 ) -> Fit:
     """Minimize the squared error of `predict` over the logarithms of the parameters (simplex).
 
-    Arguments and errors as `fit_fingerpad`.
+    guess: by name, that of the radius in mm first; other arguments and errors as `fit_fingerpad`.
     """
     from scipy.optimize import minimize
 
     depth = elastic.numbers("fit", "depth", depth)
     pressure = elastic.numbers("fit", "pressure", pressure)
     distance = elastic.numbers("fit", "distance", distance, least=0.0)
-    elastic.numbers("fit", "start", start, above=0.0)
+    start = np.array(list(guess.values()))
     if pressure.shape != depth.shape or depth.shape[1:] != np.shape(distance):
         msg = f"depth: expected the shape of the pressure {pressure.shape}, received {depth.shape}"
         raise ValueError(msg)
@@ -108,7 +97,7 @@ def search(
     if not reach.max() > 0:
         raise ValueError("depth: expected a contact, received no depth above 0 mm")
     widest = float(np.sqrt(4 * start[0] * reach.max()))  # contact radius at R = 4 times the guess
-    cap = BlurredCap(widest, float(np.max(np.asarray(distance))), sigma)
+    cap = BlurredCap(widest, float(distance.max()))
 
     def squares(logarithms: Array) -> float:
         return float(np.sum((predict(*np.exp(logarithms), reach, cap) - pressure) ** 2))
@@ -120,4 +109,4 @@ def search(
         msg = f"fit: expected a minimum, the search ended at {values.round(4).tolist()} without one"
         raise ValueError(msg)
     spread = float(np.sum((pressure - pressure.mean()) ** 2))
-    return Fit(dict(zip(names, values.tolist(), strict=True)), float(minimum.fun) / spread)
+    return Fit(dict(zip(guess, values.tolist(), strict=True)), float(minimum.fun) / spread)
