@@ -10,6 +10,7 @@ from fefinger.neural.checked_signals import checked_types, organ_columns
 from fefinger.neural.recorded import Recorded, fitted, units_of
 from fefinger.neural.recorded_compiled import rested
 from fefinger.neural.recorded_simulation import LONGEST
+from fefinger.neural.recorded_vectorized import blocks_of
 from fefinger.neural.streaming import ROOM, SteppedUnits, drive_code, planes
 from fefinger.neural.streaming_step import REFUSED
 from fefinger.support.checks import InputError
@@ -72,19 +73,25 @@ class RecordedAfferents(SteppedUnits):
             np.cumsum([0, *map(len, columns)]),
             across,
         )
-        self._longest = np.array([LONGEST[kind] for kind in types])
+        longest = np.array([LONGEST[kind] for kind in types])
+        blocks = blocks_of(longest)
+        self._blocks = (
+            np.concatenate(blocks),
+            np.cumsum([0, *map(len, blocks)]),
+            np.array([longest[block[0]] for block in blocks]),
+        )
         super().__init__(types, len(owner), np.empty((n, ROOM)), np.zeros(n, np.int64))
 
     def reset(self) -> None:
         """Set all units to rest, at time 0."""
-        self._states = rested(self.units, np.zeros(len(self._longest)))
+        self._states = rested(self.units, np.zeros(len(self.types)))
         self._counts[:], self._clock = 0, 0.0
 
     def advance(self, strain: NDArray[np.floating], dt: float) -> int:
         """Advance by `dt` s; return the number of spikes, REFUSED or CROWDED."""
         span, spikes = (self._clock, self._clock + dt), (self._spikes, self._counts)
         fired = compiled.step(
-            self.units, self._states, span, strain, self._organs, self._longest, *spikes
+            self.units, self._states, span, strain, self._organs, self._blocks, *spikes
         )
         if fired != REFUSED:
             self._clock = span[1]

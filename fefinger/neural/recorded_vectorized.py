@@ -1,8 +1,7 @@
-"""Whole series of the units of `recorded`, 16 units at a time; imported at the first run.
+"""Time steps of the units of `recorded`, 16 units at a time; imported at the first run.
 
 The loop over LANES has no branch and no exponential, so that the compiler turns it into vector
 instructions. What few lanes do in a step, to fire or to end a refractory time, follows one by one.
-`recorded_compiled.advance` takes the same steps for one unit.
 """
 
 import math
@@ -163,10 +162,10 @@ def run(
 ) -> None:
     """Advance the units of a block, at most LANES, through a whole series by steps of one length.
 
-    states (n_units, SIZE) at the start, whose PEAK becomes the highest potential; x (n_t, n_units)
-    mm; longest: bound of the steps in s; spikes (n_block, room) s and counts (n_block,), larger
-    than the room where it did not suffice; current (n_t, n_units): generator currents over
-    threshold.
+    states (n_units, SIZE) at the start become those at the end; x (n_t, n_units) mm, the first row
+    as in the states; longest: bound of the steps in s; spikes (n_block, room) s and counts
+    (n_block,), larger than the room where it did not suffice; current (n_t, n_units): generator
+    currents over threshold.
     """
     s = np.zeros(_END)
     # Lanes without a unit are never free to fire.
@@ -203,9 +202,13 @@ def run(
             s[_X + i] = x[k, block[i]]
             current[k, block[i]] = s[_CURRENT + i]
     for i in range(len(block)):
-        states[block[i], PEAK] = min(1.0, s[_PEAK + i])
+        u = block[i]
+        states[u, X], states[u, MODE], states[u, SLOW] = s[_X + i], s[_MODE + i], s[_SLOW + i]
+        states[u, CURRENT], states[u, ADAPTED] = s[_CURRENT + i], s[_ADAPTED + i]
+        states[u, AFTER], states[u, POTENTIAL] = s[_TAKEN + i], s[_V + i]
+        states[u, FREE], states[u, PEAK] = s[_FREE + i], min(1.0, s[_PEAK + i])
         for k in range(min(counts[i], spikes.shape[1])):
-            spikes[i, k] = displaced(units, block[i], states[block[i]], spikes[i, k])
+            spikes[i, k] = displaced(units, u, states[u], spikes[i, k])
 
 
 @njit(cache=True)
@@ -218,13 +221,22 @@ def _jump(s: Array, i: int, change: float) -> None:
     s[_CURRENT + i] = generator(y, s[_GAIN + i], s[_NEGATIVE + i], s[_INVERSE + i])
 
 
+def blocks_of(steps: Array) -> list[Integers]:
+    """Units of each block: at most LANES, with one bound of the steps (n_units,)."""
+    return [
+        alike[first : first + LANES]
+        for alike in (np.flatnonzero(steps == step) for step in np.unique(steps))
+        for first in range(0, len(alike), LANES)
+    ]
+
+
 def fire(
     units: Units, states: Array, time: Array, x: Array, steps: Array
 ) -> tuple[list[Array], Array]:
     """Spike times of every unit in s, and generator currents (n_t, n_units) over threshold.
 
-    states (n_units, SIZE) at the start, whose PEAK becomes the highest potential; x (n_t, n_units)
-    mm; steps (n_units,): bounds of the steps in s.
+    states (n_units, SIZE) at the start become those at the end; x (n_t, n_units) mm; steps
+    (n_units,): bounds of the steps in s.
     """
     x = np.ascontiguousarray(x)
     current = np.empty(x.shape)
@@ -238,11 +250,7 @@ def fire(
             np.minimum(row[:count], time[-1]) for row, count in zip(spikes, counts, strict=True)
         ]
 
-    blocks = [
-        alike[first : first + LANES]
-        for alike in (np.flatnonzero(steps == step) for step in np.unique(steps))
-        for first in range(0, len(alike), LANES)
-    ]
+    blocks = blocks_of(steps)
     if len(blocks) == 1:
         return part(blocks[0]), current
     with ThreadPoolExecutor(min(threads(), len(blocks))) as pool:

@@ -305,24 +305,61 @@ def test_stepped_units_fire_as_those_of_a_whole_series():
         assert np.array(mine) == pytest.approx(theirs, abs=1e-9)
 
 
+def one_by_one(units, i, time, x, longest):
+    """Impulses of unit i without jitter, and its last current: the equations of `Recorded`."""
+
+    def noise(t):
+        knot, part = divmod(t / compiled.KNOTS, 1.0)
+        left, right = (compiled.normal(units.stream[i], int(knot) + k) for k in (0, 1))
+        return left + (right - left) * part
+
+    def output(modes):
+        y = units.at_rest[i] * entered + units.share[i] @ modes
+        return compiled.generator(y, units.gain[i], units.negative[i], 1 / units.largest[i])
+
+    entered, modes = x[0], np.full(2, x[0])
+    current, adapted, taken, v, free, times = output(modes), 0.0, 0.0, 0.0, 0.0, []
+    for start, length, change in zip(time, np.diff(time), np.diff(x), strict=False):
+        steps = max(1, math.ceil(length / longest - 1e-9))
+        h = length / steps
+        fade = np.exp(-units.pole[i] * h)
+        adapt = 1 - math.exp(-h / units.adaptation[i])
+        forget = math.exp(-h / units.recovering[i])
+        for t in start + h * np.arange(steps):
+            entered += change / steps
+            modes = fade * modes + change * (1 - fade) / (units.pole[i] * length)
+            before, current = current, output(modes)
+            mean = (before + current) / 2
+            drive = mean - units.adapting[i] * (adapted + adapt * (mean - adapted) / 2)
+            drive += units.noise[i] * min(mean, 1.0) * noise(t + h / 2) - taken * (1 + forget) / 2
+            adapted, taken = adapted + adapt * (mean - adapted), taken * forget
+            begin = max(free, t)
+            if begin >= t + h:
+                continue
+            now = v + (drive - v) * (1 - math.exp(-(t + h - begin) / units.membrane[i]))
+            if now >= 1:
+                times.append(begin + (t + h - begin) * max(0.0, (1 - v) / (now - v)))
+                now, free, taken = 0.0, times[-1] + units.refractory[i], taken + units.recovery[i]
+            v = now
+    return times, current
+
+
 def test_units_side_by_side_fire_as_each_by_itself():
     """Blocks of lanes, full and not, of types with unequal steps, against one unit at a time."""
     rng = np.random.default_rng(5)
     time = np.cumsum(rng.uniform(2e-4, 2e-3, 400))
     kinds = rng.choice(TYPES, 45)
     x = np.abs(np.cumsum(rng.normal(size=(400, 45)), axis=0)) * 0.03
-    units = units_of([fitted()[kind] for kind in kinds], seed=3)
+    still = {kind: replace(unit, jitter=0.0) for kind, unit in fitted().items()}
+    units = units_of([still[kind] for kind in kinds], seed=3)
     steps = np.array([LONGEST[kind] for kind in kinds])
     states = compiled.rested(units, x[0], time[0])
     together, current = vectorized.fire(units, states.copy(), time, x, steps)
     assert sum(map(len, together)) > 200
     for i, times in enumerate(together):
-        spikes, count = np.empty(400), 0
-        for k in range(1, len(time)):
-            span = (time[k - 1], time[k])
-            count = compiled.advance(units, i, states[i], span, x[k, i], steps[i], spikes, count)
-        assert times == pytest.approx(np.minimum(spikes[:count], time[-1]), abs=1e-9)
-        assert current[-1, i] == pytest.approx(states[i, compiled.CURRENT], rel=1e-9)
+        expected, last = one_by_one(units, i, time, x[:, i], steps[i])
+        assert times == pytest.approx(np.minimum(expected, time[-1]), abs=1e-9)
+        assert current[-1, i] == pytest.approx(last, rel=1e-9)
 
 
 @pytest.mark.parametrize(
