@@ -25,7 +25,7 @@ from fefinger.fem.contact.friction_state import (
     join,
     leave,
 )
-from fefinger.fem.contact.lcp_compiled import DONE, ENDLESS, SINGULAR, accumulate
+from fefinger.fem.contact.lcp_compiled import DONE, ENDLESS, SINGULAR, combine
 from fefinger.support.arrays import Array
 
 
@@ -326,13 +326,7 @@ def _load(s: FrictionState) -> None:
 @njit(cache=True)
 def product(s: FrictionState) -> None:
     """Compute moved = F x."""
-    k = 0
-    for j in range(len(s.x)):
-        if s.x[j] != 0.0:
-            s.chosen[k], s.factor[k] = j, s.x[j]
-            k += 1
-    s.moved[:] = 0.0
-    accumulate(s.moved, s.flexibility, s.chosen, s.factor, k)
+    combine(s.moved, s.flexibility, s.x, s.chosen, s.factor)
 
 
 @njit(cache=True)

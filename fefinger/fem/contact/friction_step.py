@@ -16,7 +16,7 @@ from numba import njit
 
 from fefinger.fem.contact import friction_compiled as friction
 from fefinger.fem.contact.friction_state import FrictionState, release, restore, save
-from fefinger.fem.contact.lcp_compiled import CORRECTIONS, DONE, MISSED, Floats, accumulate
+from fefinger.fem.contact.lcp_compiled import CORRECTIONS, DONE, MISSED
 from fefinger.fem.contact.step_compiled import (
     PadState,
     corrected,
@@ -118,18 +118,6 @@ def step(
     _slip(s, m, c, g)
     store_history(m, s.x, s.moved, dt, g)
     return DONE
-
-
-@njit(cache=True)
-def strains(m: PadState, rows: Floats, chosen: Integers, factor: Floats, strain: Floats) -> None:
-    """Compute the strain under the elastic traction; `rows` (3n, n_strains)."""
-    k = 0
-    for j in range(len(m.elastic)):
-        if m.elastic[j] != 0.0:
-            chosen[k], factor[k] = j, m.elastic[j]
-            k += 1
-    strain[:] = 0.0
-    accumulate(strain, rows, chosen, factor, k)
 
 
 @njit(cache=True)

@@ -99,6 +99,22 @@ def accumulate(out: Floats, rows: Floats, chosen: Integers, factor: Floats, k: i
             out[j] += a * p[j]
 
 
+@njit(cache=True)
+def combine(out: Floats, rows: Floats, values: Array, chosen: Integers, factor: Floats) -> int:
+    """Set `out` to the sum of values[i] rows[i]; return how many of the values are not zero.
+
+    Their indices and they themselves are then in `chosen` and `factor`.
+    """
+    k = 0
+    for i in range(len(values)):
+        if values[i] != 0.0:
+            chosen[k], factor[k] = i, values[i]
+            k += 1
+    out[:] = 0.0
+    accumulate(out, rows, chosen, factor, k)
+    return k
+
+
 @njit(cache=True, fastmath={"contract"})
 def _times_inverse(s: LcpState, right: Array, out: Array) -> None:
     """Compute out = H right, both in the order of H."""

@@ -18,19 +18,17 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.fem.contact import lcp_compiled as contact
-from fefinger.fem.contact.lcp_compiled import CORRECTIONS, DONE, MISSED, Floats, LcpState
+from fefinger.fem.contact.lcp_compiled import DONE, Floats, LcpState
 from fefinger.fem.contact.oscillators import Complex, Oscillators
 from fefinger.fem.contact.step_compiled import (
     Output,
     PadState,
-    corrected,
-    excess_force,
     load_history,
     reset,
+    solve_target,
     store_history,
 )
 from fefinger.support.arrays import Array
-from fefinger.support.tolerances import FORCE_MATCH, SMALL_FORCE
 
 
 class ModalState(NamedTuple):
@@ -133,14 +131,15 @@ def modal_step(
     active, depth, peak = contact.save(s), m.depth[0], m.peak[0]
     g = load_history(m, dt)
     _known(m, o, f, g)
-    for j in range(len(m.gap)):
-        m.offset[j] = m.gap[j] - m.moved_past[j] / g
+    gap, past = np.empty(len(m.gap)), np.zeros(len(m.gap))  # the gap takes the past into account
+    for j in range(len(gap)):
+        gap[j] = m.gap[j] - m.moved_past[j] / g
     for k in range(len(o.known)):
         a = o.known[k]
         row = o.shares[k]
-        for j in range(len(m.gap)):
-            m.offset[j] += a * row[j]
-    failed = _solve(s, m, target, by_force)
+        for j in range(len(gap)):
+            gap[j] += a * row[j]
+    failed = solve_target(s, m, gap, past, 1.0, target, by_force)
     for j in range(len(s.x)):
         if failed == DONE and s.x[j] > 0.0:
             failed = limits[j]
@@ -187,56 +186,9 @@ def _known(m: PadState, o: ModalState, f: StepFactors, g: float) -> None:
 
 
 @njit(cache=True)
-def _at_depth(s: LcpState, m: PadState, depth: float, work: Array) -> int:
-    for j in range(len(m.gap)):
-        work[j] = m.offset[j] - depth * m.projected[j]
-    return contact.solve(s, work, m.tolerance[0])
-
-
-@njit(cache=True)
-def _solve(s: LcpState, m: PadState, target: float, by_force: bool) -> int:
-    """Solve for the pressure at a depth, or for pressure and depth at a force in mN."""
-    work = np.empty(len(m.gap))
-    if not by_force:
-        m.depth[0] = target
-        return _at_depth(s, m, target, work)
-    first_touch = np.inf
-    for j in range(len(m.gap)):
-        first_touch = min(first_touch, m.offset[j] / m.projected[j])
-    if target <= 0.0:
-        m.depth[0] = first_touch
-        s.x[:] = 0.0
-        s.moved[:] = 0.0
-        return DONE
-    m.peak[0] = max(m.peak[0], target)
-    close = FORCE_MATCH * max(target, SMALL_FORCE * m.peak[0])
-    low, high = first_touch, np.inf
-    depth = max(m.depth[0], first_touch + 1e-6 * (1.0 + abs(first_touch)))
-    for _ in range(CORRECTIONS):
-        failed = _at_depth(s, m, depth, work)
-        if failed != DONE:
-            return failed
-        excess = excess_force(m.projected, s.x, target)
-        if abs(excess) <= close:
-            m.depth[0] = depth
-            return DONE
-        depth, low, high = corrected(
-            depth, excess, contact.slope(s, m.projected), low, high, first_touch
-        )
-    return MISSED
-
-
-@njit(cache=True)
 def _store(s: LcpState, m: PadState, o: ModalState, f: StepFactors, dt: float, g: float) -> None:
     """Update the history of the pad and of the modes with the pressure at the end of a step."""
-    count = 0
-    for j in range(len(s.x)):
-        if s.x[j] != 0.0:
-            o.pressed[count] = j
-            o.factor[count] = s.x[j]
-            count += 1
-    o.moved[:] = 0.0
-    contact.accumulate(o.moved, o.rest, o.pressed, o.factor, count)
+    count = contact.combine(o.moved, o.rest, s.x, o.pressed, o.factor)
     for k in range(len(o.force)):
         force = 0.0
         for i in range(count):

@@ -78,21 +78,11 @@ def step(s: LcpState, m: PadState, p: Plate, dt: float, x: float, z: float, trav
         _set_normal(s, p, before[0], before[1])
         contact.restore(s, active)
         return failed
-    _set_traction(s, p, x, z)
+    for j in range(n):
+        p.traction[j], p.traction[n + j] = x * s.x[j], z * s.x[j]
+    contact.combine(p.moved, p.columns, p.traction, p.chosen, p.factor)
     store_history(m, p.traction, p.moved, dt, g)
     return DONE
-
-
-@njit(cache=True)
-def strains(m: PadState, p: Plate, rows: Array, strain: Array) -> None:
-    """Compute the strain under the elastic traction; `rows` (2n, n_strains)."""
-    k = 0
-    for j in range(len(m.elastic)):
-        if m.elastic[j] != 0.0:
-            p.chosen[k], p.factor[k] = j, m.elastic[j]
-            k += 1
-    strain[:] = 0.0
-    contact.accumulate(strain, rows, p.chosen, p.factor, k)
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -108,17 +98,3 @@ def _set_normal(s: LcpState, p: Plate, x: float, z: float) -> None:
         for j in range(n):
             row[j] = a * xx[j] + b * xz[j] + c * zz[j]
     contact.product(s)
-
-
-@njit(cache=True)
-def _set_traction(s: LcpState, p: Plate, x: float, z: float) -> None:
-    """Set the traction of the pressure along the normal, and F times it."""
-    n, k = len(s.x), 0
-    for j in range(n):
-        p.traction[j], p.traction[n + j] = x * s.x[j], z * s.x[j]
-    for j in range(2 * n):
-        if p.traction[j] != 0.0:
-            p.chosen[k], p.factor[k] = j, p.traction[j]
-            k += 1
-    p.moved[:] = 0.0
-    contact.accumulate(p.moved, p.columns, p.chosen, p.factor, k)

@@ -46,7 +46,7 @@ def slide(
         dt = float(time[k] - time[k - 1]) if k else 0.0
         incline = None if inclines is None else inclines[k]
         m.gap[:], rim = travel.gap(shift[k], incline)
-        step_compiled.check(step_compiled.step(s, m, dt, float(target), by_force, 1.0))
+        step_compiled.check(step_compiled.step(s, m, dt, float(target), by_force))
         check_ahead(rim, s.x, shift[k], time[k])
         depth[k], pressure[k], elastic[k] = m.depth[0], s.x, m.elastic
         slopes[k] = travel.push(shift[k], s.x, incline)

@@ -110,7 +110,6 @@ class Output(NamedTuple):
 def read(s: LcpState, m: PadState, out: Output, stiffening: float) -> None:
     """Update strains, force, area and center of pressure after a step."""
     force = area = weight = x = y = 0.0
-    k = 0
     for j in range(len(s.x)):
         pressure = s.x[j]
         if pressure > 0.0:
@@ -120,12 +119,7 @@ def read(s: LcpState, m: PadState, out: Output, stiffening: float) -> None:
             x += out.moments[0, j] * pressure
             y += out.moments[1, j] * pressure
         out.elastic[j] = m.elastic[j] / stiffening
-        if m.elastic[j] != 0.0:
-            out.chosen[k] = j
-            out.factor[k] = out.elastic[j]
-            k += 1
-    out.strain[:] = 0.0
-    contact.accumulate(out.strain, out.rows, out.chosen, out.factor, k)
+    contact.combine(out.strain, out.rows, out.elastic, out.chosen, out.factor)
     summary = out.summary
     summary[FORCE], summary[AREA] = force, area
     summary[X] = x / weight if weight > 0.0 else np.nan
@@ -145,7 +139,8 @@ def advance(
     """Make a step and update the output; return DONE, or a failure with the state unchanged."""
     active, depth, peak = contact.save(s), m.depth[0], m.peak[0]
     g = load_history(m, dt)
-    failed = _solve_target(s, m, g, target, by_force, stiffening)
+    stiffness = g if by_force else g * stiffening
+    failed = solve_target(s, m, m.gap, m.moved_past, stiffness, target, by_force)
     for j in range(len(s.x)):
         if failed == DONE and s.x[j] > 0.0:
             failed = out.limits[j]
@@ -169,29 +164,16 @@ def reset(s: LcpState, m: PadState) -> None:
 
 
 @njit(cache=True)
-def step(
-    s: LcpState, m: PadState, dt: float, target: float, by_force: bool, stiffening: float
-) -> int:
+def step(s: LcpState, m: PadState, dt: float, target: float, by_force: bool) -> int:
     """Advance by `dt` s to a depth in mm or a force in mN; return DONE or a failure.
 
-    `stiffening` is t at the end of the step; the contact pressure is then in s.x, t q in m.elastic.
+    The contact pressure is then in s.x, the elastic one in m.elastic.
     """
     g = load_history(m, dt)
-    failed = _solve_target(s, m, g, target, by_force, stiffening)
+    failed = solve_target(s, m, m.gap, m.moved_past, g, target, by_force)
     if failed == DONE:
         store_history(m, s.x, s.moved, dt, g)
     return failed
-
-
-@njit(cache=True)
-def _solve_target(
-    s: LcpState, m: PadState, g: float, target: float, by_force: bool, stiffening: float
-) -> int:
-    """Solve for the pressure at a depth or a force; `load_history` must have been called."""
-    if by_force:
-        return _pressure_at_force(s, m, g, target)
-    m.depth[0] = target
-    return _pressure_at_depth(s, m, g * stiffening, target)
 
 
 @njit(cache=True)
@@ -233,14 +215,6 @@ def store_history(m: PadState, pressure: Array, moved: Array, dt: float, g: floa
 
 
 @njit(cache=True)
-def _pressure_at_depth(s: LcpState, m: PadState, stiffness: float, depth: float) -> int:
-    """Solve for the pressure at a depth; `stiffness` is g t."""
-    for j in range(len(m.gap)):
-        m.offset[j] = (m.gap[j] - depth * m.projected[j]) * stiffness - m.moved_past[j]
-    return contact.solve(s, m.offset, m.tolerance[0])
-
-
-@njit(cache=True)
 def excess_force(projected: Array, pressure: Array, force: float) -> float:
     """Force in mN of a pressure (n,) kPa on areas (n,) mm² beyond a prescribed one."""
     excess = -force
@@ -269,11 +243,35 @@ def corrected(
 
 
 @njit(cache=True)
-def _pressure_at_force(s: LcpState, m: PadState, g: float, force: float) -> int:
-    """Solve for pressure and depth at a force in mN, as `viscoelastic.depth_at`."""
-    first_touch = np.inf
-    for j in range(len(m.gap)):
-        first_touch = min(first_touch, (m.gap[j] - m.moved_past[j] / g) / m.projected[j])
+def _at_depth(
+    s: LcpState, m: PadState, gap: Array, past: Array, stiffness: float, depth: float
+) -> int:
+    for j in range(len(gap)):
+        m.offset[j] = (gap[j] - depth * m.projected[j]) * stiffness - past[j]
+    return contact.solve(s, m.offset, m.tolerance[0])
+
+
+@njit(cache=True)
+def solve_target(
+    s: LcpState,
+    m: PadState,
+    gap: Array,
+    past: Array,
+    stiffness: float,
+    target: float,
+    by_force: bool,
+) -> int:
+    """Solve for the pressure at a depth in mm or, as `viscoelastic.depth_at`, a force in mN.
+
+    gap (n,) mm³ is that of a pad without pressure or past, at a depth of 0; past (n,): what the
+    past moves it, times the `stiffness` (g t, see above).
+    """
+    if not by_force:
+        m.depth[0] = target
+        return _at_depth(s, m, gap, past, stiffness, target)
+    first_touch, force = np.inf, target
+    for j in range(len(gap)):
+        first_touch = min(first_touch, (gap[j] - past[j] / stiffness) / m.projected[j])
     if force <= 0.0:
         m.depth[0] = first_touch
         s.x[:] = 0.0
@@ -284,16 +282,15 @@ def _pressure_at_force(s: LcpState, m: PadState, g: float, force: float) -> int:
     low, high = first_touch, np.inf
     depth = max(m.depth[0], first_touch + 1e-6 * (1.0 + abs(first_touch)))
     for _ in range(CORRECTIONS):
-        failed = _pressure_at_depth(s, m, g, depth)
+        failed = _at_depth(s, m, gap, past, stiffness, depth)
         if failed != DONE:
             return failed
         excess = excess_force(m.projected, s.x, force)
         if abs(excess) <= close:
             m.depth[0] = depth
             return DONE
-        depth, low, high = corrected(
-            depth, excess, g * contact.slope(s, m.projected), low, high, first_touch
-        )
+        rise = stiffness * contact.slope(s, m.projected)
+        depth, low, high = corrected(depth, excess, rise, low, high, first_touch)
     return MISSED
 
 
@@ -343,7 +340,7 @@ def march(
     depth, pressure, elastic = np.empty(len(time)), np.empty(shape), np.empty(shape)
     for k, target in enumerate(prescribed.value):
         dt = float(time[k] - time[k - 1]) if k else 0.0
-        check(step(s, m, dt, float(target), by_force, 1.0))
+        check(step(s, m, dt, float(target), by_force))
         depth[k], pressure[k], elastic[k] = m.depth[0], s.x, m.elastic
         progress((k + 1) / len(time))
     return History(depth, pressure, elastic, int(s.counts[contact.SOLVED]))

@@ -143,7 +143,7 @@ class Rolling:
         step_compiled.check(
             rolling_step.step(state, memory, plate, dt, x, z, first + depth), self.deepest
         )
-        rolling_step.strains(memory, plate, self._rows, self._strain)
+        lcp_compiled.combine(self._strain, self._rows, memory.elastic, plate.chosen, plate.factor)
         return self._read(depth)
 
     def _reduced(self, points: Array) -> Reduced:

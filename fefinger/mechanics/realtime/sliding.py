@@ -231,8 +231,8 @@ class Sliding:
             outcome = friction_step.step(state, memory, grip, dt, x, y, target, by_force)
             if outcome == lcp_compiled.DONE:
                 self._bounds = bounds
-                friction_step.strains(
-                    memory, output.rows, self._chosen, self._factor, output.strain
+                lcp_compiled.combine(
+                    output.strain, output.rows, memory.elastic, self._chosen, self._factor
                 )
         else:
             before = memory.gap.copy()

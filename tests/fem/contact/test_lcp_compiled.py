@@ -117,7 +117,7 @@ def test_an_unreachable_force_is_reported(pad: tuple) -> None:
     matrix, gap, projected = pad
     state = lcp_compiled.lcp_state(matrix)
     memory = step_compiled.pad_state(gap, projected, WEIGHTS[1:] / WEIGHTS[0], RATES)
-    assert step_compiled.step(state, memory, 0.0, np.nan, True, 1.0) == lcp_compiled.MISSED
+    assert step_compiled.step(state, memory, 0.0, np.nan, True) == lcp_compiled.MISSED
     with pytest.raises(ConvergenceError, match="shorter steps"):
         step_compiled.check(lcp_compiled.MISSED)
 
@@ -131,7 +131,7 @@ def test_a_reset_forgets(pad: tuple) -> None:
         step_compiled.reset(state, memory)
         answers = []
         for depth in (0.1, 0.3, 0.2):
-            step_compiled.step(state, memory, 0.01, depth, False, 1.0)
+            step_compiled.step(state, memory, 0.01, depth, False)
             answers.append(state.x.copy())
         first.append(np.array(answers))
     assert np.array_equal(*first)
