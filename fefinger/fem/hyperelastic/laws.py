@@ -48,22 +48,14 @@ def neo_hookean(elastic: Elastic) -> Law:
     return Law(elastic.shear, elastic.compressibility, SHARES["neo-hookean"])
 
 
-def mooney_rivlin(elastic: Elastic, share: float = SHARES["mooney-rivlin"]) -> Law:
-    """Return W = mu/2 [share (I1 - 3) + (1 - share) (I2 - 3)] (Mooney 1940, Rivlin 1948)."""
-    return Law(elastic.shear, elastic.compressibility, share)
+def law(
+    name: str, elastic: Elastic, exponent: float | None = None, share: float | None = None
+) -> Law:
+    """Return the law called `name` (of `SHARES`), with the small-strain behavior `elastic`.
 
-
-def demiray(elastic: Elastic, exponent: float) -> Law:
-    """Return W = mu/2b (exp(b (I1 - 3)) - 1) (Demiray, J. Biomech. 5:309, 1972)."""
-    return Law(elastic.shear, elastic.compressibility, SHARES["demiray"], exponent)
-
-
-def veronda_westmann(elastic: Elastic, exponent: float) -> Law:
-    """Return W = mu/b (exp(b (I1 - 3)) - 1) - mu/2 (I2 - 3) (J. Biomech. 3:111, 1970)."""
-    return Law(elastic.shear, elastic.compressibility, SHARES["veronda-westmann"], exponent)
-
-
-def law(name: str, elastic: Elastic, exponent: float | None, share: float | None) -> Law:
-    """Return the law called `name` (of laws.SHARES), with the small-strain behavior `elastic`."""
+    "neo-hookean": no stiffening; "mooney-rivlin" (Mooney 1940, Rivlin 1948): I1 and I2 without
+    exponent; "demiray" (J. Biomech. 5:309, 1972): I1 alone, with an exponent; "veronda-westmann"
+    (J. Biomech. 3:111, 1970): a share of 2, so that mu (1 - share) (I2 - 3) / 2 is taken off.
+    """
     carried = SHARES[name] if share is None else share
     return Law(elastic.shear, elastic.compressibility, carried, exponent or 0.0)
