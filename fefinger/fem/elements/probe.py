@@ -46,12 +46,15 @@ def gradient_at(space: Space, points: Array, planes: Sequence[int] = ()) -> spar
     Shared points and mirrors are treated as by `strain_at`, which raises the same error.
     """
     owner, cells, local = locate(space, points)
-    share = np.repeat(1.0 / np.bincount(owner, minlength=len(points))[owner], 9)
-    place = (9 * owner[:, None] + np.arange(9)).ravel()
-    shape = (9 * len(points), 9 * len(cells))
-    mean = sparse.csr_matrix((share, (place, np.arange(shape[1]))), shape)
+    mean = _mean(owner, 1.0 / np.bincount(owner)[owner], len(points))
     mirrored = sparse.diags(_mirrored(points, planes).ravel())
     return (mirrored @ mean @ _gradient_rows(space, cells, local)).tocsr()
+
+
+def _mean(owner: Integers, share: Array, count: int) -> sparse.csr_matrix:
+    """Matrix (9 count, 9 n) that adds gradients (n, 3, 3), times a share (n,), at their owners."""
+    adding = sparse.csr_matrix((share, (owner, np.arange(len(owner)))), (count, len(owner)))
+    return sparse.kron(adding, sparse.identity(9), format="csr")
 
 
 def _mirrored(points: Array, planes: Sequence[int]) -> Array:
@@ -83,16 +86,10 @@ def gradient_at_vertices(space: Space) -> sparse.csr_matrix:
     total = np.bincount(space.vertices.ravel(), np.repeat(volumes, 4), len(space.points))
     mean = sparse.csr_matrix((9 * len(space.points), space.n_unknowns))
     for corner in range(4):
-        local = np.zeros((n_cells, 3))
-        if corner:
-            local[:, corner - 1] = 1.0
+        local = np.tile(np.eye(4)[corner, 1:], (n_cells, 1))
         rows = _gradient_rows(space, np.arange(n_cells), local)
         vertex = space.vertices[:, corner]
-        share = np.repeat(volumes / total[vertex], 9)
-        place = (9 * vertex[:, None] + np.arange(9)).ravel()
-        shape = (mean.shape[0], 9 * n_cells)
-        entries = (share, (place, np.arange(9 * n_cells)))
-        mean = mean + sparse.csr_matrix(entries, shape) @ rows
+        mean = mean + _mean(vertex, volumes / total[vertex], len(space.points)) @ rows
     return mean.tocsr()
 
 
