@@ -11,12 +11,14 @@ vertex in contact and a free one where the obstacle protrudes most.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from fefinger.fem.contact.obstacle import Rigid
 from fefinger.fem.contact.rim_fit import fit_rims
+from fefinger.geometry.finger_mesh import areas
 from fefinger.support.arrays import Array, Flags, Integers
 
 
@@ -50,7 +52,7 @@ class CandidateSurface:
         pressed (n_t, n) are the vertices under pressure, gap (n_t, n) mm the distance of every
         vertex from the obstacle, along its normal; FAR where the obstacle is not ahead.
         """
-        rims, areas = _RimFits.of(self), np.zeros(len(gap))
+        measured = np.zeros(len(gap))
         closed = pressed | (gap <= 0)  # pressures oscillate toward an edge, some are zero there
         source = _sources(pressed, gap)
         edge_areas: dict[bytes, float | None] = {}
@@ -58,17 +60,41 @@ class CandidateSurface:
         for k in np.unique(source[source >= 0]).tolist():
             key = closed[k].tobytes()
             if key not in edge_areas:
-                edge_areas[key] = self._edge_area(closed[k], rims.areas)
+                edge_areas[key] = self._edge_area(closed[k])
             edge_area = edge_areas[key]
             if edge_area is None:
                 times_of.setdefault(pressed[k].tobytes(), []).append(k)
             else:
-                areas[k] = edge_area
+                measured[k] = edge_area
         for times in times_of.values():
-            areas[times] = rims.area(pressed[times[0]], gap[times])
-        return np.asarray(np.where(source >= 0, areas[source], 0.0))
+            measured[times] = self._rim_area(pressed[times[0]], gap[times])
+        return np.asarray(np.where(source >= 0, measured[source], 0.0))
 
-    def _edge_area(self, closed: Flags, areas: Array) -> float | None:
+    @cached_property
+    def _areas(self) -> Array:
+        return areas(self.points[self.triangles])
+
+    @cached_property
+    def _across(self) -> Array:
+        """The points projected along the axis, (n, 2) mm."""
+        # The null space of the axis: two unit vectors across it.
+        return np.asarray(self.points @ np.linalg.svd(self.axis[None])[2][1:].T)
+
+    @cached_property
+    def _near(self) -> Integers:
+        """The neighbors (n, k) of the points, nearest first."""
+        # A list of ranks, because a single rank 1 would drop a dimension.
+        ranks = np.arange(1, min(NEIGHBORS, len(self.points)) + 1)
+        return np.asarray(cKDTree(self.points).query(self.points, k=ranks)[1])
+
+    @cached_property
+    def _edge(self) -> Array:
+        """Mean length (n,) mm of the sides around each point."""
+        corners, count = self.triangles.ravel(), len(self.points)
+        total = np.bincount(corners, np.repeat(self._areas, 3), minlength=count)
+        return np.sqrt(2 * total / np.maximum(np.bincount(corners, minlength=count), 1))
+
+    def _edge_area(self, closed: Flags) -> float | None:
         """Area in mm² of a contact (n,) that ends at sharp edges; None where it ends elsewhere.
 
         Between a vertex in contact and a free one it ends where the obstacle protrudes most over
@@ -94,7 +120,7 @@ class CandidateSurface:
         both = 1 - np.where(start != end, 1 - reach, 1.0).prod(axis=1)
         share = count / 3
         share[mixed[cut]] = np.where(count[mixed] == 1, alone, both)[cut]
-        return float(share @ areas)
+        return float(share @ self._areas)
 
     def _rises(self, sides: Integers, places: Array) -> tuple[Array, Array]:
         """Distance (..., n) mm of the obstacle along sides, and its protrusion over the chord."""
@@ -104,6 +130,66 @@ class CandidateSurface:
         distance = np.where(np.isfinite(distance).all(axis=-1, keepdims=True), distance, 0.0)
         chord = (1 - places) * distance[..., :1] + places * distance[..., -1:]
         return distance, chord - distance
+
+    def _rim_area(self, pressed: Flags, gap: Array) -> Array:
+        """Areas (n_t,) mm² at times with gaps (n_t, n) mm and the same pressed vertices (n,)."""
+        count = pressed[self.triangles].sum(axis=1)
+        edge = np.zeros(len(pressed), dtype=bool)
+        edge[self.triangles[(count > 0) & (count < 3)]] = True
+        by_rim = edge[self.triangles]  # the rim may lie one triangle farther out or in
+        crossed = np.asarray(by_rim.any(axis=1))
+        inner = float(self._areas[~crossed & (count == 3)].sum())
+        rim = np.unique(self.triangles[crossed])
+        if not len(rim):
+            return np.full(len(gap), inner)
+        few = range(max(1, ROWS // len(rim)), len(gap), max(1, ROWS // len(rim)))
+        parts = [self._cut(rim, crossed, pressed, part) for part in np.split(gap, list(few))]
+        whole = count[crossed] / 3 * self._areas[crossed]
+        fitted = inner + np.concatenate([np.where(k, c, whole).sum(axis=1) for c, k in parts])
+        vertices = float((count * self._areas).sum()) / 3
+        # Near an edge of the obstacle the power 3/2 of the gap does not hold, nor does the fit.
+        plausible = (vertices < PLAUSIBLE * fitted) & (fitted < PLAUSIBLE * vertices)
+        return np.asarray(np.where(plausible, fitted, vertices))
+
+    def _cut(
+        self, rim: Integers, crossed: Flags, pressed: Flags, gap: Array
+    ) -> tuple[Array, Flags]:
+        """Areas in contact (n_t, n_crossed) mm² of triangles near the rim, and if all fits hold."""
+        phi, bend, fitted = self._fits(rim, pressed, gap)
+        place = np.zeros(len(pressed), dtype=np.int64)
+        place[rim] = np.arange(len(rim))
+        corner, shape = place[self.triangles[crossed]], (len(gap), int(crossed.sum()))
+        corners = np.tile(self._across[self.triangles[crossed]], (len(gap), 1, 1))
+        share, chord = (
+            x.reshape(shape) for x in _below_zero(phi[:, corner].reshape(-1, 3), corners)
+        )
+        # Segment between the curved rim and its chord of length c: curvature c³ / 12.
+        curved = np.clip(bend[:, corner].mean(axis=2) * chord, -1.0, 1.0) * chord**2 / 12
+        reliable = np.asarray(fitted[:, corner].all(axis=2))
+        return share * self._areas[crossed] + curved, reliable
+
+    def _offsets(self, rim: Integers) -> Array:
+        """Offsets (n, k, 2) mm of the neighbors of `rim` across the axis, of their length in space.
+
+        Only projected, points far up the sides of a body would appear next to the rim.
+        """
+        near = self._near[rim]
+        projected = self._across[near] - self._across[rim][:, None]
+        apart = np.linalg.norm(self.points[near] - self.points[rim][:, None], axis=2)
+        short = np.linalg.norm(projected, axis=2)
+        stretch = apart / np.where(short > 0, short, 1.0)
+        return np.asarray(projected * np.where(short > 0, stretch, 1.0)[..., None])
+
+    def _fits(self, rim: Integers, pressed: Flags, gap: Array) -> tuple[Array, Array, Flags]:
+        """Fitted phi, curvature of its zero level in 1/mm, and validity of the fit, at `rim`.
+
+        All (n_t, n_rim), of gaps (n_t, n).
+        """
+        edge, shape = self._edge[rim], (len(gap), len(rim))
+        fits, fitted = np.empty((*shape, 2)), np.empty(shape, dtype=bool)
+        offset = self._offsets(rim) / edge[:, None, None]
+        fit_rims(self._near[rim], offset, pressed, np.ascontiguousarray(gap), fits, fitted)
+        return fits[..., 0], fits[..., 1] / edge, fitted
 
 
 def _sources(pressed: Flags, gap: Array) -> Integers:
@@ -131,98 +217,6 @@ def _corners(distance: Array, rise: Array, length: Array) -> tuple[Array, Flags]
     before, after = (np.take_along_axis(slope, k[..., None], -1)[..., 0] for k in ends)
     turned = after - before >= TURNED * (slope[..., -1] - slope[..., 0])
     return PLACES[most], turned & (rise.max(axis=-1) > SHARP * length)
-
-
-@dataclass(frozen=True)
-class _RimFits:
-    """Time-independent data of the rim fits; `near`: the neighbors of a point, nearest first.
-
-    across (n, 2): the points projected along the axis; edge (n,): mean length of the sides around
-    each of them.
-    """
-
-    triangles: Integers
-    areas: Array
-    points: Array
-    across: Array
-    near: Integers
-    edge: Array
-
-    @classmethod
-    def of(cls, surface: CandidateSurface) -> "_RimFits":
-        corners = surface.points[surface.triangles]
-        sides = corners[:, 1:] - corners[:, :1]
-        areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
-        # The null space of the axis: two unit vectors across it.
-        frame = np.linalg.svd(surface.axis[None])[2][1:]
-        across = surface.points @ frame.T
-        count = min(NEIGHBORS, len(across))
-        # A list of ranks, because a single rank 1 would drop a dimension.
-        _, near = cKDTree(surface.points).query(surface.points, k=np.arange(1, count + 1))
-        around = np.bincount(surface.triangles.ravel(), minlength=len(across))
-        total = np.bincount(surface.triangles.ravel(), np.repeat(areas, 3), minlength=len(across))
-        edge = np.sqrt(2 * total / np.maximum(around, 1))
-        return cls(surface.triangles, areas, surface.points, across, near, edge)
-
-    def area(self, pressed: Flags, gap: Array) -> Array:
-        """Areas (n_t,) mm² at times with gaps (n_t, n) mm and the same pressed vertices (n,)."""
-        count = pressed[self.triangles].sum(axis=1)
-        edge = np.zeros(len(pressed), dtype=bool)
-        edge[self.triangles[(count > 0) & (count < 3)]] = True
-        by_rim = edge[self.triangles]  # the rim may lie one triangle farther out or in
-        crossed = np.asarray(by_rim.any(axis=1))
-        inner = float(self.areas[~crossed & (count == 3)].sum())
-        rim = np.unique(self.triangles[crossed])
-        if not len(rim):
-            return np.full(len(gap), inner)
-        few = range(max(1, ROWS // len(rim)), len(gap), max(1, ROWS // len(rim)))
-        parts = [self._cut(rim, crossed, pressed, part) for part in np.split(gap, list(few))]
-        whole = count[crossed] / 3 * self.areas[crossed]
-        fitted = inner + np.concatenate([np.where(k, c, whole).sum(axis=1) for c, k in parts])
-        vertices = float((count * self.areas).sum()) / 3
-        # Near an edge of the obstacle the power 3/2 of the gap does not hold, nor does the fit.
-        plausible = (vertices < PLAUSIBLE * fitted) & (fitted < PLAUSIBLE * vertices)
-        return np.asarray(np.where(plausible, fitted, vertices))
-
-    def _cut(
-        self, rim: Integers, crossed: Flags, pressed: Flags, gap: Array
-    ) -> tuple[Array, Flags]:
-        """Areas in contact (n_t, n_crossed) mm² of triangles near the rim, and if all fits hold."""
-        phi, bend, fitted = self._fits(rim, pressed, gap)
-        place = np.zeros(len(pressed), dtype=np.int64)
-        place[rim] = np.arange(len(rim))
-        corner, shape = place[self.triangles[crossed]], (len(gap), int(crossed.sum()))
-        corners = np.tile(self.across[self.triangles[crossed]], (len(gap), 1, 1))
-        share, chord = (
-            x.reshape(shape) for x in _below_zero(phi[:, corner].reshape(-1, 3), corners)
-        )
-        # Segment between the curved rim and its chord of length c: curvature c³ / 12.
-        curved = np.clip(bend[:, corner].mean(axis=2) * chord, -1.0, 1.0) * chord**2 / 12
-        reliable = np.asarray(fitted[:, corner].all(axis=2))
-        return share * self.areas[crossed] + curved, reliable
-
-    def _offsets(self, rim: Integers) -> Array:
-        """Offsets (n, k, 2) mm of the neighbors of `rim` across the axis, of their length in space.
-
-        Only projected, points far up the sides of a body would appear next to the rim.
-        """
-        near = self.near[rim]
-        projected = self.across[near] - self.across[rim][:, None]
-        apart = np.linalg.norm(self.points[near] - self.points[rim][:, None], axis=2)
-        short = np.linalg.norm(projected, axis=2)
-        stretch = apart / np.where(short > 0, short, 1.0)
-        return np.asarray(projected * np.where(short > 0, stretch, 1.0)[..., None])
-
-    def _fits(self, rim: Integers, pressed: Flags, gap: Array) -> tuple[Array, Array, Flags]:
-        """Fitted phi, curvature of its zero level in 1/mm, and validity of the fit, at `rim`.
-
-        All (n_t, n_rim), of gaps (n_t, n).
-        """
-        edge, shape = self.edge[rim], (len(gap), len(rim))
-        fits, fitted = np.empty((*shape, 2)), np.empty(shape, dtype=bool)
-        offset = self._offsets(rim) / edge[:, None, None]
-        fit_rims(self.near[rim], offset, pressed, np.ascontiguousarray(gap), fits, fitted)
-        return fits[..., 0], fits[..., 1] / edge, fitted
 
 
 def _below_zero(phi: Array, corners: Array) -> tuple[Array, Array]:

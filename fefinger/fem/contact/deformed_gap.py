@@ -66,7 +66,7 @@ class DeformedGap:
     @cached_property
     def weighted(self) -> Array:
         """The weighted gaps w (n,) mm³."""
-        return self.contact.integrated(self._hats * self._bent[:, None])
+        return self.contact.on.integrated(self._hats * self._bent[:, None])
 
     @property
     def gaps(self) -> Array:
@@ -76,7 +76,7 @@ class DeformedGap:
     @cached_property
     def steepness(self) -> Array:
         """The mean t / m (n,) of phi'."""
-        slopes = self.contact.integrated(self._hats * self._slope[:, None])
+        slopes = self.contact.on.integrated(self._hats * self._slope[:, None])
         return np.asarray(slopes / self.contact.projected)
 
     @cached_property
@@ -89,7 +89,7 @@ class DeformedGap:
         _, rows, slots = self.contact.columns
         data = np.zeros(len(rows))
         gap_kernels.add_loads(
-            self.contact.hats,
+            self.contact.on.hats,
             self.contact.on.part.quadratic,
             self.gradient,
             self._slope,
@@ -128,7 +128,7 @@ class DeformedGap:
     @cached_property
     def fold_stiffness(self) -> Array:
         """Derivative (n,) kPa/mm of the pressure with respect to g: the resistance to folds."""
-        mean = self.contact.integrated(self._hats * self._fall[:, None])
+        mean = self.contact.on.integrated(self._hats * self._fall[:, None])
         return np.asarray(self._multipliers * mean / self.contact.projected)
 
     def stiffness(self) -> sparse.csr_matrix:
@@ -146,7 +146,7 @@ class DeformedGap:
         close no weighted gap; in the others the complementarity problem fixes the displacement.
         Second derivatives of g and, of the order of the gap, of J are left out.
         """
-        weights = -self._slope * self._spread_over(self._multipliers, self.contact.hats)
+        weights = -self._slope * self._spread_over(self._multipliers, self.contact.on.hats)
         spreading = self.spreading.swapaxes(1, 2).reshape(self._along.shape)
         block = np.einsum("tq,tqi,tqj->tij", weights, self._along, spreading)
         return self._assembled(block + block.swapaxes(1, 2))
@@ -158,7 +158,7 @@ class DeformedGap:
     @cached_property
     def _hats(self) -> Array:
         """Weights times hats (n_tri, 3, n_q) mm² on the deformed pad."""
-        return np.asarray(self.contact.hats * self.spread[:, None])
+        return np.asarray(self.contact.on.hats * self.spread[:, None])
 
     @cached_property
     def _along(self) -> Array:
@@ -245,12 +245,7 @@ class ContactSurface:
     @cached_property
     def projected(self) -> Array:
         """The integrals m (n,) mm² of the hats: closure of the gaps per mm of travel."""
-        return self.integrated(self.hats)
-
-    @cached_property
-    def hats(self) -> Array:
-        """Weights times hats (n_tri, 3, n_q) mm²."""
-        return np.asarray(self.on.part.linear[None] * self.on.part.weights[:, None, :])
+        return self.on.integrated(self.on.hats)
 
     @cached_property
     def sizes(self) -> Array:
@@ -306,12 +301,6 @@ class ContactSurface:
         distance, gradient = self.obstacle.implicit(self.at_rest + moved, depth)
         gap = distance / np.linalg.norm(gradient, axis=1)
         return np.where(np.isfinite(gap), gap, FAR), moved
-
-    def integrated(self, density: Array) -> Array:
-        """Assemble integrals (n,) of the candidates from densities (n_tri, 3, n_q)."""
-        sums, owned = density.sum(axis=2), self.on.owner >= 0
-        integrals = np.bincount(self.on.owner[owned], sums[owned], minlength=len(self))
-        return np.asarray(integrals, dtype=np.float64)
 
 
 def contact_surface(

@@ -8,6 +8,7 @@ w >= 0, lambda >= 0, lambda . w = 0, with no penalty. The force along the axis i
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -131,6 +132,18 @@ class Candidates:
     obstacle_border: Flags
     beyond: Flags
 
+    @cached_property
+    def hats(self) -> Array:
+        """Weights times hats (n_tri, 3, n_q) mm²."""
+        return np.asarray(self.part.linear[None] * self.part.weights[:, None, :])
+
+    def integrated(self, density: Array) -> Array:
+        """Assemble integrals (n,) of the candidates from densities (n_tri, 3, n_q)."""
+        owned = self.owner >= 0
+        sums = density.sum(axis=2)[owned]
+        sums = np.bincount(self.owner[owned], sums, minlength=len(self.vertices))
+        return np.asarray(sums, dtype=np.float64)
+
 
 def candidates(
     space: Space,
@@ -185,15 +198,12 @@ def patch(
 ) -> Patch:
     """Build the patch: the `candidates`, their unit loads and gaps, and their neighborhood."""
     chosen = candidates(space, triangles, normals, obstacle, reach, rings, within)
-    part, owner, vertices = chosen.part, chosen.owner, chosen.vertices
+    part, owner, vertices, hats = chosen.part, chosen.owner, chosen.vertices, chosen.hats
     distance, direction = obstacle.gap(chosen.places)
     cosine = direction @ obstacle.axis
-    hats = part.linear[None] * part.weights[:, None, :]
 
     def integrated(density: Array) -> Array:
-        values = np.einsum("tjq,tq->tj", hats, density)
-        sums = np.bincount(owner[owner >= 0], values[owner >= 0], minlength=len(vertices))
-        return np.asarray(sums, dtype=np.float64)
+        return chosen.integrated(hats * density[:, None])
 
     arm = np.cross(part.places, direction)
     around = neighborhood(space, triangles, normals, obstacle, reach, vertices, rings + RINGS)
