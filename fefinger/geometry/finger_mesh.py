@@ -1,6 +1,7 @@
 """Mesh of a finger as plain arrays, with volumes, faces and edges of its tetrahedra."""
 
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,13 @@ def faces(cells: Integers) -> Integers:
     return cells[:, [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]]]
 
 
-def edges(cells: Integers) -> Integers:
-    """Return the edges of the tetrahedra once each, (e, 2) ascending."""
-    pairs = cells[:, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]].reshape(-1, 2)
+def edges(simplices: Integers) -> Integers:
+    """Return the edges of triangles or tetrahedra (m, k) once each, (e, 2) ascending."""
+    pairs = simplices[:, list(combinations(range(simplices.shape[1]), 2))].reshape(-1, 2)
     return np.unique(np.sort(pairs, axis=1), axis=0)
+
+
+def areas(corners: Array) -> Array:
+    """Return the area of each triangle of corners (n, 3, 3) mm, (n,) mm^2."""
+    sides = corners[:, 1:] - corners[:, :1]
+    return np.asarray(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2.0)

@@ -43,11 +43,8 @@ class Cut(EdgePoints):
 
     def outlines(self) -> Integers:
         """Edges (m, 2), in section vertices, that bound a region."""
-        outlines = []
-        for region in np.unique(self.region):
-            corners = self.triangles[self.region == region]
-            outlines.append(boundary_edges(corners))
-        return np.concatenate(outlines)
+        regions = np.unique(self.region)
+        return np.concatenate([boundary_edges(self.triangles[self.region == k]) for k in regions])
 
 
 def cut(points: Array, cells: Integers, region: NDArray[np.int8]) -> Cut:

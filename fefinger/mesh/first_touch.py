@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.mesh import extend
 from fefinger.mesh.finger_shape import FOREMOST, PALMAR, Shape, SmoothSurface
-from fefinger.mesh.frame import FIT_RADIUS
+from fefinger.mesh.frame import FIT_RADIUS, curvature
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.scan import scanned
@@ -54,7 +54,8 @@ def first_touch(recipe: Recipe, axis: ArrayLike) -> FirstTouch:
     for _ in range(ROUNDS):
         point = _foremost(shape.skin, _patch(shape.skin, point, across, reach), axis)
         reach *= ZOOM
-    return FirstTouch(point, _curvature(shape.skin, point, axis, across))
+    around = _patch(shape.skin, point, across, 1.5 * FIT_RADIUS) - point
+    return FirstTouch(point, curvature(around, across, axis))
 
 
 @lru_cache(maxsize=64)
@@ -89,13 +90,3 @@ def _foremost(skin: SmoothSurface, points: Array, axis: Array) -> Array:
     """First of the points (n, 3) on the skin that a plate moving along `axis` touches, (3,)."""
     off = np.abs(skin.level(points)) > 1e-3
     return np.asarray(points[int(np.argmin(np.where(off, np.inf, points @ axis)))])
-
-
-def _curvature(skin: SmoothSurface, point: Array, axis: Array, across: Array) -> Array:
-    """Return the second derivatives (2, 2) 1/mm of the quadric fitted within 2 mm."""
-    offset = _patch(skin, point, across, 1.5 * FIT_RADIUS) - point
-    offset = offset[np.linalg.norm(offset, axis=1) < FIT_RADIUS]
-    u, v = across @ offset.T
-    terms = [u**2 / 2, u * v, v**2 / 2, u, v, np.ones(len(u))]
-    fit = np.linalg.lstsq(np.stack(terms, axis=1), offset @ axis, rcond=None)[0]
-    return np.array([[fit[0], fit[1]], [fit[1], fit[2]]])

@@ -30,11 +30,20 @@ def fitted_radii(points: Array) -> tuple[float, float]:
     Least squares of height = c0 + c1 u + c2 v + u^2/(2 R') + v^2/(2 R'') + c5 u v along the
     inward normal, with u along the finger and v across it.
     """
+    along, across = np.diag(curvature(points, np.stack([ALONG, [0.0, 1.0, 0.0]]), -PLATE_NORMAL))
+    return float(1.0 / along), float(1.0 / across)
+
+
+def curvature(points: Array, across: Array, inward: Array) -> Array:
+    """Return the second derivatives (2, 2) 1/mm of the quadric fitted within 2 mm of the origin.
+
+    points (n, 3) mm of a surface, whose height along `inward` (3,) is a function of u and v along
+    the rows of `across` (2, 3). NaN where there are fewer than 6 points.
+    """
     near = points[np.linalg.norm(points, axis=1) < FIT_RADIUS]
     if len(near) < 6:
-        return float("nan"), float("nan")
-    along = near @ ALONG
-    across, height = near[:, 1], -near @ PLATE_NORMAL
-    terms = [along**2 / 2, across**2 / 2, along * across, along, across, np.ones(len(near))]
-    fit = np.linalg.lstsq(np.stack(terms, axis=1), height, rcond=None)[0]
-    return float(1.0 / fit[0]), float(1.0 / fit[1])
+        return np.full((2, 2), np.nan)
+    u, v = across @ near.T
+    terms = [u**2 / 2, v**2 / 2, u * v, u, v, np.ones(len(u))]
+    fit = np.linalg.lstsq(np.stack(terms, axis=1), near @ inward, rcond=None)[0]
+    return np.array([[fit[0], fit[2]], [fit[2], fit[1]]])

@@ -14,7 +14,7 @@ from scipy import sparse
 from scipy.interpolate import PchipInterpolator
 
 from fefinger.geometry.facets import interfaces
-from fefinger.geometry.finger_mesh import BONE, FingerMesh, volumes
+from fefinger.geometry.finger_mesh import BONE, FingerMesh, areas, volumes
 from fefinger.mesh import finger_shape, smooth
 from fefinger.mesh.finger_shape import Shape, touch_point
 from fefinger.mesh.finish import ON_SHELLS, bone_of_volume, record, supports
@@ -105,7 +105,7 @@ def _wanted(template: FingerMesh) -> float:
 def _check_stretch(template: FingerMesh, points: Array) -> None:
     """Raise ConvergenceError where the fine half of the pad becomes coarser than its resolution."""
     pad = template.facets["pad"]
-    before, after = (_areas(places[pad]) for places in (template.points, points))
+    before, after = (areas(places[pad]) for places in (template.points, points))
     fine = before <= np.median(before)
     stretch = float(np.sqrt(after[fine].sum() / before[fine].sum()))
     if stretch > STRETCH:
@@ -223,12 +223,6 @@ def _feet(source: Shape, target: Shape, number: int, points: Array) -> tuple[flo
         shell.project(point[None])[0, 0] for shell, point in zip(shells, points, strict=True)
     )
     return float(one), float(other)
-
-
-def _areas(corners: Array) -> Array:
-    """Return the areas of triangles (n, 3, 3), (n,) mm^2."""
-    sides = corners[:, 1:] - corners[:, :1]
-    return np.asarray(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2.0)
 
 
 def _laplacian(points: Array, cells: Integers) -> Any:

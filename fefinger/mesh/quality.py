@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from fefinger.geometry.facets import parts
-from fefinger.geometry.finger_mesh import BONE, REGIONS, FingerMesh, edges, volumes
+from fefinger.geometry.finger_mesh import BONE, REGIONS, FingerMesh, areas, edges, faces, volumes
 from fefinger.geometry.mirror import Halves
 from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL, fitted_radii
 from fefinger.support.arrays import Array, Integers
@@ -30,14 +30,8 @@ FIRST_TOUCH = 1e-6
 
 def dihedral_angles(points: Array, cells: Integers) -> Array:
     """Return the six dihedral angles of each tetrahedron, (m, 6) degrees."""
-    corners = points[cells]
-    normals = np.stack(
-        [
-            np.cross(corners[:, j] - corners[:, i], corners[:, k] - corners[:, i])
-            for i, j, k in ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
-        ],
-        axis=1,
-    )
+    corners = points[faces(cells)]
+    normals = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=2), 1e-30)[:, :, None]
     pairs = [(i, j) for i in range(4) for j in range(i + 1, 4)]
     cosines = [-np.einsum("ij,ij->i", normals[:, i], normals[:, j]) for i, j in pairs]
@@ -93,7 +87,7 @@ def measure(
         "pulp_thickness": float(np.linalg.norm(bone, axis=1).min()),
         "pad_edge_mean": float(patch.mean()),
         "pad_edge_max": float(patch.max()),
-        "nail_area": _area(points, mesh.facets["nail"]) * (2.0 if mesh.half else 1.0),
+        "nail_area": float(areas(points[mesh.facets["nail"]]).sum()) * (1 + mesh.half),
     }
 
 
@@ -131,11 +125,4 @@ def _patch_edges(mesh: FingerMesh) -> Array:
     pad = mesh.facets["pad"]
     close = np.linalg.norm(mesh.points - PATCH_CENTER, axis=1) < PATCH_RADIUS
     pad = pad[close[pad].all(axis=1)]
-    pairs = np.unique(np.sort(pad[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
-    return np.asarray(np.linalg.norm(np.diff(mesh.points[pairs], axis=1)[:, 0], axis=1))
-
-
-def _area(points: Array, facets: Integers) -> float:
-    """Return the area of triangles, mm^2."""
-    a, b, c = (points[facets[:, i]] for i in range(3))
-    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
+    return np.asarray(np.linalg.norm(np.diff(mesh.points[edges(pad)], axis=1)[:, 0], axis=1))
