@@ -7,6 +7,7 @@ import numpy as np
 from scipy import sparse
 
 from fefinger.fem.contact.patch import Patch
+from fefinger.fem.elements.assembly import numbering
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import System, factor, prepare
@@ -160,9 +161,7 @@ def reduce(
 
 def _present(space: Space, mesh: FingerMesh, original: Integers, name: str) -> Integers:
     """Triangles of the facets `name` that bound the solid, in the numbering of the space."""
-    number = np.full(len(mesh.points), -1, dtype=np.int64)
-    number[original] = np.arange(len(original))
-    triangles = number[mesh.facets[name]]
+    triangles = numbering(original, len(mesh.points))[mesh.facets[name]]
     return np.asarray(triangles[space.has_faces(triangles)])
 
 

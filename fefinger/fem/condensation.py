@@ -23,7 +23,7 @@ from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
-from fefinger.fem.linalg.dissection import dissect
+from fefinger.fem.linalg.dissection import dissect_space
 from fefinger.fem.linalg.solvers import compressible
 from fefinger.geometry import mirror
 from fefinger.support.arrays import Array, Flags, Integers
@@ -128,19 +128,12 @@ def condense(solid: Solid, tissues: Mapping[int, Elastic], fixed: Integers) -> C
         If the fixed unknowns leave a rigid motion free.
     """
     space = solid.space
-    is_free = np.ones(space.n_unknowns, dtype=np.bool_)
-    is_free[fixed] = False
-    number = np.where(is_free, np.cumsum(is_free) - 1, -1)
-    pad = number[(3 * palmar(solid)[:, None] + np.arange(3)).ravel()]
-    dissection = dissect(
-        number[space.unknowns],
-        space.points[space.vertices].mean(axis=1),
-        int(is_free[: space.n_displacements].sum()),
-        last=np.sort(pad[pad >= 0]),
-    )
+    free = np.setdiff1d(np.arange(space.n_unknowns), fixed)
+    pad = np.intersect1d(3 * palmar(solid)[:, None] + np.arange(3), free)
     matrix = compressible(space, stiffness(space, tissues), REDUCED_COMPRESSIBILITY)
-    free = np.flatnonzero(is_free)
-    factored = multifrontal.factor(matrix[free][:, free].tocsr(), dissection)
+    factored = multifrontal.factor(
+        matrix[free][:, free].tocsr(), dissect_space(space, free, last=pad)
+    )
     inverse, _ = dpotri(factored.fronts[-1].lower, lower=1)
     upper = np.triu_indices(len(inverse), 1)
     inverse[upper] = inverse.T[upper]

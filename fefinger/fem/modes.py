@@ -9,12 +9,12 @@ reorthogonalization replaces selective one, because dense products cost less tha
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from scipy import linalg, sparse
 
 from fefinger.fem.condensation import Compliance
+from fefinger.fem.elements.assembly import numbering
 from fefinger.fem.linalg import multifrontal
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError, number
@@ -32,11 +32,8 @@ LEAST = 600  # vectors that a basis may always have; smaller bodies are solved a
 SEED = 27
 
 
-class Solves(Protocol):
-    """A static solution: displacements (n, k) under loads (n, k) on the free displacements."""
-
-    def __call__(self, loads: Array, /) -> Array:
-        """Return the displacements."""
+Solves = Callable[[Array], Array]
+"""A static solution: displacements (n, k) under loads (n, k) on the free displacements."""
 
 
 @dataclass(frozen=True)
@@ -64,9 +61,8 @@ def static(compliance: Compliance, free: Integers) -> Solves:
     free (n,): the numbers of the unknowns that loads and displacements belong to.
     """
     factor = multifrontal.Factor(compliance.order, compliance.fronts)
-    where = np.empty(int(compliance.order.max()) + 1, dtype=np.int64)
-    where[compliance.order] = np.arange(len(compliance.order))
-    places, n_pad = where[free], len(compliance.matrix)
+    places = numbering(compliance.order, int(compliance.order.max()) + 1)[free]
+    n_pad = len(compliance.matrix)
 
     def solve(loads: Array) -> Array:
         work = np.zeros((len(compliance.order), loads.shape[1]))

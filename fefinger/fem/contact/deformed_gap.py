@@ -34,6 +34,7 @@ from scipy import sparse
 from fefinger.fem.contact import gap_kernels
 from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import RINGS, Candidates, Neighborhood, candidates, neighborhood
+from fefinger.fem.elements.assembly import scattered
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.state import State
 from fefinger.support.arrays import Array, Flags, Integers
@@ -212,13 +213,8 @@ class DeformedGap:
 
     def _assembled(self, block: Array) -> sparse.csr_matrix:
         """Matrix (n_unknowns, n_unknowns) of the blocks (n_tri, 18, 18) of the facets."""
-        rows = self.contact.rows.reshape(len(block), -1)
-        where = (
-            np.broadcast_to(rows[:, :, None], block.shape).ravel(),
-            np.broadcast_to(rows[:, None, :], block.shape).ravel(),
-        )
-        shape = (self.contact.n_unknowns, self.contact.n_unknowns)
-        return sparse.coo_matrix((block.ravel(), where), shape=shape).tocsr()
+        rows, count = self.contact.rows.reshape(len(block), -1), self.contact.n_unknowns
+        return scattered(block, rows[:, :, None], rows[:, None, :], (count, count)).tocsr()
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ import numpy as np
 from scipy import sparse
 
 from fefinger.fem.contact.obstacle import Rigid
+from fefinger.fem.elements.assembly import numbering, scattered
 from fefinger.fem.elements.spaces import Space, Trace, trace
 from fefinger.support.arrays import Array, Flags, Integers
 
@@ -178,11 +179,9 @@ def candidates(
     beyond[triangles[behind]] = True
     rim[triangles[carrying & beyond[triangles].any(axis=1)]] = True
     vertices = np.flatnonzero(used)
-    column = np.full(len(used), -1, dtype=np.int64)
-    column[vertices] = np.arange(len(vertices))
     part = trace(space, triangles[carrying])
     places = smooth_places(space.points, normals, part)
-    owner = column[part.triangles]
+    owner = numbering(vertices, len(used))[part.triangles]
     ended = obstacle.beyond(space.points[vertices])
     return Candidates(vertices, part, places, owner, border[vertices], rim[vertices], ended)
 
@@ -230,9 +229,7 @@ def hats_of(space: Space, on: Patch) -> tuple[Trace, Array, Integers]:
 
     The latter (n_tri, 3) are -1 where there is none.
     """
-    part = trace(space, on.triangles)
-    column = np.full(len(space.points), -1, dtype=np.int64)
-    column[on.vertices] = np.arange(len(on.vertices))
+    part, column = trace(space, on.triangles), numbering(on.vertices, len(space.points))
     return part, part.linear[None] * part.weights[:, None, :], column[part.triangles]
 
 
@@ -262,10 +259,8 @@ def neighborhood(
 
 def _places(space: Space, vertices: Integers, normal: Array) -> sparse.csc_matrix:
     """Matrix (n_unknowns, n) whose transpose maps unknowns to displacements along `normal`."""
-    rows = (3 * vertices[:, None] + np.arange(3)).ravel()
-    columns = np.repeat(np.arange(len(vertices)), 3)
-    shape = (space.n_unknowns, len(vertices))
-    return sparse.coo_matrix((normal.ravel(), (rows, columns)), shape=shape).tocsc()
+    rows, columns = 3 * vertices[:, None] + np.arange(3), np.arange(len(vertices))[:, None]
+    return scattered(normal, rows, columns, (space.n_unknowns, len(vertices))).tocsc()
 
 
 def _loads(
@@ -273,10 +268,5 @@ def _loads(
 ) -> sparse.csc_matrix:
     """Return unit loads (n_unknowns, count): integrals of psi_j n . v for all displacements v."""
     block = np.einsum("tjq,kq,tqc->tkcj", hats, part.quadratic, direction)
-    rows = np.broadcast_to(
-        (3 * part.nodes[:, :, None] + np.arange(3))[:, :, :, None], block.shape
-    ).ravel()
-    columns = np.broadcast_to(owner[:, None, None, :], block.shape).ravel()
-    owned = columns >= 0
-    entries = (block.ravel()[owned], (rows[owned], columns[owned]))
-    return sparse.coo_matrix(entries, shape=(space.n_unknowns, count)).tocsc()
+    rows = 3 * part.nodes[:, :, None, None] + np.arange(3)[:, None]
+    return scattered(block, rows, owner[:, None, None, :], (space.n_unknowns, count)).tocsc()

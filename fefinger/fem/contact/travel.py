@@ -16,6 +16,7 @@ from scipy import sparse
 
 from fefinger.fem.contact.obstacle import FAR, Obstacle, Rigid
 from fefinger.fem.contact.patch import Patch, hats_of, smooth_places
+from fefinger.fem.elements.assembly import scattered
 from fefinger.fem.elements.spaces import Space
 from fefinger.geometry.profiles import Plane, frame
 from fefinger.support.arrays import Array, Flags, Integers
@@ -144,12 +145,9 @@ class Travel:
         """Place an obstacle at first touch over a patch whose loads act along its axis."""
         part, hats, owner = hats_of(space, on)
         places = smooth_places(space.points, normals, part).reshape(-1, 3)
-        rows = np.broadcast_to(owner[:, :, None], hats.shape).ravel()
         numbers = np.arange(len(places)).reshape(len(owner), 1, -1)
-        points = np.broadcast_to(numbers, hats.shape).ravel()
-        owned = rows >= 0
-        entries = (hats.ravel()[owned], (rows[owned], points[owned]))
-        weights = sparse.coo_matrix(entries, shape=(len(on.vertices), len(places))).tocsr()
+        shape = (len(on.vertices), len(places))
+        weights = scattered(hats, owner[:, :, None], numbers, shape).tocsr()
         vertices = Heights.over(obstacle, space.points[on.vertices])
         return cls(Heights.over(obstacle, places), weights, vertices)
 

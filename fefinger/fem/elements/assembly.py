@@ -1,4 +1,4 @@
-"""Compiled element loop of small-strain mixed elasticity into a fixed sparsity pattern.
+"""Assembly of sparse matrices: compiled element loop of mixed elasticity into a fixed pattern.
 
 The pattern follows from the numbering alone, so that assembly needs no memory beyond the matrix.
 """
@@ -6,6 +6,7 @@ The pattern follows from the numbering alone, so that assembly needs no memory b
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy import sparse
 
 from fefinger.support.arrays import Array, Integers
 
@@ -18,6 +19,25 @@ EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
 _INNER, _OUTER = (5 + 3 * np.sqrt(5)) / 20, (5 - np.sqrt(5)) / 20
 RULE = np.full((4, 4), _OUTER) + (_INNER - _OUTER) * np.eye(4)
 """Barycentric coordinates of four points of equal weight, exact for polynomials of degree 2."""
+
+
+def numbering(chosen: Integers, count: int) -> Integers:
+    """Return the place in `chosen` of every number below `count`, -1 for those that are not."""
+    number = np.full(count, -1, dtype=np.int64)
+    number[chosen] = np.arange(len(chosen))
+    return number
+
+
+def scattered(
+    block: Array, rows: Integers, columns: Integers, shape: tuple[int, int]
+) -> sparse.coo_matrix:
+    """Return the sum of entries at rows and columns, which are broadcast against the block.
+
+    Entries with a negative row or column are left out.
+    """
+    rows, columns = (np.broadcast_to(each, block.shape).ravel() for each in (rows, columns))
+    kept = (rows >= 0) & (columns >= 0)
+    return sparse.coo_matrix((block.ravel()[kept], (rows[kept], columns[kept])), shape=shape)
 
 
 @njit(cache=True)

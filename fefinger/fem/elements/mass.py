@@ -6,6 +6,7 @@ import numpy as np
 from scipy import sparse
 from skfem import Basis, ElementTetP2, MeshTet
 
+from fefinger.fem.elements.assembly import scattered
 from fefinger.fem.elements.spaces import Space
 
 
@@ -21,9 +22,7 @@ def mass(space: Space, densities: Mapping[int, float]) -> sparse.csr_matrix:
     reference = Basis(MeshTet.init_refdom(), ElementTetP2(), intorder=4)
     shapes = np.array([np.asarray(f[0])[0] for f in reference.basis])
     products = (shapes * (6 * reference.dx[0])) @ shapes.T  # of a cell of volume 1
-    rows = np.repeat(space.nodes, 10, axis=1)
-    columns = np.tile(space.nodes, (1, 10))
-    values = heavy[:, None] * products.ravel()
-    shape = (space.n_nodes, space.n_nodes)
-    scalar = sparse.csr_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
-    return sparse.kron(scalar, sparse.eye(3), format="csr")
+    nodes, shape = space.nodes, (space.n_nodes, space.n_nodes)
+    values = heavy[:, None, None] * products
+    scalar = scattered(values, nodes[:, :, None], nodes[:, None, :], shape)
+    return sparse.kron(scalar.tocsr(), sparse.eye(3), format="csr")

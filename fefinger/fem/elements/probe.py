@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from scipy import sparse
 
+from fefinger.fem.elements.assembly import scattered
 from fefinger.fem.elements.spaces import Space
 from fefinger.geometry.locate import around
 from fefinger.support.arrays import Array, Flags, Integers
@@ -150,9 +151,4 @@ def _gradient_rows(space: Space, cells: Integers, local: Array) -> sparse.csr_ma
     block = np.broadcast_to(gradients.transpose(0, 2, 1)[:, None], (len(cells), 3, 3, n_local))
     rows = np.arange(9 * len(cells)).reshape(len(cells), 3, 3, 1)
     unknowns = 3 * space.nodes[cells][:, None, None, :] + np.arange(3)[:, None, None]
-    where = (
-        np.broadcast_to(rows, block.shape).ravel(),
-        np.broadcast_to(unknowns, block.shape).ravel(),
-    )
-    shape = (9 * len(cells), space.n_unknowns)
-    return sparse.coo_matrix((block.ravel(), where), shape=shape).tocsr()
+    return scattered(block, rows, unknowns, (9 * len(cells), space.n_unknowns)).tocsr()

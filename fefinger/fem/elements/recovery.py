@@ -13,6 +13,7 @@ from itertools import product
 import numpy as np
 from scipy import sparse
 
+from fefinger.fem.elements.assembly import scattered
 from fefinger.fem.elements.probe import gradient_at, locate, symmetric_part
 from fefinger.fem.elements.spaces import Space
 from fefinger.support.arrays import Array, Integers
@@ -121,10 +122,9 @@ def _rows(around: _Around, point: Array, host: Integers) -> sparse.csr_matrix:
         nodes, places, signs = around.places(cells)
         slopes = _slopes(places - point)
         if slopes is not None:
-            columns = 3 * nodes[:, None] + np.arange(3)
             values = slopes[None] * signs.T[:, None]  # (i, j, n): du_i / dX_j
-            where = (np.arange(9).repeat(len(nodes)), columns.T.repeat(3, axis=0).ravel())
-            return sparse.coo_matrix((values.ravel(), where), (9, space.n_unknowns)).tocsr()
+            rows, columns = np.arange(9).reshape(3, 3, 1), 3 * nodes + np.arange(3)[:, None, None]
+            return scattered(values, rows, columns, (9, space.n_unknowns)).tocsr()
     return gradient_at(space, point[None], around.planes)
 
 

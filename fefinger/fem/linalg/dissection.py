@@ -14,6 +14,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
+from fefinger.fem.elements.assembly import numbering
+from fefinger.fem.elements.spaces import Space
 from fefinger.support.arrays import Array, Flags, Integers
 
 
@@ -125,6 +127,17 @@ def dissect(
         for (pivots, outer, parts), stop in zip(pieces, stops, strict=True)
     )
     return Dissection(order, fronts)
+
+
+def dissect_space(space: Space, free: Integers, last: Integers = NOTHING) -> Dissection:
+    """Dissect the unknowns `free` (n,), ascending, of a space; of them, `last` are eliminated last.
+
+    The unknowns of the dissection are the places in `free`.
+    """
+    number = numbering(free, space.n_unknowns)
+    centers = space.points[space.vertices].mean(axis=1)
+    n_displacements = int(np.searchsorted(free, space.n_displacements))
+    return dissect(number[space.unknowns], centers, n_displacements, number[last])
 
 
 def _halved(

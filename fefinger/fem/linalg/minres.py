@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from fefinger.fem.elements.assembly import numbering
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.dissection import dissect
@@ -170,8 +171,7 @@ def _coarse(
     linears = sparse.coo_matrix((values, (rows, columns)), shape=(space.n_nodes, count))
     linear_unknowns = moving[moving < 3 * count]
     up = sparse.kron(linears, sparse.eye(3)).tocsr()[moving][:, linear_unknowns].tocsr()
-    number = np.full(3 * count, -1, dtype=np.int64)
-    number[linear_unknowns] = np.arange(len(linear_unknowns))
+    number = numbering(linear_unknowns, 3 * count)
     corners = (3 * space.vertices[:, :, None] + np.arange(3)).reshape(len(space.vertices), -1)
     centers = space.points[space.vertices].mean(axis=1)
     parts = dissect(number[corners], centers, len(linear_unknowns))

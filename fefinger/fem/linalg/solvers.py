@@ -73,7 +73,7 @@ class Equations:
     @property
     def neighbor(self) -> sparse.csr_matrix:
         """The slightly compressible, quasi-definite matrix (n, n) that is factored."""
-        return compressible(self.space, self.matrix)[self.free][:, self.free].tocsr()
+        return neighbor(self.space, self.matrix, self.free)
 
 
 class Prepared:
@@ -150,19 +150,16 @@ def compressible(
     space: Space, matrix: sparse.csr_matrix, least: float = FACTOR_COMPRESSIBILITY
 ) -> sparse.csr_matrix:
     """Return the matrix with at least the compressibility `least` on the pressure diagonal."""
-    shift = _lacking(space, matrix, least)
+    n = space.n_displacements
+    wanted = least * np.asarray(abs(matrix[n:][:, :n]).sum(axis=1)).ravel()
+    shift = np.zeros(space.n_unknowns)
+    shift[n:] = np.maximum(wanted + matrix.diagonal()[n:], 0.0)  # C stands there as -C
     return matrix - sparse.diags(shift, format="csr") if shift.any() else matrix
 
 
-def _lacking(space: Space, matrix: sparse.csr_matrix, least: float) -> Array:
-    """Shift (n_unknowns,) of the pressure diagonal that gives that compressibility."""
-    pressure = np.arange(space.n_displacements, space.n_unknowns)
-    coupling = abs(matrix[pressure][:, : space.n_displacements])
-    wanted = least * np.asarray(coupling.sum(axis=1)).ravel()
-    present = -matrix.diagonal()[pressure]
-    shift = np.zeros(space.n_unknowns)
-    shift[pressure] = np.maximum(wanted - present, 0.0)
-    return shift
+def neighbor(space: Space, matrix: sparse.csr_matrix, free: Integers) -> sparse.csr_matrix:
+    """Return the `compressible` matrix of the unknowns `free` (n,): the one that is factored."""
+    return compressible(space, matrix)[free][:, free].tocsr()
 
 
 SOLVERS: Mapping[str, Callable[[Equations], Solver]] = {

@@ -17,8 +17,8 @@ from scipy import sparse
 
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal, multifrontal_single
-from fefinger.fem.linalg.dissection import Dissection, dissect
-from fefinger.fem.linalg.solvers import SOLVERS, Equations, Prepared, choose, compressible
+from fefinger.fem.linalg.dissection import dissect_space
+from fefinger.fem.linalg.solvers import SOLVERS, Equations, Prepared, choose, neighbor
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError, choice
 from fefinger.support.threads import one_thread
@@ -30,21 +30,15 @@ LEFT = 0.1  # largest relative residual of a factor for the rigid motions of a h
 
 
 @dataclass(frozen=True)
-class System:
-    """A linear system with some unknowns prescribed, and its solver.
+class System(Equations):
+    """Equations with the unknowns `fixed` (n_fixed,) prescribed, and their solver.
 
-    matrix: the full symmetric matrix of `space`; free, fixed: unknown numbers; reduced: the matrix
-    of the free unknowns; solver: for it or for its compressible neighbor. failed: why single
-    precision failed, once for each factor that `approximate_factor` had to make in double.
+    failed: why single precision failed, once for each factor that `approximate_factor` had to make
+    in double.
     """
 
-    space: Space
-    matrix: sparse.csr_matrix
-    free: Integers
     fixed: Integers
-    reduced: sparse.csr_matrix
     solver: Prepared
-    dissection: Dissection
     failed: list[str] = field(default_factory=list)
 
     @property
@@ -175,22 +169,15 @@ def prepare(
     InputError
         If no unknown is prescribed, or the solver is not known.
     """
-    is_free = np.ones(space.n_unknowns, dtype=np.bool_)
-    is_free[fixed] = False
-    if is_free.all():
+    held = np.unique(fixed)
+    if not len(held):
         message = "held facets: expected at least one held face, received none"
         raise InputError(message)
-    free, held = np.flatnonzero(is_free), np.flatnonzero(~is_free)
-    number = np.where(is_free, np.cumsum(is_free) - 1, -1)
-    dissection = dissect(
-        number[space.unknowns],
-        space.points[space.vertices].mean(axis=1),
-        int(is_free[: space.n_displacements].sum()),
-    )
-    reduced = matrix[free][:, free].tocsr()
-    equations = Equations(space, matrix, free, reduced, dissection)
+    free = np.setdiff1d(np.arange(space.n_unknowns), held)
+    given = (space, matrix, free, matrix[free][:, free].tocsr(), dissect_space(space, free))
+    equations = Equations(*given)
     name = choose(equations) if solver is None else choice("ask.solver", solver, SOLVERS)
-    return System(space, matrix, free, held, reduced, Prepared(name, equations), dissection)
+    return System(*given, held, Prepared(name, equations))
 
 
 @one_thread
@@ -207,12 +194,12 @@ def approximate_factor(
     InputError
         If it is singular, or beyond double precision.
     """
-    neighbor = compressible(system.space, matrix)[system.free][:, system.free].tocsr()
+    close = neighbor(system.space, matrix, system.free)
     rigid = system.rigid if held else np.empty((len(system.free), 0))
 
     def factored(precision: multifrontal_single.Precision) -> multifrontal_single.ApproximateFactor:
-        approximate = multifrontal_single.factor(neighbor, system.dissection, precision)
-        residual = np.linalg.norm(neighbor @ approximate.solve(rigid) - rigid, axis=0)
+        approximate = multifrontal_single.factor(close, system.dissection, precision)
+        residual = np.linalg.norm(close @ approximate.solve(rigid) - rigid, axis=0)
         # "not <=" also catches nan.
         if not (residual <= LEFT * np.linalg.norm(rigid, axis=0)).all():
             raise InputError(multifrontal.SINGULAR)
