@@ -99,22 +99,9 @@ def test_the_bone_may_come_from_a_file_too(shape: Shape, stl: Path, tmp_path: Pa
         scanned(Recipe(14, 10, 14, surface=str(stl), bone_surface=str(tmp_path / "low.stl")))
 
 
-def test_missing_file_is_named() -> None:
-    with pytest.raises(InputError, match=r"received 'nowhere\.stl', which does not exist"):
-        scanned(Recipe(14, 10, 14, surface="nowhere.stl"))
-
-
-def test_text_is_no_surface(tmp_path: Path) -> None:
-    (tmp_path / "finger.stl").write_text("hello")
-    with pytest.raises(InputError, match=r"finger\.stl (cannot be read|has no triangles)"):
-        scanned(Recipe(14, 10, 14, surface=str(tmp_path / "finger.stl")))
-
-
 @pytest.mark.parametrize(
     ("fault", "message"),
     [
-        ("open", "has a hole"),
-        ("meters", "seems to be in m: scale it by 1000"),
         ("lopsided", "nearly symmetric in y"),
         ("flat", "mm of subcutaneous tissue around the bone"),
     ],
@@ -123,10 +110,6 @@ def test_unusable_surfaces_get_a_sentence(
     stl: Path, tmp_path: Path, fault: str, message: str
 ) -> None:
     mesh = trimesh.load_mesh(stl)
-    if fault == "open":
-        mesh.update_faces(mesh.triangles_center[:, 2] < -1.0)
-    if fault == "meters":
-        mesh.apply_scale(0.001)
     if fault == "lopsided":
         mesh.vertices[:, 2] *= np.where(mesh.vertices[:, 1] > 3.0, 1.5, 0.3)
     if fault == "flat":

@@ -1,6 +1,7 @@
 """SuperLU, the sparse factor of SciPy: a baseline of speed, and an independent check in tests."""
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 from scipy import sparse
@@ -18,22 +19,17 @@ class SuperLU(Prepared):
     def __init__(self, equations: Equations) -> None:
         super().__init__("superlu", equations)
         self._order = equations.dissection.order
-        self._factor = splu(
+        self.factor = splu(
             equations.neighbor[self._order][:, self._order].tocsc(),
             permc_spec="NATURAL",
             diag_pivot_thresh=0.0,
             options={"SymmetricMode": True, "Equil": False},
         )
 
-    @property
-    def entries(self) -> int:
-        """Number of entries stored."""
-        return int(self._factor.L.nnz)
-
     def solve(self, right: Array) -> Array:
         """Return the approximate solution in the shape of `right`."""
         answer = np.empty_like(right)
-        answer[self._order] = self._factor.solve(right[self._order])
+        answer[self._order] = self.factor.solve(right[self._order])
         return answer
 
 
@@ -41,3 +37,8 @@ def factor(space: Space, matrix: sparse.csr_matrix, fixed: Integers) -> System:
     """Return the system that `fem.linalg.system.factor` returns, with SuperLU as its solver."""
     system = prepare(space, matrix, fixed)
     return replace(system, solver=SuperLU(system.solver.equations))
+
+
+def entries(system: System) -> int:
+    """Return the number of entries of a factor of SuperLU."""
+    return int(cast(SuperLU, system.solver).factor.L.nnz)

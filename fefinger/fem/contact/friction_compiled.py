@@ -74,6 +74,13 @@ def _target(s: FrictionState, i: int) -> tuple[float, float, float, float]:
 
 
 @njit(cache=True)
+def _on_disc(u: float, v: float, bound: float) -> tuple[float, float]:
+    """Project a traction on the disc of a radius `bound`."""
+    size = np.hypot(u, v)
+    return (u * bound / size, v * bound / size) if size > bound else (u, v)
+
+
+@njit(cache=True)
 def _visit(s: FrictionState, i: int, m: int) -> None:
     """Project pressure and traction of a vertex, and update the gaps and slips of all."""
     x, j = s.compressed, 3 * i
@@ -82,9 +89,7 @@ def _visit(s: FrictionState, i: int, m: int) -> None:
         x[j] += step
         _add(s.rest, s.block[j], step, m)
     _, u, v, _ = _target(s, i)
-    size, bound = np.hypot(u, v), s.mu[s.where[i]] * x[j]
-    if size > bound:
-        u, v = u * bound / size, v * bound / size
+    u, v = _on_disc(u, v, s.mu[s.where[i]] * x[j])
     first, second = u - x[j + 1], v - x[j + 2]
     if first != 0.0 or second != 0.0:
         x[j + 1], x[j + 2] = u, v
@@ -107,9 +112,7 @@ def _residual(s: FrictionState) -> float:
     for i in range(s.counts[K]):
         j = 3 * i
         p, u, v, _ = _target(s, i)
-        size, bound = np.hypot(u, v), s.mu[s.where[i]] * x[j]
-        if size > bound:
-            u, v = u * bound / size, v * bound / size
+        u, v = _on_disc(u, v, s.mu[s.where[i]] * x[j])
         top = max(top, x[j])
         largest = max(largest, abs(x[j] - max(p, 0.0)), np.hypot(x[j + 1] - u, x[j + 2] - v))
     return largest / top if top > 0.0 else largest
@@ -258,13 +261,9 @@ def _go(s: FrictionState, part: float) -> None:
         for a in range(3):
             s.compressed[j + a] = s.before[j + a] + part * (s.start[j + a] - s.before[j + a])
         s.compressed[j] = max(0.0, s.compressed[j])
-        bound, size = (
-            s.mu[s.where[i]] * s.compressed[j],
-            np.hypot(s.compressed[j + 1], s.compressed[j + 2]),
+        s.compressed[j + 1], s.compressed[j + 2] = _on_disc(
+            s.compressed[j + 1], s.compressed[j + 2], s.mu[s.where[i]] * s.compressed[j]
         )
-        if size > bound:
-            s.compressed[j + 1] *= bound / size
-            s.compressed[j + 2] *= bound / size
     _load(s)
 
 

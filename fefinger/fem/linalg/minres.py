@@ -48,11 +48,6 @@ class Iterative:
     coarse: multifrontal.Factor
     pressures: Array
 
-    @property
-    def entries(self) -> int:
-        """Number of entries stored."""
-        return int(self.strain.nnz + self.up.nnz + self.down.nnz + self.coarse.entries)
-
     def solve(self, right: Array) -> Array:
         """Return an approximate solution (n,) or (n, k) for right hand sides of the same shape."""
         return self.minres(right)[0]

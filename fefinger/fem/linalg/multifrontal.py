@@ -49,11 +49,6 @@ class Factor:
     order: Integers
     fronts: tuple[Eliminated, ...]
 
-    @property
-    def entries(self) -> int:
-        """Number of entries stored."""
-        return sum(f.lower.size + f.below.size for f in self.fronts)
-
     def solve(self, right: Array) -> Array:
         """Return the solution (n,) or (n, k) for right hand sides of the same shape."""
         work = right[self.order].reshape(len(right), -1)

@@ -68,19 +68,9 @@ class ApproximateFactor:
     branches: tuple[Branch, ...]
 
     @property
-    def entries(self) -> int:
-        """Number of entries stored."""
-        return sum(len(branch.values) for branch in self.branches)
-
-    @property
     def negative(self) -> int:
         """Number of negative eigenvalues of the matrix, by Sylvester's law of inertia."""
         return sum(branch.negative for branch in self.branches)
-
-    @property
-    def double(self) -> bool:
-        """Whether it is in double precision."""
-        return bool(self.branches[0].values.dtype == np.float64)
 
     def solve(self, right: Array) -> Array:
         """Return the solution (n,) or (n, k) for right hand sides of the same shape."""
@@ -171,12 +161,7 @@ def _schur(rows: Floats, block: Floats, rest: Floats) -> Floats:
 def _inverse(block: Floats, out: Floats) -> int:
     """Fill `out` with the inverse of a symmetric matrix (n, n); count its negative eigenvalues.
 
-    Its lower triangle is read.
-
-    Raises
-    ------
-    InputError
-        If it is singular.
+    Its lower triangle is read. Raises InputError if it is singular.
     """
     if not len(block):
         return 0

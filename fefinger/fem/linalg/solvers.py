@@ -46,11 +46,6 @@ SINGLE_FAILED = (
 class Solver(Protocol):
     """Interface of a solver: approximate solutions for right hand sides (n,) or (n, k)."""
 
-    @property
-    def entries(self) -> int:
-        """Number of entries stored."""
-        ...
-
     def solve(self, right: Array) -> Array:
         """Return the approximate solution in the shape of `right`."""
         ...
@@ -104,11 +99,6 @@ class Prepared:
                     raise
                 self._made = SOLVERS[self.name](self.equations)
         return self._made
-
-    @property
-    def entries(self) -> int:
-        """Number of entries stored."""
-        return self.made.entries
 
     def solve(self, right: Array) -> Array:
         """Return the approximate solution in the shape of `right`."""

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fefinger.validation.problems.cube import across, cube, nominal, stretches
+from fefinger.validation.problems.cube import Cube, across, cube, nominal, stretches
 from scipy import sparse
 
 from fefinger.fem.elements.forms import Elastic
@@ -38,18 +38,38 @@ PRONY = Prony((0.3, 0.4, 0.3), (60.0, 2.0))
 SERIES = {1: Series(np.array(PRONY.weights), np.array(PRONY.v))}
 
 
-def squeezed(material: Law, depths: list[float]) -> tuple[float, np.ndarray, object]:
-    """Return the force in mN and the stretches at the last of the depths, and the cube."""
-    pressed = cube(material)
-    solver = pressed.equilibrium
-    state = State(np.zeros(pressed.body.space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
+def at_rest(pressed: Cube) -> State:
+    count = pressed.body.space.n_unknowns
+    return State(np.zeros(count), np.zeros(len(pressed.equilibrium.contact)), 0.0)
+
+
+def force_of(pressed: Cube, state: State) -> float:
+    """Return the force in mN of a state."""
+    return float(pressed.equilibrium.contact.projected @ state.pressure)
+
+
+def pressed_to(pressed: Cube, *depths: float) -> tuple[Target, State]:
+    """Return the last target and the state at it."""
+    state = at_rest(pressed)
     for depth in depths:
-        state = solver.find(state, Target("depth", depth, pressed.body.at_rest))
-    return (
-        float(solver.contact.projected @ state.pressure),
-        stretches(state.values, pressed.body),
-        state,
-    )
+        target = Target("depth", depth, pressed.body.at_rest)
+        state = pressed.equilibrium.find(state, target)
+    return target, state
+
+
+def squeezed(material: Law, depths: list[float]) -> tuple[float, np.ndarray, State]:
+    """Return the force in mN and the stretches at the last of the depths, and the state."""
+    pressed = cube(material)
+    _, state = pressed_to(pressed, *depths)
+    return force_of(pressed, state), stretches(state.values, pressed.body), state
+
+
+def forces_along(pressed: Cube, path: Path, **options: object) -> np.ndarray:
+    """Return the forces in mN at the times of a path."""
+    forces: list[float] = []
+    history = StressHistory(pressed.body, SERIES, **options)
+    follow(pressed.equilibrium, history, path, lambda _, s: forces.append(force_of(pressed, s)))
+    return np.array(forces)
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -80,13 +100,11 @@ def test_factors_that_fail_in_single_precision_are_made_in_double(
     unsound(np.float32)
     pressed = cube(material)
     solver = pressed.equilibrium
-    state = State(np.zeros(pressed.body.space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
-    target = Target("depth", 0.2, pressed.body.at_rest)
-    state = solver.find(state, target)
+    target, state = pressed_to(pressed, 0.2)
     solver._renew(solver._evaluate(state, target), target)
     assert len(solver.system.failed) == solver.factors + 1 >= 2
     state = solver.find(state, replace(target, value=0.4))
-    assert float(solver.contact.projected @ state.pressure) == pytest.approx(usual, rel=1e-6)
+    assert force_of(pressed, state) == pytest.approx(usual, rel=1e-6)
     unsound(np.float32, np.float64)
     with pytest.raises(ConvergenceError, match="tangent of an iterate is singular"):
         solver._renew(solver._evaluate(state, target), target)
@@ -103,10 +121,7 @@ def test_all_nodes_of_the_plate_carry_the_same_pressure_and_none_pulls():
 def test_the_bed_under_a_contact_is_as_stiff_as_stability_asks(monkeypatch: pytest.MonkeyPatch):
     pressed = cube(neo_hookean(Elastic(40.0, 0.49)))
     solver = pressed.equilibrium
-    state = State(np.zeros(pressed.body.space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
-    for depth in (0.1, 0.3, 0.5):
-        target = Target("depth", depth, pressed.body.at_rest)
-        state = solver.find(state, target)
+    target, state = pressed_to(pressed, 0.1, 0.3, 0.5)
     pressures = (solver.system.free >= pressed.body.space.n_displacements).sum()
     solver._renew(solver._evaluate(state, target), target)
     assert solver._factored.approximate_factor.negative == pressures
@@ -127,15 +142,7 @@ def test_a_step_too_large_is_reported():
 
 def passed(material: Law, times: np.ndarray, depth: object, **options: object) -> np.ndarray:
     """Return the force in mN at the times, under depth control."""
-    pressed = cube(material, 1)
-    forces: list[float] = []
-
-    def keep(_: int, state: State) -> None:
-        forces.append(float(pressed.equilibrium.contact.projected @ state.pressure))
-
-    history = StressHistory(pressed.body, SERIES, **options)
-    follow(pressed.equilibrium, history, Path("depth", times, depth), keep)
-    return np.array(forces)
+    return forces_along(cube(material, 1), Path("depth", times, depth), **options)
 
 
 @pytest.mark.parametrize("poisson", RATIOS)
@@ -173,13 +180,9 @@ def test_forces_far_below_the_largest_one_of_a_path_are_met_as_closely_as_can_be
     pressed = cube(neo_hookean(Elastic(40.0, 0.49)), 1)
     times, forces = np.linspace(0, 1, 6), 10 * np.array([tiny, 1, tiny, 0, tiny**0.5, 1])
     path = Path("force", times, lambda time: float(np.interp(time, times, forces)))
-    found: list[float] = []
-
-    def keep(_: int, state: State) -> None:
-        found.append(float(pressed.equilibrium.contact.projected @ state.pressure))
-
-    follow(pressed.equilibrium, StressHistory(pressed.body, SERIES), path, keep)
-    assert found == pytest.approx(forces, rel=EQUILIBRIUM, abs=1e-6 * EQUILIBRIUM * forces.max())
+    assert forces_along(pressed, path) == pytest.approx(
+        forces, rel=EQUILIBRIUM, abs=1e-6 * EQUILIBRIUM * forces.max()
+    )
 
 
 def timed(steps: int) -> np.ndarray:
@@ -249,8 +252,7 @@ def test_a_held_force_creeps_to_the_depth_of_the_relaxed_cube():
 
     def keep(_: int, state: State) -> None:
         depths.append(state.depth)
-        force = float(pressed.equilibrium.contact.projected @ state.pressure)
-        assert force == pytest.approx(target, rel=1e-6)
+        assert force_of(pressed, state) == pytest.approx(target, rel=1e-6)
 
     follow(pressed.equilibrium, history, path, keep)
     assert (np.diff(depths) > 0).all()
@@ -331,8 +333,7 @@ def test_a_factor_with_which_the_error_no_longer_falls_is_renewed_before_patienc
     uneven = np.exp(0.5 * np.random.default_rng(0).standard_normal(count))
     solve = factored.solve
     monkeypatch.setattr(factored, "solve", lambda right: (solve(right).T * uneven).T)
-    start = State(np.zeros(count), np.zeros(len(solver.contact)), 0.0)
-    solver.find(start, Target("depth", 0.1, pressed.body.at_rest))
+    solver.find(at_rest(pressed), Target("depth", 0.1, pressed.body.at_rest))
     assert solver.factors == 1
     assert solver.iterations < newton.PATIENCE
     # The new factor does not answer for the iterations before it.
@@ -393,10 +394,7 @@ def test_an_iterate_whose_forces_have_run_away_is_none_like_one_that_is_inside_o
 def test_a_bed_under_the_weighted_gaps_is_that_of_the_matrix_and_takes_its_eigenvalues():
     pressed = cube(neo_hookean(Elastic(40.0, 0.49)))
     solver, space = pressed.equilibrium, pressed.body.space
-    state = State(np.zeros(space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
-    for depth in (0.1, 0.3, 0.5):
-        target = Target("depth", depth, pressed.body.at_rest)
-        state = solver.find(state, target)
+    target, state = pressed_to(pressed, 0.1, 0.3, 0.5)
     tangent = pressed.body.tangent(state.values, target.history)
     loads = solver.contact.at(state).loads
     support = np.full(len(solver.contact), 1e3)
@@ -420,8 +418,7 @@ def test_a_bed_under_the_weighted_gaps_is_that_of_the_matrix_and_takes_its_eigen
 def test_a_blend_takes_as_much_of_the_definite_tangent_as_stability_asks():
     pressed = cube(neo_hookean(Elastic(40.0, 0.49)))
     solver = pressed.equilibrium
-    state = State(np.zeros(pressed.body.space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
-    shares = []
+    state, shares = at_rest(pressed), []
     for depth in (0.1, 0.3, 0.5):
         target = Target("depth", depth, pressed.body.at_rest)
         state = solver.find(state, target)
@@ -435,7 +432,7 @@ def test_a_blend_takes_as_much_of_the_definite_tangent_as_stability_asks():
 def test_no_node_goes_farther_downhill_in_an_iteration_than_it_is_trusted():
     pressed = cube(neo_hookean(Elastic(40.0, 0.3)))
     solver, space = pressed.equilibrium, pressed.body.space
-    start = State(np.zeros(space.n_unknowns), np.zeros(len(solver.contact)), 0.0)
+    start = at_rest(pressed)
     far = State(np.full(space.n_unknowns, 10.0), np.ones(len(solver.contact)), 0.4)
     found = solver._trusted(start, far)
     part = TRUST * solver.contact.sizes.mean() / (10 * np.sqrt(3))
