@@ -29,10 +29,7 @@ def supports(shape: Shape, count: int, facets: Mapping[str, Integers]) -> smooth
     free = np.ones((count, 3), dtype=bool)
     free[np.unique(facets["medial"]), 1] = False
     free[np.unique(np.concatenate([facets["cut"], facets["bone-cut"]])), 0] = False
-    projectors = tuple(
-        lambda points, mask, shell=shell: shell.project(points, free=mask) for shell in shape.shells
-    )
-    return smooth.Supports(on, free, projectors)
+    return smooth.Supports(on, free, shape.shells)
 
 
 def bone_of_volume(

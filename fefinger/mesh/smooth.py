@@ -1,15 +1,12 @@
 """Projection of vertices onto their smooth surfaces, and optimization of the worst tetrahedra."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from fefinger.mesh.finger_shape import SmoothSurface
 from fefinger.support.arrays import Array, Flags, Integers
 
-
-Project = Callable[[Array, Flags], Array]
-"""Function that projects points (k, 3) onto a surface and changes only free coordinates (k, 3)."""
 
 TRIALS = 24
 """Random positions tried for a vertex in one sweep; about one in four moves then helps."""
@@ -21,23 +18,23 @@ class Supports:
 
     Attributes
     ----------
-    surface : (n,) index of the projector of the surface that it lies on, -1 for none.
+    surface : (n,) index of the surface that it lies on, -1 for none.
     free : (n, 3) coordinates that may change (not y on the medial plane, not x at the cut).
-    projectors : one per surface.
+    surfaces : the smooth surfaces.
 
     """
 
     surface: Integers
     free: Flags
-    projectors: tuple[Project, ...]
+    surfaces: tuple[SmoothSurface, ...]
 
     def place(self, points: Array, which: Integers) -> Array:
         """Project `points` (k, 3) onto the surfaces of the vertices `which` (k,)."""
         placed = points.copy()
-        for number, project in enumerate(self.projectors):
+        for number, surface in enumerate(self.surfaces):
             on = self.surface[which] == number
             if on.any():
-                placed[on] = project(points[on], self.free[which][on])
+                placed[on] = surface.project(points[on], free=self.free[which][on])
         return placed
 
 

@@ -101,14 +101,11 @@ def _grid(box: Array, step: float) -> tuple[Array, Integers]:
     index = np.arange(nodes[..., 0].size).reshape(nodes.shape[:3])
     counts = [len(axis) - 1 for axis in axes]
     parts = []
-    for order in itertools.permutations(range(3)):
-        corner = np.zeros(3, dtype=int)
-        path = [corner.copy()]
-        for axis in order:
-            corner[axis] = 1
-            path.append(corner.copy())
-        cell = [index[a : a + counts[0], b : b + counts[1], c : c + counts[2]] for a, b, c in path]
-        flip = np.linalg.det(np.diff(path, axis=0)) < 0
-        cell = [cell[i].ravel() for i in ([0, 1, 3, 2] if flip else [0, 1, 2, 3])]
-        parts.append(np.stack(cell, axis=1))
+    for order in itertools.permutations(range(3)):  # of the axes, on the way to the far corner
+        steps = np.eye(3, dtype=int)[list(order)]
+        path = [np.zeros(3, dtype=int), *np.cumsum(steps, axis=0)]
+        if np.linalg.det(steps) < 0:
+            path[2:] = path[:1:-1]
+        corners = (tuple(slice(a, a + n) for a, n in zip(at, counts, strict=True)) for at in path)
+        parts.append(np.stack([index[corner].ravel() for corner in corners], axis=1))
     return nodes.reshape(-1, 3), np.concatenate(parts)

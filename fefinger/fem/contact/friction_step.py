@@ -16,14 +16,14 @@ from numba import njit
 
 from fefinger.fem.contact import friction_compiled as friction
 from fefinger.fem.contact.friction_state import FrictionState, release, restore, save
-from fefinger.fem.contact.lcp_compiled import CORRECTIONS, DONE, MISSED
+from fefinger.fem.contact.lcp_compiled import DONE, MISSED
 from fefinger.fem.contact.step_compiled import (
     PadState,
-    corrected,
     excess_force,
     load_history,
     store_history,
 )
+from fefinger.fem.contact.viscoelastic import CORRECTIONS, corrected
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY, SMALL_FORCE

@@ -13,14 +13,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from fefinger.fem.contact.complementarity import EXCHANGES, PATIENCE
 from fefinger.support.arrays import Array, Integers
 
 
 Floats = NDArray[np.floating]
 
-EXCHANGES = 500  # as in `complementarity`: PATIENCE block exchanges without progress, then single
-PATIENCE = 12
-CORRECTIONS = 60
 RESIDUAL = 1e-13  # over the largest offset: a solution with a larger residual is refined
 FALLING = 0.05  # a refinement that leaves a larger share of the residual rebuilds H
 REFINED = 1e-10  # over the largest offset: accepted where a new H does not reduce the residual

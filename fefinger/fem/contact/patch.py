@@ -207,6 +207,7 @@ def patch(
     arm = np.cross(part.places, direction)
     around = neighborhood(space, triangles, normals, obstacle, reach, vertices, rings + RINGS)
     apart, normal = obstacle.gap(space.points[around.vertices])
+    rows, columns = 3 * around.vertices[:, None] + np.arange(3), np.arange(len(apart))[:, None]
     return Patch(
         vertices=vertices,
         triangles=part.triangles,
@@ -220,7 +221,7 @@ def patch(
         neighborhood=around,
         distance=apart,
         cosine=normal @ obstacle.axis,
-        places=_places(space, around.vertices, normal),
+        places=scattered(normal, rows, columns, (space.n_unknowns, len(apart))).tocsc(),
     )
 
 
@@ -255,12 +256,6 @@ def neighborhood(
     area = np.repeat(around.part.weights.sum(axis=1) / 3, 3)
     areas = np.bincount(around.part.triangles.ravel(), area, minlength=len(space.points))
     return Neighborhood(every, around.part.triangles, areas[every])
-
-
-def _places(space: Space, vertices: Integers, normal: Array) -> sparse.csc_matrix:
-    """Matrix (n_unknowns, n) whose transpose maps unknowns to displacements along `normal`."""
-    rows, columns = 3 * vertices[:, None] + np.arange(3), np.arange(len(vertices))[:, None]
-    return scattered(normal, rows, columns, (space.n_unknowns, len(vertices))).tocsc()
 
 
 def _loads(

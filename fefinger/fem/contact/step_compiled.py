@@ -12,9 +12,9 @@ import numpy as np
 from numba import njit
 
 from fefinger.fem.contact import lcp_compiled as contact
+from fefinger.fem.contact.complementarity import EXCHANGES
 from fefinger.fem.contact.lcp_compiled import (
     BEYOND,
-    CORRECTIONS,
     DONE,
     ENDLESS,
     MISSED,
@@ -22,7 +22,13 @@ from fefinger.fem.contact.lcp_compiled import (
     Floats,
     LcpState,
 )
-from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
+from fefinger.fem.contact.viscoelastic import (
+    CORRECTIONS,
+    History,
+    Prescribed,
+    Relaxation,
+    corrected,
+)
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, SMALL_FORCE
@@ -224,25 +230,6 @@ def excess_force(projected: Array, pressure: Array, force: float) -> float:
 
 
 @njit(cache=True)
-def corrected(
-    depth: float, excess: float, rise: float, low: float, high: float, first_touch: float
-) -> tuple[float, float, float]:
-    """Correct a depth in mm by Newton's method, inside a bracket that may be open above.
-
-    `excess` mN is that of the force at this depth, `rise` mN/mm its slope, 0 or less if unknown.
-    Return the next depth and the bracket.
-    """
-    if excess < 0.0:
-        low = depth
-    else:
-        high = depth
-    depth = depth - excess / rise if rise > 0.0 else 2.0 * depth - first_touch
-    if not (low < depth and depth < high):
-        depth = (low + high) / 2.0 if np.isfinite(high) else low + 2.0 * (low - first_touch)
-    return depth, low, high
-
-
-@njit(cache=True)
 def _at_depth(
     s: LcpState, m: PadState, gap: Array, past: Array, stiffness: float, depth: float
 ) -> int:
@@ -298,7 +285,7 @@ def check(outcome: int, deepest: float = np.inf) -> None:
     """Raise the error of a failed step; `deepest`: the largest depth in mm of the finger."""
     messages = {
         ENDLESS: "contact: expected a consistent contact set, found none in "
-        f"{contact.EXCHANGES} exchanges; take shorter steps",
+        f"{EXCHANGES} exchanges; take shorter steps",
         SINGULAR: "contact: expected a positive definite flexibility of the pad, received another",
         MISSED: f"force control: expected to reach the force within {CORRECTIONS} corrections, "
         "did not; take shorter steps",

@@ -10,6 +10,7 @@ is linear the integral is exact: p = g q + h, with g and h from one exponential 
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.support.arrays import Array, Flags
@@ -97,6 +98,25 @@ class Prescribed:
     value: Array
 
 
+@njit(cache=True)
+def corrected(
+    depth: float, excess: float, rise: float, low: float, high: float, first_touch: float
+) -> tuple[float, float, float]:
+    """Correct a depth in mm by Newton's method, inside a bracket that may be open above.
+
+    `excess` mN is that of the force at this depth, `rise` mN/mm its slope, 0 or less if unknown.
+    Return the next depth and the bracket.
+    """
+    if excess < 0.0:
+        low = depth
+    else:
+        high = depth
+    depth = depth - excess / rise if rise > 0.0 else 2.0 * depth - first_touch
+    if not (low < depth and depth < high):
+        depth = (low + high) / 2.0 if np.isfinite(high) else low + 2.0 * (low - first_touch)
+    return depth, low, high
+
+
 def depth_at(
     solver: Complementarity,
     g: float,
@@ -129,11 +149,8 @@ def depth_at(
         excess = float(projected @ pressure) - force
         if abs(excess) <= close:
             return depth, pressure, count
-        low, high = (depth, high) if excess < 0 else (low, depth)
-        slope = g * float(projected @ solver.on_active(closing))
-        depth = depth - excess / slope if slope > 0 else 2 * depth - first_touch
-        if not low < depth < high:
-            depth = (low + high) / 2 if np.isfinite(high) else low + 2 * (low - first_touch)
+        rise = g * float(projected @ solver.on_active(closing))
+        depth, low, high = corrected(depth, excess, rise, low, high, first_touch)
     message = (
         f"force control: expected {force:.6g} mN, reached {excess + force:.6g} mN after "
         f"{CORRECTIONS} corrections; take shorter steps"

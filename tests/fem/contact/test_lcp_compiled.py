@@ -6,8 +6,7 @@ from fefinger.validation.oracles.march import march
 
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.step_compiled import corrected
-from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
+from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, corrected
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY
 
