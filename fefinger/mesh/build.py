@@ -20,7 +20,7 @@ from fefinger.mesh.morph import draft, finished
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import gate
 from fefinger.mesh.recipe import Recipe, Touch
-from fefinger.mesh.scan import scanned
+from fefinger.mesh.scan import shape_of
 from fefinger.mesh.shipped import templates
 from fefinger.mesh.tetrahedralize import MesherSettings, tetrahedra
 from fefinger.support.arrays import Array, Integers
@@ -62,7 +62,7 @@ def build(
 
     Raises ConvergenceError with the faults of the last attempt if none passes.
     """
-    shape = parametric(recipe) if recipe.surface is None else scanned(recipe)
+    shape = shape_of(recipe)
     say = progress or (lambda _: None)
     if settings is None:
         mesh = _morphed(shape, recipe, name=name, say=say)

@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.mesh import extend
-from fefinger.mesh.finger_shape import FOREMOST, PALMAR, Shape, SmoothSurface
+from fefinger.mesh.finger_shape import FOREMOST, PALMAR, SmoothSurface
 from fefinger.mesh.frame import FIT_RADIUS, curvature
-from fefinger.mesh.parametric import parametric
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.scan import scanned
+from fefinger.mesh.scan import shape_of
 from fefinger.support.arrays import Array
 
 
@@ -74,9 +73,7 @@ def at_cut(recipe: Recipe, axis: tuple[float, float, float], *, continued: bool 
     return float((skin @ travel).min() - first_touch(recipe, axis).point @ travel)
 
 
-@lru_cache(maxsize=8)
-def _shape(recipe: Recipe) -> Shape:
-    return parametric(recipe) if recipe.surface is None else scanned(recipe)
+_shape = lru_cache(maxsize=8)(shape_of)
 
 
 def _patch(skin: SmoothSurface, point: Array, across: Array, reach: float) -> Array:

@@ -16,7 +16,7 @@ from fefinger.mesh import shell_triangles as surface
 from fefinger.mesh.cloud import SPACING, Cloud, smoothed
 from fefinger.mesh.finger_shape import Shape, SmoothSurface
 from fefinger.mesh.frame import ALONG, PLATE_NORMAL, fitted_radii
-from fefinger.mesh.parametric import patch_points
+from fefinger.mesh.parametric import parametric, patch_points
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shell import Shell, Table, offset
 from fefinger.mesh.shell_triangles import Triangles
@@ -35,6 +35,11 @@ ON_SHELL = 1e-6
 
 ASYMMETRY = 0.15
 """Largest mean distance of a scan from its mirror image, over half its width."""
+
+
+def shape_of(recipe: Recipe) -> Shape:
+    """Build the shape of a recipe, parametric or from its surface file; raises their errors."""
+    return parametric(recipe) if recipe.surface is None else scanned(recipe)
 
 
 def scanned(recipe: Recipe) -> Shape:

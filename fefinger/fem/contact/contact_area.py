@@ -155,7 +155,11 @@ class CandidateSurface:
         self, rim: Integers, crossed: Flags, pressed: Flags, gap: Array
     ) -> tuple[Array, Flags]:
         """Areas in contact (n_t, n_crossed) mm² of triangles near the rim, and if all fits hold."""
-        phi, bend, fitted = self._fits(rim, pressed, gap)
+        fits, fitted = np.empty((len(gap), len(rim), 2)), np.empty((len(gap), len(rim)), dtype=bool)
+        edge = self._edge[rim]
+        offset = self._offsets(rim) / edge[:, None, None]
+        fit_rims(self._near[rim], offset, pressed, np.ascontiguousarray(gap), fits, fitted)
+        phi, bend = fits[..., 0], fits[..., 1] / edge  # and the curvature of its zero level in 1/mm
         place = np.zeros(len(pressed), dtype=np.int64)
         place[rim] = np.arange(len(rim))
         corner, shape = place[self.triangles[crossed]], (len(gap), int(crossed.sum()))
@@ -179,17 +183,6 @@ class CandidateSurface:
         short = np.linalg.norm(projected, axis=2)
         stretch = apart / np.where(short > 0, short, 1.0)
         return np.asarray(projected * np.where(short > 0, stretch, 1.0)[..., None])
-
-    def _fits(self, rim: Integers, pressed: Flags, gap: Array) -> tuple[Array, Array, Flags]:
-        """Fitted phi, curvature of its zero level in 1/mm, and validity of the fit, at `rim`.
-
-        All (n_t, n_rim), of gaps (n_t, n).
-        """
-        edge, shape = self._edge[rim], (len(gap), len(rim))
-        fits, fitted = np.empty((*shape, 2)), np.empty(shape, dtype=bool)
-        offset = self._offsets(rim) / edge[:, None, None]
-        fit_rims(self._near[rim], offset, pressed, np.ascontiguousarray(gap), fits, fitted)
-        return fits[..., 0], fits[..., 1] / edge, fitted
 
 
 def _sources(pressed: Flags, gap: Array) -> Integers:

@@ -28,6 +28,7 @@ from fefinger.fem.contact.step_compiled import (
     solve_target,
     store_history,
 )
+from fefinger.fem.contact.viscoelastic import increments
 from fefinger.support.arrays import Array
 
 
@@ -88,18 +89,11 @@ def modal_state(oscillators: Oscillators, shares: Array, rest: Array) -> ModalSt
     )
 
 
-def growth(weights: Array, rates: Array, dt: float) -> float:
-    """Modulus g of a step: stress over the step of strain that it ends."""
-    exponent = rates * dt
-    shares = -np.expm1(-exponent) / np.where(exponent > 0, exponent, 1.0)
-    return 1.0 + float((weights * np.where(exponent > 0, shares, 1.0)).sum())
-
-
 def step_factors(
     oscillators: Oscillators, shares: Array, rest: Array, dt: float, *, static: bool
 ) -> StepFactors:
     """Compute the factors of a step of `dt` s; `static`: the modes deform as in statics."""
-    g = growth(oscillators.weights, oscillators.rates, dt)
+    g = 1.0 + float(increments(oscillators.weights, oscillators.rates, dt).sum())
     decay, earlier, before, after = oscillators.filters(dt, swing=not static)
     dynamic = (oscillators.residues * after).sum(axis=1).real
     gains = 1.0 / (oscillators.squares * g) if static else dynamic

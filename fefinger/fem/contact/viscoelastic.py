@@ -57,6 +57,12 @@ class History:
     sliding: Sliding | None = None
 
 
+def increments(weights: Array, rates: Array, step: float) -> Array:
+    """Return the stress of each Prony term (n,) per strain that grows linearly over a step in s."""
+    exponent = rates * step
+    return np.asarray(weights * (-np.expm1(-exponent) / exponent if step > 0 else 1.0))
+
+
 class Relaxation:
     """Internal variables of a Prony series whose long-time value is 1: G(0) = 1 / c0.
 
@@ -71,10 +77,8 @@ class Relaxation:
 
     def factors(self, step: float) -> tuple[float, Array, Array]:
         """Return g, the decays and the weights of the increment for a step in seconds."""
-        exponent = self.rates * step
-        decay = np.exp(-exponent)
-        gain = self.weights * (-np.expm1(-exponent) / exponent if step > 0 else 1.0)
-        return 1.0 + float(gain.sum()), decay, gain
+        gain = increments(self.weights, self.rates, step)
+        return 1.0 + float(gain.sum()), np.exp(-self.rates * step), gain
 
     def history(self, step: float) -> tuple[float, Array]:
         """Return g and h of p = g q + h at the end of a step."""

@@ -156,11 +156,6 @@ def trace(space: Space, triangles: Integers) -> Trace:
         places=np.einsum("iq,tid->tqd", shapes, corners),
         linear=shapes,
         quadratic=np.array([np.asarray(f[0])[0] for f in quadratic.basis]),
-        slopes=_slopes(quadratic),
+        slopes=np.array([f[0].grad[:, 0] for f in quadratic.basis]).swapaxes(0, 1),
         sides=sides,
     )
-
-
-def _slopes(quadratic: Basis) -> Array:
-    """Return the derivatives (2, 6, n_q) of the shape functions of the reference triangle."""
-    return np.array([np.asarray(f[0].grad)[:, 0] for f in quadratic.basis]).swapaxes(0, 1)

@@ -17,8 +17,9 @@ from skfem import Basis, ElementTetP1
 from fefinger.fem.elements import assembly
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic import element_kernels
+from fefinger.fem.hyperelastic.element_kernels import Elements
 from fefinger.fem.hyperelastic.laws import Law
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.threads import together
 
@@ -29,8 +30,6 @@ tissue squeezed to half folds at its corner where gaps are weighted over the def
 
 PARTS = 4
 """Parts of the cells that threads take, the same ones whatever their number."""
-
-ElementData = tuple[Array, Integers, Array, Array, Array, Array, Array]
 
 
 @dataclass(frozen=True)
@@ -49,10 +48,8 @@ class HistoryStress:
 class Continuum:
     """Element data of a body for the compiled loops.
 
-    laws (n_cells, 4): mu, 1 / K, share and exponent; jacobians (n_cells, 3, 3): gradients of the
-    reference coordinates; weights (n_cells, n_q) mm³; reference (n_q, 10, 3) and shapes (n_q, 4):
-    gradients of the quadratics and values of the linears (times `scale` kPa); pattern: the matrix
-    with all of its places; slots (n_cells, 34, 34): where each entry of a cell goes.
+    laws, jacobians, weights, reference and shapes (times `scale` kPa) as in `Elements`; pattern:
+    the matrix with all of its places; slots (n_cells, 34, 34): where each entry of a cell goes.
     """
 
     space: Space
@@ -82,10 +79,8 @@ class Continuum:
         ends = np.linspace(0, len(self.weights), PARTS + 1).astype(int)
         return [slice(*each) for each in pairwise(ends.tolist())]
 
-    def _element_data(self, values: Array, cells: slice) -> ElementData:
-        """First arguments of every compiled loop, for some cells."""
-        return (
-            values,
+    def _elements(self, cells: slice) -> Elements:
+        return Elements(
             self.space.unknowns[cells],
             self.jacobians[cells],
             self.weights[cells],
@@ -99,8 +94,8 @@ class Continuum:
 
         def part(cells: slice) -> tuple[Array, float]:
             out, gains, past = np.zeros_like(values), history.gains[cells], history.past[cells]
-            data = self._element_data(values, cells)
-            return out, float(element_kernels.residual(*data, gains, past, out))
+            least = element_kernels.residual(values, self._elements(cells), gains, past, out)
+            return out, float(least)
 
         outs, least = zip(*together(part, self._parts), strict=True)
         return np.sum(outs, axis=0), min(least)
@@ -115,7 +110,8 @@ class Continuum:
         """
         data = np.zeros_like(self.pattern.data)
         element_kernels.tangent(
-            *self._element_data(values, slice(None)),
+            values,
+            self._elements(slice(None)),
             history.gains,
             history.past,
             self.slots,
@@ -132,8 +128,8 @@ class Continuum:
         volumetric = np.empty_like(isochoric)
 
         def part(cells: slice) -> None:
-            data = self._element_data(values, cells)
-            element_kernels.stress(*data, isochoric[cells], volumetric[cells])
+            elements = self._elements(cells)
+            element_kernels.stress(values, elements, isochoric[cells], volumetric[cells])
 
         together(part, self._parts)
         return isochoric, volumetric
@@ -164,7 +160,8 @@ def continuum(
     laws = {
         k: (law.shear, law.compressibility, law.share, law.exponent) for k, law in tissues.items()
     }
-    pattern, slots = _pattern(space)
+    n, members = space.n_unknowns, space.unknowns
+    starts, columns = assembly.pattern(members, n)
     return Continuum(
         space=space,
         laws=np.array([laws[int(k)] for k in space.tissue]),
@@ -175,14 +172,6 @@ def continuum(
         .copy(),
         shapes=scale * np.array([np.asarray(f[0])[0] for f in linear.basis]).T.copy(),
         scale=scale,
-        pattern=pattern,
-        slots=slots,
+        pattern=sparse.csr_matrix((np.zeros(len(columns)), columns, starts), shape=(n, n)),
+        slots=element_kernels.slots(members, starts, columns),
     )
-
-
-def _pattern(space: Space) -> tuple[sparse.csr_matrix, NDArray[np.int32]]:
-    """Build the sparsity pattern, and the position of each cell's entries in it."""
-    n, members = space.n_unknowns, space.unknowns
-    starts, columns = assembly.pattern(members, n)
-    pattern = sparse.csr_matrix((np.zeros(len(columns)), columns, starts), shape=(n, n))
-    return pattern, element_kernels.slots(members, starts, columns)

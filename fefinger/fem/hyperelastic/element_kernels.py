@@ -5,6 +5,8 @@ the Green-Lagrange strain, g_d and g_v the relaxation factors of the step, and H
 (second Piola-Kirchhoff).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -18,6 +20,23 @@ from fefinger.fem.hyperelastic.stress_kernels import (
     stresses,
 )
 from fefinger.support.arrays import Array, Integers
+
+
+class Elements(NamedTuple):
+    """Elements of a body or of a part of it.
+
+    unknowns (n_cells, 34); jacobians (n_cells, 3, 3): gradients of the reference coordinates;
+    weights (n_cells, n_q) mm³; reference (n_q, 10, 3) and shapes (n_q, 4): gradients of the
+    quadratics and values of the linears (times the scale of the pressures in kPa); laws
+    (n_cells, 4): mu, 1 / K, share and exponent.
+    """
+
+    unknowns: Integers
+    jacobians: Array
+    weights: Array
+    reference: Array
+    shapes: Array
+    laws: Array
 
 
 @njit(cache=True, fastmath=FAST)
@@ -71,16 +90,12 @@ def _mean(shapes: Array, pressures: Array) -> float:
 @njit(cache=True, nogil=True, fastmath=FAST)
 def stress(
     values: Array,
-    unknowns: Integers,
-    jacobians: Array,
-    weights: Array,
-    reference: Array,
-    shapes: Array,
-    laws: Array,
+    elements: Elements,
     isochoric: Array,
     volumetric: Array,
 ) -> float:
     """Fill the elastic stresses (n_cells, n_q, 6) in kPa; return the smallest J."""
+    unknowns, jacobians, weights, reference, shapes, laws = elements
     moved, pressures, gradient = np.empty((10, 3)), np.empty(4), np.empty((3, 3))
     work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty((3, 3)))
     least = np.inf
@@ -97,12 +112,7 @@ def stress(
 @njit(cache=True, nogil=True, fastmath=FAST)
 def residual(
     values: Array,
-    unknowns: Integers,
-    jacobians: Array,
-    weights: Array,
-    reference: Array,
-    shapes: Array,
-    laws: Array,
+    elements: Elements,
     gains: Array,
     past: Array,
     out: Array,
@@ -111,6 +121,7 @@ def residual(
 
     The cells after the first inverted one are left out: the sum is then of no use.
     """
+    unknowns, jacobians, weights, reference, shapes, laws = elements
     moved, pressures, gradient = np.empty((10, 3)), np.empty(4), np.empty((3, 3))
     isochoric, volumetric = np.empty(6), np.empty(6)
     work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty((3, 3)))
@@ -169,12 +180,7 @@ def _multiplied_by_transpose(a: Array, b: Array, out: Array) -> None:
 @njit(cache=True, fastmath=FAST)
 def tangent(
     values: Array,
-    unknowns: Integers,
-    jacobians: Array,
-    weights: Array,
-    reference: Array,
-    shapes: Array,
-    laws: Array,
+    elements: Elements,
     gains: Array,
     past: Array,
     slots: NDArray[np.int32],
@@ -188,6 +194,7 @@ def tangent(
     against changes of volume, and with the positive parts of the moduli and the stress only. Such a
     matrix is good to iterate with, and no derivative.
     """
+    unknowns, jacobians, weights, reference, shapes, laws = elements
     moved, pressures, gradient = np.empty((10, 3)), np.empty(4), np.empty((3, 3))
     isochoric, volumetric, total = np.empty(6), np.empty(6), np.empty(6)
     work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty((3, 3)))
