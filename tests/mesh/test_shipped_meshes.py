@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from fefinger.validation.calibration.report import rows
+from oracles.solids import assert_closed, enclosed, section_volume
 
-from fefinger.geometry.finger_mesh import BONE, FACETS, FingerMesh, faces, volumes
+from fefinger.geometry.finger_mesh import BONE, FingerMesh, faces, volumes
 from fefinger.mesh import vtu
 from fefinger.mesh.finger_shape import Shape, touch_point
 from fefinger.mesh.frame import PATCH_RADIUS, PLATE_NORMAL
@@ -63,12 +64,7 @@ def test_every_vertex_is_used(mesh: FingerMesh) -> None:
 
 
 def test_faces_are_shared_by_two_cells_or_named_once(mesh: FingerMesh) -> None:
-    every = np.sort(faces(mesh.cells).reshape(-1, 3), axis=1)
-    unique, count = np.unique(every, axis=0, return_counts=True)
-    assert set(count) == {1, 2}
-    boundary = np.concatenate([mesh.facets[name] for name in FACETS if name != "bone"])
-    assert np.array_equal(np.unique(np.sort(boundary, axis=1), axis=0), unique[count == 1])
-    assert len(boundary) == np.sum(count == 1)
+    assert_closed(mesh, "bone")
 
 
 def numbered(triangles: Integers, count: int) -> Integers:
@@ -102,13 +98,9 @@ def test_facets_point_out_of_the_soft_tissue(mesh: FingerMesh) -> None:
 
 
 def test_soft_tissue_is_closed_by_its_facets(mesh: FingerMesh) -> None:
-    # The divergence theorem over pad, nail, cut, bone and the soft part of y = 0 (where x.n = 0).
-    total = 0.0
-    for name in ("pad", "nail", "cut", "bone"):
-        a, b, c = (mesh.points[mesh.facets[name][:, i]] for i in range(3))
-        total += np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+    # Without the soft part of y = 0, where x.n = 0.
     soft = volumes(mesh.points, mesh.cells[mesh.region != BONE]).sum()
-    assert total == pytest.approx(soft, rel=1e-9)
+    assert enclosed(mesh, "pad", "nail", "cut", "bone") == pytest.approx(soft, rel=1e-9)
 
 
 def test_regions_agree_with_the_smooth_shapes(mesh: FingerMesh, shape: Shape) -> None:
@@ -132,11 +124,7 @@ def test_measured_radii_are_those_of_the_design(mesh: FingerMesh) -> None:
 
 def test_volumes_are_those_of_the_smooth_shapes(mesh: FingerMesh, shape: Shape) -> None:
     # Independent of the surfaces that the mesher got: sections integrated along the finger.
-    inside = []
-    for shell in shape.shells:
-        x = np.linspace(shell.cut, shell.tip, 4001)
-        wide, low, high = shell.heights(x)
-        inside.append(np.trapezoid(np.pi / 4 * wide * (low + high), x))
+    inside = [section_volume(shell) for shell in shape.shells]
     own = [inside[0] - inside[1], inside[1] - inside[2], inside[2]]
     volume = volumes(mesh.points, mesh.cells)
     found = [volume[mesh.region == k].sum() for k in (1, 2, 3)]
