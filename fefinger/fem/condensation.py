@@ -171,7 +171,9 @@ def reduce(
     count = len(patch.vertices)
     flexibility = np.zeros((count, count))
     displacement = np.zeros((patch.places.shape[1], count))
-    beyond = _beyond(operator, patch.places)
+    entries = patch.places.tocoo()
+    outside = ~np.isin(entries.row // 3, palmar(operator))
+    beyond = np.bincount(entries.col[outside], minlength=patch.places.shape[1]) > 0
     probe = sparse.vstack([strain, patch.places[:, beyond].T]).tocsr()
     read = np.zeros((probe.shape[0], count))
     for number, part in enumerate(operator.parts):
@@ -184,13 +186,6 @@ def reduce(
         progress((number + 1) / len(operator.parts))
     strains, displacement[beyond] = np.split(read, [strain.shape[0]])
     return Reduced(patch, (flexibility + flexibility.T) / 2, strains, displacement)
-
-
-def _beyond(operator: Operator, places: sparse.csc_matrix) -> Flags:
-    """Whether each of the `places` (n_unknowns, k) lies outside the palmar part of the pad."""
-    entries = places.tocoo()
-    outside = ~np.isin(entries.row // 3, palmar(operator))
-    return np.bincount(entries.col[outside], minlength=places.shape[1]) > 0
 
 
 def _read(compliance: Compliance, rows: sparse.csr_matrix, moved: Array) -> Array:
@@ -218,15 +213,12 @@ def displaced(operator: Operator, loads: Array | sparse.csc_matrix) -> Array:
     InputError
         If a load lies outside the palmar part of the pad.
     """
-    first, *others = (_displaced(operator, part, loads) for part in operator.parts)
-    return sum(others, start=first)
-
-
-def _displaced(operator: Operator, part: Part, loads: Array | sparse.csc_matrix) -> Array:
-    """Share (n_unknowns, k) of an even or odd part in the unknowns."""
-    on_pad = _on_pad(operator, part, sparse.csc_matrix(loads))
-    pad = part.scale * (on_pad.T @ part.compliance.matrix).T
-    return np.asarray(part.unfold[:, part.compliance.order] @ part.compliance.displacements(pad))
+    unknowns = np.zeros(loads.shape)
+    for part in operator.parts:
+        on_pad = _on_pad(operator, part, sparse.csc_matrix(loads))
+        pad = part.scale * (on_pad.T @ part.compliance.matrix).T
+        unknowns += part.unfold[:, part.compliance.order] @ part.compliance.displacements(pad)
+    return unknowns
 
 
 def _on_pad(operator: Operator, part: Part, loads: sparse.csc_matrix) -> sparse.csc_matrix:

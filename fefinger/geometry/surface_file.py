@@ -105,7 +105,11 @@ def _loaded(file: Path, field: str) -> Any:
     check_input(field, file, "a surface file")
     try:
         if file.suffix.lower() in VTK:
-            mesh = trimesh.Trimesh(*_vtk(file))
+            import pyvista as pv
+
+            outer = pv.read(file).extract_surface(algorithm=None).triangulate()
+            points = np.array(outer.points, dtype=float)
+            mesh = trimesh.Trimesh(points, np.array(outer.regular_faces))
         else:
             mesh = trimesh.load_mesh(file)
         count = len(mesh.faces)
@@ -119,14 +123,6 @@ def _loaded(file: Path, field: str) -> Any:
     if not np.isfinite(mesh.vertices).all():
         raise InputError(f"{field}: expected finite coordinates, {file.name} has some that are not")
     return mesh
-
-
-def _vtk(file: Path) -> tuple[Array, Integers]:
-    """Read points and triangles of the outer surface of the data set in a VTK file."""
-    import pyvista as pv
-
-    outer = pv.read(file).extract_surface(algorithm=None).triangulate()
-    return np.array(outer.points, dtype=float), np.array(outer.regular_faces, dtype=np.int64)
 
 
 def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:

@@ -47,7 +47,12 @@ def parametric(recipe: Recipe) -> Shape:
     differ from the fitted ones by a few percent, because the pad gets sharper towards the tip.
     """
     wanted = radii(recipe)
-    _check_tip(recipe, wanted[0])
+    if recipe.tip_radius is not None and recipe.tip_radius > wanted[0]:
+        raise InputError(
+            f"finger.tip_radius: expected at most {wanted[0]:.3g} mm, the radius of the pad along "
+            f"a finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick with pad radius "
+            f"{recipe.pad_radius:g} mm, received {recipe.tip_radius:g} mm"
+        )
     if wanted[0] < 0.6 * recipe.thickness:
         least = np.sqrt(0.6 * recipe.thickness * wanted[1])
         raise InputError(
@@ -62,16 +67,6 @@ def parametric(recipe: Recipe) -> Shape:
         skin = Shell.of(middle, cut=cut, **tables)
         point *= np.array(wanted) / fitted_radii(patch_points(skin))
     return _with_inside(recipe, skin, tables, wanted)
-
-
-def _check_tip(recipe: Recipe, along: float) -> None:
-    """Raise InputError for a tip that is less curved than the pad, of radius `along` mm."""
-    if recipe.tip_radius is not None and recipe.tip_radius > along:
-        raise InputError(
-            f"finger.tip_radius: expected at most {along:.3g} mm, the radius of the pad along a "
-            f"finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick with pad radius "
-            f"{recipe.pad_radius:g} mm, received {recipe.tip_radius:g} mm"
-        )
 
 
 def _or_tip(recipe: Recipe) -> str:

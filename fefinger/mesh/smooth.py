@@ -107,7 +107,9 @@ def improve(
     """
     random = np.random.default_rng(0)
     points = points.copy()
-    around = _cells_of(cells, len(points))
+    order = np.argsort(cells.ravel(), kind="stable")
+    ends = np.cumsum(np.bincount(cells.ravel(), minlength=len(points)))[:-1]
+    around = np.split(order // 4, ends)  # the cells of each vertex
     for sweep in range(sweeps):
         worst = sines(points[cells]).min(axis=1)
         vertices = np.setdiff1d(cells[worst < wanted], pinned)
@@ -137,10 +139,3 @@ def _move(
     corners = np.repeat(points[star][None], len(places), axis=0)
     corners[:, star == vertex] = places[:, None]
     points[vertex] = places[np.argmax(sines(corners).min(axis=(1, 2)))]
-
-
-def _cells_of(cells: Integers, count: int) -> list[Integers]:
-    """Return the cells around each vertex."""
-    order = np.argsort(cells.ravel(), kind="stable")
-    ends = np.cumsum(np.bincount(cells.ravel(), minlength=count))[:-1]
-    return np.split(order // 4, ends)

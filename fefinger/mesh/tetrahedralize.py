@@ -48,7 +48,9 @@ def tetrahedra(
     The surfaces, open or closed, appear as faces within the envelope; cells outside them are kept.
     Raises ConvergenceError if the mesher fails.
     """
-    points, triangles = _joined(surfaces)
+    starts = np.cumsum([0, *(len(part) for part, _ in surfaces)])
+    points = np.concatenate([part for part, _ in surfaces])
+    triangles = np.concatenate([part + at for (_, part), at in zip(surfaces, starts, strict=False)])
     box = np.array([points.min(axis=0) - 1.0, points.max(axis=0) + 1.0])
     nodes, cells = _grid(box, max(settings.pad, 0.6))
     vertices, tetrahedra_of_box = _in_process(
@@ -85,13 +87,6 @@ def _in_process(**arguments: Any) -> tuple[Array, Integers]:
             raise ConvergenceError(message)
         with np.load(folder / tetwild_process.MESH) as mesh:
             return mesh["vertices"], mesh["cells"]
-
-
-def _joined(surfaces: list[Triangles]) -> Triangles:
-    """Return the surfaces as one list of triangles."""
-    starts = np.cumsum([0, *(len(points) for points, _ in surfaces)])[:-1]
-    faces = [part + start for (_, part), start in zip(surfaces, starts, strict=True)]
-    return np.concatenate([points for points, _ in surfaces]), np.concatenate(faces)
 
 
 def _grid(box: Array, step: float) -> tuple[Array, Integers]:

@@ -157,8 +157,15 @@ class CandidateSurface:
         """Areas in contact (n_t, n_crossed) mm² of triangles near the rim, and if all fits hold."""
         fits, fitted = np.empty((len(gap), len(rim), 2)), np.empty((len(gap), len(rim)), dtype=bool)
         edge = self._edge[rim]
-        offset = self._offsets(rim) / edge[:, None, None]
-        fit_rims(self._near[rim], offset, pressed, np.ascontiguousarray(gap), fits, fitted)
+        near = self._near[rim]
+        projected = self._across[near] - self._across[rim][:, None]
+        # Of their length in space: only projected, points far up the sides of a body would appear
+        # next to the rim.
+        apart = np.linalg.norm(self.points[near] - self.points[rim][:, None], axis=2)
+        short = np.linalg.norm(projected, axis=2)
+        stretch = np.where(short > 0, apart / np.where(short > 0, short, 1.0), 1.0)
+        offset = projected * stretch[..., None] / edge[:, None, None]
+        fit_rims(near, offset, pressed, np.ascontiguousarray(gap), fits, fitted)
         phi, bend = fits[..., 0], fits[..., 1] / edge  # and the curvature of its zero level in 1/mm
         place = np.zeros(len(pressed), dtype=np.int64)
         place[rim] = np.arange(len(rim))
@@ -171,18 +178,6 @@ class CandidateSurface:
         curved = np.clip(bend[:, corner].mean(axis=2) * chord, -1.0, 1.0) * chord**2 / 12
         reliable = np.asarray(fitted[:, corner].all(axis=2))
         return share * self._areas[crossed] + curved, reliable
-
-    def _offsets(self, rim: Integers) -> Array:
-        """Offsets (n, k, 2) mm of the neighbors of `rim` across the axis, of their length in space.
-
-        Only projected, points far up the sides of a body would appear next to the rim.
-        """
-        near = self._near[rim]
-        projected = self._across[near] - self._across[rim][:, None]
-        apart = np.linalg.norm(self.points[near] - self.points[rim][:, None], axis=2)
-        short = np.linalg.norm(projected, axis=2)
-        stretch = apart / np.where(short > 0, short, 1.0)
-        return np.asarray(projected * np.where(short > 0, stretch, 1.0)[..., None])
 
 
 def _sources(pressed: Flags, gap: Array) -> Integers:

@@ -272,21 +272,19 @@ class ContactSurface:
         """Evaluate the gaps and loads of the pad in a state."""
         distance, gradient = self.obstacle.implicit(self.deformed(state.values), state.depth)
         distance = np.where(np.isfinite(distance), distance, FAR)
-        return DeformedGap(self, state.pressure, distance, gradient, *self._spread(state.values))
+        part = self.on.part
+        count, points = part.weights.shape
+        spread, spreading = np.ones((count, points)), np.zeros((count, 6, points, 3))
+        if self.spreads:
+            gap_kernels.fill_spread(
+                state.values, self.rows, part.sides, part.slopes, spread, spreading
+            )
+        return DeformedGap(self, state.pressure, distance, gradient, spread, spreading)
 
     def deformed(self, values: Array) -> Array:
         """Deformed positions (n_tri, n_q, 3) mm of the quadrature points."""
         nodal = values[self.rows]
         return np.asarray(self.on.places + np.einsum("kq,tkc->tqc", self.on.part.quadratic, nodal))
-
-    def _spread(self, values: Array) -> tuple[Array, Array]:
-        """Deformed over undeformed area J (n_tri, n_q), its derivative (n_tri, 6, n_q, 3) 1/mm."""
-        part = self.on.part
-        count, points = part.weights.shape
-        spread, spreading = np.ones((count, points)), np.zeros((count, 6, points, 3))
-        if self.spreads:
-            gap_kernels.fill_spread(values, self.rows, part.sides, part.slopes, spread, spreading)
-        return spread, spreading
 
     def clearance(self, values: Array, depth: float) -> tuple[Array, Array]:
         """Compute normal gaps (n_near,) mm and displacements (n_near, 3) mm of the neighborhood.

@@ -53,24 +53,18 @@ def _add_two(rest: Array, first: Array, a: float, second: Array, b: float, m: in
 
 
 @njit(cache=True)
-def _tangential(s: FrictionState, i: int) -> float:
-    """Largest eigenvalue of the block (2, 2) of a vertex in the plane; 0 where it cannot move."""
-    a, b = s.block[3 * i + 1, 3 * i + 1], s.block[3 * i + 2, 3 * i + 2]
-    c = s.block[3 * i + 1, 3 * i + 2]
-    return (a + b) / 2 + np.sqrt((a - b) ** 2 / 4 + c * c)
-
-
-@njit(cache=True)
 def _target(s: FrictionState, i: int) -> tuple[float, float, float, float]:
     """Return pressure and traction before their projection, and the stiffness along the plane.
 
     A vertex that cannot move along a direction, as across a plane of symmetry, bears none there.
     """
     x, rest, j = s.compressed, s.rest, 3 * i
-    p, stiff = x[j] - rest[j] / s.block[j, j], _tangential(s, i)
-    u = x[j + 1] - rest[j + 1] / stiff if s.block[j + 1, j + 1] > 0.0 else 0.0
-    v = x[j + 2] - rest[j + 2] / stiff if s.block[j + 2, j + 2] > 0.0 else 0.0
-    return p, u, v, stiff
+    a, b, c = s.block[j + 1, j + 1], s.block[j + 2, j + 2], s.block[j + 1, j + 2]
+    # The largest eigenvalue of the block in the plane; 0 where the vertex cannot move.
+    stiff = (a + b) / 2 + np.sqrt((a - b) ** 2 / 4 + c * c)
+    u = x[j + 1] - rest[j + 1] / stiff if a > 0.0 else 0.0
+    v = x[j + 2] - rest[j + 2] / stiff if b > 0.0 else 0.0
+    return x[j] - rest[j] / s.block[j, j], u, v, stiff
 
 
 @njit(cache=True)

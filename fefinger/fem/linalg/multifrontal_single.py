@@ -172,7 +172,9 @@ def _inverse(block: Floats, out: Floats) -> int:
     inverse, _ = sytri(factored, exchanges, lower=1)
     if singular or not _mirrored(inverse, out):
         raise InputError(SINGULAR)
-    return _negative(factored, exchanges)
+    # A 2 x 2 pivot block of Bunch and Kaufman has one eigenvalue of either sign.
+    alone = exchanges > 0
+    return int((np.diagonal(factored)[alone] < 0).sum()) + int((~alone).sum()) // 2
 
 
 @njit(cache=True, nogil=True)
@@ -184,15 +186,6 @@ def _mirrored(lower: Floats, out: Floats) -> bool:
             out[i, j] = out[j, i] = lower[i, j]
             finite &= np.isfinite(lower[i, j])
     return finite
-
-
-def _negative(factored: Floats, exchanges: Integers) -> int:
-    """Count the negative eigenvalues of D in L D L' of Bunch and Kaufman.
-
-    A 2 x 2 pivot block of this factorization has one eigenvalue of either sign.
-    """
-    alone = exchanges > 0
-    return int((np.diagonal(factored)[alone] < 0).sum()) + int((~alone).sum()) // 2
 
 
 @njit(cache=True, nogil=True)
