@@ -52,7 +52,7 @@ class Cloud:
     def project(self, points: Array, *, free: Flags | None = None) -> Array:
         """Return points (n, 3) moved onto the surface, changing only free coordinates."""
         moved = np.array(points, dtype=float)
-        mask = np.ones_like(moved) if free is None else free.astype(float)
+        mask = np.ones_like(moved) if free is None else np.broadcast_to(free, moved.shape)
         away = np.arange(len(moved))
         for _ in range(60):
             level, normals = self._evaluate(moved[away])

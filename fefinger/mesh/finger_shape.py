@@ -46,7 +46,7 @@ class SmoothSurface(Protocol):
         """Return the unit outward normals (n, 3) at points of the surface."""
 
     def project(self, points: Array, *, free: Flags | None = None) -> Array:
-        """Return points (n, 3) moved onto the surface, changing only free coordinates."""
+        """Return points (n, 3) moved onto the surface; free (n, 3) or (3,): what may change."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ def touch_point(shape: Shape, touch: float | tuple[float, float]) -> Array:
     else:
         x = np.linspace(shape.cut, FOREMOST, RIDGE)[1:]
         places = np.column_stack([x, 0 * x, np.full(len(x), PALMAR)])
-    on_skin = shape.skin.project(places, free=np.tile([False, False, True], (len(places), 1)))
+    on_skin = shape.skin.project(places, free=np.arange(3) == 2)
     off = np.abs(shape.skin.level(on_skin)) > 1e-3
     if isinstance(touch, tuple):
         if off[0]:

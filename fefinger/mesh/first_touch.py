@@ -47,8 +47,8 @@ def first_touch(recipe: Recipe, axis: ArrayLike) -> FirstTouch:
     x = np.linspace(shape.cut, FOREMOST, 200)[1:]
     y = np.linspace(-recipe.width / 3, recipe.width / 3, 41)
     below = np.stack([*np.meshgrid(x, y), np.full((len(y), len(x)), PALMAR)], axis=-1)
-    free = np.tile([False, False, True], (below.size // 3, 1))
-    point = _foremost(shape.skin, shape.skin.project(below.reshape(-1, 3), free=free), axis)
+    palm = shape.skin.project(below.reshape(-1, 3), free=np.arange(3) == 2)
+    point = _foremost(shape.skin, palm, axis)
     reach = 1.0
     for _ in range(ROUNDS):
         point = _foremost(shape.skin, _patch(shape.skin, point, across, reach), axis)
@@ -66,7 +66,7 @@ def at_cut(recipe: Recipe, axis: tuple[float, float, float], *, continued: bool 
     shape, travel = _shape(recipe), np.array(axis)
     y = np.linspace(-recipe.width / 3, recipe.width / 3, 41)
     below = np.column_stack([np.full(len(y), shape.cut), y, np.full(len(y), PALMAR)])
-    skin = shape.skin.project(below, free=np.tile([False, False, True], (len(y), 1)))
+    skin = shape.skin.project(below, free=np.arange(3) == 2)
     if continued:
         slope = extend.palmar_slope(shape.skin.normals(skin[len(y) // 2 :][:1])[0])
         skin += np.array([-extend.LENGTH, 0.0, float(extend.rise(slope, extend.LENGTH))])

@@ -121,15 +121,15 @@ def _profiles(cloud: Cloud, cut: float) -> tuple[float, dict[str, Table]]:
     Half ellipses with these profiles are near the surface.
     """
     start = cloud.points[np.argmax(cloud.points[:, 0])] * [1.0, 0.0, 1.0]
-    tip, _, middle = cloud.project(start[None], free=np.array([[True, False, False]]))[0]
+    tip, _, middle = cloud.project(start[None], free=np.arange(3) == 0)[0]
     x = tip - (tip - cut) * np.linspace(1.0, LAST, STATIONS) ** 2
     size = np.ptp(cloud.points, axis=0) / 2.0
     tables = {}
     for name, axis, sign in (("palmar", 2, -1.0), ("dorsal", 2, 1.0), ("side", 1, 1.0)):
         line = np.column_stack([x, 0.0 * x, np.full(len(x), middle)])
         line[:, axis] += sign * size[axis]
-        free = np.tile(np.arange(3) == axis, (len(x), 1))
-        half = sign * (cloud.project(line, free=free) - [0.0, 0.0, middle])[:, axis]
+        there = cloud.project(line, free=np.arange(3) == axis)
+        half = sign * (there - [0.0, 0.0, middle])[:, axis]
         tables[name] = np.append(x, tip), np.append(half, 0.0)
     return float(middle), tables
 
@@ -170,12 +170,11 @@ def _cloud(mesh: Any, origin: Array) -> Cloud:
 def _first_touch(skin: Cloud) -> Array:
     """First touch of a 30-degree plate on the ridge y = 0, (3,) mm."""
     ridge = skin.points[np.abs(skin.points[:, 1]) < 2.0 * SPACING] * [1.0, 0.0, 1.0]
-    free = np.tile([True, False, True], (len(ridge), 1))
-    ridge = skin.project(ridge, free=free)
+    ridge = skin.project(ridge, free=np.arange(3) != 1)
     best = ridge[np.argmax(ridge @ PLATE_NORMAL)]
     # Steps of 1 µm along the ridge: a point between them protrudes by less than 1e-7 mm.
     line = best + np.linspace(-0.4, 0.4, 801)[:, None] * ALONG
-    line = skin.project(line, free=np.tile([True, False, True], (len(line), 1)))
+    line = skin.project(line, free=np.arange(3) != 1)
     return np.asarray(line[np.argmax(line @ PLATE_NORMAL)])
 
 

@@ -76,11 +76,11 @@ class Shell:
     def project(self, points: Array, *, free: Flags | None = None) -> Array:
         """Return points (n, 3) moved onto the surface along its gradient.
 
-        `free` (n, 3): the coordinates that may change: a point of the medial plane keeps its y,
-        one of the cut keeps its x.
+        `free` (n, 3) or (3,): the coordinates that may change: a point of the medial plane keeps
+        its y, one of the cut keeps its x.
         """
         moved = np.array(points, dtype=float)
-        mask = np.ones_like(moved) if free is None else free.astype(float)
+        mask = np.ones_like(moved) if free is None else np.broadcast_to(free, moved.shape)
         for _ in range(40):
             value, gradient = self._implicit(moved)
             gradient *= mask

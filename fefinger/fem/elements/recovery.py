@@ -76,11 +76,10 @@ class _Around:
         self.vertices = self._images(space.vertices, space.points)
         self.nodes = self._images(space.nodes, space.node_points)
         self.tissue = np.tile(space.tissue, len(self.signs))
-        order = np.argsort(self.vertices, axis=None, kind="stable")
-        self._cells = order // self.vertices.shape[1]
-        count = len(space.points) * len(self.signs)
-        sizes = np.bincount(self.vertices.ravel(), minlength=count)
-        self._starts = np.concatenate([[0], np.cumsum(sizes)])
+        cells = np.repeat(np.arange(len(self.vertices)), self.vertices.shape[1])
+        shape = (len(space.points) * len(self.signs), len(self.vertices))
+        entries = (np.ones(len(cells)), (self.vertices.ravel(), cells))
+        self._touching = sparse.csr_matrix(entries, shape)
 
     def _images(self, members: Integers, points: Array) -> Integers:
         """Assign numbers (n_cells, k) to the members of the cells of all images, image by image."""
@@ -102,9 +101,7 @@ class _Around:
 
     def grown(self, cells: Integers) -> Integers:
         """Extend cells by one ring: all cells of the same tissue that share a vertex with them."""
-        vertices = np.unique(self.vertices[cells])
-        runs = [self._cells[self._starts[v] : self._starts[v + 1]] for v in vertices]
-        ring = np.unique(np.concatenate(runs))
+        ring = np.unique(self._touching[np.unique(self.vertices[cells])].indices)
         return ring[self.tissue[ring] == self.tissue[cells[0]]]
 
     def places(self, cells: Integers) -> tuple[Integers, Array, Array]:
