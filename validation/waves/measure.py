@@ -214,7 +214,7 @@ def truncation(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
     weights = full.static.patch.projected[active]
     for ratio, f, wanted, scale in zip(reduced, chosen, reference, still, strict=True):
         g = full.oscillators.modulus(np.array([f]))[0]
-        receptance = full.oscillators.receptance(np.array([f]))[0]
+        receptance = 1.0 / (full.oscillators.squares * g - (2 * np.pi * f) ** 2)
         shares = full.shares[:, active]
         flexibility = full.rest[np.ix_(active, active)] / g + (shares.T * receptance) @ shares
         sides = 2.0 if solid.half else 1.0

@@ -85,11 +85,6 @@ class Oscillators:
         """Complex modulus (n_f,) over the long-time one at frequencies (n_f,) in Hz."""
         return complex_modulus(self.weights, self.rates, frequency)
 
-    def receptance(self, frequency: Array) -> Complex:
-        """Amplitude (n_f, n) of each mode under a unit harmonic force, 1 / (w² G* - omega²)."""
-        omega = 2 * np.pi * np.asarray(frequency)[:, None]
-        return np.asarray(1.0 / (self.squares * self.modulus(frequency)[:, None] - omega**2))
-
     def filters(self, dt: float, *, swing: bool) -> tuple[Complex, Complex, Complex, Complex]:
         """Factors (n, m + 2) of a step: decay, and shares of forces a step ago, now and at its end.
 
@@ -105,21 +100,6 @@ class Oscillators:
         shares = (DAMPING, 0.5 - 2 * DAMPING, 0.5 + DAMPING)
         earlier, before, after = (dt * share * first for share in shares)
         return np.exp(x), earlier, before, after
-
-    def energies(self, filtered: Complex) -> tuple[float, float, float]:
-        """Return stored and kinetic energy in nJ and lost power in nW.
-
-        filtered (n, m + 2): the force of each mode, filtered by each of its poles.
-        """
-        each = self.residues * filtered
-        amplitude = each.sum(axis=1).real
-        speed = (each * self.poles).sum(axis=1).real
-        stored, lost = float(self.squares @ amplitude**2) / 2, 0.0
-        for weight, rate in zip(self.weights, self.rates, strict=True):
-            held = (each * self.poles / (self.poles + rate)).sum(axis=1).real
-            share = weight * float(self.squares @ held**2)
-            stored, lost = stored + share / 2, lost + rate * share
-        return stored, float(speed @ speed) / 2, lost
 
 
 def complex_modulus(weights: Array, rates: Array, frequency: Array) -> Complex:
