@@ -4,7 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from skfem import Basis, BilinearForm, ElementTetP1, ElementTetP2, ElementVector, MeshTet
+from fefinger.validation.problems.grids import box
+from skfem import Basis, BilinearForm, ElementTetP1, ElementTetP2, ElementVector
 from skfem.helpers import ddot, div, sym_grad
 
 from fefinger.fem.elements import assembly
@@ -17,11 +18,10 @@ TISSUES = {1: Elastic(3.0, 0.3), 2: Elastic(50.0, 0.4999)}
 
 @pytest.fixture
 def space() -> Space:
-    line = np.linspace(0, 1, 4)
-    mesh = MeshTet.init_tensor(line, line, line)
-    points, cells = mesh.p.T.copy(), mesh.t.T.astype(np.int64)
-    points += np.random.default_rng(0).uniform(-0.04, 0.04, points.shape)
-    return Space(points, cells, np.where(np.arange(len(cells)) % 3, 1, 2).astype(np.int8))
+    even = box(*3 * (np.linspace(0, 1, 4),))
+    points = even.points + np.random.default_rng(0).uniform(-0.04, 0.04, even.points.shape)
+    labels = np.where(np.arange(len(even.cells)) % 3, 1, 2).astype(np.int8)
+    return Space(points, even.cells, labels)
 
 
 def by_scikit_fem(space: Space, one: Elastic, label: int) -> tuple[np.ndarray, ...]:

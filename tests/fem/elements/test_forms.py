@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from fefinger.validation.fem import elements
-from skfem import MeshTet
+from fefinger.validation.problems.grids import box
 
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.probe import inside, locate, strain_at, strain_at_vertices, tensors
@@ -18,9 +18,8 @@ RATIOS = [0.0, 0.3, 0.49, 0.5]
 
 def cube(cells: int, *, tissues: int = 1, seed: int = 3) -> Space:
     """Return a unit cube of shaken tetrahedra, in layers along z if `tissues` is above 1."""
-    line = np.linspace(0, 1, cells + 1)
-    mesh = MeshTet.init_tensor(line, line, line)
-    points, vertices = mesh.p.T.copy(), mesh.t.T.astype(np.int64)
+    even = box(*3 * (np.linspace(0, 1, cells + 1),))
+    points, vertices = even.points.copy(), even.cells
     tissue = 1 + np.floor(points[vertices][:, :, 2].mean(axis=1) * tissues).astype(np.int8)
     if tissues == 1:
         inside = ((points > 0) & (points < 1)).all(axis=1)
