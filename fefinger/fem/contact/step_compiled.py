@@ -142,11 +142,13 @@ def advance(
     by_force: bool,
     stiffening: float,
 ) -> int:
-    """Make a step and update the output; return DONE, or a failure with the state unchanged."""
+    """Make a step and update the output; return DONE, or a failure with the state unchanged.
+
+    `stiffening` is t at the end of the step, 1 under force control.
+    """
     active, depth, peak = contact.save(s), m.depth[0], m.peak[0]
     g = load_history(m, dt)
-    stiffness = g if by_force else g * stiffening
-    failed = solve_target(s, m, m.gap, m.moved_past, stiffness, target, by_force)
+    failed = solve_target(s, m, m.gap, m.moved_past, g * stiffening, target, by_force)
     for j in range(len(s.x)):
         if failed == DONE and s.x[j] > 0.0:
             failed = out.limits[j]

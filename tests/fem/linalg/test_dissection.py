@@ -10,7 +10,7 @@ from scipy import sparse
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
-from fefinger.fem.linalg.dissection import dissect, smallest_cut
+from fefinger.fem.linalg.dissection import dissect_space, smallest_cut
 
 
 LINE = np.linspace(0, 1, 5)
@@ -21,12 +21,8 @@ def space() -> Space:
     return box(LINE, LINE, LINE)
 
 
-def centers(space: Space) -> np.ndarray:
-    return space.points[space.vertices].mean(axis=1)
-
-
 def test_every_unknown_is_eliminated_once_displacements_before_pressures(space: Space) -> None:
-    parts = dissect(space.unknowns, centers(space), space.n_displacements)
+    parts = dissect_space(space, np.arange(space.n_unknowns))
     assert np.array_equal(np.sort(parts.order), np.arange(space.n_unknowns))
     for front in parts.fronts:
         assert (front.rest >= front.stop).all()
@@ -36,7 +32,7 @@ def test_every_unknown_is_eliminated_once_displacements_before_pressures(space: 
 
 
 def test_no_cell_lies_on_both_sides_of_a_separator(space: Space) -> None:
-    parts = dissect(space.unknowns, centers(space), space.n_displacements)
+    parts = dissect_space(space, np.arange(space.n_unknowns))
     side = np.zeros(space.n_unknowns, dtype=int)
     top = parts.fronts[-1]
     first = parts.fronts[top.parts[0]].stop  # children first: its half was ordered before
@@ -50,7 +46,7 @@ def test_no_cell_lies_on_both_sides_of_a_separator(space: Space) -> None:
 def test_the_factor_is_sparse(space: Space) -> None:
     signs = np.where(np.arange(space.n_unknowns) < space.n_displacements, 1e-3, -1e-3)
     matrix = stiffness(space, {1: Elastic(1.0, 0.3)}) + sparse.diags(signs, format="csr")
-    parts = dissect(space.unknowns, centers(space), space.n_displacements)
+    parts = dissect_space(space, np.arange(space.n_unknowns))
     stored = multifrontal.factor(matrix, parts)
     entries = sum(front.lower.size + front.below.size for front in stored.fronts)
     assert entries == parts.entries < 0.4 * space.n_unknowns**2
@@ -81,9 +77,7 @@ def test_a_cut_shares_as_few_unknowns_as_the_best_of_all_divisions(seed: int) ->
 
 def test_cells_without_unknowns_are_cut_too() -> None:
     space = box(LINE, LINE, np.linspace(0, 4, 9))
-    prescribed = space.points[space.vertices][:, :1, 2] < 2
-    members, numbers = np.unique(space.unknowns[~prescribed[:, 0]], return_inverse=True)
-    unknowns = np.full_like(space.unknowns, -1)
-    unknowns[~prescribed[:, 0]] = numbers.reshape(-1, unknowns.shape[1])
-    parts = dissect(unknowns, centers(space), int((members < space.n_displacements).sum()))
-    assert np.array_equal(np.sort(parts.order), np.arange(len(members)))
+    held = (space.points[space.vertices][:, :, 2] < 2).any(axis=1)
+    free = np.setdiff1d(np.arange(space.n_unknowns), space.unknowns[held])
+    assert (~np.isin(space.unknowns, free)).all(axis=1).any()
+    assert np.array_equal(np.sort(dissect_space(space, free).order), np.arange(len(free)))
