@@ -49,7 +49,15 @@ class Mechanics(Protocol):
         """Return the finger on the next coarser mesh, for a convergence check; None without one."""
 
     def respond(self, scene: Scene, progress: Progress | None = None) -> Response:
-        """Solve the scene."""
+        """Solve the scene.
+
+        Raises
+        ------
+        InputError
+            If the indenter does not touch the pad, or goes deeper than the model allows.
+        ConvergenceError
+            If a contact, an equilibrium or the modes of the finger are not found.
+        """
 
 
 def names() -> tuple[str, ...]:

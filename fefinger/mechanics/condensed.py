@@ -47,14 +47,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     return refusals(name, "ability", unable) + shared
 
 
-def cost(case: Situation) -> float:
-    """Return the expected CPU time in s, less where the finger's operator is in the cache."""
-    return small_strain_cost.condensed_seconds(case)
-
-
-def once(case: Situation) -> float:
-    """Return the time in s to build mesh and operator, which are cached; 0 if they already are."""
-    return small_strain_cost.condensed_once(case)
+cost, once = small_strain_cost.condensed_seconds, small_strain_cost.condensed_once
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
@@ -71,14 +64,8 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Solve the scene with the operator of its finger, which is built if it is not cached.
 
     Where the indenter comes near the pad beyond its palmar part, for which the operator is not
-    defined, the whole mesh is solved: the same answer, at the cost of `linear`.
-
-    Raises
-    ------
-    InputError
-        As `linear`; and if the cached operator does not fit the finger.
-    ConvergenceError
-        If a contact solution is not reached.
+    defined, the whole mesh is solved: the same answer, at the cost of `linear`. InputError also if
+    the cached operator does not fit the finger.
     """
     from fefinger.fem.condensation import OutsideError
     from fefinger.mechanics.press import small_strain

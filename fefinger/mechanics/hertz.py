@@ -201,13 +201,7 @@ def coarser(scene: Scene) -> None:
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
-    """Solve the scene with the fields of Hertz and Huber.
-
-    Raises
-    ------
-    InputError
-        If the indenter is placed beyond the pad.
-    """
+    """Solve the scene with the fields of Hertz and Huber."""
     body = half_space(scene.finger, scene.indenter)
     plate = HalfSpace(scene.finger.pad_radius, body.modulus, body.poisson)
     used = (

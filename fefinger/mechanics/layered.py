@@ -71,12 +71,6 @@ def stack(finger: Finger) -> Stack:
     )
 
 
-def skin_share(finger: Finger) -> float:
-    """Return the thickness of the skin over that of all tissue above the bone."""
-    layers = stack(finger)
-    return layers.layers[0].thickness / layers.thickness
-
-
 def contact(scene: Scene) -> "Table":
     """Return the elastic contacts of the relaxed finger that the motion passes through.
 
@@ -111,14 +105,8 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     return refusals(name, "ability", unable)
 
 
-def cost(case: Situation) -> float:
-    """Return the expected CPU time in s."""
-    return small_strain_cost.layered_seconds(case)
-
-
-def once(case: Situation) -> float:
-    """Return 0: nothing is built and cached."""
-    return 0.0
+cost = small_strain_cost.layered_seconds
+once, coarser = hertz.once, hertz.coarser
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
@@ -126,17 +114,10 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     return measured(Candidate(name), case, quantity)
 
 
-def coarser(scene: Scene) -> None:
-    """Return None: there is no mesh that the answer could depend on."""
-
-
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Solve the scene with the exact contact of the stack and the field below it.
 
-    Raises
-    ------
-    InputError
-        If the indenter is placed beyond the pad, or the contact becomes wider than its radius.
+    InputError also if the contact becomes wider than its relative radius.
     """
     from fefinger.theory.contact.contact_table import tabulate_to
 

@@ -5,6 +5,8 @@ relaxation then run on that small dense problem (`press/small_strain.py`). What 
 `NOTES`.
 """
 
+from dataclasses import replace
+
 from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import small_strain_cost
 from fefinger.mechanics.evidence.measured_tissue import largest_exponents
@@ -123,14 +125,7 @@ def too_soft(finger: Finger) -> list[Doubt]:
     return doubts
 
 
-def cost(case: Situation) -> float:
-    """Return the expected CPU time in s."""
-    return small_strain_cost.linear_seconds(case)
-
-
-def once(case: Situation) -> float:
-    """Return the time in s to build the mesh, which is cached; 0 if it already is."""
-    return small_strain_cost.mesh_seconds(case)
+cost, once = small_strain_cost.linear_seconds, small_strain_cost.mesh_seconds
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
@@ -143,8 +138,6 @@ def coarser(scene: Scene, *, follow: bool = True) -> Finger | None:
 
     `follow`: that is the mesh that follows the touch.
     """
-    from dataclasses import replace
-
     from fefinger.mesh.store import at_hand
 
     below = {"standard": "coarse", "fine": "standard"}.get(scene.finger.mesh)
@@ -156,15 +149,7 @@ def coarser(scene: Scene, *, follow: bool = True) -> Finger | None:
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
-    """Solve the scene with finite elements.
-
-    Raises
-    ------
-    InputError
-        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
-    ConvergenceError
-        If a linear or contact solution is not reached.
-    """
+    """Solve the scene with finite elements."""
     from fefinger.mechanics.press import small_strain
 
     notes = (*NOTES, *hard(scene.finger))

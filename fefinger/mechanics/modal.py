@@ -12,7 +12,7 @@ from types import ModuleType
 
 from fefinger.mechanics import condensed, pressed
 from fefinger.mechanics.evidence import small_strain_cost, vibration
-from fefinger.mechanics.press.notes import sideways, stiffens, yielding
+from fefinger.mechanics.press.notes import sideways, stiffens
 from fefinger.mechanics.refusals import refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
@@ -27,7 +27,7 @@ QUASISTATIC = "Quasi-static: no inertia and no waves."
 
 INERTIA = (
     "Inertia of the tissue, about a bone that does not move; the indenter has its motion or its "
-    "force prescribed, and no mass.",
+    "force prescribed, and no mass."
 )
 
 
@@ -37,12 +37,8 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     shared = tuple(replace(refusal, mechanics=name) for refusal in base.refuse(case))
     if any(refusal.about == "ability" for refusal in shared):
         return shared
-    unable = [*yielding(case.finger), *sideways(case.motion, case.indenter)]
-    return (
-        refusals(name, "ability", unable)
-        + shared
-        + refusals(name, "accuracy", vibration.doubts(case))
-    )
+    unable = refusals(name, "ability", sideways(case.motion, case.indenter))
+    return unable + shared + refusals(name, "accuracy", vibration.doubts(case))
 
 
 def _base(finger: Finger) -> ModuleType:
@@ -62,11 +58,9 @@ def once(case: Situation) -> float:
 
 def _operator(case: Situation) -> float:
     """Return the time in s of building an operator that the mechanics without inertia lacks."""
-    return (
-        small_strain_cost.condensed_once(vibration.of_inertia(case))
-        if stiffens(case.finger)
-        else 0.0
-    )
+    if not stiffens(case.finger):
+        return 0.0
+    return small_strain_cost.condensed_once(vibration.of_inertia(case))
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
@@ -78,27 +72,18 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
 
 def coarser(scene: Scene) -> Finger | None:
     """Return the finger on the next coarser mesh, if that is at hand."""
-    base = _base(scene.finger)
-    return base.coarser(scene)
+    return _base(scene.finger).coarser(scene)
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
-    """Answer the scene with inertia; operator and modes are built if not at hand.
-
-    Raises
-    ------
-    InputError
-        As `condensed` or `pressed`.
-    ConvergenceError
-        If a contact solution, or the modes, are not reached.
-    """
+    """Answer the scene with inertia; operator and modes are built if not at hand."""
     from fefinger.mechanics.press import modal_response
 
     notes = tuple(note for note in _base(scene.finger).NOTES if note != QUASISTATIC)
     answer = modal_response.respond(
         *(scene, progress),
         mechanics=name,
-        notes=(*notes, *INERTIA),
+        notes=(*notes, INERTIA),
         geometric_share=vibration.geometric_share,
     )
     return replace(answer, notes=(*answer.notes, *vibration.notes(Situation.of(scene))))

@@ -15,7 +15,6 @@ from fefinger.mechanics.press.notes import RIGID_BONE, apart, rough, yielding
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
-from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 
@@ -46,14 +45,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     return solid.refused(name, case)
 
 
-def cost(case: Situation) -> float:
-    """Return the expected CPU time in s, less where the press is shipped or cached."""
-    return carrying.seconds(case)
-
-
-def once(case: Situation) -> float:
-    """Return the time in s to build mesh and press, which are cached; 0 if they already are."""
-    return carrying.once(case)
+cost, once, coarser = carrying.seconds, carrying.once, linear.coarser
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
@@ -66,21 +58,8 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     return math.hypot(error, carried), f"{source}; {carrying.sentence(carried, case)}"
 
 
-def coarser(scene: Scene) -> Finger | None:
-    """Return the finger on the next coarser mesh, if that is shipped or cached."""
-    return linear.coarser(scene)
-
-
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
-    """Solve the scene from the elastic press of its finger, which is solved if not cached.
-
-    Raises
-    ------
-    InputError
-        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
-    ConvergenceError
-        If an equilibrium of the elastic press is not reached.
-    """
+    """Solve the scene from the elastic press of its finger, which is solved if not cached."""
     from fefinger.mechanics.press import carried
 
     notes = (*NOTES, RIGID_BONE)

@@ -15,7 +15,6 @@ from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
-from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 
@@ -59,24 +58,12 @@ def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
     return proximal_cut.reached(mechanics, case) + refusals(mechanics, "accuracy", doubts)
 
 
-def cost(case: Situation) -> float:
-    """Return the expected CPU time in s."""
-    return solid_cost.seconds(case)
-
-
-def once(case: Situation) -> float:
-    """Return the time in s to build the mesh, which is cached; 0 if it already is."""
-    return small_strain_cost.mesh_seconds(case)
+cost, once, coarser = solid_cost.seconds, small_strain_cost.mesh_seconds, linear.coarser
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     """Return the expected relative error against a converged mesh, and its source."""
     return measured(Candidate(name, case.mesh), case, quantity)
-
-
-def coarser(scene: Scene) -> Finger | None:
-    """Return the finger on the next coarser mesh, if that is shipped or cached."""
-    return linear.coarser(scene)
 
 
 def respond(
