@@ -20,10 +20,6 @@ from fefinger.scene.motion import Motion
 from fefinger.support.text import percent
 
 
-REPORT = CARRYING
-
-PRESSED = Candidate("pressed")
-
 MARGIN = 1.2
 """Factor on the largest error of the measured scenes, for scenes between them."""
 
@@ -50,9 +46,6 @@ SHALLOW = 0.5
 """Cost of a press to first touch over that of one to TIMED: 0.4 to 0.6 under 12
 balls, bars, gratings and cylinders of the held-out scenes on both meshes."""
 
-FINE = 2.5
-"""Cost on the fine mesh over that on the standard one, as their unknowns; not measured."""
-
 
 def retreats(motion: Motion) -> bool:
     """Return whether the depth, or the force, ever falls."""
@@ -77,7 +70,7 @@ def sentence(carried: float, case: Situation) -> str:
     """Return the source of an error, with the largest measured depth if the scene is deeper."""
     phase = "with retreat" if retreats(case.motion) else "without retreat"
     deepest = max(row.conditions["part"] for row in _rows("area"))
-    source = f"reports/{REPORT}: {percent(carried)} of the tabulated press through time, {phase}"
+    source = f"reports/{CARRYING}: {percent(carried)} of the tabulated press through time, {phase}"
     if case.depth_over_thickness > deepest:
         source += f", measured to {deepest:.2g} of the thickness"
     return source
@@ -97,7 +90,7 @@ def largest_about(part: float, errors: Sequence[tuple[float, float]], quantity: 
 
 
 def _rows(quantity: str) -> list[Measured]:
-    return table().all(REPORT, f"error of {quantity}", PRESSED)
+    return table().all(CARRYING, f"error of {quantity}", Candidate("pressed"))
 
 
 def at_hand(case: Situation) -> bool:
@@ -113,7 +106,7 @@ def at_hand(case: Situation) -> bool:
 def seconds(case: Situation) -> float:
     """Return the expected CPU time in s."""
     setup, step = (_seconds(case, stage) for stage in ("setup", "step"))
-    return (setup + len(case.times) * step) * slowness(read(REPORT)) + once(case)
+    return setup + len(case.times) * step + once(case)
 
 
 def once(case: Situation) -> float:
@@ -130,11 +123,13 @@ def building(case: Situation) -> float:
         harder = deep**HARDER
     else:  # plates go on to that depth, so that other motions find their press
         harder = 1.0 if case.indenter.flat is not None else SHALLOW + (1 - SHALLOW) * deep
-    return _seconds(case, "build") * harder * slowness(read(REPORT))
+    return _seconds(case, "build") * harder
 
 
 def _seconds(case: Situation, stage: str) -> float:
+    """Return the CPU seconds of a stage on this machine."""
     mesh = "standard" if case.mesh == "fine" else case.mesh
-    seconds = table().value(REPORT, f"{stage} seconds", Candidate("pressed", mesh))
+    seconds = table().value(CARRYING, f"{stage} seconds", Candidate("pressed", mesh))
     bodies = 1.0 if case.half or stage == "step" else small_strain_cost.WHOLE
-    return seconds * bodies * (FINE if case.mesh == "fine" and stage != "step" else 1.0)
+    larger = small_strain_cost.FINE if case.mesh == "fine" and stage != "step" else 1.0
+    return seconds * bodies * larger * slowness(read(CARRYING))

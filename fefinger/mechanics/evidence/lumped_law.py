@@ -43,19 +43,23 @@ class Law(NamedTuple):
 
 def law(case: Situation) -> Law:
     """Return the law of the finger of a scene, or that of Table 2.1 with a doubt."""
-    if measured_tissue.subject(case.finger) is not None:
-        return _printed(case, *_misfit(case))
+    finger = case.finger
+    if measured_tissue.subject(finger) is not None:
+        error, evidence = press_mesh.error(LUMPED_LAW, case)
+        evidence = f"{evidence}: Table 2.1 against the finger that was fitted to it"
+        return _printed(case, error, evidence)
     laws = table().all(LUMPED, "law", LUMPED_LAW)
-    rows = [each.conditions for each in laws if _same(case.finger, each.conditions)]
+    rows = [each.conditions for each in laws if _same(finger, each.conditions)]
     if not rows:
-        return _printed(case, doubt=_strange(case.finger))
+        other = "of other size or tissue" if finger.surface is None else "from a surface"
+        return _printed(case, doubt=f"finger: {other} than those whose law was identified")
     flat = case.indenter.flat
     if flat is not None and not flat.tilt:
         interpolated = between(rows, flat.angle)
         if interpolated is not None:
             return _own(case, rows, *interpolated)
-    angles = sorted(row["angle"] for row in rows)
-    return _printed(case, doubt=f"its law is known under plates at {_listed(angles)} degrees")
+    angles = ", ".join(f"{angle:g}" for angle in sorted({row["angle"] for row in rows}))
+    return _printed(case, doubt=f"its law is known under plates at {angles} degrees")
 
 
 def _printed(
@@ -102,18 +106,3 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
     names = ("width_mm", "thickness_mm", "pad_radius_mm", "skin_over_subcutaneous", "skin_mm")
     same = np.allclose(own, [row[name] for name in names], rtol=SAME)
     return same and measured_tissue.published(finger)
-
-
-def _misfit(case: Situation) -> tuple[float, str]:
-    """Return the difference of Table 2.1 from the finger that was fitted to it, and the source."""
-    found = press_mesh.error(LUMPED_LAW, case)
-    return found.error, f"{found.source}: Table 2.1 against the finger that was fitted to it"
-
-
-def _strange(finger: Finger) -> str:
-    surface = "from a surface" if finger.surface is not None else "of other size or tissue"
-    return f"finger: {surface} than those whose law was identified"
-
-
-def _listed(angles: Sequence[float]) -> str:
-    return ", ".join(f"{angle:g}" for angle in dict.fromkeys(angles))

@@ -50,11 +50,13 @@ def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> 
         if not (case.published_tissue or case.calibrated_tissue):
             return _other_tissue(candidate, case, quantity)
     found = press_mesh.error(candidate, case, quantity)
-    mesh = _of_mesh(candidate, case, quantity)
-    if mesh is not None and mesh.error > found.error:
-        found = mesh
-    paced = table().values(TIME_STEPS, f"error of {quantity}", Candidate(candidate.mechanics))
-    steps = paced.get("", 0.0)  # formulas have none
+    if quantity != "force" and candidate.resolution is not None:
+        # The mesh decides which points bear the pressure, whatever the tissue and the strain, so
+        # the comparison of meshes at finite strain applies. The force has evidence of its own.
+        mesh = press_mesh.error(Candidate("solid", candidate.resolution), case, quantity)
+        found = mesh if mesh.error > found.error else found
+    paced = table().all(TIME_STEPS, f"error of {quantity}", Candidate(candidate.mechanics))
+    steps = sum(each.value for each in paced)  # formulas have none
     return Known(math.hypot(found.error, steps), found.source)  # independent of the mesh
 
 
@@ -89,14 +91,3 @@ def _other_tissue(candidate: Candidate, case: Situation, quantity: str) -> Known
     bent = measured(candidate, alike.under(Flat()), quantity) if case.indenter.sharp else known
     error = float(np.maximum(known.error, SOFT_SKIN * bent.error))
     return Known(error, f"{source}, and {SOFT_SKIN:g} times as much for softer skin")
-
-
-def _of_mesh(candidate: Candidate, case: Situation, quantity: str) -> Known | None:
-    """Return the mesh error of a quantity other than the force, in presses under the same object.
-
-    The mesh decides which points bear the pressure, whatever the tissue and the strain, so the
-    comparison of meshes at finite strain applies. The force has evidence of its own.
-    """
-    if quantity == "force" or candidate.resolution is None:
-        return None
-    return press_mesh.error(Candidate("solid", candidate.resolution), case, quantity)

@@ -12,13 +12,11 @@ from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.results.candidate import Candidate
+from fefinger.support.arrays import Array
 from fefinger.support.package_data import report
 
-
-Array = NDArray[np.float64]
 
 SMALL_STRAIN_COST = "small-strain-cost.json"
 SOLID_COST = "solid-cost.json"
@@ -75,10 +73,6 @@ class Table:
         for each in self.entries:
             key = each.report, each.quantity, each.candidate
             self._groups.setdefault(key, []).append(each)
-        self._values: dict[tuple[str, str, Candidate], dict[str, float]] = {}
-        self._presses = {
-            key: {each.press: each for each in group} for key, group in self._groups.items()
-        }
 
     def all(self, report: str, quantity: str, candidate: Candidate) -> list[Measured]:
         """Return all entries of a quantity of a candidate."""
@@ -86,19 +80,11 @@ class Table:
 
     def presses(self, report: str, quantity: str, candidate: Candidate) -> dict[str, Measured]:
         """Return the entries of a quantity of a candidate by press."""
-        return self._presses.get((report, quantity, candidate), {})
+        return {each.press: each for each in self.all(report, quantity, candidate)}
 
-    def values(self, report: str, quantity: str, candidate: Candidate) -> dict[str, float]:
-        """Return the single values of a quantity of a candidate, by press."""
-        key = report, quantity, candidate
-        if key not in self._values:
-            rows = self.presses(report, quantity, candidate)
-            self._values[key] = {press: row.value for press, row in rows.items()}
-        return self._values[key]
-
-    def value(self, report: str, quantity: str, candidate: Candidate, press: str = "") -> float:
-        """Return a single value."""
-        return self.values(report, quantity, candidate)[press]
+    def value(self, report: str, quantity: str, candidate: Candidate) -> float:
+        """Return the value of a quantity that is of no press."""
+        return self.presses(report, quantity, candidate)[""].value
 
 
 @cache

@@ -11,12 +11,13 @@ measured fingers. Errors of a vibration are over its own force without inertia; 
 SHARE x amplitude / depth of the peak.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
 
 from fefinger.mechanics.evidence.machine import slowness
+from fefinger.mechanics.evidence.small_strain_cost import FINE
 from fefinger.mechanics.evidence.table import read
 from fefinger.mechanics.press.mode_cache import MESH_OF_INERTIA, at_hand
 from fefinger.mechanics.press.notes import stiffens
@@ -38,9 +39,6 @@ REPORT = "modal.json"
 STEPS = 0.003
 """Error of 60 steps per cycle, by the order of the steps (`mechanics/press/modal_steps.py`)."""
 
-FINE = 2.5
-"""Cost on the fine mesh over that on the standard one, as their unknowns; not measured."""
-
 BEYOND = 0.7
 """Frequency over that of the last mode beyond which the answer through time is not trusted."""
 
@@ -59,9 +57,8 @@ DAMPED = 0.8
 NEGLIGIBLE = 0.02
 """Change by inertia that is not worth a sentence."""
 
-EXTRAPOLATED = 1 / 3
-"""Error of the standard mesh over its difference from the coarse one, of order 2; four times as
-large on the coarse mesh."""
+EXTRAPOLATED = {"coarse": 4 / 3, "standard": 1 / 3, "fine": 1 / 12}
+"""Error of a mesh over the difference of the standard from the coarse one, of order 2."""
 
 
 def statics_error(case: Situation) -> tuple[float, str]:
@@ -149,12 +146,10 @@ def vibration_error(case: Situation) -> float:
         return 1.0
     kind, reduced = _damping(case, frequency), _reduced(case, frequency)
     modes = float(np.interp(_ratio(case, frequency), *_envelope("truncation", kind)))
+    mesh = EXTRAPOLATED[of_inertia(case).mesh]
+    meshes = mesh * float(np.interp(reduced, *_envelope("mesh_of_inertia", kind)))
     stiff = stiffens(case.finger)
-    mesh = {"coarse": 4.0, "standard": 1.0, "fine": 0.25}[
-        MESH_OF_INERTIA[case.mesh] if stiff else case.mesh
-    ]
-    meshes = EXTRAPOLATED * mesh * float(np.interp(reduced, *_envelope("mesh_of_inertia", kind)))
-    strain = float(np.interp(reduced, *_of_preload(kind))) if stiff else 0.0
+    strain = float(np.interp(reduced, *_envelope("preload", kind))) if stiff else 0.0
     return float(np.sqrt(modes**2 + meshes**2 + strain**2))
 
 
@@ -274,14 +269,9 @@ def _rounded(value: float) -> str:
 
 def seconds(case: Situation) -> float:
     """Return the expected time in s of modes and steps, besides that without inertia."""
-    build, record, case = once(case), read(REPORT), of_inertia(case)
-    mesh = "standard" if case.mesh == "fine" else case.mesh
-    larger = FINE if case.mesh == "fine" else 1.0
-    costs = record["seconds"][mesh]
-    bodies = len(parities(half=case.half))
-    steps = 2 * len(case.times)
-    spent = larger * (bodies * costs["setup"] + steps * costs["step"])
-    return spent * slowness(record) + build
+    build, case = once(case), of_inertia(case)
+    bodies, steps = len(parities(half=case.half)), 2 * len(case.times)
+    return bodies * _seconds(case, "setup") + steps * _seconds(case, "step") + build
 
 
 def of_inertia(case: Situation) -> Situation:
@@ -294,11 +284,14 @@ def once(case: Situation) -> float:
     case = of_inertia(case)
     if at_hand(case.finger, half=case.half):
         return 0.0
-    record = read(REPORT)
-    mesh = "standard" if case.mesh == "fine" else case.mesh
-    larger = FINE if case.mesh == "fine" else 1.0
-    build = len(parities(half=case.half)) * larger * record["seconds"][mesh]["build"]
-    return float(build * slowness(record))
+    return len(parities(half=case.half)) * _seconds(case, "build")
+
+
+def _seconds(case: Situation, stage: str) -> float:
+    """Return the CPU seconds of a stage on this machine."""
+    record, fine = read(REPORT), case.mesh == "fine"
+    seconds: float = record["seconds"]["standard" if fine else case.mesh][stage]
+    return seconds * (FINE if fine else 1.0) * slowness(record)
 
 
 def _speed(case: Situation) -> float:
@@ -367,31 +360,20 @@ def _by_part(name: str, of: Callable[[Array], float], at_rest: float) -> tuple[A
 
 
 @cache
-def _of_preload(kind: str) -> tuple[Array, Array]:
-    """Largest measured errors of stiffening tissue over the reduced frequency."""
-    rows = [row[kind] for row in read(REPORT)["preload"] if kind in row]
-    return _rising(
-        [pair for row in rows for pair in zip(row["reduced"], row["error"], strict=True)]
-    )
-
-
-@cache
 def _envelope(name: str, kind: str = "") -> tuple[Array, Array]:
     """Largest measured errors over the reduced frequency or speed, rising, from 0 at 0.
 
     kind: relaxation of the measured fingers, where there are several.
     """
-    rows = [row for row in read(REPORT)[name] if not kind or row["relaxation"] == kind]
-    if name in ("vibration", "mesh_of_inertia"):
-        reduced = read(REPORT)["reduced"]
-        points = [pair for row in rows for pair in zip(reduced, row["error"], strict=True)]
+    report = read(REPORT)
+    if name == "preload":  # of stiffening tissue
+        rows = [row[kind] for row in report[name] if kind in row]
+        at = [row["reduced"] for row in rows]
     else:
-        key = {"ramp": "speed_over_wave", "truncation": "ratio", "press": "suddenness"}[name]
-        points = [(row[key], row["error"]) for row in rows]
-    return _rising(points)
-
-
-def _rising(points: Sequence[tuple[float, float]]) -> tuple[Array, Array]:
-    places = np.unique([place for place, _ in points])
-    largest = [max(error for at, error in points if at == place) for place in places]
-    return np.append(0.0, places), np.append(0.0, np.maximum.accumulate(largest))
+        rows = [row for row in report[name] if not kind or row["relaxation"] == kind]
+        key = {"ramp": "speed_over_wave", "truncation": "ratio", "press": "suddenness"}.get(name)
+        at = [row[key] if key else report["reduced"] for row in rows]
+    places, errors = (np.hstack(each) for each in (at, [row["error"] for row in rows]))
+    every = np.unique(places)
+    largest = [errors[places == place].max() for place in every]
+    return np.append(0.0, every), np.append(0.0, np.maximum.accumulate(largest))
