@@ -11,7 +11,7 @@ import numpy as np
 
 from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH, central_sites, end_organ_sites
-from fefinger.mechanics.press.skin import spherical
+from fefinger.mechanics.press.skin import across, spherical
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.results.records import Pad, Response, Sites
 from fefinger.scene.ask import Ask
@@ -20,7 +20,7 @@ from fefinger.scene.indenter import Indenter, direction
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
@@ -72,10 +72,10 @@ def touch(finger: Finger, indenter: Indenter) -> Touch | None:
     elif at is None:
         axis = upright
     else:
-        across = (center[:2] - np.asarray(at)) / finger.pad_radius
-        if across @ across >= 1:
+        aside = (center[:2] - np.asarray(at)) / finger.pad_radius
+        if aside @ aside >= 1:
             return None
-        axis = np.append(across, np.sqrt(1 - across @ across))
+        axis = np.append(aside, np.sqrt(1 - aside @ aside))
     return Touch(center - finger.pad_radius * axis, axis)
 
 
@@ -179,10 +179,13 @@ def _pressure(
     nodes = history.nodes
     last = min(int(np.searchsorted(nodes, history.edge.max())), len(nodes) - 1)
     reach = float(contact.contact_radius(nodes[last : last + 1])[0])
-    pad, cells = _pad(first, reach, finger.pad_radius)
-    load = np.diff(contact.load(nodes, cells.edges), axis=1, prepend=0.0)
-    rings = history.stress(load / cells.areas) / finger.prony.long_time
-    return pad, rings[:, cells.ring]
+    edges = reach * np.arange(1, RINGS + 1) / RINGS
+    areas = np.pi * np.diff(edges**2, prepend=0.0)
+    load = np.diff(contact.load(nodes, edges), axis=1, prepend=0.0)
+    rings = history.stress(load / areas) / finger.prony.long_time
+    sectors = np.append(1, np.full(RINGS - 1, SECTORS))
+    ring = np.repeat(np.arange(RINGS), sectors)
+    return _pad(first, edges, (areas / sectors)[ring], finger.pad_radius), rings[:, ring]
 
 
 def _strain(contact: ElasticContact, depth: Array, r: Array, z: Array) -> Array:
@@ -202,12 +205,9 @@ def turned(components: Array, frames: Array) -> Array:
     """
     radial, around, inward = np.moveaxis(frames, 1, 0)
 
-    def outer(a: Array, b: Array) -> Array:
-        return a[:, :, None] * b[:, None, :]
-
-    slanted = outer(radial, inward) + outer(inward, radial)
-    parts = [outer(radial, radial), outer(around, around), outer(inward, inward), slanted]
-    basis = np.stack(parts, axis=1).reshape(-1, 4, 9)
+    slanted = radial[:, :, None] * inward[:, None, :]
+    parts = [each[:, :, None] * each[:, None, :] for each in (radial, around, inward)]
+    basis = np.stack([*parts, slanted + np.swapaxes(slanted, 1, 2)], axis=1).reshape(-1, 4, 9)
     tensors = np.empty((len(components), len(frames), 9))
     # Written in place: with many sites a copy of the tensors takes as long as everything else.
     np.matmul(np.moveaxis(components, 2, 0), basis, out=np.moveaxis(tensors, 1, 0))
@@ -232,68 +232,41 @@ def _cylinder(first: Touch, organs: Sites) -> tuple[Array, Array, Array]:
     frame is turned so that z runs along the site's own normal.
     """
     offset = organs.points + organs.depths[:, None] * organs.normals - first.origin
-    across = offset - np.outer(offset @ first.axis, first.axis)
-    r = np.linalg.norm(across, axis=1)
-    side = _sideways(first.axis)[0]
+    aside = offset - np.outer(offset @ first.axis, first.axis)
+    r = np.linalg.norm(aside, axis=1)
+    side = across(first.axis)[0]
     away = r > 1e-12 * (1.0 + np.abs(offset).max())
-    radial = np.where(away[:, None], across / np.where(away, r, 1.0)[:, None], side)
+    radial = np.where(away[:, None], aside / np.where(away, r, 1.0)[:, None], side)
     inward = -organs.normals
     radial = radial - np.einsum("ij,ij->i", radial, inward)[:, None] * inward
     radial /= np.linalg.norm(radial, axis=1, keepdims=True)
-    return (
-        np.where(away, r, 0.0),
-        organs.depths,
-        np.stack([radial, np.cross(inward, radial), inward], 1),
-    )
+    frames = np.stack([radial, np.cross(inward, radial), inward], axis=1)
+    return np.where(away, r, 0.0), organs.depths, frames
 
 
-def _sideways(axis: Array) -> tuple[Array, Array]:
-    """Return two unit vectors (3,) at right angles to the axis, the first near x."""
-    first = np.array([1.0, 0.0, 0.0]) - axis[0] * axis
-    first /= np.linalg.norm(first)
-    return first, np.cross(axis, first)
+def _pad(first: Touch, edges: Array, areas: Array, radius: float) -> Pad:
+    """Return points on the spherical pad: the middle, then rings of sectors out to `edges` mm.
 
-
-@dataclass(frozen=True)
-class _Cells:
-    """Rings about the axis: outer edges (n,) mm, areas (n,) mm², and the ring of each point."""
-
-    edges: Array
-    areas: Array
-    ring: Integers
-
-
-def _pad(first: Touch, reach: float, radius: float) -> tuple[Pad, _Cells]:
-    """Return points on the spherical pad out to `reach` mm: the middle, then rings of sectors.
-
-    The pressure at a point is the mean over its cell, so that the sum of pressure times area is
-    the force.
+    The pressure at a point is the mean over its cell of `areas` (n_pad,) mm², so that the sum of
+    pressure times area is the force.
     """
-    edges = reach * np.arange(1, RINGS + 1) / RINGS
-    areas = np.pi * np.diff(edges**2, prepend=0.0)
     r = np.repeat((edges[1:] + edges[:-1]) / 2, SECTORS)
     angle = np.tile(2 * np.pi * np.arange(SECTORS) / SECTORS, RINGS - 1)
-    one, two = _sideways(first.axis)
-    across = np.outer(r * np.cos(angle), one) + np.outer(r * np.sin(angle), two)
-    across = np.concatenate([np.zeros((1, 3)), across])
+    one, two = across(first.axis)
+    aside = np.outer(r * np.cos(angle), one) + np.outer(r * np.sin(angle), two)
+    aside = np.concatenate([np.zeros((1, 3)), aside])
     drop = np.concatenate([[0.0], r**2 / (2 * radius)])
-    normals = across / radius - first.axis
+    normals = aside / radius - first.axis
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    ring = np.concatenate([[0], np.repeat(np.arange(1, RINGS), SECTORS)])
-    share = np.concatenate([[1], np.full((RINGS - 1) * SECTORS, SECTORS)])
-    points = first.origin + across + drop[:, None] * first.axis
-    pad = Pad(points, areas[ring] / share, normals, _triangles())
-    return pad, _Cells(edges, areas, ring)
-
-
-def _triangles() -> Integers:
-    """Return the triangles (n, 3) between the points of the pad."""
+    points = first.origin + aside + drop[:, None] * first.axis
     here = np.arange(SECTORS)
     after = (here + 1) % SECTORS
     fan = np.column_stack([np.zeros(SECTORS, np.int64), after + 1, here + 1])
-    strips = [fan]
-    for inner in 1 + SECTORS * np.arange(RINGS - 2):
-        outer = inner + SECTORS
-        strips.append(np.column_stack([inner + here, inner + after, outer + here]))
-        strips.append(np.column_stack([inner + after, outer + after, outer + here]))
-    return np.concatenate(strips)
+    inner = 1 + SECTORS * np.arange(RINGS - 2)[:, None]
+    outer = inner + SECTORS
+    strips = [
+        np.stack([inner + here, inner + after, outer + here], axis=-1),
+        np.stack([inner + after, outer + after, outer + here], axis=-1),
+    ]
+    triangles = np.concatenate([fan, np.stack(strips, axis=1).reshape(-1, 3)])
+    return Pad(points, areas, normals, triangles)

@@ -20,7 +20,7 @@ from fefinger.mechanics.press.hard_parts import with_nail
 from fefinger.mechanics.press.history import frames_of
 from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
 from fefinger.mechanics.press.problem import Press, SolutionMethod
-from fefinger.mechanics.press.response import deepest_penetration, exactness
+from fefinger.mechanics.press.response import answered, deepest_penetration, exactness
 from fefinger.mechanics.press.small_strain import WHOLE_MESH
 from fefinger.neural.reference import Reference
 from fefinger.results.records import Fields, Response
@@ -155,7 +155,7 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
     with stages.stage("fields"):
         fields = _fields(carried, shares) if press.fields else None
     with stages.stage("pressure"):
-        pressure, force = carried.pressures(shares), shares.force
+        pressure = carried.pressures(shares)
         pad = area = middle = gap = moment = seen_pressure = None
         if press.pressure:
             seen = carried.contact.neighborhood
@@ -171,16 +171,19 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
             strain = np.tensordot(shares.strain, carried.strain(press.sites.points), 1)
         reference = carried.reference()
     penetration = deepest_penetration(table.gap)
-    return Response(
-        mechanics=press.mechanics,
+    return answered(
+        press,
+        stages,
+        len(carried.contact),
+        penetration,
+        notes=dragged.notes(press),
         time=press.time,
         depth=shares.depth,
-        force=force,
+        force=shares.force,
         contact_area=area,
         centroid=middle,
         pad=pad,
         pressure=seen_pressure,
-        sites=press.sites,
         strain=strain,
         reference=reference,
         fields=fields,
@@ -188,19 +191,6 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
             f"Solved: an elastic press of {len(table.depth) - 1} depths up to {table.deepest:.3g} "
             f"mm, and its relaxation at {len(press.time)} times; {exactness(penetration)}."
         ),
-        seconds=stages.seconds,
-        notes=(*press.notes, *((dragged.IN_PLANE,) if press.slides else ())),
-        numbers={
-            "unknowns": press.body.space.n_unknowns,
-            "candidates": len(carried.contact),
-            "half": float(half),
-            "penetration_mm": penetration,
-        },
-        sources={
-            "mesh": press.mesh.name,
-            "mesh_sha256": press.mesh.fingerprint,
-            "memory": stages.memory,
-        },
         gap=gap,
         moment=moment,
         lateral=dragged.smooth(press, press.time) if press.slides else None,

@@ -1,6 +1,8 @@
 """The Response of a finite-element press, from its solved contact."""
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -8,7 +10,6 @@ from fefinger.fem.body import Body, Solid
 from fefinger.fem.contact.contact_area import CandidateSurface
 from fefinger.fem.elements.probe import tensors
 from fefinger.geometry import mirror
-from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import dragged, sliding
 from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_fields
 from fefinger.mechanics.press.history import TANGENT_SOLVER, FiniteStrainHistory, SmallStrainHistory
@@ -45,8 +46,12 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         strain = _small_strain(press, history)
         lateral = sliding.lateral(press, history, pad, column) if press.slides else None
     penetration = deepest_penetration(gap)
-    return Response(
-        mechanics=press.mechanics,
+    return answered(
+        press,
+        stages,
+        len(on_pad.vertices),
+        penetration,
+        notes=sliding.notes(press),
         time=press.time,
         depth=contact.depth,
         force=force,
@@ -54,20 +59,10 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         centroid=middle,
         pad=pad if press.pressure else None,
         pressure=pressure if press.pressure else None,
-        sites=press.sites,
         strain=strain,
         reference=history.reference,
         fields=fields,
         status=f"Solved: {contact.exchanges} contact solutions with {exactness(penetration)}.",
-        seconds=stages.seconds,
-        notes=(*press.notes, *precision_notes(press.body), *sliding.notes(press)),
-        numbers={
-            "unknowns": press.body.space.n_unknowns,
-            "candidates": len(on_pad.vertices),
-            "half": float(half),
-            "penetration_mm": penetration,
-        },
-        sources=origins(press.mesh, press.body, stages),
         gap=gap if press.pressure else None,
         moment=moment,
         lateral=lateral,
@@ -93,13 +88,20 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         by_force = press.motion.control == "force"
         depth = steps.bounded(history.depth) if by_force else steps.path
         strain = _finite_strain(press, history)
-        lateral = None
-        if press.slides:
-            lateral = dragged.lateral(press, history, borne, force, column)
-        notes = dragged.notes(press)
+        lateral = dragged.lateral(press, history, borne, force, column) if press.slides else None
     penetration = deepest_penetration(history.gap)
-    return Response(
-        mechanics=press.mechanics,
+    work = {
+        "steps": len(history.depth),
+        "iterations": history.iterations,
+        "downhill": history.descents,
+    }
+    answer = answered(
+        press,
+        stages,
+        len(history.contact),
+        penetration,
+        notes=dragged.notes(press),
+        numbers=work,
         time=steps.time,
         depth=depth,
         force=force,
@@ -107,36 +109,50 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         centroid=middle,
         pad=pad if press.pressure else None,
         pressure=pressure if press.pressure else None,
-        sites=press.sites,
         strain=strain,
         reference=history.reference,
         fields=fields,
         status=_status(history, penetration),
-        seconds=stages.seconds,
-        notes=(*press.notes, *precision_notes(press.body), *notes),
-        numbers={
-            "unknowns": press.body.space.n_unknowns,
-            "candidates": len(history.contact),
-            "half": float(half),
-            "steps": len(history.depth),
-            "iterations": history.iterations,
-            "downhill": history.descents,
-            "penetration_mm": penetration,
-        },
-        sources=origins(press.mesh, press.body, stages) | {"solver": TANGENT_SOLVER},
         gap=gap,
         moment=moment,
         lateral=lateral,
     )
+    return replace(answer, sources={**answer.sources, "solver": TANGENT_SOLVER})
 
 
-def origins(mesh: FingerMesh, body: Solid, stages: Stages) -> dict[str, str]:
-    """Return the mesh and its hash, the peak memory and the linear solver of an answer."""
+def answered(
+    press: Press,
+    stages: Stages,
+    candidates: int,
+    penetration: float,
+    *,
+    notes: tuple[str, ...],
+    numbers: Mapping[str, float] | None = None,
+    **quantities: Any,
+) -> Response:
+    """Return the Response of a press: its `quantities`, and what every answer of a mesh states."""
+    body, mesh = press.body, press.mesh
     sources = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint, "memory": stages.memory}
-    return sources | {"solver": body.system.name} if isinstance(body, Body) else sources
+    if isinstance(body, Body):
+        sources["solver"] = body.system.name
+    return Response(
+        mechanics=press.mechanics,
+        sites=press.sites,
+        seconds=stages.seconds,
+        notes=(*press.notes, *_precision(body), *notes),
+        numbers={
+            "unknowns": body.space.n_unknowns,
+            "candidates": candidates,
+            "half": float(body.half),
+            **(numbers or {}),
+            "penetration_mm": penetration,
+        },
+        sources=sources,
+        **quantities,
+    )
 
 
-def precision_notes(body: Solid) -> tuple[str, ...]:
+def _precision(body: Solid) -> tuple[str, ...]:
     """Return notes on factors in single precision that failed."""
     if not isinstance(body, Body):
         return ()

@@ -27,20 +27,23 @@ def meshed(points: Array, triangles: Integers, normals: Array, *, half: bool) ->
     area = np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
-    shares = np.asarray(
-        np.bincount(triangles.ravel(), np.repeat(area / 6.0, 3), len(points)), float
-    )
+    weights = np.repeat(area / 6.0, 3)
+    shares = np.bincount(triangles.ravel(), weights, len(points)).astype(np.float64)
     used = np.unique(triangles)
     used = used[np.linalg.norm(normals[used], axis=1) > 0.5]
     points, normals, shares = points[used], normals[used], shares[used]
     if half:
         halves = Halves.of(points)
-        points, normals, shares = (
-            halves.vectors(points),
-            halves.vectors(normals),
-            halves.shares(shares),
-        )
+        points, normals = halves.vectors(points), halves.vectors(normals)
+        shares = halves.shares(shares)
     return Surface(points, normals / np.linalg.norm(normals, axis=1, keepdims=True), shares)
+
+
+def across(axis: Array) -> tuple[Array, Array]:
+    """Return two unit vectors (3,) at right angles to the axis, the first near x."""
+    first = np.array([1.0, 0.0, 0.0]) - axis[0] * axis
+    first /= np.linalg.norm(first)
+    return first, np.cross(axis, first)
 
 
 def spherical(radius: float, axis: Array) -> "Surface":
@@ -51,8 +54,6 @@ def spherical(radius: float, axis: Array) -> "Surface":
     x = LATTICE * np.arange(-np.floor(reach / LATTICE), np.floor(reach / LATTICE) + 1)
     flat = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
     flat = flat[np.linalg.norm(flat, axis=1) <= reach]
-    side = np.array([1.0, 0.0, 0.0]) - axis[0] * axis
-    side /= np.linalg.norm(side)
     depth = np.sqrt(radius**2 - np.sum(flat**2, axis=1))
-    outward = flat @ np.stack([side, np.cross(axis, side)]) - np.outer(depth, axis)
+    outward = flat @ np.stack(across(axis)) - np.outer(depth, axis)
     return Surface(radius * axis + outward, outward / radius, LATTICE**2 * radius / depth)
