@@ -61,7 +61,6 @@ NOTES = (
     "Quasi-static: no inertia and no waves.",
 )
 
-
 ELLIPTIC = (
     "The elliptic contact is a circular one of the equivalent radius: within 3.4 % of its depth "
     "and 7 % of its peak pressure for relative radii up to 5 to 1."

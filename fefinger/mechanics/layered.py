@@ -52,10 +52,7 @@ NOTES = (
 def stack(finger: Finger) -> Stack:
     """Return the layers of the finger under the pad, over rigid bone.
 
-    Raises
-    ------
-    InputError
-        If the skin leaves less than `THINNEST` of the tissue to the layer below it.
+    InputError if the skin leaves less than `THINNEST` of the tissue to the layer below it.
     """
     skin, rest = finger.skin, finger.subcutaneous
     thick, bone = float(skin.thickness or 0.0), BONE * finger.thickness
@@ -74,10 +71,7 @@ def stack(finger: Finger) -> Stack:
 def contact(scene: Scene) -> "Table":
     """Return the elastic contacts of the relaxed finger that the motion passes through.
 
-    Raises
-    ------
-    InputError
-        If the contact becomes wider than its relative radius.
+    InputError if the contact becomes wider than its relative radius.
     """
     from fefinger.theory.contact.contact_table import tabulate_to
 

@@ -37,7 +37,6 @@ NOTES = (
     "Quasi-static: no inertia and no waves.",
 )
 
-
 FACETS = {"coarse": 0.8, "standard": 0.42, "fine": 0.3}
 """Length in mm of the facets of the pad where it is touched, by resolution."""
 

@@ -21,7 +21,6 @@ from fefinger.support.arrays import Array
 QUANTILE = 0.95
 """Quantile of the deviations, over all presses and depths, that is taken as margin."""
 
-
 LOCAL = ("pressure", "area")
 """Quantities that depend by chance on which vertices bear the pressure, at any depth."""
 

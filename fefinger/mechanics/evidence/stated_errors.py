@@ -27,7 +27,6 @@ plate, the ball and the grating of the built-in scenes are 1.0 to 1.55 times as 
 under the edge of a bar 3.4 times, less than under the plate. With skin 6 and 18 times as stiff they
 are 0.8 and 0.2 times as large."""
 
-
 STATED = ("force", "pressure", "area", "strain")
 """Quantities with stated errors: of the force the largest error through time over the peak, of the
 others (highest pressure over 1 mm², contact area, strain at the end organs as a Frobenius norm)

@@ -9,7 +9,6 @@ from fefinger.scene.indenters import STANDARD
 MESHED_ANGLE = 15.0
 """Degrees between the plates for which meshes differ."""
 
-
 MESHED_PLACE, MESHED_NEAR = 2.0, 3.0
 """mm between the places for which meshes differ, and from the origin where none is needed."""
 

@@ -158,10 +158,7 @@ def notes(press: Press) -> tuple[str, ...]:
 def outcome(press: Press, skin: Dragged) -> str:
     """Return in words since when the whole contact slips.
 
-    Raises
-    ------
-    InputError
-        If a pass is too short for that.
+    InputError if a pass is too short for that.
     """
     onsets, angle = [], 0.0
     for number, (begin, end) in enumerate(skin.passes()):

@@ -152,12 +152,8 @@ def load_or_solve(
     It goes to `least` mm or more; or, where a `force` in N is given, to one that bears it, if any
     up to FARTHEST does.
 
-    Raises
-    ------
-    InputError
-        If contact leaves what the indenter or the pad offers, or the mesh does not resolve it.
-    ConvergenceError
-        If an equilibrium is not reached.
+    InputError if contact leaves what the indenter or the pad offers, or the mesh does not resolve
+    it. ConvergenceError if an equilibrium is not reached.
     """
 
     def stored() -> ElasticPress | None:

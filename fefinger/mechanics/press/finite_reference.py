@@ -35,10 +35,7 @@ def finite_reference_press(press: Press, elements: Continuum, plate: ReferencePl
 def reference_state(press: Press, elements: Continuum, plate: Obstacle) -> State:
     """Return the relaxed finger under the standard plate at the reference depth.
 
-    Raises
-    ------
-    ConvergenceError
-        If the plate finds no equilibrium, or its contact leaves the candidates.
+    ConvergenceError if the plate finds no equilibrium, or its contact leaves the candidates.
     """
     body, reach = press.body, 2 * REACH * REFERENCE_DEPTH
     contact = contact_surface(

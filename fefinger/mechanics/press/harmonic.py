@@ -6,7 +6,7 @@ derivative with respect to the amplitude. Two static terms stand for the modes t
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -62,12 +62,8 @@ class Static:
     def at(self, candidates: Integers) -> Self:
         """Return the response to the loads at fewer candidates."""
         place = np.searchsorted(self.candidates, candidates)
-        return replace(
-            self,
-            candidates=candidates,
-            rows=self.rows[:, place],
-            inertia=self.inertia[np.ix_(place, place)],
-        )
+        inertia = self.inertia[np.ix_(place, place)]
+        return type(self)(candidates, self.rows[:, place], inertia)
 
 
 @dataclass
@@ -104,10 +100,7 @@ class Vibrating:
 
         `stiffening` multiplies the moduli.
 
-        Raises
-        ------
-        InputError
-            If no vertex of the pad is under the obstacle.
+        InputError if no vertex of the pad is under the obstacle.
         """
         on_pad = patch(solid.space, solid.pad, solid.normals, obstacle, problem.REACH * deepest)
         if not len(on_pad.vertices):
@@ -118,6 +111,11 @@ class Vibrating:
         body = body_of_modes(finger, modes, still, lambda: rows, stiffening)
         last = modes.complete * float(np.sqrt(stiffening))
         return cls(finger, solid, body, sites, line, last, deepest, stiffening)
+
+    @property
+    def _unit(self) -> float:
+        """Force in N of the whole finger for one of 1 mN on the meshed part."""
+        return (2.0 if self.solid.half else 1.0) * NEWTON_PER_MILLINEWTON
 
     def static(self, candidates: Integers) -> Static:
         """Return the static response to unit loads at some of the candidates (k,).
@@ -143,10 +141,7 @@ class Vibrating:
     ) -> Harmonic:
         """Compute the harmonic answer at frequencies (n_f,) in Hz, at a depth in mm or force in N.
 
-        Raises
-        ------
-        InputError
-            Frequencies that are not above 0 or are too high for the modes; or no contact.
+        InputError for frequencies that are not above 0 or too high for the modes, or no contact.
         """
         frequency = np.array(numbers("frequency", frequency.tolist()))
         self._check(frequency)
@@ -160,8 +155,7 @@ class Vibrating:
             held.modulus(frequency) * body.oscillators.squares[-1]
         )
         strain, skin = self._read(held, static, frequency)
-        sides = 2.0 if self.solid.half else 1.0
-        unit = sides * NEWTON_PER_MILLINEWTON
+        sides, unit = 2.0 if self.solid.half else 1.0, self._unit
         return Harmonic(
             frequency=frequency,
             stiffness_parts=apart(unit * stiffness),
@@ -179,16 +173,14 @@ class Vibrating:
     def preload(self, depth: float | None, force: float | None) -> tuple[float, Array]:
         """Depth in mm and pressure (n_pad,) kPa of the relaxed finger at a preload."""
         on_pad = self.body.static.patch
+        gap, areas = on_pad.gap, on_pad.projected
         solver = Complementarity(self.body.static.flexibility)
         if depth is None:
-            sides = 2.0 if self.solid.half else 1.0
-            wanted = float(force or 0.0) / (NEWTON_PER_MILLINEWTON * sides)
+            wanted = float(force or 0.0) / self._unit
             start = 0.3 * self.deepest
-            depth, pressure, _ = depth_at(
-                solver, 1.0, on_pad.gap, on_pad.projected, wanted, start, wanted
-            )
+            depth, pressure, _ = depth_at(solver, 1.0, gap, areas, wanted, start, wanted)
         else:
-            pressure = solver.solve(on_pad.gap - depth * on_pad.projected)
+            pressure = solver.solve(gap - depth * areas)
         if not (pressure > 0).any():
             raise InputError(limits.unresolved(depth))
         if (pressure[on_pad.border] > 0).any():
@@ -202,10 +194,9 @@ class Vibrating:
     def _held(self, static: Static) -> tuple[ClosedContact, ClosedContact]:
         """Return the body held at its contact, with two static terms and with the first alone."""
         body, o, active = self.body, self.body.oscillators, static.candidates
-        parts = (
-            *(o.squares, body.shares[:, active], body.rest[np.ix_(active, active)]),
-            *(body.static.patch.projected[active], o.weights, o.rates),
-        )
+        shares, rest = body.shares[:, active], body.rest[np.ix_(active, active)]
+        projected = body.static.patch.projected[active]
+        parts = o.squares, shares, rest, projected, o.weights, o.rates
         return ClosedContact.of(*parts, static.inertia), ClosedContact.of(*parts)
 
     def _read(
@@ -253,9 +244,7 @@ def _rows(solid: Operator, sites: Sites | None, line: Integers) -> sparse.csr_ma
     where = mirror.to_half(where) if solid.half else where
     strain = recovered_strain_at(solid.space, where, solid.planes)
     columns = (3 * line[:, None] + np.arange(3)).ravel()
-    ones = np.ones(len(columns))
-    shape = (len(columns), solid.space.n_unknowns)
-    skin = sparse.csr_matrix((ones, (np.arange(len(columns)), columns)), shape=shape)
+    skin = sparse.eye(solid.space.n_unknowns, format="csr")[columns]
     return sparse.vstack([strain, skin]).tocsr()
 
 

@@ -18,7 +18,6 @@ NOTHING_UNDER = (
     "move it, or take a larger indenter or a finer mesh (finger.resolution)"
 )
 
-
 FEWEST = 3
 """Vertices of the pad under a ball or another object that ends, below which it is not resolved."""
 

@@ -26,10 +26,7 @@ RECORDED = 1e-3
 def modal_grid(motion: Motion, *, fast: bool) -> Grid:
     """Return the steps of a motion; stored are those of statics, and more while it rings.
 
-    Raises
-    ------
-    InputError
-        If the motion takes more steps than memory holds.
+    InputError if the motion takes more steps than memory holds.
     """
     outer = time_grid(motion, fast=fast)
     moves = _moving(motion, outer)

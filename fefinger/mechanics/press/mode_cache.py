@@ -18,7 +18,6 @@ COUNT = 150
 """Number of modes of each parity that are computed and cached: those of half a finger of 34 kPa,
 with relaxed tissue, below 1000 Hz, and a few more."""
 
-
 MESH_OF_INERTIA = {"coarse": "coarse", "standard": "coarse", "fine": "standard"}
 """Mesh on which the change by inertia is computed in tissue that stiffens."""
 

@@ -73,10 +73,7 @@ def finger_modes(
 ) -> FingerModes:
     """Return the modes of a finger on its operator, from the cache or computed and put there.
 
-    Raises
-    ------
-    ConvergenceError
-        If the modes do not converge.
+    ConvergenceError if the modes do not converge.
     """
     sets = []
     for number, part in enumerate(solid.parts):

@@ -14,7 +14,6 @@ from fefinger.theory.relaxation import Prony
 ROUNDED = 5e-4
 """Distance of a sum of weights from 1 that four digits of each explain."""
 
-
 TURNS_READ = 201
 """Times at which the turn of a plate is read, beside the corners of its path."""
 

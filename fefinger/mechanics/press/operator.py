@@ -49,11 +49,8 @@ def operator(
 
     `continued`: of the finger that is longer behind its proximal cut.
 
-    Raises
-    ------
-    InputError
-        If the tissues of the finger do not relax as one, so that no step of it would be right; or
-        the cache holds something else under the hash of this finger.
+    InputError if the tissues of the finger do not relax as one, so that no step of it would be
+    right; or the cache holds something else under the hash of this finger.
     """
     for reason in (*yielding(finger), *apart(finger)):
         raise InputError(f"{reason}; use the mechanics 'solid'")
@@ -85,10 +82,7 @@ def build(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
 def read(place: Path, identity: dict[str, Any]) -> Compliance:
     """Return the compliance in a folder, mapped into memory.
 
-    Raises
-    ------
-    InputError
-        If the folder is damaged, or what it holds was built from something else.
+    InputError if the folder is damaged, or what it holds was built from something else.
     """
     advice = f"delete the folder {str(place)!r}, and it is built again"
     try:

@@ -23,10 +23,8 @@ ON_THE_CUT = 1e-3
 def obstacle(indenter: Indenter, body: Solid) -> Obstacle:
     """Return the indenter at first touch on this body.
 
-    Raises
-    ------
-    InputError
-        If the place `at` is not on the pad, or the first touch lies on the border of the pad.
+    InputError if the place `at` is not on the pad, or the first touch lies on the border of the
+    pad.
     """
     plate, at, roll = indenter.plate, indenter.place, indenter.turn
     if plate is not None:

@@ -34,19 +34,14 @@ from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 REACH = 1.25  # candidate vertices are those whose gap at first touch is below this times the depth
 
-
 GROW = 1.4  # factor on the reach when contact meets the border of the candidates
-
 
 ATTEMPTS = 4
 
-
 AROUND = 4.0  # mm about first touch in which facets are measured
-
 
 FACETS_PER_FEATURE = 1.5
 """Width of a dot, ridge or groove over a facet below which a texture is too fine, a convention."""
-
 
 FACETS_PER_RATE = 6.0
 """The same, below which FAII count vertices of the mesh: they do over dots 5.4 facets wide (61
@@ -124,10 +119,7 @@ class Press:
 
         `refine` divides every time step.
 
-        Raises
-        ------
-        InputError
-            If the indenter does not touch the pad, or goes deeper than the tissue allows.
+        InputError if the indenter does not touch the pad, or goes deeper than the tissue allows.
         """
         finger, ask, motion = scene.finger, scene.ask, scene.motion
         with stages.stage("mesh"):

@@ -31,10 +31,7 @@ def central_sites(ask: Ask, pulp: float, origin: Array, axis: Array) -> Sites:
     They lie at the depths of their types along the inward normal `axis` (3,) from `origin` (3,), in
     a tissue `pulp` mm thick.
 
-    Raises
-    ------
-    InputError
-        For end organs that would lie in the bone.
+    InputError for end organs that would lie in the bone.
     """
     depth_of = {kind: organ.depth for kind, organ in receptors().items()} | dict(ask.depths)
     types = ask.spikes or tuple(depth_of)

@@ -23,8 +23,6 @@ from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-MILLIJOULE_PER_MICROJOULE = 1e-3
-
 SLIDING = (
     "Sliding: the pressure acts along the normal of the plate (of the travel), not of the slopes "
     "of the object; the skin meets the heights that lie ahead of its undeformed points. Stated "
@@ -112,28 +110,10 @@ def solved(
     on = reduced.patch
     travel = Travel.of(press.body.space, press.body.normals, on, press.obstacle)
     shift = press.motion.shift(press.time)
+    rest = travel, on.projected, relaxation, prescribed, shift, report, press.inclines
     if press.friction:
-        return slide_with_friction(
-            reduced.flexibility,
-            (press.friction, press.kinetic),
-            travel,
-            on.projected,
-            relaxation,
-            prescribed,
-            shift,
-            report,
-            press.inclines,
-        )
-    return slide(
-        reduced.flexibility,
-        travel,
-        on.projected,
-        relaxation,
-        prescribed,
-        shift,
-        report,
-        press.inclines,
-    )
+        return slide_with_friction(reduced.flexibility, (press.friction, press.kinetic), *rest)
+    return slide(reduced.flexibility, *rest)
 
 
 def distances(press: Press, on: Patch) -> Array:
@@ -169,7 +149,7 @@ def lateral(press: Press, history: SmallStrainHistory, pad: Pad, column: Integer
         stick_area=np.asarray(sliding.sticking @ areas[: len(on.vertices)], dtype=np.float64),
         traction=traction if press.pressure else None,
         slip=slip if press.pressure else None,
-        work=press.sides * sliding.lost * MILLIJOULE_PER_MICROJOULE,
+        work=press.sides * sliding.lost * 1e-3,  # mJ from uJ
         outcome=outcome(press, history),
     )
 
@@ -218,18 +198,12 @@ def outcome(press: Press, history: SmallStrainHistory) -> str:
         onsets = np.flatnonzero(touching)[slips & ~np.append(False, slips[:-1])]
         if len(onsets):
             path = np.linalg.norm(contact.sliding.shift[onsets[0]])
-            times = press.time[onsets]
-            held = (
-                ""
-                if len(onsets) == 1
-                else (
-                    f"; {len(onsets)} times in all, as some stick in between, last from "
-                    f"{times[-1]:.4g} s on"
-                )
-            )
+            first, last = press.time[onsets[[0, -1]]]
+            often = f"; {len(onsets)} times in all, as some stick in between"
+            held = f"{often}, last from {last:.4g} s on" if len(onsets) > 1 else ""
             end = "" if slips[-1] else "; at the end of the path some stick"
             return (
-                f"Gross slip: from {times[0]:.4g} s on, with the indenter moved by {path:.3g} mm, "
+                f"Gross slip: from {first:.4g} s on, with the indenter moved by {path:.3g} mm, "
                 f"no vertex sticks{held}{end}, {law}."
             )
     if not touching.any():

@@ -64,12 +64,8 @@ def respond(
 ) -> Response:
     """Solve the scene; `refine` divides every time step.
 
-    Raises
-    ------
-    InputError
-        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
-    ConvergenceError
-        If a linear or contact solution is not reached.
+    InputError if the indenter does not touch the pad, or goes deeper than the tissue or the pad
+    allows. ConvergenceError if a linear or contact solution is not reached.
     """
     stages = Stages(progress)
     press = Press.of(scene, method, stages, mechanics=mechanics, notes=notes, refine=refine)

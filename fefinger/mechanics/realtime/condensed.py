@@ -184,20 +184,14 @@ class Condensed:
     def step_contact(self, depth: float, dt: float) -> Step:
         """Move as `step` does, but compute contact and force alone; the strain is not updated.
 
-        Raises
-        ------
-        InputError, ConvergenceError
-            As `step`.
+        Errors as `step`.
         """
         return self._advance(dt, depth, False, self._without)
 
     def step_force(self, force: float, dt: float) -> Step:
         """Load the indenter with `force` N in `dt` s and return force, pressure and strain.
 
-        Raises
-        ------
-        InputError, ConvergenceError
-            As `step`.
+        Errors as `step`.
         """
         if self._stiffening is not None:
             message = "step_force: expected depth control, as t(u) is a function of the depth"

@@ -43,12 +43,7 @@ def units(
 
     "thesis": one per site, `options` as for `neural.streaming.Afferents`, scaled by a `reference`
     press. "recorded": those of the sites, `options` as for
-    `neural.recorded_streaming.RecordedAfferents`.
-
-    Raises
-    ------
-    InputError
-        An unknown family, or as the classes.
+    `neural.recorded_streaming.RecordedAfferents`. InputError for an unknown family, or as these.
     """
     if choice("family", family, FAMILIES) == "recorded":
         types = sites.types

@@ -14,7 +14,7 @@ from os import PathLike
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.modal_march import ModalContact
@@ -39,12 +39,11 @@ from fefinger.results.records import Fields, Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
-
-Array = NDArray[np.float64]
 
 DT = 1e-4
 """Step in s that the modes are chosen for by default."""
@@ -90,16 +89,11 @@ class Modal:
         progress: Progress | None = None,
     ) -> None:
         self.dt = number("dt", dt, above=0, unit="s")
-        still = Condensed(
-            *(finger, indenter),
-            deepest=deepest,
-            sites=sites,
-            precision=precision,
-            progress=progress,
+        still = self._still = Condensed(
+            finger, indenter, deepest=deepest, sites=sites, precision=precision, progress=progress
         )
-        self.finger, self.sites, self.deepest = finger, still.sites, still.deepest
-        self.indenter = indenter
-        self._still = still
+        self.finger, self.indenter = finger, indenter
+        self.sites, self.deepest = still.sites, still.deepest
         with Stages(progress).stage("modes") as report:
             self.modes = finger_modes(finger, still.solid, report)
         half, points = still.solid.half, self.sites.points
@@ -169,10 +163,7 @@ class Modal:
     def step_force(self, force: float, dt: float) -> Step:
         """Load the indenter with `force` N in `dt` s and return force, pressure and strain.
 
-        Raises
-        ------
-        InputError, ConvergenceError
-            As `step`.
+        Errors as `step`.
         """
         self._check_step(dt)
         wanted = number("force", force, at_least=0, unit="N")
@@ -181,10 +172,7 @@ class Modal:
     def rest(self, depth: float, seconds: float) -> Step:
         """Hold a depth in mm for some s, in one step without inertia.
 
-        Raises
-        ------
-        InputError, ConvergenceError
-            As `step`.
+        Errors as `step`.
         """
         held = number("seconds", seconds, at_least=0, unit="s")
         return self._advance(held, number("depth", depth, unit="mm"), by_force=False)
@@ -250,10 +238,7 @@ class Modal:
     def save_shape(self, path: str | PathLike[str], which: int) -> None:
         """Write one cycle of a free mode as a VTK time series, for ParaView and PyVista.
 
-        Raises
-        ------
-        InputError
-            As `shape`.
+        Errors as `shape`.
         """
         vtkhdf.write(self.shape(which), path)
 
@@ -261,8 +246,9 @@ class Modal:
     def vibrating(self) -> Vibrating:
         """The finger prepared for harmonic answers, once."""
         still = self._still
-        parts = (self.finger, still.solid, self.modes, still.touch)
-        return Vibrating.of(*parts, self.deepest, self.sites)
+        return Vibrating.of(
+            self.finger, still.solid, self.modes, still.touch, self.deepest, self.sites
+        )
 
     def _check_step(self, dt: float) -> None:
         if not 0 < dt <= self._contact.longest:

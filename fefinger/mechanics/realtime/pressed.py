@@ -75,28 +75,23 @@ class Pressed:
         for reason in (*apart(finger), *yielding(finger)):
             raise InputError(f"{reason}; use the mechanics 'solid'")
         stages, motion = Stages(progress), Ramp(1.0, self.deepest, corner=0.0)
-        ask = Ask(spikes=TYPES)
-        scene = Scene(finger=finger, indenter=indenter, motion=motion, ask=ask)
+        scene = Scene(finger=finger, indenter=indenter, motion=motion, ask=Ask(spikes=TYPES))
         press = Press.of(scene, METHOD, stages, mechanics=pressed.name, notes=pressed.NOTES)
         table = elastic_press.load_or_solve(press, indenter, self.deepest, stages)
         self._carried = carried = CarriedPress.of(press, table)
-        central = press.sites
         self.finger, self.indenter = finger, indenter
-        assert central is not None  # as spikes are asked for
-        self.sites: Sites = sites or central
+        assert press.sites is not None  # as spikes are asked for
+        self.sites: Sites = sites or press.sites
         rows, columns = zip(*VOIGT, strict=True)
         strain = carried.strain(self.sites.points)[..., rows, columns]
         self._strain = np.ascontiguousarray(strain.reshape(len(strain), -1))
         self._pressure, self._travel = carried.pressure, carried.contact.projected
         self._area = table.bounded(table.area)
         pad, column = whole_pad(press.body, carried.contact.neighborhood)
-        seen = np.eye(len(self._travel))
-        self._loads = on_seen(seen, carried.contact.neighborhood)[:, column] @ np.column_stack(
-            [pad.areas, first_moments(pad)[:, :2]]
-        )
+        seen = on_seen(np.eye(len(self._travel)), carried.contact.neighborhood)[:, column]
+        self._loads = seen @ np.column_stack([pad.areas, first_moments(pad)[:, :2]])
         self._spring = Spring(carried.elastic, finger.prony)
-        count = len(self.sites.points)
-        zeros = np.zeros(len(self._travel)), np.zeros((count, 6))
+        zeros = np.zeros(len(self._travel)), np.zeros((len(self.sites.points), 6))
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, *zeros)
 
     def __repr__(self) -> str:

@@ -22,7 +22,6 @@ from fefinger.support.arrays import Array
 
 DT, FRAME = 1e-3, 0.04  # s
 
-
 SCRIPT = (  # s, mm beyond first touch, degrees
     (0.0, 0.0, 25.0),
     (0.1, 1.0, 25.0),
@@ -37,7 +36,6 @@ SCRIPT = (  # s, mm beyond first touch, degrees
 
 DEEPEST = 1.15
 """Depth in mm for which contact is prepared: beyond that of the script, as coarse facets need."""
-
 
 PLACES = 16  # of the pad, with one unit of each type below
 
@@ -113,14 +111,12 @@ def end_organs(solid: Solid) -> Sites:
     pad = pad[solid.normals[pad][:, 2] < -0.5]
     near = pad[np.argsort(np.linalg.norm(solid.space.points[pad], axis=1))]
     near = near[:: max(1, len(near) // (4 * PLACES))][:PLACES]
-    points, normals = solid.space.points[near], solid.normals[near]
-    kinds = list(depths)
-    below = np.concatenate([points - depths[kind] * normals for kind in kinds])
-    in_tissue = inside(solid.space, below)
-    types = np.repeat(kinds, len(near))[in_tissue]
-    outward = np.tile(normals, (len(kinds), 1))[in_tissue]
-    deep = np.repeat([depths[kind] for kind in kinds], len(near))[in_tissue]
-    return Sites(below[in_tissue], outward, deep, tuple(types.tolist()))
+    normals = np.tile(solid.normals[near], (len(depths), 1))
+    deep = np.repeat(list(depths.values()), len(near))
+    below = np.tile(solid.space.points[near], (len(depths), 1)) - deep[:, None] * normals
+    tissue = inside(solid.space, below)
+    types = np.repeat(list(depths), len(near))[tissue]
+    return Sites(below[tissue], normals[tissue], deep[tissue], tuple(types.tolist()))
 
 
 def compressive(strain: Array) -> Array:

@@ -146,7 +146,7 @@ class Sliding:
         solid, obstacle = self.solid, self._obstacle
         angles = np.linspace(0.0, 2 * np.pi, AROUND, endpoint=False)
         circle = self.reach * np.column_stack([np.cos(angles), np.sin(angles)])
-        path = np.vstack([np.zeros((1, 2)), circle if self.reach else circle[:0]])
+        path = np.vstack([np.zeros((1, 2)), circle]) if self.reach else np.zeros((1, 2))
         probe = partial(recovered_strain_at, solid.space, self.sites.points, solid.planes)
 
         def candidates(rings: int) -> Patch:
@@ -203,10 +203,7 @@ class Sliding:
     def step_force(self, force: float, shift: tuple[float, float], dt: float) -> SlidingStep:
         """Move the object to (x, y) mm in `dt` s under `force` N.
 
-        Raises
-        ------
-        InputError, ConvergenceError
-            As `step`.
+        Errors as `step`.
         """
         if not 0.0 <= force < math.inf:
             number("force", force, at_least=0, unit="N")
@@ -250,8 +247,8 @@ class Sliding:
 
     def _read(self) -> SlidingStep:
         """Update what a step returns."""
-        now, on, count, mu = self.now, self.patch, len(self.patch.vertices), self.indenter.friction
-        now.pressure[:] = self._gripping.x[:count] if mu else self._state.x
+        now, on, mu = self.now, self.patch, self.indenter.friction
+        now.pressure[:] = self._gripping.x[: len(now.pressure)] if mu else self._state.x
         weights, areas = now.pressure * on.projected, self._output.areas
         force = float(weights.sum())
         now.depth, now.force = float(self._memory.depth[0]), force * NEWTON_PER_MILLINEWTON

@@ -52,11 +52,7 @@ class Stiffening:
 
     @classmethod
     def fitted(
-        cls,
-        finger: Finger,
-        depth: ArrayLike,
-        force: ArrayLike,
-        indenter: Indenter = STANDARD,
+        cls, finger: Finger, depth: ArrayLike, force: ArrayLike, indenter: Indenter = STANDARD
     ) -> Self:
         """Return the t with which the linear finger has forces nearest to the relaxed ones (n,) N.
 
