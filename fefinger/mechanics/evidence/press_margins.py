@@ -82,11 +82,8 @@ def other_edges(candidate: Candidate, quantity: str, kind: str) -> Excess:
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     excess = []
     for tissue in (MAIN, library.PUBLISHED):
-        row = [
-            press
-            for press in presses.values()
-            if press.press.startswith(f"{tissue}/") and objects()[object_of(press)].kind == kind
-        ]
+        of_tissue = [each for each in presses.values() if each.press.startswith(f"{tissue}/")]
+        row = [each for each in of_tissue if objects()[object_of(each)].kind == kind]
         for press in row:
             others = [other for other in row if other is not press]
             for part, value in zip(press.part, press.values, strict=True):
@@ -133,7 +130,11 @@ def about(press: Measured, part: float) -> float:
 
 
 def stiffer(press: Measured, exponent: float | None) -> float:
-    """Root of an exponent of stiffening over that of the tissue of a press; 1 for finite strain."""
+    """Factor on the relative depth for which small strain has the same error as in a press.
+
+    Tissue of Demiray's law stiffens by its exponent times I1 - 3, which grows as the square of the
+    depth. 1 for the error of a mesh, and on published tissue.
+    """
     there = exponent_of(press)
     if MECHANICS[press.candidate.mechanics].finite or exponent is None or there is None:
         return 1.0

@@ -39,7 +39,6 @@ from fefinger.mechanics.evidence.table import MAIN, PRESS_MESH, Measured, table
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.scene import library
-from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array
 from fefinger.support.text import percent
 from fefinger.theory.relaxation import hereditary_integral
@@ -85,14 +84,6 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     return Known(value + margin, source)
 
 
-def too_deep(part: float, known: float) -> str:
-    """Return the sentence that a scene is deeper than all presses like it."""
-    return (
-        f"not known: it goes to {part:.2g} of the finger's thickness, and presses like it were "
-        f"measured to {known:.2g}"
-    )
-
-
 class _Estimate(NamedTuple):
     """Error of a quantity by the neighboring presses, without margins.
 
@@ -129,9 +120,12 @@ def _estimate(candidate: Candidate, case: Situation, quantity: str) -> _Estimate
         return f"not known: {reason or 'nothing like it was pressed'}"
     if not _deep_enough(parts):
         press, part = max(parts, key=lambda each: each[0].part[-1])
-        return too_deep(part, float(press.part[-1]))
+        return (
+            f"not known: it goes to {part:.2g} of the finger's thickness, and presses like it were "
+            f"measured to {press.part[-1]:.2g}"
+        )
     read = about if case.indenter.sharp and quantity != "force" else at
-    values = [_through(case, press, part, read(press, part), quantity) for press, part in parts]
+    values = [_through(case, press, read(press, part), quantity) for press, part in parts]
     share = _share(place(case.indenter), parts)
     return _Estimate([press for press, _ in parts], parts[0][1], np.array(values), share)
 
@@ -149,11 +143,8 @@ def _margins(
         middle = 4 * estimate.share * (1 - estimate.share) if alike else 1.0
         excess = margin(between_presses(candidate, quantity, where[0]), depth)
         margins.append(middle * excess * unit(estimate.value, quantity))
-    if (
-        object_.sharp
-        and quantity != "force"
-        and object_of(estimate.presses[0]) not in same(object_)
-    ):
+    known = same(object_)
+    if object_.sharp and quantity != "force" and object_of(estimate.presses[0]) not in known:
         margins.append(margin(other_edges(candidate, quantity, object_.kind), depth))
     elsewhere = _measured_elsewhere(estimate, case, quantity)
     if elsewhere:
@@ -187,8 +178,8 @@ def _scatter_of(
     On published tissue, small strain was compared on one finger only; the scatter there is that of
     finite strain on the same mesh.
     """
-    small = not MECHANICS[candidate.mechanics].finite
-    if not (small and case.published_tissue and candidate.resolution is not None):
+    finite = MECHANICS[candidate.mechanics].finite
+    if finite or not case.published_tissue or candidate.resolution is None:
         return candidate, value
     mesh = Candidate("solid", candidate.resolution)
     estimate = _estimate(mesh, case, quantity)
@@ -209,17 +200,17 @@ def _presses(
 ) -> list[tuple[Measured, float]]:
     """Return the presses by some objects, each with the relative depth at which it is read."""
     finite = MECHANICS[candidate.mechanics].finite
-    published = case.published_tissue and not finite
-    tissue = library.PUBLISHED if published else MAIN
-    # The error of a mesh depends on the finger, hardly on its tissue.
-    whose = (finite and case.finger.subject_name) or library.fitted_to(case.finger.tissue)
+    if case.published_tissue and not finite:
+        fingers = [library.PUBLISHED]
+    else:  # The error of a mesh depends on the finger, hardly on its tissue.
+        own = (finite and case.finger.subject_name) or library.fitted_to(case.finger.tissue)
+        fingers = [own or MAIN, MAIN]
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    found = []
+    found, exponent = [], case.finger.subcutaneous.exponent
     for name in names:
-        own, label = f"{whose}/{name}", f"{tissue}/{name}"
-        press = presses.get(own, presses.get(label)) if not published else presses.get(label)
+        press = next((presses[x] for f in fingers if (x := f"{f}/{name}") in presses), None)
         if press is not None:
-            found.append((press, _reached(press, case) * _sooner(press, case.finger)))
+            found.append((press, _reached(press, case) * stiffer(press, exponent)))
     return found
 
 
@@ -231,20 +222,11 @@ def _reached(press: Measured, case: Situation) -> float:
     return reached_depth.under_force(case.finger, case.peak, same_object or case.force_curves)
 
 
-def _sooner(press: Measured, finger: Finger) -> float:
-    """Factor on the relative depth for which small strain has the same error as in a press.
-
-    Tissue of Demiray's law stiffens by its exponent times I1 - 3, which grows as the square of the
-    depth. 1 for the error of a mesh, and on published tissue.
-    """
-    return stiffer(press, finger.subcutaneous.exponent)
-
-
 def _deep_enough(parts: list[tuple[Measured, float]]) -> bool:
     return any(part <= BEYOND * press.part[-1] for press, part in parts)
 
 
-def _through(case: Situation, press: Measured, part: float, error: float, quantity: str) -> float:
+def _through(case: Situation, press: Measured, error: float, quantity: str) -> float:
     """Return the error of small strain through a motion, from that in a press at a depth.
 
     The difference of the forces grows faster with the depth than the force, and relaxation weights
@@ -258,9 +240,8 @@ def _through(case: Situation, press: Measured, part: float, error: float, quanti
     forces = np.concatenate([[0.0], force.values])
     apart = np.concatenate([[0.0], press.values * force.values])
     time = case.times
-    depth = (
-        np.asarray(case.motion.value(time)) / case.finger.thickness * _sooner(press, case.finger)
-    )
+    part = np.asarray(case.motion.value(time)) / case.finger.thickness
+    depth = part * stiffer(press, case.finger.subcutaneous.exponent)
     both = np.column_stack([np.interp(depth, parts, values) for values in (forces, apart)])
     whole, wrong = np.abs(hereditary_integral(case.finger.prony, time, both)).max(axis=0)
     return max(error, float(wrong / whole))

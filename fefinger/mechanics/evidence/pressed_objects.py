@@ -1,6 +1,6 @@
 """Objects of the presses in `reports/press-mesh.json`, and neighbors of an object among them."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -26,17 +26,13 @@ def objects() -> Mapping[str, Indenter]:
     """Return the objects that were pressed, by name."""
     found = {}
     for label, row in read(PRESS_MESH)["rows"].items():
-        found[label.partition("/")[2]] = _object(row["indenter"])
+        fields = dict(row["indenter"])
+        kind = INDENTERS[fields.pop("kind")]
+        given: dict[str, Any] = {
+            key: tuple(x) if isinstance(x, list) else x for key, x in fields.items()
+        }
+        found[label.partition("/")[2]] = kind(**given)
     return found
-
-
-def _object(fields: Mapping[str, Any]) -> Indenter:
-    given: dict[str, Any] = {
-        key: tuple(value) if isinstance(value, list) else value
-        for key, value in fields.items()
-        if key != "kind"
-    }
-    return INDENTERS[fields["kind"]](**given)
 
 
 def between(indenter: Indenter) -> tuple[tuple[str, ...], str]:
@@ -47,10 +43,8 @@ def between(indenter: Indenter) -> tuple[tuple[str, ...], str]:
     its kind that are as sharp or sharper.
     """
     if indenter.flat is not None:
-        return _plates(indenter)
-    if not indenter.sharp:
-        return _round(indenter)
-    return _edges(indenter)
+        return _plates(*indenter.flat)
+    return _edges(indenter) if indenter.sharp else _round(indenter)
 
 
 def same(indenter: Indenter) -> tuple[str, ...]:
@@ -69,9 +63,7 @@ def around(indenter: Indenter) -> tuple[str, ...]:
     return _beside(others, here)
 
 
-def _plates(indenter: Indenter) -> tuple[tuple[str, ...], str]:
-    assert indenter.flat is not None
-    angle, tilt = indenter.flat
+def _plates(angle: float, tilt: float) -> tuple[tuple[str, ...], str]:
     plates = {name: each.flat for name, each in objects().items() if each.flat is not None}
     names = _beside({name: own.angle for name, own in plates.items() if not own.tilt}, angle)
     if not tilt:
@@ -90,7 +82,7 @@ def _round(indenter: Indenter) -> tuple[tuple[str, ...], str]:
         for name, each in objects().items()
         if each.ball_radius is not None and each.place is None
     }
-    sharpest, away = max(balls.values()), float(np.hypot(*(indenter.place or (0.0, 0.0))))
+    sharpest, away = max(balls.values()), distance(indenter)
     curvatures = [1 / radius for radius in indenter.hertzian or (indenter.least_radius,)]
     if max(curvatures) > sharpest * (1 + SAME):
         return (), f"round objects are measured to radii of {1 / sharpest:g} mm"
@@ -98,7 +90,7 @@ def _round(indenter: Indenter) -> tuple[tuple[str, ...], str]:
     names = [name for each in curvatures for name in _beside(known, each)]
     if away > NEAR:
         aside = {
-            name: float(np.hypot(*each.place))
+            name: distance(each)
             for name, each in objects().items()
             if each.ball_radius is not None and each.place is not None
         }
@@ -131,8 +123,8 @@ def _edges(indenter: Indenter) -> tuple[tuple[str, ...], str]:
             f"objects of kind {indenter.kind!r} are measured to widths of {sharp.narrowest:g} mm "
             f"and radii of {sharp.least_radius:.3g} mm"
         )
-    plate, place = indenter.plate, indenter.place
-    if place is not None and float(np.hypot(*place)) > NEAR:
+    plate = indenter.plate
+    if distance(indenter) > NEAR:
         return (), f"objects with edges are measured to {NEAR:g} mm from the middle of the pad"
     same = any(_as_sharp(indenter, each) for each in sharper.values())
     blunter = () if same else tuple(kind.keys() - sharper.keys())
@@ -147,9 +139,8 @@ def _edges(indenter: Indenter) -> tuple[tuple[str, ...], str]:
 
 def _as_sharp(one: Indenter, other: Indenter) -> bool:
     """Whether an object with edges is as sharp as another, or sharper."""
-    return one.least_radius <= other.least_radius * (
-        1 + SAME
-    ) and one.narrowest <= other.narrowest * (1 + SAME)
+    radius, width = other.least_radius * (1 + SAME), other.narrowest * (1 + SAME)
+    return one.least_radius <= radius and one.narrowest <= width
 
 
 def _beside(known: Mapping[str, float], value: float) -> tuple[str, ...]:
@@ -160,14 +151,17 @@ def _beside(known: Mapping[str, float], value: float) -> tuple[str, ...]:
 def _last(known: Mapping[str, float], value: float, side: int) -> str:
     """Return the name nearest to a value on one side of it; without any, the nearest of all."""
     there = [name for name, each in known.items() if side * (each - value) >= -SAME]
-    candidates: Iterable[str] = there or known
-    return min(candidates, key=lambda name: abs(known[name] - value))
+    return min(there or known, key=lambda name: abs(known[name] - value))
 
 
 def aside(indenter: Indenter) -> bool:
     """Whether an object is tilted, or away from the middle of the pad."""
-    away = float(np.hypot(*(indenter.place or (0.0, 0.0)))) > NEAR
-    return away or bool(indenter.plate is not None and indenter.plate.tilt)
+    return distance(indenter) > NEAR or bool(indenter.plate is not None and indenter.plate.tilt)
+
+
+def distance(indenter: Indenter) -> float:
+    """Return the distance in mm of an object from the middle of the pad."""
+    return float(np.hypot(*(indenter.place or (0.0, 0.0))))
 
 
 def place(indenter: Indenter) -> tuple[str, float] | None:

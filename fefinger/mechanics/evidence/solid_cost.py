@@ -61,9 +61,11 @@ def cost(mesh: str) -> Cost:
     steps = np.log([each.value for each in timed])
     solution = np.linalg.lstsq(np.array(basis, dtype=float), steps, rcond=None)[0]
     growth, sharp, stiffening = solution[len(MESHES) :].tolist()
-    known = [
-        [_median(f"{stage} seconds", name) for name in MESHES] for stage in ("setup", "reference")
+    rows = [
+        [table().all(SOLID_COST, f"{stage} seconds", Candidate("solid", name)) for name in MESHES]
+        for stage in ("setup", "reference")
     ]
+    known = [[np.median([each.value for each in there]) for there in row] for row in rows]
     costs = np.array([*known, np.exp(solution[: len(MESHES)])])
     meshes = [Candidate("linear", name) for name in (*MESHES, mesh)]
     sizes = np.log([table().value(SMALL_STRAIN_COST, "unknowns", each) for each in meshes])
@@ -76,11 +78,6 @@ def cost(mesh: str) -> Cost:
 def _part(timed: Measured) -> float:
     """Return the relative depth of a timed press."""
     return float(timed.conditions["depth_mm"] / timed.conditions["thickness_mm"])
-
-
-def _median(quantity: str, mesh: str) -> float:
-    rows = table().all(SOLID_COST, quantity, Candidate("solid", mesh))
-    return float(np.median([row.value for row in rows]))
 
 
 @lru_cache(maxsize=8)
