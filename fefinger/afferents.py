@@ -64,11 +64,7 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
         trains = _recorded(ask.population, response.time, strain, sites, units | options)
     else:
         trains = _thesis(ask, response.time, strain, sites, reference, units | options)
-    return _counted(replace(trains, notes=notes + trains.notes), since)
-
-
-def _counted(trains: "SpikeTrains", since: float) -> "SpikeTrains":
-    """Leave out the spikes before a time in s."""
+    trains = replace(trains, notes=notes + trains.notes)
     if since <= trains.t_start:
         return trains
     note = f"Spikes count from {since:.6g} s on; those before it are left out."
@@ -126,22 +122,20 @@ def mesh_check(
         yield lambda spikes: spikes
         return
     lean = replace(scene, finger=finger, ask=replace(scene.ask, fields=False, pressure=False))
-    case = mechanics.name, lean
+    case, mesh = (mechanics.name, lean), f"the mesh is {finger.mesh}"
+
+    def checked(coarser: "Callable[[], SpikeTrains]", spikes: "SpikeTrains") -> "SpikeTrains":
+        try:
+            notes = _count_changes(spikes, coarser(), mesh)
+        except Exception as error:  # Whatever it is, the answer itself is finished.
+            notes = (f"Spike counts could not be checked when {mesh}: {error}",)
+        return replace(spikes, notes=spikes.notes + notes)
+
     if seconds >= SLOW and processes.threads() > 1:
         with processes.in_background(_spikes, case) as coarser:
-            yield partial(_with_mesh_check, coarser, f"the mesh is {finger.mesh}")
+            yield partial(checked, coarser)
     else:
-        yield partial(_with_mesh_check, lambda: _spikes(case), f"the mesh is {finger.mesh}")
-
-
-def _with_mesh_check(
-    coarser: "Callable[[], SpikeTrains]", mesh: str, spikes: "SpikeTrains"
-) -> "SpikeTrains":
-    try:
-        notes = _count_changes(spikes, coarser(), mesh)
-    except Exception as error:  # Whatever it is, the answer itself is finished.
-        notes = (f"Spike counts could not be checked when {mesh}: {error}",)
-    return replace(spikes, notes=spikes.notes + notes)
+        yield partial(checked, partial(_spikes, case))
 
 
 @one_thread  # of BLAS, as in a process beside another
@@ -186,13 +180,9 @@ def _population(
     first = np.searchsorted(sites.unit, np.arange(len(count)))
     types = tuple(sites.types[i] for i in first)
     numbers = np.arange(len(types)) if sites.number is None else sites.number[first]
-    variation = Variation(
-        seed=layout.seed,
-        spread=layout.spread,
-        noise=layout.noise,
-        numbers=tuple(numbers.tolist()),
-    )
     names, notes = _grid_names(layout, ask.spikes, types, numbers)
+    each = tuple(numbers.tolist())
+    variation = Variation(seed=layout.seed, spread=layout.spread, noise=layout.noise, numbers=each)
     alike = ask.afferents == "thesis" and not (layout.spread or layout.noise)
     units = {
         "types": types,
@@ -243,10 +233,7 @@ def _count_changes(spikes: "SpikeTrains", coarser: "SpikeTrains", mesh: str) -> 
     if names and not changes:
         changes = (f"All spike counts are the same when {mesh}.",)
     alone = len(spikes.names) - len(names)
-    if not alone:
-        return changes
-    left_out = (
-        f"Not compared: {alone} of {len(spikes)} units, whose places lie beside the skin when "
-        f"{mesh}."
-    )
-    return (*changes, left_out)
+    if alone:
+        what = f"{alone} of {len(spikes)} units, whose places lie beside the skin when {mesh}"
+        changes = (*changes, f"Not compared: {what}.")
+    return changes

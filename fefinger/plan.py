@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -112,7 +112,7 @@ def settled(scene: Scene, plan: Plan) -> Scene:
 def _ladder(case: Situation, *, every: bool, named: str | None) -> tuple[Rung, ...]:
     """Rate the mechanics in turn, on every mesh that the scene leaves open."""
     considered: list[Rung] = []
-    inertia = _inertia(case)
+    inertia = _Inertia(case)
     for name in ladder.names():
         willing = [rung for rung in considered if _willing(rung)]
         quick = any(rung.seconds < ladder.QUICKEST * machine.slowness({}) for rung in willing)
@@ -123,26 +123,23 @@ def _ladder(case: Situation, *, every: bool, named: str | None) -> tuple[Rung, .
     return tuple(considered)
 
 
-@dataclass(frozen=True)
 class _Inertia:
     """Error of neglecting inertia, over the peak of the force, in all mechanics but `modal`.
 
     vibration, and reason: the error of the oscillation or of the ramp itself.
     """
 
-    case: Situation
-    error: float
-    evidence: str
-    vibration: float
-    reason: str
+    def __init__(self, case: Situation) -> None:
+        self.case = case
+        self.error, self.evidence = vibration.left_out(case)
+        self.vibration, self.reason = vibration.statics_error(case)
 
     @cached_property
     def avoidable(self) -> bool:
         """Whether `modal` can solve the scene; else a motion that is too fast gets a warning."""
         if MODAL not in ladder.names():
             return False
-        refusals = ladder.get(MODAL).refuse(self.case.meshes[0])
-        return not any(refusal.about == "ability" for refusal in refusals)
+        return not _about_ability(ladder.get(MODAL).refuse(self.case.meshes[0]))
 
     def refusals(self, name: str) -> tuple[Refusal, ...]:
         """Refuse where the oscillation without inertia is off by more than what is allowed."""
@@ -154,9 +151,9 @@ class _Inertia:
         return (Refusal(name, "accuracy", reason, ERROR),)
 
 
-def _inertia(case: Situation) -> _Inertia:
-    """Return the error of leaving inertia out, and its reason."""
-    return _Inertia(case, *vibration.left_out(case), *vibration.statics_error(case))
+def _about_ability(refusals: Sequence[Refusal]) -> list[str]:
+    """Return the reasons why a mechanics is not able to answer."""
+    return [refusal.reason for refusal in refusals if refusal.about == "ability"]
 
 
 def _willing(rung: Rung) -> bool:
@@ -168,17 +165,14 @@ def _rungs(name: str, case: Situation, inertia: _Inertia) -> Iterator[Rung]:
     meshed = MECHANICS[name].meshed
     for each in case.meshes if meshed else (case,):
         refusals = ladder.get(name).refuse(each)
-        if any(refusal.about == "ability" for refusal in refusals):
+        if _about_ability(refusals):
             yield Rung(name, math.nan, math.nan, "not able", refusals)
             return
         yield _rung(Candidate(name, each.mesh if meshed else None), each, refusals, inertia)
 
 
 def _rung(
-    candidate: Candidate,
-    case: Situation,
-    refusals: tuple[Refusal, ...],
-    inertia: _Inertia,
+    candidate: Candidate, case: Situation, refusals: tuple[Refusal, ...], inertia: _Inertia
 ) -> Rung:
     """Look up cost and error of one candidate, with refusals where they exceed those of `ask`."""
     name = candidate.mechanics
@@ -213,18 +207,14 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
     willing = [rung for rung in rungs if _willing(rung)]
     if willing:
         return min(willing, key=lambda rung: rung.seconds)
+    tiny = ""
+    if case.motion.control == "depth" and case.peak < TINY:
+        tiny = f"It presses {case.peak:g} mm deep: lengths are in mm, not in m. "
     raise InputError(
-        f"ask: no mechanics is known to answer this scene within the limits. {_tiny(case)}"
+        f"ask: no mechanics is known to answer this scene within the limits. {tiny}"
         f"{_relaxing(rungs)}"
         f"{_unchecked(case)}{vibration.advice(case)}{_by_name(rungs)}\n\n{written(rungs)}"
     )
-
-
-def _tiny(case: Situation) -> str:
-    """Ask whether a depth that no finger shows is in mm."""
-    if case.motion.control != "depth" or case.peak >= TINY:
-        return ""
-    return f"It presses {case.peak:g} mm deep: lengths are in mm, not in m. "
 
 
 def _by_name(rungs: tuple[Rung, ...]) -> str:
@@ -232,9 +222,12 @@ def _by_name(rungs: tuple[Rung, ...]) -> str:
 
     Of those whose errors are not known, one of finite strain.
     """
-    able = [rung for rung in rungs if all(refusal.about != "ability" for refusal in rung.refusals)]
-    if not able:
-        return _unable(rungs)
+    able = [rung for rung in rungs if not _about_ability(rung.refusals)]
+    if not able:  # By the reason that most of them share, if there is one.
+        reasons = Counter(reason for rung in rungs for reason in _about_ability(rung.refusals))
+        reason, count = reasons.most_common(1)[0]
+        shared = f" {count} of {len(rungs)} refuse because of {reason}." if count > 1 else ""
+        return f"None is able to.{shared} The table says what would have to change."
 
     def ranked(rung: Rung) -> tuple[float, ...]:
         error = math.inf if math.isnan(rung.error) else rung.error
@@ -246,16 +239,6 @@ def _by_name(rungs: tuple[Rung, ...]) -> str:
         f"(--mechanics {best.mechanics}); the result then notes: "
         f"{'; '.join(refusal.reason for refusal in best.refusals)}."
     )
-
-
-def _unable(rungs: tuple[Rung, ...]) -> str:
-    """State why no mechanics is able: by the reason that most of them share, if there is one."""
-    reasons = [
-        refusal.reason for rung in rungs for refusal in rung.refusals if refusal.about == "ability"
-    ]
-    reason, count = Counter(reasons).most_common(1)[0]
-    shared = f" {count} of {len(rungs)} refuse because of {reason}." if count > 1 else ""
-    return f"None is able to.{shared} The table says what would have to change."
 
 
 def _relaxing(rungs: tuple[Rung, ...]) -> str:
@@ -271,8 +254,9 @@ def _relaxing(rungs: tuple[Rung, ...]) -> str:
         ]
         if close:
             best = min(close, key=lambda rung: float(getattr(rung, quantity)))
-            least = float(f"{1.005 * getattr(best, quantity):.2g}")
-            while least < getattr(best, quantity):
+            needed = float(getattr(best, quantity))
+            least = float(f"{1.005 * needed:.2g}")
+            while least < needed:
                 least *= 1.01
             mesh = f" on the {best.resolution} mesh" if best.resolution else ""
             sentences += f"Relax {field} to {least:.3g} and {best.mechanics}{mesh} answers. "
@@ -284,7 +268,7 @@ def _unchecked(case: Situation) -> str:
     if not case.ask.spikes or case.finger.resolution != AUTO:
         return ""
     coarse = case.on(RESOLUTIONS[0])
-    inertia = _inertia(coarse)
+    inertia = _Inertia(coarse)
     able = [rung for name in MESHED for rung in _rungs(name, coarse, inertia) if not rung.refusals]
     if not able:
         return ""
@@ -298,9 +282,9 @@ def _unchecked(case: Situation) -> str:
 def _named(rungs: tuple[Rung, ...], mechanics: str) -> Rung:
     """Return the rung of a mechanics: the cheapest that does not refuse, or the standard mesh."""
     candidates = [rung for rung in rungs if rung.mechanics == mechanics]
-    unable = [refusal for refusal in candidates[0].refusals if refusal.about == "ability"]
+    unable = _about_ability(candidates[0].refusals)
     if unable:
-        reasons = "\n".join(f"  {mechanics}: ability: {refusal.reason}" for refusal in unable)
+        reasons = "\n".join(f"  {mechanics}: ability: {reason}" for reason in unable)
         raise InputError(f"mechanics: {mechanics!r} cannot answer this scene\n{reasons}")
     willing = [rung for rung in candidates if not rung.refusals]
     if willing:
@@ -326,9 +310,8 @@ def _sentence(
     """Return the choice in words: why, what is computed and built, what was left out."""
     how = "as named" if named else "the cheapest that does not refuse"
     sentence = f"{chosen.mechanics}, {how}. {_computed(settings)}{_built(case, chosen)}"
-    left_out = [
-        name for name in ladder.names() if name not in {rung.mechanics for rung in considered}
-    ]
+    tried = {rung.mechanics for rung in considered}
+    left_out = [name for name in ladder.names() if name not in tried]
     if left_out and not named:
         sentence += f" Not considered, because slower and not needed: {', '.join(left_out)}."
     if chosen.refusals:
