@@ -125,7 +125,7 @@ def lateral(
     if not press.friction:
         return smooth(press, history.steps.time)
     skin = Dragged.of(press, history, pressure)
-    words = "" if history.halt else outcome(press, skin)
+    words = "" if history.halt else outcome(skin)
     friction, slip = press.kinetic * skin.heading, skin.slip
     signs = np.ones((len(column), 2))
     signs[len(history.contact.neighborhood.vertices) :, 1] = -1.0
@@ -155,7 +155,7 @@ def notes(press: Press) -> tuple[str, ...]:
     return (IN_PLANE, GROSS) if press.friction else (IN_PLANE,)
 
 
-def outcome(press: Press, skin: Dragged) -> str:
+def outcome(skin: Dragged) -> str:
     """Return in words since when the whole contact slips.
 
     InputError if a pass is too short for that.
@@ -164,7 +164,14 @@ def outcome(press: Press, skin: Dragged) -> str:
     for number, (begin, end) in enumerate(skin.passes()):
         start, gone = skin.onset(begin, end)
         if start > end:
-            raise InputError(too_short(number, gone, press.motion.shift(skin.time), begin, end))
+            moved = float(np.linalg.norm(skin.shift[end] - skin.shift[begin]))
+            turn = " and turns back" if number else ""
+            raise InputError(
+                f"motion.distance: expected a slide over more than {gone:.3g} mm, as far as "
+                f"friction draws the skin along{turn}, received {moved:.3g} mm, over which part of "
+                "the contact sticks; finite strain leaves stick out: slide farther, or take "
+                "'condensed' or 'linear'"
+            )
         onsets.append((float(skin.time[start]), gone))
         angle = max(angle, skin.deviation(start, end))
     since, gone = onsets[0]
@@ -173,15 +180,4 @@ def outcome(press: Press, skin: Dragged) -> str:
         f"Gross slip: from {since:.4g} s on, with the indenter moved by {gone:.3g} mm{turned}, the "
         f"whole contact slips, within {angle:.2g} degrees of the slide; before, part of it would "
         "stick, and its friction is stated too large."
-    )
-
-
-def too_short(number: int, drawn: float, shift: Array, begin: int, end: int) -> str:
-    """Error message for a pass over which part of the contact still sticks."""
-    gone = float(np.linalg.norm(shift[end] - shift[begin]))
-    turn = " and turns back" if number else ""
-    return (
-        f"motion.distance: expected a slide over more than {drawn:.3g} mm, as far as friction "
-        f"draws the skin along{turn}, received {gone:.3g} mm, over which part of the contact "
-        "sticks; finite strain leaves stick out: slide farther, or take 'condensed' or 'linear'"
     )

@@ -13,12 +13,8 @@ from fefinger.fem.contact.modal_march import Grid, ModalContact, march_modes
 from fefinger.fem.contact.viscoelastic import History, Prescribed
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.mechanics.press.fields import fields_of
-from fefinger.mechanics.press.history import SmallStrainHistory, frames_of
-from fefinger.mechanics.press.modal_body import (
-    ModalBody,
-    body_of_modes,
-    stiffened,
-)
+from fefinger.mechanics.press.history import frames_of
+from fefinger.mechanics.press.modal_body import ModalBody, body_of_modes, stiffened
 from fefinger.mechanics.press.mode_store import FingerModes, finger_modes
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.small_strain import solve_contact
@@ -40,15 +36,6 @@ class ModalHistory:
     body: ModalBody
     contact: History
 
-    @property
-    def without_inertia(self) -> Reduced:
-        """The body on the candidates, in statics."""
-        return self.body.static
-
-    def small_strain(self) -> SmallStrainHistory:
-        """Return the history as of a press without inertia: rest and modes side by side."""
-        return SmallStrainHistory(self.body.complete, self.contact, None)
-
 
 def solve_modal(press: Press, grid: Grid, stages: Stages, stiffening: float = 1.0) -> ModalHistory:
     """Solve the contact with inertia at the times of a grid.
@@ -65,7 +52,9 @@ def solve_modal(press: Press, grid: Grid, stages: Stages, stiffening: float = 1.
     def advance(
         press: Press, reduced: Reduced, prescribed: Prescribed, report: Callable[[float], None]
     ) -> History:
-        body = swinging(press, modes, reduced, grid.longest, stiffening)
+        static, probe = stiffened(reduced, stiffening), partial(probe_of, press)
+        body = body_of_modes(press.finger, modes, static, probe, stiffening)
+        body = body.below(RESOLVED / grid.longest)  # the modes that the steps resolve
         made[:] = [body]
         value = press.load_unit * press.motion.value(grid.time)
         on_grid = Prescribed(press.motion.control, grid.time, value)
@@ -73,20 +62,6 @@ def solve_modal(press: Press, grid: Grid, stages: Stages, stiffening: float = 1.
 
     _, contact = solve_contact(press, stages, advance)
     return ModalHistory(modes, made[0], contact)
-
-
-def swinging(
-    press: Press, modes: FingerModes, reduced: Reduced, longest: float, stiffening: float
-) -> ModalBody:
-    """Return the body on the candidates of a press, with the modes that its steps resolve.
-
-    longest: the longest of the steps in s; stiffening: factor on the moduli.
-    """
-    finger = press.finger
-    static = stiffened(reduced, stiffening)
-    probe = partial(probe_of, press)
-    body = body_of_modes(finger, modes, static, probe, stiffening)
-    return body.below(RESOLVED / longest)
 
 
 def probe_of(press: Press) -> sparse.csr_matrix:

@@ -13,15 +13,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from fefinger.fem.body import Reduced
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.modal_march import Grid
 from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.contact.step_compiled import march
-from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.probe import strain_at_vertices, tensors
-from fefinger.geometry import mirror
 from fefinger.mechanics.press import carried, operator, problem
 from fefinger.mechanics.press.carried import CarriedPress, carried_response, table_of
 from fefinger.mechanics.press.fields import interpolation
@@ -44,7 +40,7 @@ from fefinger.mechanics.press.preload_relaxation import PreloadRelaxation, about
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
-from fefinger.mechanics.press.small_strain import solve_contact
+from fefinger.mechanics.press.small_strain import quasistatic, solve_contact
 from fefinger.results.harmonic import Harmonic
 from fefinger.results.records import Fields, Response
 from fefinger.scene.scene import Scene
@@ -87,10 +83,10 @@ def respond(
     press = Press.of(scene, operator.METHOD, stages, mechanics=mechanics, notes=notes)
     press = replace(press, foreseen=SHALLOW * press.finger.thickness)
     history = solve_modal(press, grid, stages)
-    press = at_stored(press, grid)
+    press, body, contact = at_stored(press, grid), history.body, history.contact
     with stages.stage("reference"):
-        reference = reference_of(press, history.without_inertia, float(history.contact.depth.max()))
-    small = replace(history.small_strain(), reference=reference)
+        reference = reference_of(press, body.static, float(contact.depth.max()))
+    small = SmallStrainHistory(body.complete, contact, reference)  # rest and modes side by side
     answer = small_strain_response(replace(press, fields=False), small, stages)
     with stages.stage("fields"):
         fields = modal_fields(press, history) if press.fields else None
@@ -117,11 +113,8 @@ def _corrected(
     share = geometric_share(depth / scene.finger.thickness)
     swinging = about_preload(scene.finger, share)
     swinging = replace(swinging, resolution=MESH_OF_INERTIA[scene.finger.mesh])
-    press = Press.of(
-        *(replace(scene, finger=swinging), operator.METHOD, stages),
-        mechanics=mechanics,
-        notes=notes,
-    )
+    scene_about = replace(scene, finger=swinging)
+    press = Press.of(scene_about, operator.METHOD, stages, mechanics=mechanics, notes=notes)
     press = replace(press, sites=answer.sites, foreseen=float(answer.depth.max()))
     factor = stiffening(press, table, depth)
     history = solve_modal(press, grid, stages, factor)
@@ -149,11 +142,9 @@ def _swept(
 
     factor: on the moduli; depth in mm of the preload, where it is not that of the linear finger.
     """
-    motion = scene.motion
+    motion, level, deepest = scene.motion, scene.motion.steady_level, float(answer.depth.max())
     if motion.frequencies is None:
         return answer
-    level = motion.steady_level
-    deepest = float(answer.depth.max())
     parts = (press.finger, operator_of(press), history.modes, press.obstacle)
     by_force = depth is None and motion.control == "force"
     with stages.stage("harmonic"):
@@ -163,9 +154,8 @@ def _swept(
             depth=None if by_force else depth or level,
             force=level if by_force else None,
         )
-    return replace(
-        answer, harmonic=found, notes=(*answer.notes, *found.notes, *_loses(found, scene))
-    )
+    notes = (*answer.notes, *found.notes, *_loses(found, scene))
+    return replace(answer, harmonic=found, notes=notes)
 
 
 def _loses(found: Harmonic, scene: Scene) -> tuple[str, ...]:
@@ -218,16 +208,11 @@ def tangent(table: CarriedPress, depth: float) -> float:
 
 def _still(press: Press, factor: float, stages: Stages) -> SmallStrainHistory:
     """Return the linear finger without inertia, at the times of the press."""
-
-    def advance(
-        press: Press, reduced: Reduced, prescribed: Prescribed, report: Callable[[float], None]
-    ) -> History:
-        prony, on_pad = press.finger.prony, reduced.patch
-        relaxation = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
-        flexibility = reduced.flexibility / factor
-        return march(flexibility, on_pad.gap, on_pad.projected, relaxation, prescribed, report)
-
-    reduced, contact = solve_contact(press, stages, advance)
+    reduced, contact = solve_contact(
+        press,
+        stages,
+        lambda press, soft, *steps: quasistatic(press, stiffened(soft, factor), *steps),
+    )
     return SmallStrainHistory(stiffened(reduced, factor), contact, None)
 
 
@@ -259,9 +244,7 @@ def _added(
         complete = history.body.complete
         change = history.contact.elastic @ complete.strain.T
         change -= still.contact.elastic @ still.reduced.strain.T
-        added = tensors(change.reshape(len(force), -1, 6))
-        half = press.body.half
-        strain = strain + (mirror.from_half(added, press.sites.points) if half else added)
+        strain = strain + press.unfolded(tensors(change.reshape(len(force), -1, 6)))
     notes = (
         *answer.notes,
         f"Tissue stiffens with strain: inertia is that of a linear finger with {factor:.3g} times "

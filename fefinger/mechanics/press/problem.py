@@ -168,6 +168,11 @@ class Press:
         points = self.sites.points if self.sites else np.empty((0, 3))
         return mirror.to_half(points) if self.body.half else points
 
+    def unfolded(self, strain: Array) -> Array:
+        """Return tensors (..., n, 3, 3) at the sites, given those at `site_points`."""
+        half = self.body.half
+        return mirror.from_half(strain, self.sites.points) if half and self.sites else strain
+
     @property
     def slides(self) -> bool:
         """Whether the indenter moves sideways, or there is friction."""

@@ -43,7 +43,10 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
             middle = centroid(pad, pressure)
             moment = whole_moment(contact.pressure @ on_pad.moment, half)
         force = press.sides * contact.pressure @ on_pad.projected * NEWTON_PER_MILLINEWTON
-        strain = _small_strain(press, history)
+        strain = None
+        if press.sites is not None:
+            components = contact.elastic @ history.reduced.strain.T
+            strain = press.unfolded(tensors(components.reshape(len(press.time), -1, 6)))
         lateral = sliding.lateral(press, history, pad, column) if press.slides else None
     penetration = deepest_penetration(gap)
     return answered(
@@ -87,7 +90,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
             moment = whole_moment(steps.smooth(history.moment), half)
         by_force = press.motion.control == "force"
         depth = steps.bounded(history.depth) if by_force else steps.path
-        strain = _finite_strain(press, history)
+        strain = press.unfolded(steps.smooth(history.strain)) if press.sites else None
         lateral = dragged.lateral(press, history, borne, force, column) if press.slides else None
     penetration = deepest_penetration(history.gap)
     work = {
@@ -181,23 +184,6 @@ def exactness(penetration: float) -> str:
         "exact complementarity of pressures and weighted gaps; "
         f"vertices lie up to {penetration:.2g} mm inside the indenter"
     )
-
-
-def _small_strain(press: Press, history: SmallStrainHistory) -> Array | None:
-    """Return the strain (n_t, n_sites, 3, 3) at the sites of the whole finger."""
-    if press.sites is None:
-        return None
-    components = history.contact.elastic @ history.reduced.strain.T
-    strain = tensors(components.reshape(len(press.time), -1, 6))
-    return mirror.from_half(strain, press.sites.points) if press.body.half else strain
-
-
-def _finite_strain(press: Press, history: FiniteStrainHistory) -> Array | None:
-    """Return the strain (n_t, n_sites, 3, 3) at the sites of the whole finger at all times."""
-    if press.sites is None:
-        return None
-    strain = history.steps.smooth(history.strain)
-    return mirror.from_half(strain, press.sites.points) if press.body.half else strain
 
 
 def _kept_fields(press: Press, history: FiniteStrainHistory) -> Fields:

@@ -94,7 +94,7 @@ def solve_contact(
 
     Errors as `respond`.
     """
-    advance = advance or _quasistatic
+    advance = advance or quasistatic
     body, motion = press.body, press.motion
     where = press.site_points
     probe = recovered_strain_at(body.space, where, body.planes)
@@ -133,7 +133,7 @@ def _candidates(press: Press, reach: float, rings: int) -> Patch:
     return sliding.candidates(body, obstacle, path, deepest, rings, inclines=press.inclines)
 
 
-def _quasistatic(
+def quasistatic(
     press: Press, reduced: Reduced, prescribed: Prescribed, report: Callable[[float], None]
 ) -> History:
     """Solve the contact of a reduced body at all times, without inertia."""
