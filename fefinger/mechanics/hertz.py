@@ -12,7 +12,15 @@ import numpy as np
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import axisymmetric
-from fefinger.mechanics.press.notes import apart, normalized, sideways, yielding
+from fefinger.mechanics.press.notes import (
+    CONVOLVED,
+    QUASISTATIC,
+    SPHERICAL,
+    apart,
+    normalized,
+    sideways,
+    yielding,
+)
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -54,11 +62,10 @@ NEAR = 2.0
 
 NOTES = (
     "The finger is a homogeneous half-space: no bone, no skin, no nail; a real finger is stiffer.",
-    "The pad is a sphere of one effective radius; its pressure is symmetric about the first touch.",
+    SPHERICAL,
     "Hertz: small strain, a contact small against the radii, no friction, a rigid object.",
-    "The whole stress relaxes with one function G(t); strain is the elastic field of the pressure "
-    "convolved with the creep function.",
-    "Quasi-static: no inertia and no waves.",
+    CONVOLVED,
+    QUASISTATIC,
 )
 
 ELLIPTIC = (

@@ -12,7 +12,7 @@ from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import small_strain_cost
 from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import axisymmetric
-from fefinger.mechanics.press.notes import normalized
+from fefinger.mechanics.press.notes import CONVOLVED, QUASISTATIC, SPHERICAL, normalized
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
@@ -41,11 +41,10 @@ thinner than that is no layer of a finger."""
 NOTES = (
     "The finger is a flat stack of skin and subcutaneous tissue bonded to rigid bone; the sides, "
     "the tip and the nail are left out, and the bone is flat.",
-    "The pad is a sphere of one effective radius; its pressure is symmetric about the first touch.",
+    SPHERICAL,
     "Small strain, a contact small against the radii, no friction, a rigid object.",
-    "The whole stress relaxes with one function G(t); strain is the elastic field of the pressure "
-    "convolved with the creep function.",
-    "Quasi-static: no inertia and no waves.",
+    CONVOLVED,
+    QUASISTATIC,
 )
 
 

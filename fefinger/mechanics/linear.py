@@ -13,7 +13,7 @@ from fefinger.mechanics.evidence.measured_tissue import largest_exponents
 from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import proximal_cut
 from fefinger.mechanics.press.discretization import refinement_location
-from fefinger.mechanics.press.notes import apart, hard, rocked
+from fefinger.mechanics.press.notes import QUASISTATIC, apart, hard, rocked
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -34,7 +34,7 @@ NOTES = (
     "Gaps are closed as weighted means over the facets around each vertex, not at every point.",
     "The whole stress of every soft tissue relaxes with one function G(t); Poisson's ratio is "
     "constant.",
-    "Quasi-static: no inertia and no waves.",
+    QUASISTATIC,
 )
 
 FACETS = {"coarse": 0.8, "standard": 0.42, "fine": 0.3}

@@ -12,7 +12,7 @@ from types import ModuleType
 
 from fefinger.mechanics import condensed, pressed
 from fefinger.mechanics.evidence import small_strain_cost, vibration
-from fefinger.mechanics.press.notes import sideways, stiffens
+from fefinger.mechanics.press.notes import QUASISTATIC, sideways, stiffens
 from fefinger.mechanics.refusals import refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
@@ -22,8 +22,6 @@ from fefinger.support.progress import Progress
 
 
 name = "modal"
-
-QUASISTATIC = "Quasi-static: no inertia and no waves."
 
 INERTIA = (
     "Inertia of the tissue, about a bone that does not move; the indenter has its motion or its "

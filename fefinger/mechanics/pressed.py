@@ -11,7 +11,14 @@ import math
 
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.evidence import carrying
-from fefinger.mechanics.press.notes import RIGID_BONE, apart, rough, yielding
+from fefinger.mechanics.press.notes import (
+    LOGARITHMIC,
+    QUASISTATIC,
+    RIGID_BONE,
+    apart,
+    rough,
+    yielding,
+)
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
@@ -22,15 +29,14 @@ from fefinger.support.progress import Progress
 name = "pressed"
 
 NOTES = (
-    "Finite strain: strains are logarithmic, in the directions of the undeformed finger; pressures "
-    "are per undeformed area, contact areas are those of the deformed skin.",
+    LOGARITHMIC,
     "Frictionless contact with a rigid indenter. Gaps are closed as weighted means over the facets "
     "around each vertex, not at every point.",
     "The press of the relaxed finger was solved at some depths. Through time its whole stress "
     "relaxes, and the deformation is taken to depend on the depth alone, not on the speed.",
     "After lift-off the finger recovers through the same deformations; the strain that is left is "
     "less certain than under load.",
-    "Quasi-static: no inertia and no waves.",
+    QUASISTATIC,
 )
 
 

@@ -10,7 +10,7 @@ from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import small_strain_cost, solid_cost
 from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import proximal_cut
-from fefinger.mechanics.press.notes import hard, out_of_plane
+from fefinger.mechanics.press.notes import LOGARITHMIC, QUASISTATIC, hard, out_of_plane
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -29,14 +29,13 @@ SOLVERS = ("single", "multifrontal")
 """Its factors: the first, and the second where that fails."""
 
 NOTES = (
-    "Finite strain: strains are logarithmic, in the directions of the undeformed finger; pressures "
-    "are per undeformed area, contact areas are those of the deformed skin.",
+    LOGARITHMIC,
     "Contact with a rigid indenter, which the skin may slide along, frictionless unless a plate "
     "with a coefficient of friction slides. Gaps are closed as weighted means over the facets "
     "around each vertex, not at every point.",
     "The second Piola-Kirchhoff stress of the soft tissues relaxes (Fung's quasi-linear "
     "viscoelasticity); solved at steps of the motion and interpolated between them.",
-    "Quasi-static: no inertia and no waves.",
+    QUASISTATIC,
 )
 
 

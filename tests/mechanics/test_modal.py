@@ -15,7 +15,7 @@ from fefinger.fem.elements.probe import tensors
 from fefinger.mechanics import condensed, modal, pressed
 from fefinger.mechanics.evidence import vibration
 from fefinger.mechanics.press.modal_steps import RINGING, modal_grid
-from fefinger.mechanics.press.mode_cache import COUNT
+from fefinger.mechanics.press.operator_cache import MODES
 from fefinger.mechanics.press.placement import obstacle
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import builtin
@@ -227,7 +227,7 @@ def test_a_preload_is_answered_alike_after_any_other(loop: ff.Modal) -> None:
 @pytest.mark.parametrize(
     ("frequency", "preload", "sentence"),
     [
-        ([3000.0], {"depth": 0.8}, f"of the frequency of the last of {COUNT} modes"),
+        ([3000.0], {"depth": 0.8}, f"of the frequency of the last of {MODES} modes"),
         ([0.0, 10.0], {"depth": 0.8}, "above 0 Hz"),
         ([10.0], {}, "a depth in mm or a force in N"),
         ([10.0], {"depth": 3.0}, "at most 1.2"),
@@ -248,8 +248,8 @@ def test_a_mode_is_one_cycle_of_its_frequency_on_the_mesh(loop: ff.Modal, tmp_pa
     np.testing.assert_allclose(fields.displacement[4], -fields.displacement[0], atol=1e-12)
     loop.save_shape(tmp_path / "mode.vtkhdf", 0)
     assert (tmp_path / "mode.vtkhdf").stat().st_size > 1000
-    with pytest.raises(InputError, match=f"expected a number from 0 to {COUNT - 1}"):
-        loop.shape(COUNT)
+    with pytest.raises(InputError, match=f"expected a number from 0 to {MODES - 1}"):
+        loop.shape(MODES)
 
 
 def test_delays_are_those_of_the_phase(loop: ff.Modal) -> None:
@@ -490,7 +490,7 @@ def test_the_expected_time_of_stiffening_tissue_holds_the_modes_of_its_mesh(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """On the fine mesh inertia is that of the standard one, not of the one below that."""
-    monkeypatch.setattr(vibration, "at_hand", lambda finger, half: False)
+    monkeypatch.setattr(vibration, "at_hand", lambda finger, **_: False)
     finger = ff.Finger.subject("a.h.", resolution="fine")
     case = Situation.of(ff.Scene(finger=finger, motion=ff.Ramp(60.0, 1.0)))
     assert vibration.seconds(case) > vibration.once(case)

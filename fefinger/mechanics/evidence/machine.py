@@ -60,13 +60,10 @@ def _work() -> float:
     return min(taken)
 
 
-def seconds(*, now: bool = True) -> float | None:
-    """Return the benchmark time of this machine, from the cache or measured `now` and then cached.
-
-    None where it is not kept and is not to be measured.
-    """
+def seconds() -> float:
+    """Return the benchmark time of this machine, from the cache or measured and then cached."""
     before = known()
-    if before is not None or not now:
+    if before is not None:
         return before
     measured = measure()
     try:

@@ -19,9 +19,8 @@ import numpy as np
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.small_strain_cost import FINE
 from fefinger.mechanics.evidence.table import read
-from fefinger.mechanics.press.mode_cache import MESH_OF_INERTIA, at_hand
 from fefinger.mechanics.press.notes import stiffens
-from fefinger.mechanics.press.operator_cache import parities
+from fefinger.mechanics.press.operator_cache import MESH_OF_INERTIA, at_hand, parities
 from fefinger.mechanics.press.time_steps import MODAL_STEP, RESOLVED
 from fefinger.mechanics.refusals import Doubt
 from fefinger.mechanics.situation import Situation
@@ -282,7 +281,7 @@ def of_inertia(case: Situation) -> Situation:
 def once(case: Situation) -> float:
     """Return the time in s of computing the modes, which are kept; 0 where at hand."""
     case = of_inertia(case)
-    if at_hand(case.finger, half=case.half):
+    if at_hand(case.finger, half=case.half, modes=True):
         return 0.0
     return len(parities(half=case.half)) * _seconds(case, "build")
 

@@ -34,8 +34,8 @@ from fefinger.mechanics.press.modal_press import (
     solve_modal,
 )
 from fefinger.mechanics.press.modal_steps import modal_grid
-from fefinger.mechanics.press.mode_cache import MESH_OF_INERTIA
 from fefinger.mechanics.press.notes import stiffens
+from fefinger.mechanics.press.operator_cache import MESH_OF_INERTIA
 from fefinger.mechanics.press.preload_relaxation import PreloadRelaxation, about_preload
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.reference import reference_of

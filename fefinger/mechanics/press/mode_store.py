@@ -15,7 +15,7 @@ from scipy import sparse
 from fefinger.fem.condensation import Operator, Part
 from fefinger.fem.elements.mass import mass
 from fefinger.fem.modes import Modes, modes_of
-from fefinger.mechanics.press.mode_cache import COUNT, folder, identity_of
+from fefinger.mechanics.press.operator_cache import MODES, modes_folder, modes_identity
 from fefinger.scene.finger import Finger
 from fefinger.support import cache
 from fefinger.support.arrays import Array, Integers
@@ -107,7 +107,7 @@ def _part(
 ) -> Modes:
     """Modes of one parity, for a skin of 1 kPa and 1 kg/mm³."""
     identity = solid.identities[number]
-    place = None if identity is None else folder(finger, identity)
+    place = None if identity is None else modes_folder(finger, identity)
     if place is not None:
         cache.touch(place)
         with suppress(OSError, ValueError, EOFError):
@@ -120,7 +120,7 @@ def _part(
     unfold = part.unfold[: heavy.shape[0]]
     unfold = unfold[:, np.flatnonzero(unfold.getnnz(axis=0))]
     heavy = (unfold.T @ heavy @ unfold).tocsr() / len(solid.parts)
-    computed = modes_of(part.compliance, heavy, min(COUNT, heavy.shape[0] // 8), progress)
+    computed = modes_of(part.compliance, heavy, min(MODES, heavy.shape[0] // 8), progress)
     if not computed.squares[0] > 0:
         raise ConvergenceError(
             f"modes: expected frequencies above 0, received a square of {computed.squares[0]:g}; "
@@ -130,7 +130,7 @@ def _part(
     kept = Modes(computed.squares, computed.shapes.astype(np.float32), computed.residual)
     if place is not None and identity is not None:
         with suppress(OSError), cache.appearing(place) as new:
-            about = json.dumps(identity_of(finger, identity), indent=1)
+            about = json.dumps(modes_identity(finger, identity), indent=1)
             (new / "identity.json").write_text(about, encoding="utf-8")
             for name in NAMES:
                 np.save(new / f"{name}.npy", getattr(kept, name))

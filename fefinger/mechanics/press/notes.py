@@ -11,6 +11,22 @@ from fefinger.support.vocabulary import EXPONENTIAL
 from fefinger.theory.relaxation import Prony
 
 
+QUASISTATIC = "Quasi-static: no inertia and no waves."
+
+LOGARITHMIC = (
+    "Finite strain: strains are logarithmic, in the directions of the undeformed finger; pressures "
+    "are per undeformed area, contact areas are those of the deformed skin."
+)
+
+SPHERICAL = (
+    "The pad is a sphere of one effective radius; its pressure is symmetric about the first touch."
+)
+
+CONVOLVED = (
+    "The whole stress relaxes with one function G(t); strain is the elastic field of the pressure "
+    "convolved with the creep function."
+)
+
 ROUNDED = 5e-4
 """Distance of a sum of weights from 1 that four digits of each explain."""
 

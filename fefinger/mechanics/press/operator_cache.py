@@ -1,12 +1,13 @@
-"""Folders of the operators of `condensed` in the user's cache, named by a hash of all inputs.
+"""Folders of operators and modes of fingers in the user's cache, named by a hash of all inputs.
 
 An operator depends on the ratio of the moduli only: it is built for a skin of 1 kPa and scaled.
+Modes depend on that of the densities as well.
 """
 
 import hashlib
 import json
 import os
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +19,16 @@ from fefinger.support.checks import InputError
 if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
 
-FORMAT = 1
-"""Raised when the elements, the solver or the files change, so that operators are built again."""
+FORMAT, MODES_FORMAT = 1, 3
+"""Raised when the elements, the mass matrix, a solver or the files change, so that operators and
+modes are computed again."""
+
+MODES = 150
+"""Number of modes of each parity that are computed and cached: those of half a finger of 34 kPa,
+with relaxed tissue, below 1000 Hz, and a few more."""
+
+MESH_OF_INERTIA = {"coarse": "coarse", "standard": "coarse", "fine": "standard"}
+"""Mesh on which the change by inertia is computed in tissue that stiffens."""
 
 
 def identity(
@@ -52,20 +61,26 @@ def parities(*, half: bool) -> tuple[bool, ...]:
     return (False,) if half else (False, True)
 
 
-def folder(identity: dict[str, Any]) -> Path:
-    """Return the path of an operator in the cache."""
+def modes_identity(finger: Finger, operator: dict[str, Any]) -> dict[str, Any]:
+    """Return the inputs of the modes of one parity, from those of its operator."""
+    ratio = finger.subcutaneous.density / finger.skin.density
+    return operator | {"modes": MODES, "modes_format": MODES_FORMAT, "density_ratio": ratio}
+
+
+def folder(identity: dict[str, Any], kind: str = "operators") -> Path:
+    """Return the path of an operator, or of "modes", in the cache."""
     key = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
-    return cache.root() / "operators" / key[:16]
+    return cache.root() / kind / key[:16]
 
 
-def at_hand(
-    finger: Finger,
-    *,
-    half: bool,
-    continued: bool = False,
-    place: Callable[[dict[str, Any]], Path] = folder,
-) -> bool:
-    """Return whether the operators of a finger, or their modes by `place`, are cached."""
+def modes_folder(finger: Finger, operator: dict[str, Any]) -> Path:
+    """Return the path of the modes of one parity in the cache."""
+    return folder(modes_identity(finger, operator), "modes")
+
+
+def at_hand(finger: Finger, *, half: bool, continued: bool = False, modes: bool = False) -> bool:
+    """Return whether the operators of a finger, or its modes, are cached."""
+    place = partial(modes_folder, finger) if modes else folder
     if not os.path.isdir(place({}).parent):  # then not even the name of the mesh is needed
         return False
     try:
