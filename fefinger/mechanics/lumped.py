@@ -14,7 +14,6 @@ from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
-from fefinger.scene.ask import Ask
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.text import beyond
@@ -59,7 +58,12 @@ PRINTED = (
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: it gives force alone, as measured under a plate."""
-    unable = [*_beyond(case.ask), *sideways(case.motion, case.indenter)]
+    unable = [
+        Doubt(f"ask.{each}", f"ask.{each}: requested, but it gives only force and depth")
+        for each in ("pressure", "strain", "fields", "spikes")
+        if getattr(case.ask, each)
+    ]
+    unable += sideways(case.motion, case.indenter)
     unable += [*yielding(case.finger), *apart(case.finger)]
     unable += [Doubt("motion", each) for each in too_long(case.motion, fast=False, most=MOST)]
     if case.indenter.hertzian is None:
@@ -122,15 +126,6 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         numbers={"times": float(len(time)), "b": spring.b, "m": spring.m},
         sources={"lumped": identified.source},
     )
-
-
-def _beyond(ask: Ask) -> list[Doubt]:
-    """Return the requested outputs other than force."""
-    return [
-        Doubt(f"ask.{each}", f"ask.{each}: requested, but it gives only force and depth")
-        for each in ("pressure", "strain", "fields", "spikes")
-        if getattr(ask, each)
-    ]
 
 
 def _doubts(case: Situation) -> list[Doubt]:

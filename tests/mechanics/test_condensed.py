@@ -34,9 +34,7 @@ def scene(press: str, **parts: object) -> ff.Scene:
     return ff.Scene(**({"finger": FINGER, "indenter": indenter, "motion": motion} | parts))
 
 
-@pytest.fixture(autouse=True)
-def _own_cache(operators: Path) -> None:
-    """Keep to the operators of this session."""
+pytestmark = pytest.mark.usefixtures("operators")
 
 
 def same(found: Response, expected: Response, name: str) -> None:

@@ -30,9 +30,7 @@ def scene(motion: ff.FrequencySweep | ff.RampHold | ff.Sampled, **ask: object) -
     return ff.Scene(finger=finger, motion=motion, ask=ff.Ask(**outputs))
 
 
-@pytest.fixture(autouse=True)
-def _own_cache(operators: Path) -> None:
-    """Keep to the operators of this session."""
+pytestmark = pytest.mark.usefixtures("operators")
 
 
 @pytest.fixture

@@ -20,9 +20,7 @@ TIMES, DEPTH = (0.0, 0.1, 0.2), (0.0, 0.6, 0.6)
 STILL = (0.0, 0.0, 0.0)
 
 
-@pytest.fixture(autouse=True)
-def _own_cache(operators: Path) -> None:
-    """Keep to the operators of this session."""
+pytestmark = pytest.mark.usefixtures("operators")
 
 
 def respond(motion, **plate):

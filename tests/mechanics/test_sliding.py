@@ -21,9 +21,7 @@ ASK = ff.Ask(fields=False)
 SHORT = ff.Slide(20, 0.7, distance=0.01, settle=0.05)
 
 
-@pytest.fixture(autouse=True)
-def _own_cache(operators: Path) -> None:
-    """Keep to the operators of this session."""
+pytestmark = pytest.mark.usefixtures("operators")
 
 
 def respond(indenter, motion, **ask):

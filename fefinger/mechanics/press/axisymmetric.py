@@ -24,12 +24,12 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
+from fefinger.theory.contact import ting
 from fefinger.theory.relaxation import Prony
 
 
 if TYPE_CHECKING:
     from fefinger.neural.reference import Reference
-    from fefinger.theory.contact.ting import ContactHistory
 
 
 RINGS, SECTORS = 16, 24  # of the pad on which the pressure is reported
@@ -158,22 +158,22 @@ def _check_width(contact: ElasticContact, deepest: float, radius: float) -> None
         )
 
 
-def _march(motion: Motion, time: Array, prony: Prony, contact: ElasticContact) -> "ContactHistory":
+def _march(
+    motion: Motion, time: Array, prony: Prony, contact: ElasticContact
+) -> ting.ContactHistory:
     """Follow a motion at times (n_t,) s, by depth or by force."""
-    from fefinger.theory.contact.ting import press_by_depth, press_by_force, radius_nodes
-
     value = motion.value(time)
     if motion.control == "depth":
-        return press_by_depth(prony, time, value, radius_nodes(float(value.max())))
+        return ting.press_by_depth(prony, time, value, ting.radius_nodes(float(value.max())))
     force = value / NEWTON_PER_MILLINEWTON
-    nodes = radius_nodes(float(contact.depth(float(force.max()))) * (1 + 1e-9))
-    return press_by_force(
+    nodes = ting.radius_nodes(float(contact.depth(float(force.max()))) * (1 + 1e-9))
+    return ting.press_by_force(
         prony, time, force, nodes, lambda depth: contact.force(depth) / prony.long_time
     )
 
 
 def _pressure(
-    finger: Finger, contact: ElasticContact, first: Touch, history: "ContactHistory"
+    finger: Finger, contact: ElasticContact, first: Touch, history: ting.ContactHistory
 ) -> tuple[Pad, Array]:
     """Return the pad out to the widest contact and the pressure (n_t, n_pad) in kPa on it."""
     nodes = history.nodes

@@ -12,8 +12,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fefinger.mechanics.press.continuation import continued
 from fefinger.mechanics.press.discretization import refinement_location
+from fefinger.mechanics.press.elastic_table import ElasticPress, Modes
 from fefinger.mesh.shipped import data_folder
 from fefinger.mesh.store import sha256
 from fefinger.scene.finger import Finger
@@ -26,7 +29,6 @@ from fefinger.support.checks import InputError
 
 if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
-    from fefinger.mechanics.press.elastic_table import ElasticPress
 
 FORMAT = 3
 """Raised when the solver, the depths or the files change, so that presses are solved again."""
@@ -83,7 +85,7 @@ def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple
     return max(deepest)
 
 
-def at_hand(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> "ElasticPress | None":
+def at_hand(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> ElasticPress | None:
     """Read the deepest press that is shipped or cached; None where none is, or all are damaged."""
     found = []
     for path in _paths(key_on(finger, indenter, mesh)):
@@ -110,10 +112,8 @@ def _paths(name: str) -> Iterator[Path]:
         yield place
 
 
-def write(press: "ElasticPress", place: Path) -> None:
+def write(press: ElasticPress, place: Path) -> None:
     """Write a press to a file, which appears complete or not at all."""
-    import numpy as np
-
     values: dict[str, Any] = {name: getattr(press, name) for name in EXACT}
     values |= {name: getattr(press, name).astype(np.float32) for name in ROUNDED}
     values |= {name: getattr(press, name) for name in ("reach", "modulus")}
@@ -123,10 +123,8 @@ def write(press: "ElasticPress", place: Path) -> None:
         np.savez_compressed(new, **values)
 
 
-def read(place: Path) -> "ElasticPress":
+def read(place: Path) -> ElasticPress:
     """Read a press from a file; raises one of `cache.DAMAGED` where it cannot be read."""
-    from fefinger.mechanics.press.elastic_table import ElasticPress, Modes
-
     values = _read(place)
     return ElasticPress(
         **{name: values[name].astype(float) for name in (*EXACT, *ROUNDED)},
@@ -138,7 +136,5 @@ def read(place: Path) -> "ElasticPress":
 
 def _read(place: Path, names: tuple[str, ...] = ()) -> dict[str, Any]:
     """Read arrays by name, all of them without names."""
-    import numpy as np
-
     with place.open("rb") as opened, np.load(opened, allow_pickle=False) as stored:
         return {name: stored[name] for name in names or stored.files}

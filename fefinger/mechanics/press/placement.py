@@ -29,7 +29,10 @@ def obstacle(indenter: Indenter, body: Solid) -> Obstacle:
     plate, at, roll = indenter.plate, indenter.place, indenter.turn
     if plate is not None:
         axis = direction(plate)
-        origin = np.zeros(3) if plate == STANDARD.plate else _foremost(body, axis)
+        origin = np.zeros(3)
+        if plate != STANDARD.plate:  # The foremost vertex is up to 1.4 mm away, on a flat pad.
+            origin = foremost(body.space.points, body.normals, body.pad, axis)
+            origin = origin * (1.0, 0.0, 1.0) if body.half else origin
         placed = Obstacle(axis, origin, indenter.profile, roll)
         return _touching(placed, body, f"indenter.angle {plate.angle:g} degrees")
     origin, axis = (np.zeros(3), direction(STANDARD)) if at is None else _pad_point(body, at)
@@ -55,15 +58,6 @@ def _touching(placed: Obstacle, body: Solid, field: str) -> Obstacle:
             "where the finger is cut or the nail begins; choose another angle or place"
         )
     return replace(placed, origin=placed.origin + distance[first] * placed.axis)
-
-
-def _foremost(body: Solid, axis: Array) -> Array:
-    """Return the first touch (3,) of the smooth pad with a plate that moves along `axis`.
-
-    The foremost vertex is up to 1.4 mm away from it, where the pad is flat.
-    """
-    point = foremost(body.space.points, body.normals, body.pad, axis)
-    return point * (1.0, 0.0, 1.0) if body.half else point
 
 
 def check_inside(body: Solid, pressed: Integers, depth: float) -> None:

@@ -1,37 +1,32 @@
 """Units of a population placed on the skin, and the end organs below them."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fefinger.neural import populations
+from fefinger.neural.populations import Population, Surface
+from fefinger.results.records import Sites
+from fefinger.scene.ask import Ask
 from fefinger.scene.innervation import innervation, receptors
 from fefinger.scene.population import Grid, Layout, Line, Places, Scatter
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
 
-if TYPE_CHECKING:
-    from fefinger.neural.populations import Population, Surface
-    from fefinger.results.records import Sites
-    from fefinger.scene.ask import Ask
-
-
-def place(ask: "Ask", skin: "Surface", axis: ArrayLike) -> "Population":
+def place(ask: Ask, skin: Surface, axis: ArrayLike) -> Population:
     """Return the requested units of a scene, placed under a skin.
 
     axis (3,): the inward normal at the first touch, which is the origin. InputError for places
     off the skin, and as `neural.populations`.
     """
-    from fefinger.neural.populations import populate
-
     layout, rows = ask.population, innervation()
     if layout is None:
         raise InputError("ask.population: expected one, received none")
     types, places, numbers = _places(layout, ask.spikes, skin, np.asarray(axis, float))
     depths = {kind: row.depth for kind, row in receptors().items()}
-    return populate(
+    return populations.populate(
         skin,
         types,
         places,
@@ -44,14 +39,12 @@ def place(ask: "Ask", skin: "Surface", axis: ArrayLike) -> "Population":
 
 
 def _places(
-    layout: Layout, types: Sequence[str], skin: "Surface", axis: Array
+    layout: Layout, types: Sequence[str], skin: Surface, axis: Array
 ) -> tuple[tuple[str, ...], Array, Integers]:
     """Return type, place (n, 3) mm and number of every unit.
 
     The number is its place among all units of the scene, wherever the skin ends.
     """
-    from fefinger.neural import populations
-
     if isinstance(layout, Scatter):
         rows = innervation()
         wanted = {kind: layout.densities.get(kind, rows[kind].density) for kind in types}
@@ -66,7 +59,8 @@ def _places(
     if isinstance(layout, Grid):
         points, which = populations.grid(skin, layout.spacing, layout.radius)
         numbers = which[:, None] * len(types) + np.arange(len(types))
-        return _each(types, points), np.repeat(points, len(types), axis=0), numbers.ravel()
+        each = tuple(types) * len(points)
+        return each, np.repeat(points, len(types), axis=0), numbers.ravel()
     if isinstance(layout, Line):
         points = populations.line(skin, layout.start, layout.stop, layout.count)
     elif isinstance(layout, Places):
@@ -74,19 +68,12 @@ def _places(
         points = populations.over(skin, layout.places, name, "move them towards the first touch")
     else:
         raise InputError(f"ask.population: expected a layout of the package, received {layout!r}")
-    kinds = _each(types, points)
+    kinds = tuple(types) * len(points)
     return kinds, np.repeat(points, len(types), axis=0), np.arange(len(kinds))
 
 
-def _each(types: Sequence[str], points: Array) -> tuple[str, ...]:
-    """Return the types of units of which each point (n, 3) has one of each."""
-    return tuple(types) * len(points)
-
-
-def sites(population: "Population") -> "Sites":
+def sites(population: Population) -> Sites:
     """Return the sites of all end organs, at which a mechanics computes the strain."""
-    from fefinger.results.records import Sites
-
     return Sites(
         points=population.sites,
         normals=population.organ_normals,

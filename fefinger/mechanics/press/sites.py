@@ -36,7 +36,13 @@ def central_sites(ask: Ask, pulp: float, origin: Array, axis: Array) -> Sites:
     depth_of = {kind: organ.depth for kind, organ in receptors().items()} | dict(ask.depths)
     types = ask.spikes or tuple(depth_of)
     depth = np.array([depth_of[kind] for kind in types])
-    _check_above_bone(depth, pulp)
+    deepest = float(depth.max(initial=0.0))
+    if deepest >= pulp:
+        raise InputError(
+            f"ask.depths: expected end organs above the bone, less than {pulp:g} mm deep, received "
+            f"one at {deepest:g} mm; give depths that this finger has, or ask for the types of "
+            "lesser depth alone"
+        )
     points = origin + depth[:, None] * axis
     return Sites(points, np.tile(-axis, (len(depth), 1)), depth, tuple(types))
 
@@ -53,13 +59,3 @@ def end_organ_sites(
     from fefinger.mechanics.press import population
 
     return population.sites(population.place(ask, skin(), direction(STANDARD)))
-
-
-def _check_above_bone(depths: Array, pulp: float) -> None:
-    deepest = float(depths.max(initial=0.0))
-    if deepest >= pulp:
-        raise InputError(
-            f"ask.depths: expected end organs above the bone, less than {pulp:g} mm deep, received "
-            f"one at {deepest:g} mm; give depths that this finger has, or ask for the types of "
-            "lesser depth alone"
-        )

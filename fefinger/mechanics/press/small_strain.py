@@ -38,14 +38,8 @@ def assembled(finger: Finger, mesh: FingerMesh, solver: str | None, *, factored:
     return body(whole, tissues(finger), fixed_facets(finger), solver, factored=factored)
 
 
-def _factored(
-    finger: Finger, mesh: FingerMesh, solver: str | None, report: Callable[[float], None]
-) -> Body:
-    return assembled(finger, mesh, solver, factored=True)
-
-
 WHOLE_MESH = SolutionMethod(
-    _factored,
+    lambda finger, mesh, solver, report: assembled(finger, mesh, solver, factored=True),
     reduce,
     lambda body, loads: body.system.solve(loads),
     refinement_location,

@@ -28,9 +28,7 @@ BALL = Ellipsoid((1.0, 1.0, 1.0))
 DEPTHS = 0.6 * np.sin(np.linspace(0, 9, 60))
 
 
-@pytest.fixture(autouse=True)
-def _own_cache(operators: Path) -> None:
-    """Keep to the operators of this session."""
+pytestmark = pytest.mark.usefixtures("operators")
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,5 @@
 """Fingers in real time: their text, the families of their units, and the warning of soft tissue."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -19,9 +17,7 @@ STIFFENING = ff.Finger.subject("a.h.", resolution="coarse")
 SITES = Sites(np.array([[0, 0, 0.9]]), -np.eye(3)[2:], np.array([0.8]), ("SAI",))
 
 
-@pytest.fixture(autouse=True)
-def _own_cache(operators: Path) -> None:
-    """Keep to the operators of this session."""
+pytestmark = pytest.mark.usefixtures("operators")
 
 
 @pytest.mark.parametrize("indenter", [ff.Flat(30), ff.Sphere(5)])

@@ -2,7 +2,6 @@
 
 import copy
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,9 +22,7 @@ SITES = Sites(INSIDE, np.tile([0.0, 0.0, -1.0], (2, 1)), np.full(2, 1.5), ("SAI"
 DEPTHS = 0.5 + 0.4 * np.sin(np.linspace(0, 9, 50))
 
 
-@pytest.fixture(autouse=True)
-def _own_cache(operators: Path) -> None:
-    """Keep to the operators of this session."""
+pytestmark = pytest.mark.usefixtures("operators")
 
 
 @pytest.fixture

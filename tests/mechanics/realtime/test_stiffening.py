@@ -1,7 +1,6 @@
 """The thesis's modulus t(u), fitted to a finger."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,9 +17,7 @@ FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 DEPTHS = np.linspace(0.1, 1.4, 14)
 
 
-@pytest.fixture(autouse=True)
-def _own_cache(operators: Path) -> None:
-    """Keep to the operators of this session."""
+pytestmark = pytest.mark.usefixtures("operators")
 
 
 def test_it_finds_the_t_that_made_the_forces() -> None:
