@@ -19,8 +19,6 @@ from fefinger.support.checks import choice
 from fefinger.support.progress import Progress
 
 
-LADDER = tuple(MECHANICS)
-
 QUICKEST = 0.1
 """Least time in s of a mechanics with a mesh, on the machine of the reports."""
 
@@ -62,9 +60,11 @@ class Mechanics(Protocol):
 
 def names() -> tuple[str, ...]:
     """Return the names of all mechanics, cheapest first."""
-    return LADDER
+    return tuple(MECHANICS)
 
 
 def get(name: str) -> Mechanics:
     """Return the mechanics called `name`, or raise InputError with the nearest name."""
-    return cast(Mechanics, import_module(f"fefinger.mechanics.{choice('mechanics', name, LADDER)}"))
+    return cast(
+        Mechanics, import_module(f"fefinger.mechanics.{choice('mechanics', name, MECHANICS)}")
+    )

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.table import SMALL_STRAIN_COST, read, table
-from fefinger.mechanics.press.continuation import continued
+from fefinger.mechanics.press.discretization import continued
 from fefinger.mechanics.press.operator_cache import at_hand
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate

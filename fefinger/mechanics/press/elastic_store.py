@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fefinger.mechanics.press.continuation import continued
-from fefinger.mechanics.press.discretization import refinement_location
+from fefinger.mechanics.press.discretization import continued, refinement_location
 from fefinger.mechanics.press.elastic_table import ElasticPress, Modes
 from fefinger.mesh.shipped import data_folder
 from fefinger.mesh.store import sha256

@@ -13,7 +13,7 @@ from fefinger.fem.linalg.system import System
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import placement
-from fefinger.mechanics.press.continuation import FORCE_DEPTH, continued
+from fefinger.mechanics.press.discretization import FORCE_DEPTH, continued
 from fefinger.mechanics.press.limits import check_depth
 from fefinger.mechanics.press.notes import of_finger
 from fefinger.mechanics.press.sites import central_sites, end_organ_sites

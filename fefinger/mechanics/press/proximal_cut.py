@@ -1,6 +1,6 @@
 """Check, before a solution, whether a plate along the finger reaches its proximal end."""
 
-from fefinger.mechanics.press.continuation import ALONG, NEAR, gap
+from fefinger.mechanics.press.discretization import ALONG, NEAR, gap
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal
 

@@ -27,8 +27,7 @@ from fefinger.mechanics.press import limits, operator, placement, problem
 from fefinger.mechanics.press.pad import first_moments, whole_pad
 from fefinger.mechanics.press.reference import reference_press
 from fefinger.mechanics.press.sites import central_sites
-from fefinger.mechanics.realtime.loop import check_finger, described, units, warn_of_softness
-from fefinger.mechanics.realtime.step import Step
+from fefinger.mechanics.realtime.loop import Step, check_finger, described, units, warn_of_softness
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.reference import Reference
 from fefinger.neural.streaming import Afferents

@@ -1,11 +1,13 @@
-"""What fingers in real time share: their units, their text, and a warning of soft tissue."""
+"""What fingers in real time share: the result of a step, units, text, a warning of soft tissue."""
 
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fefinger.fem.contact.obstacle import Rigid
 from fefinger.mechanics import condensed
@@ -19,6 +21,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice
 from fefinger.support.text import counted, percent
 from fefinger.support.vocabulary import FAMILIES
@@ -27,6 +30,32 @@ from fefinger.support.vocabulary import FAMILIES
 SPEED = 10.0
 """Speed in mm/s of the press whose error is looked up; that of small strain does not depend on
 it."""
+
+
+@dataclass(slots=True)
+class Step:
+    """Result of a step; the arrays are those of the finger, and change with its next step.
+
+    depth mm, force N, x and y mm of the center of pressure (nan without contact); pressure (n,) kPa
+    at the candidate vertices, strain (n_sites, 6), positive in tension, with the components xx yy
+    zz xy yz xz of the tensor. contact_area mm²: of `Condensed` the summed area of the vertices
+    under pressure, which jumps with each of them, where `Response.contact_area` follows the rim
+    within an element.
+    """
+
+    depth: float
+    force: float
+    contact_area: float
+    x: float
+    y: float
+    pressure: Array
+    strain: NDArray[np.floating]
+
+    def __repr__(self) -> str:
+        """Show the numbers with their units, not the arrays."""
+        x, y = (round(each, 4) + 0.0 for each in (self.x, self.y))
+        name, force = type(self).__name__, f"{self.force:.4g} N at {self.depth:.4g} mm"
+        return f"<{name}: {force}, {self.contact_area:.4g} mm² about x {x:g}, y {y:g} mm>"
 
 
 def check_finger(finger: object) -> None:

@@ -28,8 +28,7 @@ from fefinger.mechanics.press.modal_body import body_of_modes
 from fefinger.mechanics.press.mode_store import finger_modes
 from fefinger.mechanics.press.time_steps import RESOLVED
 from fefinger.mechanics.realtime.condensed import Condensed, read_summary, unfolded
-from fefinger.mechanics.realtime.loop import described
-from fefinger.mechanics.realtime.step import Step
+from fefinger.mechanics.realtime.loop import Step, described
 from fefinger.mesh.store import load_or_build
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.streaming import Afferents

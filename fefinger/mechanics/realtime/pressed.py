@@ -19,8 +19,7 @@ from fefinger.mechanics.press.carried import METHOD, CarriedPress
 from fefinger.mechanics.press.notes import apart, yielding
 from fefinger.mechanics.press.pad import first_moments, on_seen, whole_pad
 from fefinger.mechanics.press.problem import Press
-from fefinger.mechanics.realtime.loop import check_finger, described, units
-from fefinger.mechanics.realtime.step import Step
+from fefinger.mechanics.realtime.loop import Step, check_finger, described, units
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.reference import Reference
 from fefinger.neural.streaming import Afferents

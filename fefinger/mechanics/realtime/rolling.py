@@ -21,8 +21,7 @@ from fefinger.fem.contact.patch import Patch, patch, smooth_places
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.fem.elements.spaces import trace
 from fefinger.mechanics.press import operator, placement, problem
-from fefinger.mechanics.realtime.loop import check_finger, described, warn_of_softness
-from fefinger.mechanics.realtime.step import Step
+from fefinger.mechanics.realtime.loop import Step, check_finger, described, warn_of_softness
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import direction

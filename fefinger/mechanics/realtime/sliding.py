@@ -27,8 +27,7 @@ from fefinger.mechanics.press import operator, placement
 from fefinger.mechanics.press import sliding as press_sliding
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.realtime.condensed import reduced_to_candidates, reference, step_output
-from fefinger.mechanics.realtime.loop import check_finger, described, units, warn_of_softness
-from fefinger.mechanics.realtime.step import Step
+from fefinger.mechanics.realtime.loop import Step, check_finger, described, units, warn_of_softness
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Sites

@@ -14,7 +14,7 @@ from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.laws import neo_hookean
 from fefinger.fem.linalg import solvers
-from fefinger.mechanics import LADDER, Mechanics, condensed, get, linear, solid
+from fefinger.mechanics import Mechanics, condensed, get, linear, names, solid
 from fefinger.mechanics.press import failure, hard_parts
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.situation import Situation
@@ -108,7 +108,7 @@ def test_solid_becomes_linear_in_small_presses_on_an_elastic_bone() -> None:
 @pytest.mark.parametrize("parts", [{"bone": BONE}, {"nail": NAIL}, {"nail": "free"}])
 def test_mechanics_with_a_rigid_bone_refuse(parts: dict[str, object]) -> None:
     asked = scene(**parts)
-    for name in LADDER:
+    for name in names():
         unable = [r.reason for r in get(name).refuse(Situation.of(asked)) if r.about == "ability"]
         told = [reason for reason in unable if reason.startswith(f"finger.{next(iter(parts))}")]
         assert bool(told) == (name not in ("linear", "solid")), name
@@ -208,7 +208,7 @@ def test_single_precision_that_fails_gives_way_with_a_note(
 def test_a_solver_that_a_mechanics_cannot_use_is_refused() -> None:
     asked = scene("iterative")
     told = {
-        name: " ".join(r.reason for r in get(name).refuse(Situation.of(asked))) for name in LADDER
+        name: " ".join(r.reason for r in get(name).refuse(Situation.of(asked))) for name in names()
     }
     assert "ask.solver = 'iterative': it follows finite strain" in told[solid.name]
     factored = [

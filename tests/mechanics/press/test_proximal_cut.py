@@ -5,7 +5,7 @@ import pytest
 import fefinger as ff
 from fefinger.mechanics import solid
 from fefinger.mechanics.press import proximal_cut
-from fefinger.mechanics.press.continuation import CLOSE, NEAR, continued, gap
+from fefinger.mechanics.press.discretization import CLOSE, NEAR, continued, gap
 from fefinger.mechanics.press.proximal_cut import FAR
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.extend import NOTE
