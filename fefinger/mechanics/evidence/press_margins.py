@@ -57,10 +57,10 @@ def between_presses(candidate: Candidate, quantity: str, axis: str) -> Excess:
     """
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     rows: dict[str, dict[float, Measured]] = {}
-    for name, press in presses.items():
-        finger, where = name.partition("/")[0], place_on(axis, object_of(press))
+    for press in presses.values():
+        where = place_on(axis, press.object)
         if where is not None:
-            rows.setdefault(finger, {})[where] = press
+            rows.setdefault(press.finger, {})[where] = press
     return _columns([each for row in rows.values() for each in _left_out(row, quantity)])
 
 
@@ -82,8 +82,8 @@ def other_edges(candidate: Candidate, quantity: str, kind: str) -> Excess:
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     excess = []
     for tissue in (MAIN, library.PUBLISHED):
-        of_tissue = [each for each in presses.values() if each.press.startswith(f"{tissue}/")]
-        row = [each for each in of_tissue if objects()[object_of(each)].kind == kind]
+        of_tissue = [each for each in presses.values() if each.finger == tissue]
+        row = [each for each in of_tissue if objects()[each.object].kind == kind]
         for press in row:
             others = [other for other in row if other is not press]
             for part, value in zip(press.part, press.values, strict=True):
@@ -98,10 +98,9 @@ def other_fingers(candidate: Candidate, quantity: str) -> Excess:
     """Excess of the errors in presses of other fingers over those of MAIN, by depth."""
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     more = []
-    for name, press in presses.items():
-        subject, _, object_ = name.partition("/")
-        main = presses.get(f"{MAIN}/{object_}")
-        if main is not None and subject not in (MAIN, library.PUBLISHED):
+    for press in presses.values():
+        main = presses.get(f"{MAIN}/{press.object}")
+        if main is not None and press.finger not in (MAIN, library.PUBLISHED):
             parts = press.part * stiffer(main, exponent_of(press))
             for part, value in zip(parts, press.values, strict=True):
                 if part <= main.part[-1]:
@@ -143,18 +142,6 @@ def stiffer(press: Measured, exponent: float | None) -> float:
 
 def exponent_of(press: Measured) -> float | None:
     """Return the exponent of stiffening of the tissue of a press; None for published tissue."""
-    subject = press.press.partition("/")[0]
-    if subject == library.PUBLISHED:
+    if press.finger == library.PUBLISHED:
         return None
-    return library.tissue_set(library.calibrated_name(subject)).subcutaneous.exponent
-
-
-def object_of(press: Measured) -> str:
-    """Return the name of the object of a press."""
-    return press.press.partition("/")[2]
-
-
-def subject_of(press: Measured) -> str:
-    """Return the subject of a press; those of published tissue are of the finger of MAIN."""
-    subject = press.press.partition("/")[0]
-    return MAIN if subject == library.PUBLISHED else subject
+    return library.tissue_set(library.calibrated_name(press.finger)).subcutaneous.exponent

@@ -20,11 +20,9 @@ from fefinger.mechanics.evidence.press_margins import (
     at,
     between_presses,
     margin,
-    object_of,
     other_edges,
     other_fingers,
     stiffer,
-    subject_of,
     unit,
 )
 from fefinger.mechanics.evidence.pressed_objects import (
@@ -144,7 +142,7 @@ def _margins(
         excess = margin(between_presses(candidate, quantity, where[0]), depth)
         margins.append(middle * excess * unit(estimate.value, quantity))
     known = same(object_)
-    if object_.sharp and quantity != "force" and object_of(estimate.presses[0]) not in known:
+    if object_.sharp and quantity != "force" and estimate.presses[0].object not in known:
         margins.append(margin(other_edges(candidate, quantity, object_.kind), depth))
     elsewhere = _measured_elsewhere(estimate, case, quantity)
     if elsewhere:
@@ -162,7 +160,9 @@ def _measured_elsewhere(estimate: _Estimate, case: Situation, quantity: str) -> 
     """
     known = case.published_tissue or measured_tissue.subject(case.finger)
     own = case.finger.subject_name if known else None
-    others = np.array([subject_of(press) != own for press in estimate.presses])
+    # Published tissue was pressed on the finger of MAIN.
+    fingers = [MAIN if x.finger == library.PUBLISHED else x.finger for x in estimate.presses]
+    others = np.array([finger != own for finger in fingers])
     if quantity != "force":
         return float(others.any() or (own != MAIN and len(others) > 1))
     if estimate.share is None:
@@ -218,7 +218,7 @@ def _reached(press: Measured, case: Situation) -> float:
     """Return the relative depth of a scene; under force control by a press with the same object."""
     if case.motion.control == "depth":
         return case.depth_over_thickness
-    same_object = [x for x in case.force_curves if object_of(x) == object_of(press)]
+    same_object = [x for x in case.force_curves if x.object == press.object]
     return reached_depth.under_force(case.finger, case.peak, same_object or case.force_curves)
 
 
@@ -255,7 +255,7 @@ def _share(where: tuple[str, float] | None, parts: list[tuple[Measured, float]])
     if where is None or len(parts) != 2:
         return None
     axis, here = where
-    low, high = (place_on(axis, object_of(press)) for press, _ in parts)
+    low, high = (place_on(axis, press.object) for press, _ in parts)
     if low is None or high is None:
         return None
     return min(max((here - low) / (high - low), 0.0), 1.0)

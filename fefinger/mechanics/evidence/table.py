@@ -52,6 +52,16 @@ class Measured:
     conditions: Mapping[str, Any] = field(default_factory=dict)
 
     @property
+    def finger(self) -> str:
+        """Subject whose finger was pressed, or the name of published tissue."""
+        return self.press.partition("/")[0]
+
+    @property
+    def object(self) -> str:
+        """Name of the object that pressed it."""
+        return self.press.partition("/")[2]
+
+    @property
     def value(self) -> float:
         """The value where it is no curve, else that at the largest depth."""
         return float(self.values[-1])

@@ -105,8 +105,8 @@ class Condensed:
             sites = central_sites(Ask(), finger.pulp, origin, touch.axis)
         self.sites = sites
         where = mirror.to_half(self.sites.points) if half else self.sites.points
-        probe, surface = partial(recovered_strain_at, solid.space, where, solid.planes), solid.space
-        reach, within = problem.REACH * self.deepest, faces_down(solid)
+        probe = self.probe = partial(recovered_strain_at, solid.space, where, solid.planes)
+        surface, reach, within = solid.space, problem.REACH * self.deepest, faces_down(solid)
         reduced = reduced_to_candidates(
             self.deepest,
             lambda rings: patch(surface, solid.pad, solid.normals, touch, reach, rings, within),

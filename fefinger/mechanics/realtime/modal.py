@@ -9,7 +9,7 @@ It is `mechanics/modal` at small strain without a scene: operator and modes of t
 once and kept.
 """
 
-from functools import cached_property, partial
+from functools import cached_property
 from os import PathLike
 from typing import Any, Literal
 
@@ -20,8 +20,6 @@ from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.modal_march import ModalContact
 from fefinger.fem.contact.modal_step import add_strain, release
 from fefinger.fem.elements.probe import strain_at_vertices
-from fefinger.fem.elements.recovery import recovered_strain_at
-from fefinger.geometry import mirror
 from fefinger.mechanics.press import limits
 from fefinger.mechanics.press.harmonic import Vibrating
 from fefinger.mechanics.press.modal_body import body_of_modes
@@ -95,10 +93,7 @@ class Modal:
         self.sites, self.deepest = still.sites, still.deepest
         with Stages(progress).stage("modes") as report:
             self.modes = finger_modes(finger, still.solid, report)
-        half, points = still.solid.half, self.sites.points
-        where = mirror.to_half(points) if half else points
-        probe = partial(recovered_strain_at, still.solid.space, where, still.solid.planes)
-        body = body_of_modes(finger, self.modes, still.reduced, probe)
+        body = body_of_modes(finger, self.modes, still.reduced, still.probe)
         self.body = body.below(RESOLVED / self.dt)
         on_pad = still.patch
         self._contact = ModalContact(
@@ -107,7 +102,7 @@ class Modal:
             self.dt * (1 + 1e-9),
             still.output.limits,
         )
-        rows = unfolded(still.solid, points, self.body.complete.strain).T
+        rows = unfolded(still.solid, self.sites.points, self.body.complete.strain).T
         kind, count = still.output.rows.dtype, len(on_pad.vertices)
         self._rows = np.ascontiguousarray(rows[count:], dtype=kind)
         self._output = still.output._replace(
@@ -115,7 +110,7 @@ class Modal:
             elastic=np.zeros(count),
             strain=np.zeros(len(rows.T), dtype=kind),
         )
-        self._sides = 2.0 if half else 1.0
+        self._sides = 2.0 if still.solid.half else 1.0
         strain = self._output.strain.reshape(-1, 6)
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._contact.lcp.x, strain)
         self._advance(self.dt, 0.0, by_force=False)  # compiles or loads what a step needs

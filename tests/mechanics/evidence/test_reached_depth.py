@@ -12,7 +12,6 @@ from fefinger.mechanics.evidence import (
     press_mesh,
     reached_depth,
 )
-from fefinger.mechanics.evidence.press_margins import object_of
 from fefinger.mechanics.evidence.pressed_objects import between
 from fefinger.mechanics.evidence.table import PRESS_MESH, read
 from fefinger.mechanics.situation import Situation
@@ -74,7 +73,7 @@ def test_only_an_unchanged_finger_is_that_of_the_subject() -> None:
 
 def test_under_a_force_each_press_is_read_at_the_depth_that_it_has_itself() -> None:
     case = Situation.of(pressed(0.08, "maeno1998", ff.Sphere(3.0)))
-    curves = {object_of(curve): curve for curve in case.force_curves}
+    curves = {curve.object: curve for curve in case.force_curves}
     assert set(curves) == {"sphere-2", "sphere-5"}
     found = {
         name: press_mesh._reached(curve, case) * curve.conditions["thickness_mm"]
