@@ -5,9 +5,10 @@ from collections.abc import Iterable
 import numpy as np
 from scipy import sparse
 
-from fefinger.fem.elements.probe import gradient_at_vertices, strain_at_vertices
+from fefinger.fem.elements.probe import VOIGT, gradient_at_vertices, strain_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.geometry.locate import locate
 from fefinger.mechanics.press.history import SmallStrainHistory, frames_of
 from fefinger.mechanics.press.problem import Press
@@ -16,8 +17,6 @@ from fefinger.support.arrays import Array, Integers
 
 
 NEAREST = 24  # cells that a point is looked for in
-
-VOIGT_ROWS, VOIGT_COLUMNS = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
 
 
 def small_strain_fields(press: Press, history: SmallStrainHistory) -> Fields:
@@ -38,7 +37,7 @@ def fields_of(
     pressure (n, n_pad) kPa at its vertices `pad` (n_pad,).
     """
     original = press.body.original
-    fields = no_fields(press, press.time[frames])
+    fields = no_fields(press.mesh, press.time[frames])
     fields.displacement[:, original] = unknowns[: 3 * len(original)].T.reshape(len(frames), -1, 3)
     at_vertices = strain_at_vertices(press.body.space) @ unknowns
     fields.strain[:, original] = at_vertices.T.reshape(len(frames), -1, 6)
@@ -54,18 +53,18 @@ def finite_strain_fields(
     pressure (n, n_pad) kPa at its vertices `pad` (n_pad,); the strain is logarithmic.
     """
     original, gradients = press.body.original, gradient_at_vertices(press.body.space)
-    fields = no_fields(press, times)
+    fields, (rows, columns) = no_fields(press.mesh, times), zip(*VOIGT, strict=True)
     fields.pressure[:, original[pad]] = pressure
     for frame, values in enumerate(states):
         fields.displacement[frame, original] = values[: 3 * len(original)].reshape(-1, 3)
         logs = logarithmic((gradients @ values).reshape(-1, 3, 3))
-        fields.strain[frame, original] = logs[:, VOIGT_ROWS, VOIGT_COLUMNS]
+        fields.strain[frame, original] = logs[:, rows, columns]
     return fields
 
 
-def no_fields(press: Press, times: Array) -> Fields:
-    """Zero fields on the whole mesh; they stay zero in its rigid parts."""
-    mesh, shape = press.mesh, (len(times), len(press.mesh.points))
+def no_fields(mesh: FingerMesh, times: Array) -> Fields:
+    """Zero fields at times (n,) s on a whole mesh; they stay zero in its rigid parts."""
+    shape = len(times), len(mesh.points)
     return Fields(
         mesh.points,
         mesh.cells,

@@ -21,6 +21,7 @@ from fefinger.fem.contact.modal_march import ModalContact
 from fefinger.fem.contact.modal_step import add_strain, release
 from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.mechanics.press import limits
+from fefinger.mechanics.press.fields import no_fields
 from fefinger.mechanics.press.harmonic import Vibrating
 from fefinger.mechanics.press.modal_body import body_of_modes
 from fefinger.mechanics.press.mode_store import finger_modes
@@ -216,15 +217,7 @@ class Modal:
         swing = np.cos(2 * np.pi * np.arange(frames) / frames)
         strain = (strain_at_vertices(solid.space) @ moved).reshape(-1, 6)
         shown = moved[: 3 * len(solid.original)].reshape(-1, 3)
-        fields = Fields(
-            mesh.points,
-            mesh.cells,
-            mesh.region,
-            np.arange(frames) / frames / self.frequencies[which],
-            displacement=np.zeros((frames, len(mesh.points), 3)),
-            strain=np.zeros((frames, len(mesh.points), 6)),
-            pressure=np.zeros((frames, len(mesh.points))),
-        )
+        fields = no_fields(mesh, np.arange(frames) / frames / self.frequencies[which])
         fields.displacement[:, solid.original] = swing[:, None, None] * shown
         fields.strain[:, solid.original] = swing[:, None, None] * strain
         return fields
