@@ -59,10 +59,6 @@ class Situation:
             return (self,)
         return tuple(map(self.on, RESOLUTIONS[1:] if self.ask.spikes else RESOLUTIONS))
 
-    def under(self, indenter: Indenter) -> Self:
-        """Return the situation under another object."""
-        return self if indenter is self.indenter else replace(self, indenter=indenter)
-
     @property
     def mesh(self) -> str:
         """Resolution of the mesh."""

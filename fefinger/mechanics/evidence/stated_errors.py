@@ -66,8 +66,7 @@ def _raised(candidate: Candidate, case: Situation, quantity: str) -> Known:
     """
     if quantity != "force" or candidate.resolution is None:
         return UNKNOWN
-    angles = case.indenter.plate
-    plate = measured(candidate, case.under(Flat() if angles is None else Flat(*angles)))
+    plate = measured(candidate, replace(case, indenter=Flat(*(case.indenter.plate or ()))))
     mesh = RAISED[candidate.resolution]
     source = f"reports/friction.json: {percent(mesh)} of the mesh under raised parts"
     return Known(mesh + plate.error, f"{source}; under a plate {plate.source}")
@@ -87,6 +86,7 @@ def _other_tissue(candidate: Candidate, case: Situation, quantity: str) -> Known
     if not measured_tissue.soft_skin(finger):
         return Known(known.error, source)
     # Under an edge soft skin bends more than the published one, as it does under a plate.
-    bent = measured(candidate, alike.under(Flat()), quantity) if case.indenter.sharp else known
+    plate = replace(alike, indenter=Flat())
+    bent = measured(candidate, plate, quantity) if case.indenter.sharp else known
     error = float(np.maximum(known.error, SOFT_SKIN * bent.error))
     return Known(error, f"{source}, and {SOFT_SKIN:g} times as much for softer skin")

@@ -62,35 +62,26 @@ def solve(
 
     Errors as `load_or_solve`.
     """
-    if force:
-        return _to_force(press, force, stages, further=further)
-    if not further:
-        return _solved(press, no_deeper(least), stages)
-    wanted = depths(press.finger.thickness, least)
-    if press.standard:  # the reference press is one of its depths
-        wanted = np.union1d(wanted, REFERENCE_DEPTH)
-    try:
-        return _solved(press, wanted, stages)
-    except (InputError, ConvergenceError):
-        if not least:
-            raise
-    return _solved(press, no_deeper(least), stages)
-
-
-def _to_force(press: Press, force: float, stages: Stages, *, further: bool) -> ElasticPress:
-    """Solve the elastic press to the first depth that bears a force in N."""
     thickness, wanted = press.finger.thickness, force / NEWTON_PER_MILLINEWTON / press.sides
 
     def enough(depth: float, borne: float) -> bool:
         return borne >= wanted and (not further or depth >= PART * thickness * (1 - 1e-9))
 
-    tried = depths(thickness, FARTHEST * thickness)
-    if press.standard:
+    tried = depths(thickness, FARTHEST * thickness if force else least)
+    if press.standard:  # the reference press is one of its depths
         tried = np.union1d(tried, REFERENCE_DEPTH)
-    table = _solved(press, tried, stages, enough)
-    if further or len(table.depth) > FEWEST:
-        return table
-    return _solved(press, no_deeper(table.deepest), stages)
+    if force:
+        table = _solved(press, tried, stages, enough)
+        if further or len(table.depth) > FEWEST:
+            return table
+        return _solved(press, no_deeper(table.deepest), stages)
+    if further:
+        try:
+            return _solved(press, tried, stages)
+        except (InputError, ConvergenceError):
+            if not least:
+                raise
+    return _solved(press, no_deeper(least), stages)
 
 
 def _solved(

@@ -29,11 +29,13 @@ def modal_grid(motion: Motion, *, fast: bool) -> Grid:
     InputError if the motion takes more steps than memory holds.
     """
     outer = time_grid(motion, fast=fast)
-    moves = _moving(motion, outer)
-    longest = _longest(motion, np.diff(outer)[moves])
-    lengths = np.diff(outer)
+    lengths, moves = np.diff(outer), _moving(motion, outer)
+    cycle = 1 / motion.highest_frequency if motion.highest_frequency else np.inf
+    shortest = lengths[moves].min(initial=np.inf)
+    longest = float(min(MODAL_STEP, cycle / STEPS_PER_CYCLE, shortest))
     short = moves & (lengths <= SLOW * longest)
-    rings = _rings(outer, short)
+    last = np.maximum.accumulate(np.where(short, outer[1:], -np.inf))
+    rings = ~short & (outer[:-1] < last + RINGING)
     parts = np.ones(len(lengths), dtype=np.int64)
     swings = short | rings
     parts[swings] = np.ceil(lengths[swings] / longest * (1 - 1e-9)).astype(np.int64)
@@ -59,13 +61,6 @@ def modal_grid(motion: Motion, *, fast: bool) -> Grid:
     return Grid(times, np.concatenate(stored), longest * (1 + 1e-6))
 
 
-def _longest(motion: Motion, moving: Array) -> float:
-    """Length in s of the longest step with inertia."""
-    highest = motion.highest_frequency or 0.0
-    cycle = 1 / highest if highest else np.inf
-    return float(min([MODAL_STEP, cycle / STEPS_PER_CYCLE, moving.min(initial=np.inf)]))
-
-
 def _moving(motion: Motion, time: Array) -> Flags:
     """Whether the motion moves in each interval (n_t - 1,) of the times."""
     middles = (time[1:] + time[:-1]) / 2
@@ -73,9 +68,3 @@ def _moving(motion: Motion, time: Array) -> Flags:
     for start, stop in motion.moving:
         moves |= (middles > start) & (middles < stop)
     return moves
-
-
-def _rings(time: Array, moves: Flags) -> Flags:
-    """Whether an interval of rest begins within RINGING s after a motion."""
-    last = np.maximum.accumulate(np.where(moves, time[1:], -np.inf))
-    return np.asarray(~moves & (time[:-1] < last + RINGING))
