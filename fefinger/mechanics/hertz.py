@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fefinger.mechanics.evidence.machine import slowness
+from fefinger.mechanics.evidence.pressed_objects import distance
 from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.notes import (
@@ -286,7 +287,7 @@ def doubts_of_place(case: Situation) -> list[Doubt]:
             reason = f"tilt = {flat.tilt:g} > 0 degrees: R is that of the middle"
             doubts.append(Doubt("indenter.tilt", reason))
         return doubts
-    away = float(np.hypot(*(case.indenter.place or (0.0, 0.0))))
+    away = distance(case.indenter)
     if away > NEAR:
         reason = f"distance of indenter.at from the middle = {beyond(away, NEAR)} mm"
         doubts.append(Doubt("indenter.at", f"{reason}: R is that of the middle"))

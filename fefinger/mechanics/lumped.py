@@ -131,9 +131,10 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 def _doubts(case: Situation) -> list[Doubt]:
     """Differences of the scene from the measured conditions, with the numbers."""
     flat, found = case.indenter.flat, law(case)
-    doubts = [Doubt("finger", found.doubt)] if found.doubt else []
+    too_hard = _too_hard(case, found) if found.printed else []
     if not math.isnan(found.error):
-        return _too_hard(case, found) if found.printed else []
+        return too_hard
+    doubts = [Doubt("finger", found.doubt)] if found.doubt else []
     if flat is None:
         reason = f"indenter = {case.indenter.kind}: it was measured with a flat plate"
         doubts.append(Doubt("indenter", reason))
@@ -143,7 +144,7 @@ def _doubts(case: Situation) -> list[Doubt]:
             f"measured at {ANGLES[0]:g} to {ANGLES[1]:g}, 0"
         )
         doubts.append(Doubt("indenter", reason))
-    return doubts + (_too_hard(case, found) if found.printed else [])
+    return doubts + too_hard
 
 
 def _too_hard(case: Situation, found: Law) -> list[Doubt]:

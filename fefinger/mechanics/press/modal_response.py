@@ -109,7 +109,11 @@ def _corrected(
     with stages.stage("motion"):
         shares = table.along(slow.time)
     answer = carried_response(table, shares, stages)
-    depth = working_depth(scene, table)
+    depth = float(scene.motion.steady_level)  # about which it vibrates, or else its largest
+    if scene.motion.control == "depth":
+        depth = min(depth, table.table.deepest)
+    else:  # of relaxed tissue
+        depth = float(np.interp(depth, table.force, table.table.nodes))
     share = geometric_share(depth / scene.finger.thickness)
     swinging = about_preload(scene.finger, share)
     swinging = replace(swinging, resolution=MESH_OF_INERTIA[scene.finger.mesh])
@@ -161,25 +165,14 @@ def _swept(
 def _loses(found: Harmonic, scene: Scene) -> tuple[str, ...]:
     """Return the note that the contact of a preload opens within a cycle, if it does."""
     amplitude = float(getattr(scene.motion, "amplitude", 0.0))
-    if scene.motion.control == "force":
-        return ()
-    swing = amplitude * np.abs(found.stiffness)
-    lost = swing > found.preload_force
-    if not lost.any():
+    lost = amplitude * np.abs(found.stiffness) > found.preload_force
+    if scene.motion.control == "force" or not lost.any():
         return ()
     return (
         f"From {found.frequency[lost].min():.3g} to {found.frequency[lost].max():.3g} Hz the force "
         f"of {amplitude:g} mm exceeds the preload of {found.preload_force:.3g} N: contact opens in "
         "mid-cycle, which the answer through time follows and the harmonic one does not.",
     )
-
-
-def working_depth(scene: Scene, table: CarriedPress) -> float:
-    """Depth in mm about which a motion vibrates, or else its largest; relaxed, under a force."""
-    level = float(scene.motion.steady_level)
-    if scene.motion.control == "depth":
-        return min(level, table.table.deepest)
-    return float(np.interp(level, table.force, table.table.nodes))
 
 
 def stiffening(press: Press, table: CarriedPress, depth: float) -> float:

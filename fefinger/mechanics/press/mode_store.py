@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from fefinger.fem.condensation import Operator, Part
+from fefinger.fem.condensation import Operator
 from fefinger.fem.elements.mass import mass
 from fefinger.fem.modes import Modes, modes_of
 from fefinger.mechanics.press.operator_cache import MODES, modes_folder, modes_identity
@@ -76,12 +76,12 @@ def finger_modes(
     ConvergenceError if the modes do not converge.
     """
     sets = []
-    for number, part in enumerate(solid.parts):
+    for number in range(len(solid.parts)):
 
         def report(fraction: float, done: int = number) -> None:
             progress((done + fraction) / len(solid.parts))
 
-        sets.append(_part(finger, solid, part, number, report))
+        sets.append(_part(finger, solid, number, report))
     light = finger.skin.density * PER_CUBIC_METER
     scale = finger.skin.modulus / light
     squares = np.concatenate([each.squares for each in sets]) * scale
@@ -98,15 +98,9 @@ def finger_modes(
     return FingerModes(squares[order], parts, float(np.sqrt(highest) / (2 * np.pi)))
 
 
-def _part(
-    finger: Finger,
-    solid: Operator,
-    part: Part,
-    number: int,
-    progress: Callable[[float], None],
-) -> Modes:
+def _part(finger: Finger, solid: Operator, number: int, progress: Callable[[float], None]) -> Modes:
     """Modes of one parity, for a skin of 1 kPa and 1 kg/mm³."""
-    identity = solid.identities[number]
+    part, identity = solid.parts[number], solid.identities[number]
     place = None if identity is None else modes_folder(finger, identity)
     if place is not None:
         cache.touch(place)
