@@ -53,17 +53,17 @@ def apart(finger: Finger) -> tuple[Doubt, ...]:
         reason = f"finger.relaxation = {finger.relaxation!r}: it relaxes the whole stress"
         doubts.append(Doubt("finger.relaxation", reason))
     for layer in ("skin", "subcutaneous"):
+        field = f"finger.{layer}.prony"
         if getattr(finger, layer).prony not in (None, finger.prony):
-            field = f"finger.{layer}.prony"
-            doubts.append(
-                Doubt(field, f"{field}: set, but it relaxes all tissue with one function")
-            )
+            reason = f"{field}: set, but it relaxes all tissue with one function"
+            doubts.append(Doubt(field, reason))
     return tuple(doubts)
 
 
-def relaxing(finger: Finger) -> tuple[str, ...]:
-    """Return notes on tissues with their own relaxation, or with a purely deviatoric one."""
-    notes = []
+def of_finger(finger: Finger) -> tuple[str, ...]:
+    """Return notes on how the tissue of a finger is held and relaxes."""
+    cut = "held" if finger.cut == "fixed" else "free"
+    notes = [f"At its proximal end the tissue is {cut}.", *normalized(finger.prony)]
     if finger.relaxation == "deviatoric":
         notes.append("Only the deviatoric stress relaxes; the pressure is elastic.")
     for layer in ("skin", "subcutaneous"):
@@ -72,16 +72,6 @@ def relaxing(finger: Finger) -> tuple[str, ...]:
             notes.append(f"The {layer} relaxes with a series of its own.")
             notes.extend(normalized(prony))
     return tuple(notes)
-
-
-def of_finger(finger: Finger) -> tuple[str, ...]:
-    """Return notes on how the tissue of a finger is held and relaxes."""
-    cut = "held" if finger.cut == "fixed" else "free"
-    return (
-        f"At its proximal end the tissue is {cut}.",
-        *normalized(finger.prony),
-        *relaxing(finger),
-    )
 
 
 RIGID_BONE = (
@@ -125,7 +115,12 @@ def rough(indenter: Indenter) -> tuple[Doubt, ...]:
 
 def out_of_plane(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
     """List the options of sliding and friction that finite strain does not support."""
-    doubts = [*rocking(motion)]
+    doubts = []
+    if motion.rocks:
+        reason = (
+            f"motion.kind = {motion.kind!r}: its plate does not turn, as by motion.angle or tilt"
+        )
+        doubts.append(Doubt("motion.angle", reason))
     if motion.slides and indenter.flat is None:
         reason = (
             f"motion.kind = {motion.kind!r}, indenter.kind = {indenter.kind!r}: a smooth plate "
@@ -139,14 +134,6 @@ def out_of_plane(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
         )
         doubts.append(Doubt("indenter.friction", reason))
     return tuple(doubts)
-
-
-def rocking(motion: Motion) -> tuple[Doubt, ...]:
-    """Return the doubt that the path turns the plate, if it does."""
-    if not motion.rocks:
-        return ()
-    reason = f"motion.kind = {motion.kind!r}: its plate does not turn, as by motion.angle or tilt"
-    return (Doubt("motion.angle", reason),)
 
 
 def rocked(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
