@@ -32,6 +32,7 @@ class Dots(Raised):
     """
 
     kind = "dots"
+    lengths = ("diameter", "spacing", "height")
     usual_edge = 0.1
 
     spacing: float
@@ -45,10 +46,8 @@ class Dots(Raised):
     roll: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check the sizes, and that dots do not overlap."""
-        self._set("diameter", above=0, unit="mm")
-        self._set("spacing", above=0, unit="mm")
-        self._set_raised()
+        """Check the number of samples besides, and that dots do not overlap."""
+        super().__post_init__()
         self._check_samples("spacing", self.spacing, (self.tile, self.tile))
         choice("indenter.arrangement", self.arrangement, ARRANGEMENTS)
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:

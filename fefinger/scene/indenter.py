@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, NamedTuple, Protocol, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -11,17 +11,12 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, numbers
 
 
-ANGLES = (0.0, 60.0)
-"""Range of the plate's angle in degrees: 0 lies along the bone, beyond 60 the nail is in the way.
+TURNS = {"roll": (-180.0, 180.0), "angle": (0.0, 60.0), "tilt": (-45.0, 45.0)}
+"""Ranges in degrees of the turn about the travel, and of the plate's angle and tilt.
 
-The thesis has 20 to 40 degrees (Pawluk 1997, section 2.2).
+An angle of 0 lies along the bone, beyond 60 the nail is in the way; the thesis has 20 to 40 (Pawluk
+1997, section 2.2).
 """
-
-TILTS = (-45.0, 45.0)
-"""Range of the plate's tilt in degrees."""
-
-ROLLS = (-180.0, 180.0)
-"""Range of the turn about the direction of travel in degrees."""
 
 
 class Plate(NamedTuple):
@@ -29,18 +24,6 @@ class Plate(NamedTuple):
 
     angle: float
     tilt: float = 0.0
-
-
-class Inclined(Protocol):
-    """Anything with the two angles of a plate, in degrees."""
-
-    @property
-    def angle(self) -> float:
-        """Degrees about y, 0 along the bone."""
-
-    @property
-    def tilt(self) -> float:
-        """Degrees about x."""
 
 
 @dataclass(frozen=True)
@@ -66,18 +49,44 @@ class Indenter(ABC):
     sharp: ClassVar[bool] = False
     """Whether it has edges or ridges that the skin folds around."""
 
+    lengths: ClassVar[tuple[str, ...]] = ()
+    """Names of the fields that are a length above 0 mm."""
+
+    def __post_init__(self) -> None:
+        """Check lengths, friction, angles and place."""
+        for name in self.lengths:
+            self._set(name, above=0, unit="mm")
+        self._set("friction", at_least=0)
+        if self.friction_kinetic is not None:
+            self._set("friction_kinetic", at_least=0)
+            if self.kinetic > self.friction:
+                raise InputError(
+                    "indenter.friction_kinetic: expected at most indenter.friction = "
+                    f"{self.friction:g}, that of skin that sticks, received {self.kinetic:g}"
+                )
+        for name, (low, high) in TURNS.items():
+            if hasattr(self, name):
+                self._set(name, at_least=low, at_most=high, unit="degrees")
+        if self.place is not None:
+            object.__setattr__(self, "at", numbers("indenter.at", self.place, count=2, unit="mm"))
+
+    def _set(self, name: str, **limits: Any) -> None:
+        value = number(f"indenter.{name}", getattr(self, name), **limits)
+        object.__setattr__(self, name, value)
+
     @property
     @abstractmethod
     def profile(self) -> profiles.Profile:
         """Heights of the surface across the travel, before `roll`."""
 
     @property
-    @abstractmethod
     def least_radius(self) -> float:
         """Smallest radius of curvature in mm of what the pad meets; infinite for a plane.
 
         That of a ball is at its foremost point, that of a relief the one at its sharpest crest.
         """
+        assert self.hertzian is not None  # others have a property of their own
+        return min(self.hertzian)
 
     @property
     def narrowest(self) -> float:
@@ -150,27 +159,10 @@ class Indenter(ABC):
         central = self.place is None or self.place[1] == 0
         return upright and central and self.turn % 90 == 0
 
-    def _set(self, name: str, **limits: Any) -> None:
-        value = number(f"indenter.{name}", getattr(self, name), **limits)
-        object.__setattr__(self, name, value)
-
     @property
     def kinetic(self) -> float:
         """Kinetic coefficient of friction."""
         return self.friction if self.friction_kinetic is None else self.friction_kinetic
-
-    def _set_contact(self) -> None:
-        """Check friction, and the roll where there is one."""
-        self._set("friction", at_least=0)
-        if self.friction_kinetic is not None:
-            self._set("friction_kinetic", at_least=0)
-            if self.kinetic > self.friction:
-                raise InputError(
-                    "indenter.friction_kinetic: expected at most indenter.friction = "
-                    f"{self.friction:g}, that of skin that sticks, received {self.kinetic:g}"
-                )
-        if hasattr(self, "roll"):
-            self._set("roll", at_least=ROLLS[0], at_most=ROLLS[1], unit="degrees")
 
 
 class PlateLike(Indenter):
@@ -183,11 +175,6 @@ class PlateLike(Indenter):
     def plate(self) -> Plate:
         """Angle and tilt in degrees."""
         return Plate(self.angle, self.tilt)
-
-    def _set_angles(self) -> None:
-        self._set_contact()
-        self._set("angle", at_least=ANGLES[0], at_most=ANGLES[1], unit="degrees")
-        self._set("tilt", at_least=TILTS[0], at_most=TILTS[1], unit="degrees")
 
 
 class Placed(Indenter):
@@ -205,10 +192,9 @@ class Placed(Indenter):
         changes: dict[str, Any] = {"at": place}
         return replace(self, **changes)
 
-    def _set_place(self) -> None:
-        self._set_contact()
-        if self.at is not None:
-            object.__setattr__(self, "at", numbers("indenter.at", self.at, count=2, unit="mm"))
+
+Inclined = Plate | PlateLike
+"""Anything with the two angles of a plate, in degrees."""
 
 
 def direction(plate: Inclined) -> Array:

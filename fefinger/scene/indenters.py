@@ -32,19 +32,10 @@ class Flat(PlateLike):
     angle: float = 30.0
     tilt: float = 0.0
 
-    def __post_init__(self) -> None:
-        """Check the angles."""
-        self._set_angles()
-
     @property
     def profile(self) -> profiles.Plane:
         """A plane."""
         return profiles.Plane()
-
-    @property
-    def least_radius(self) -> float:
-        """Infinite."""
-        return float("inf")
 
     @property
     def flat(self) -> Plate:
@@ -72,24 +63,15 @@ class Sphere(Placed):
     """A rigid sphere of `radius` mm, placed at `at`."""
 
     kind = "sphere"
+    lengths = ("radius",)
 
     radius: float
     at: tuple[float, float] | None = None
-
-    def __post_init__(self) -> None:
-        """Check the radius and the place."""
-        self._set("radius", above=0, unit="mm")
-        self._set_place()
 
     @property
     def profile(self) -> profiles.Ellipsoid:
         """An ellipsoid of equal half axes."""
         return profiles.Ellipsoid((self.radius,) * 3)
-
-    @property
-    def least_radius(self) -> float:
-        """The radius in mm."""
-        return self.radius
 
     @property
     def hertzian(self) -> tuple[float, float]:
@@ -120,17 +102,12 @@ class Ellipsoid(Placed):
         """Check the half axes and the place."""
         radii = numbers("indenter.radii", self.radii, count=3, above=0, unit="mm")
         object.__setattr__(self, "radii", radii)
-        self._set_place()
+        super().__post_init__()
 
     @property
     def profile(self) -> profiles.Ellipsoid:
         """The ellipsoid."""
         return profiles.Ellipsoid(self.radii)
-
-    @property
-    def least_radius(self) -> float:
-        """The smaller radius in mm at the foremost point."""
-        return min(self.hertzian)
 
     @property
     def hertzian(self) -> tuple[float, float]:
@@ -149,15 +126,11 @@ class Cylinder(Placed):
     """A long rigid cylinder of `radius` mm, placed at `at` and turned by `roll`."""
 
     kind = "cylinder"
+    lengths = ("radius",)
 
     radius: float
     roll: float = 0.0
     at: tuple[float, float] | None = None
-
-    def __post_init__(self) -> None:
-        """Check the radius and the place."""
-        self._set("radius", above=0, unit="mm")
-        self._set_place()
 
     @property
     def profile(self) -> profiles.Ellipsoid:
@@ -184,6 +157,7 @@ class Bar(Placed):
 
     kind = "bar"
     sharp = True
+    lengths = ("width",)
 
     width: float
     corner: float
@@ -191,10 +165,9 @@ class Bar(Placed):
     at: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        """Check the sizes and the place."""
-        self._set("width", above=0, unit="mm")
+        """Check the corner besides, which has to fit."""
+        super().__post_init__()
         self._set("corner", above=0, at_most=self.width / 2, unit="mm")
-        self._set_place()
 
     @property
     def profile(self) -> profiles.Bar:
@@ -227,18 +200,18 @@ class Pin(Placed):
 
     kind = "pin"
     sharp = True
+    lengths = ("width",)
 
     width: float
     corner: float | None = None
     at: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        """Check the sizes and the place."""
-        self._set("width", above=0, unit="mm")
+        """Check the edge besides, which has to fit."""
+        super().__post_init__()
         if self.corner is None:
             object.__setattr__(self, "corner", self.width / 5)
         self._set("corner", above=0, at_most=self.width / 2, unit="mm")
-        self._set_place()
 
     @property
     def profile(self) -> profiles.Pin:

@@ -86,6 +86,14 @@ class Raised(PlateLike):
     edge: float | None
     roll: float
 
+    def __post_init__(self) -> None:
+        """Check the edge, and what is between raised parts, besides."""
+        super().__post_init__()
+        check_rooms(self.rooms)
+        if self.edge is not None:
+            self._set("edge", above=0, unit="mm")
+            check_edge(self.edge, self.height, self.rooms)
+
     @property
     def rooms(self) -> tuple[Room, ...]:
         """Widths that the sizes leave to the sides of raised parts."""
@@ -120,15 +128,6 @@ class Raised(PlateLike):
         """Return the height in mm at places `inside` mm within the outline at half height."""
         t = np.clip(0.5 + inside / self.flank, 0.0, 1.0)
         return self.height * smooth_step(t)
-
-    def _set_raised(self) -> None:
-        """Check height, edge and what is between raised parts, and the angles."""
-        self._set("height", above=0, unit="mm")
-        check_rooms(self.rooms)
-        if self.edge is not None:
-            self._set("edge", above=0, unit="mm")
-            check_edge(self.edge, self.height, self.rooms)
-        self._set_angles()
 
     def _check_samples(self, field: str, value: object, sides: tuple[float, float]) -> None:
         """Raise InputError for a surface with `sides` mm that takes too many samples."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.geometry.profiles import frame
-from fefinger.scene.indenter import ANGLES, TILTS, Inclined, Plate, direction
+from fefinger.scene.indenter import TURNS, Inclined, Plate, direction
 from fefinger.scene.motion_shapes import RampMotion, rest_limit
 from fefinger.scene.samples import SampledMotion
 from fefinger.scene.trajectory import Trajectory
@@ -22,8 +22,8 @@ from fefinger.support.checks import InputError, number, numbers
 from fefinger.support.csv_columns import read_columns, read_table
 
 
-TURNS = {"angle": ANGLES, "tilt": TILTS}
-"""Angles of a plate that a path may have, with their ranges in degrees."""
+ANGLES = ("angle", "tilt")
+"""Angles of a plate that a path may have."""
 
 
 class SlideMotion(RampMotion):
@@ -168,14 +168,14 @@ class SampledPathMotion(SampledMotion):
     @property
     def _columns(self) -> tuple[str, ...]:
         """Names of the columns besides time and depth or force."""
-        return ("x", "y", *(name for name in TURNS if getattr(self, name) is not None))
+        return ("x", "y", *(name for name in ANGLES if getattr(self, name) is not None))
 
     def _check_fields(self) -> dict[str, Any]:
         super()._check_fields()
         for name in self._columns:
-            unit = "degrees" if name in TURNS else "mm"
+            unit = "degrees" if name in ANGLES else "mm"
             values = numbers(f"motion.{name}", getattr(self, name), unit=unit)
-            if name in TURNS:
+            if name in ANGLES:
                 for value in values:
                     low, high = TURNS[name]
                     number(f"motion.{name}", value, at_least=low, at_most=high, unit=unit)
@@ -225,7 +225,7 @@ class SampledPathMotion(SampledMotion):
         """
         wanted = ("time", "x", "y", cls.control)
         header = [cell.lower() for cell in read_table("motion.file", Path(file)).header]
-        turns = [name for name in TURNS if any(cell.startswith(name) for cell in header)]
+        turns = [name for name in ANGLES if any(cell.startswith(name) for cell in header)]
         names = (*wanted, *turns)
         columns = read_columns("motion.file", Path(file), names)
         given: dict[str, Any] = dict(zip(names, columns, strict=True)) | {"corner": corner}

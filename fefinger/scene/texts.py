@@ -38,6 +38,16 @@ class Text(Raised):
     text: str
     start: float
 
+    def __post_init__(self) -> None:
+        """Check the text and its start besides."""
+        super().__post_init__()
+        self._set("start", unit="mm")
+        if not isinstance(self.text, str) or not self.text.strip() or len(self.text) > LARGEST_TEXT:
+            raise InputError(
+                f"indenter.text: expected 1 to {LARGEST_TEXT} characters that are not all blank, "
+                f"received {self.text!r}"
+            )
+
     @property
     def box(self) -> tuple[float, float]:
         """Length in mm of the text, and its height about y = 0."""
@@ -72,14 +82,6 @@ class Text(Raised):
         count = int(np.ceil((high - low) / self.pitch)) + 1
         return np.linspace(low, high, count, dtype=np.float64)
 
-    def _set_text(self) -> None:
-        self._set("start", unit="mm")
-        if not isinstance(self.text, str) or not self.text.strip() or len(self.text) > LARGEST_TEXT:
-            raise InputError(
-                f"indenter.text: expected 1 to {LARGEST_TEXT} characters that are not all blank, "
-                f"received {self.text!r}"
-            )
-
 
 @final
 @dataclass(frozen=True)
@@ -91,6 +93,7 @@ class Braille(Text):
     """
 
     kind = "braille"
+    lengths = ("diameter", "spacing", "cell", "height")
     usual_edge = 0.25
 
     text: str
@@ -105,12 +108,8 @@ class Braille(Text):
     roll: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check the text and the sizes."""
-        self._set("diameter", above=0, unit="mm")
-        self._set("spacing", above=0, unit="mm")
-        self._set("cell", above=0, unit="mm")
-        self._set_raised()
-        self._set_text()
+        """Check the signs of the text besides."""
+        super().__post_init__()
         _ = self.centers
 
     @property
@@ -169,6 +168,7 @@ class Letters(Text):
     """
 
     kind = "letters"
+    lengths = ("size", "height")
     usual_edge = 0.05
 
     text: str
@@ -179,12 +179,6 @@ class Letters(Text):
     angle: float = 30.0
     tilt: float = 0.0
     roll: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Check the text and the sizes."""
-        self._set("size", above=0, unit="mm")
-        self._set_raised()
-        self._set_text()
 
     @property
     def rooms(self) -> tuple[Room, ...]:

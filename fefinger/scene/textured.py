@@ -36,6 +36,7 @@ class Grating(PlateLike):
 
     kind = "grating"
     sharp = True
+    lengths = ("period", "depth")
 
     period: float
     ridge: float
@@ -47,10 +48,9 @@ class Grating(PlateLike):
     edge: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the sizes and the place."""
-        self._set("period", above=0, unit="mm")
+        """Check ridge, shift and edge besides."""
+        super().__post_init__()
         self._set("ridge", above=0, below=self.period, unit="mm")
-        self._set("depth", above=0, unit="mm")
         self._set("shift", unit="mm")
         if self.edge is not None:
             self._set("edge", above=0, unit="mm")
@@ -58,7 +58,6 @@ class Grating(PlateLike):
             sizes = f"period = {self.period:g}, ridge = {self.ridge:g}"
             room = Room("ridge", sizes, min(self.ridge, groove))
             check_edge(self.edge, self.depth, (room,), least=0.0)
-        self._set_angles()
 
     @property
     def profile(self) -> profiles.Grating:
@@ -141,7 +140,7 @@ class Relief(PlateLike):
             for i, row in enumerate(given)
         )
         object.__setattr__(self, "heights", tuple(rows))
-        self._set_angles()
+        super().__post_init__()
 
     @property
     def profile(self) -> profiles.Relief:

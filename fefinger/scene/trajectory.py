@@ -37,16 +37,22 @@ class Wave:
         """Return the wave at the times `t` in s."""
         tau = np.maximum(t - self.start, 0.0)
         envelope, _ = self._envelope(tau)
-        return self.amplitude * envelope * np.sin(2 * np.pi * self.frequency * tau + self.phase)
+        return self.amplitude * envelope * np.sin(self._angle(tau))
 
     def rate(self, t: Array) -> Array:
         """Return the derivative of the wave at the times `t` in s, from the right."""
         tau = np.maximum(t - self.start, 0.0)
         envelope, slope = self._envelope(tau)
-        omega = 2 * np.pi * self.frequency
-        angle = omega * tau + self.phase
-        speed = envelope * omega * np.cos(angle) + slope * np.sin(angle)
+        angle = self._angle(tau)
+        speed = envelope * self._omega(tau) * np.cos(angle) + slope * np.sin(angle)
         return self.amplitude * np.where(t >= self.start, speed, 0.0)
+
+    def _angle(self, tau: Array) -> Array:
+        return self._omega(tau) * tau + self.phase
+
+    def _omega(self, tau: Array) -> Array:
+        """Angular frequency in 1/s, the derivative of the angle."""
+        return np.full_like(tau, 2 * np.pi * self.frequency)
 
     @property
     def first_crest(self) -> float:
@@ -93,21 +99,6 @@ class Sweep(Wave):
     last: float = 1.0
     length: float = 1.0
 
-    def value(self, t: Array) -> Array:
-        """Return the wave at the times `t` in s."""
-        tau = np.maximum(t - self.start, 0.0)
-        envelope, _ = self._envelope(tau)
-        return self.amplitude * envelope * np.sin(self._angle(tau))
-
-    def rate(self, t: Array) -> Array:
-        """Return the derivative of the wave at the times `t` in s, from the right."""
-        tau = np.maximum(t - self.start, 0.0)
-        envelope, slope = self._envelope(tau)
-        omega = 2 * np.pi * self.first * np.exp(self._growth * tau)
-        angle = self._angle(tau)
-        speed = envelope * omega * np.cos(angle) + slope * np.sin(angle)
-        return self.amplitude * np.where(t >= self.start, speed, 0.0)
-
     def crests(self, end: float) -> Array:
         """Return times in s close to the crests before `end`."""
         cycles = float(self._angle(np.array(min(end - self.start, self.length)))) / (2 * np.pi)
@@ -124,6 +115,9 @@ class Sweep(Wave):
         growth = self._growth
         cycles = tau if growth == 0.0 else np.expm1(growth * tau) / growth
         return np.asarray(2 * np.pi * self.first * cycles)
+
+    def _omega(self, tau: Array) -> Array:
+        return np.asarray(2 * np.pi * self.first * np.exp(self._growth * tau))
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,18 +221,12 @@ class Trajectory:
 
     @property
     def moving(self) -> tuple[tuple[float, float], ...]:
-        """Intervals (t0, t1) in s in which the value changes."""
+        """Intervals (t0, t1) in s in which the value changes; one may begin where another ends."""
         ends = np.append(self.start[1:], self.duration)
         moves = (self.rate0 != 0) | (self.bend != 0)
         if self.wave is not None:
             moves |= self.start >= self.wave.start
-        merged: list[tuple[float, float]] = []
-        for t0, t1 in zip(self.start[moves].tolist(), ends[moves].tolist(), strict=True):
-            if merged and merged[-1][1] == t0:
-                merged[-1] = (merged[-1][0], t1)
-            else:
-                merged.append((t0, t1))
-        return tuple(merged)
+        return tuple(zip(self.start[moves].tolist(), ends[moves].tolist(), strict=True))
 
     @cached_property
     def peak(self) -> float:
