@@ -46,12 +46,8 @@ LIMITS: dict[str, dict[str, Any]] = {
     "approach": {"above": 0},
 }
 
-CORNER = 0.01
-"""Default corner of the ramps in s, the rounding of Pawluk (1997), section 4.3.5; shorter where a
-part of the motion is."""
-
-AS_LONG_AS_FITS: Any = None
-"""Default of the field `corner`: CORNER, or less."""
+WHOLE = ("cycles", "passes")
+"""Fields that are whole numbers."""
 
 
 @dataclass(frozen=True)
@@ -71,34 +67,21 @@ class Motion(ABC):
     def trajectory(self) -> Trajectory:
         """The motion as quadratics in time; InputError for numbers that do not fit together."""
 
-    @property
-    def corner_limits(self) -> tuple[float, ...]:
-        """Lengths in s that a corner should not exceed: the ramp, and what follows it."""
-        return ()
-
     def __post_init__(self) -> None:
         """Check every field, then build the trajectory, which finds corners that are too long."""
-        given = self._check_fields()
-        if "corner" in given and given["corner"] is AS_LONG_AS_FITS:
-            self._set(corner=min(CORNER, *self.corner_limits))
-        if "cycles" in given:
-            self._set(cycles=_whole(given["cycles"]))
+        for name in (each.name for each in fields(self)):
+            object.__setattr__(self, name, self._checked(name))
         _ = self.trajectory
 
-    def _check_fields(self) -> dict[str, Any]:
-        """Store every number that its limits allow; return the fields by name."""
-        given = {}
-        for name in (each.name for each in fields(self)):
-            given[name] = getattr(self, name)
-            if not (name == "corner" and given[name] is AS_LONG_AS_FITS):
-                given[name] = number(f"motion.{name}", given[name], **LIMITS[name])
-                self._set(**{name: given[name]})
-        return given
-
-    def _set(self, **values: Any) -> None:
-        """Store fields while a frozen motion is made."""
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
+    def _checked(self, name: str) -> Any:
+        """Return the value of a field that its limits allow; InputError for another."""
+        value = number(f"motion.{name}", getattr(self, name), **LIMITS[name])
+        if name not in WHOLE:
+            return value
+        if value != int(value):
+            msg = f"motion.{name}: expected a whole number of {name}, received {value:g}"
+            raise InputError(msg)
+        return int(value)
 
     @property
     def rocks(self) -> bool:
@@ -240,10 +223,3 @@ def merged(spans: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], .
         else:
             union.append((start, stop))
     return tuple(union)
-
-
-def _whole(cycles: float) -> int:
-    """Return a number of cycles as an int, or raise InputError if it is not a whole one."""
-    if cycles != int(cycles):
-        raise InputError(f"motion.cycles: expected a whole number of cycles, received {cycles:g}")
-    return int(cycles)

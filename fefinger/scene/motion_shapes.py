@@ -5,6 +5,7 @@ A shape is abstract: `motions.py` has its two final classes, of depth in mm and 
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,13 @@ from fefinger.scene.trajectory import Sweep, Trajectory, Wave
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
+
+CORNER = 0.01
+"""Default corner of the ramps in s, the rounding of Pawluk (1997), section 4.3.5; shorter where a
+part of the motion is."""
+
+AS_LONG_AS_FITS: Any = None
+"""Default of the field `corner`: CORNER, or less."""
 
 ANSWERED = 200
 """Frequencies at which a sweep is answered in closed form."""
@@ -36,8 +44,13 @@ class RampMotion(Motion):
 
     @property
     def corner_limits(self) -> tuple[float, ...]:
-        """The length of the ramp in s."""
+        """Lengths in s that a corner should not exceed: the ramp, and what follows it."""
         return (self.top,)
+
+    def _checked(self, name: str) -> Any:
+        if name == "corner" and self.corner is AS_LONG_AS_FITS:  # the last field
+            return min(CORNER, *self.corner_limits)
+        return super()._checked(name)
 
     @cached_property
     def trajectory(self) -> Trajectory:

@@ -7,8 +7,9 @@ base leaves open, as the name of what is controlled.
 from dataclasses import KW_ONLY, dataclass
 from typing import final
 
-from fefinger.scene.motion import AS_LONG_AS_FITS, Motion
+from fefinger.scene.motion import Motion
 from fefinger.scene.motion_shapes import (
+    AS_LONG_AS_FITS,
     RampHoldMotion,
     RampMotion,
     RampSinusoidMotion,

@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.scene.motion import LIMITS, Motion
+from fefinger.scene.motion import Motion
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, numbers, reject_unknown
@@ -157,23 +157,31 @@ class SampledMotion(Motion):
     @cached_property
     def trajectory(self) -> Trajectory:
         """The lines; InputError for times or values that are none of a motion."""
-        values = getattr(self, self.control)
-        self._check_samples(self.control, values)
+        self._check_samples()
+        return self._through(getattr(self, self.control))
+
+    def _through(self, values: tuple[float, ...]) -> Trajectory:
         return Trajectory.through(self.time, values, corner=self.corner, stop=False)
 
-    def _check_fields(self) -> dict[str, Any]:
-        self._set(corner=number("motion.corner", self.corner, **LIMITS["corner"]))
-        for name in ("time", self.control):
-            self._set(**{name: numbers(f"motion.{name}", getattr(self, name))})
-        return {}
+    @property
+    def _columns(self) -> tuple[str, ...]:
+        """Names of the columns besides time and depth or force."""
+        return ()
 
-    def _check_samples(self, name: str, values: tuple[float, ...]) -> None:
-        time = self.time
-        if len(time) != len(values) or len(time) < 2:
-            raise InputError(
-                f"motion.{name}: expected as many values as times, at least 2, "
-                f"received {len(values)} values and {len(time)} times"
-            )
+    def _checked(self, name: str) -> Any:
+        if name == "corner":
+            return super()._checked(name)
+        return numbers(f"motion.{name}", getattr(self, name))
+
+    def _check_samples(self) -> None:
+        time, values = self.time, getattr(self, self.control)
+        for name in (self.control, *self._columns):
+            count = len(getattr(self, name))
+            if len(time) != count or count < 2:
+                raise InputError(
+                    f"motion.{name}: expected as many values as times, at least 2, "
+                    f"received {count} values and {len(time)} times"
+                )
         if time[0] != 0:
             raise InputError(
                 f"motion.time: expected times that start at 0 s, received {time[0]:g} first; "
@@ -187,10 +195,10 @@ class SampledMotion(Motion):
                 )
         if max(values) <= 0:
             raise InputError(
-                f"motion.{name}: expected a value above 0, received at most {max(values):g}; "
-                "so the indenter never touches the finger"
+                f"motion.{self.control}: expected a value above 0, received at most "
+                f"{max(values):g}; so the indenter never touches the finger"
             )
-        if name == "force" and min(values) < 0:
+        if self.control == "force" and min(values) < 0:
             raise InputError(
                 f"motion.force: expected forces of at least 0 N, received {min(values):g}; "
                 "a contact cannot pull"

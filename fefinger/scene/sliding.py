@@ -18,7 +18,7 @@ from fefinger.scene.motion_shapes import RampMotion, rest_limit
 from fefinger.scene.samples import SampledMotion
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, number, numbers
+from fefinger.support.checks import numbers
 from fefinger.support.csv_columns import read_columns, read_table
 
 
@@ -43,14 +43,6 @@ class SlideMotion(RampMotion):
     passes: int
     approach: float
 
-    def __post_init__(self) -> None:
-        """Check the number of passes after the fields."""
-        super().__post_init__()
-        if self.passes != int(self.passes):
-            msg = f"motion.passes: expected a whole number of passes, received {self.passes:g}"
-            raise InputError(msg)
-        self._set(passes=int(self.passes))
-
     @property
     def top(self) -> float:
         """Length of the press in s, with sharp corners."""
@@ -74,7 +66,7 @@ class SlideMotion(RampMotion):
     @cached_property
     def along(self) -> Trajectory:
         """Distance in mm along the line."""
-        count = int(self.passes) + 1
+        count = self.passes + 1
         times = self.recorded_from + self.pass_seconds * np.arange(count)
         places = self.distance * (np.arange(count) % 2)
         return Trajectory.through(
@@ -148,39 +140,17 @@ class SampledPathMotion(SampledMotion):
         given = {"angle": self.angle, "tilt": self.tilt}
         return {name: self._through(each) for name, each in given.items() if each is not None}
 
-    def _through(self, values: tuple[float, ...]) -> Trajectory:
-        return Trajectory.through(self.time, values, corner=self.corner, stop=False)
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """The lines of depth or force; InputError for times or values that are none of a motion."""
-        for name in self._columns:
-            count = len(getattr(self, name))
-            if count != len(self.time):
-                raise InputError(
-                    f"motion.{name}: expected as many values as times, received {count} values and "
-                    f"{len(self.time)} times"
-                )
-        values = getattr(self, self.control)
-        self._check_samples(self.control, values)
-        return self._through(values)
-
     @property
     def _columns(self) -> tuple[str, ...]:
-        """Names of the columns besides time and depth or force."""
         return ("x", "y", *(name for name in ANGLES if getattr(self, name) is not None))
 
-    def _check_fields(self) -> dict[str, Any]:
-        super()._check_fields()
-        for name in self._columns:
-            unit = "degrees" if name in ANGLES else "mm"
-            values = numbers(f"motion.{name}", getattr(self, name), unit=unit)
-            if name in ANGLES:
-                for value in values:
-                    low, high = TURNS[name]
-                    number(f"motion.{name}", value, at_least=low, at_most=high, unit=unit)
-            self._set(**{name: values})
-        return {}
+    def _checked(self, name: str) -> Any:
+        if name not in ANGLES:
+            return super()._checked(name)
+        if getattr(self, name) is None:
+            return None
+        (low, high), field = TURNS[name], f"motion.{name}"
+        return numbers(field, getattr(self, name), at_least=low, at_most=high, unit="degrees")
 
     @property
     def rocks(self) -> bool:
