@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from fefinger.scene.population import Layout
+from fefinger.scene.population import Layout, by_type
 from fefinger.support.checks import (
     Frozen,
     InputError,
@@ -12,7 +12,6 @@ from fefinger.support.checks import (
     choices,
     flag,
     number,
-    reject_unknown,
 )
 from fefinger.support.vocabulary import DRIVES, FAMILIES, GENERATORS, RECORDED_RULES, TYPES
 
@@ -76,17 +75,18 @@ class Ask:
         """Check every field."""
         for name in ("force", "pressure", "strain", "fields"):
             flag(f"ask.{name}", getattr(self, name))
-        error = number("ask.rel_error", self.rel_error, above=0, at_most=1)
         checked: dict[str, Any] = {
+            "rel_error": number("ask.rel_error", self.rel_error, above=0, at_most=1),
             "spikes": choices("ask.spikes", self.spikes, TYPES),
-            "rel_error": error,
-            "depths": _per_type("ask.depths", self.depths),
-            "drives": _per_type("ask.drives", self.drives),
+            "depths": {
+                name: number(f"ask.depths.{name}", value, above=0, unit="mm")
+                for name, value in by_type("ask.depths", self.depths).items()
+            },
+            "drives": {
+                name: choice(f"ask.drives.{name}", value, DRIVES)
+                for name, value in by_type("ask.drives", self.drives).items()
+            },
         }
-        for name, value in checked["depths"].items():
-            checked["depths"][name] = number(f"ask.depths.{name}", value, above=0, unit="mm")
-        for name, value in checked["drives"].items():
-            choice(f"ask.drives.{name}", value, DRIVES)
         if self.seconds is not None:
             checked["seconds"] = number("ask.seconds", self.seconds, above=0, unit="s")
         if self.mechanics is not None and not isinstance(self.mechanics, str):
@@ -125,11 +125,3 @@ def _check_recorded(drives: Mapping[str, Any], generator: str, population: Layou
                 f"fitted with it, received {value!r}; leave it out, or set ask.afferents to "
                 "'thesis'"
             )
-
-
-def _per_type(name: str, table: Any) -> dict[str, Any]:
-    """Check a table whose keys are afferent types."""
-    if not isinstance(table, Mapping):
-        raise InputError(f"{name}: expected a table such as {{SAI = ...}}, received {table!r}")
-    reject_unknown(name, table, TYPES)
-    return dict(table)

@@ -229,23 +229,13 @@ class Finger:
         return cls(**(size | overrides | {"surface": str(file)}))
 
     @classmethod
-    def stored(
-        cls,
-        *,
-        pad_radius: float,
-        skin: Tissue,
-        subcutaneous: Tissue,
-        prony: Prony,
-        **others: Any,
-    ) -> Self:
+    def stored(cls, **values: Any) -> Self:
         """Return a finger with all values given, without reading the files that it names.
 
         A stored result is read this way: the files of tissue and surface may have moved since.
         """
-        named = {name: others.pop(name) for name in FILES if name in others}
-        finger = cls(
-            pad_radius=pad_radius, skin=skin, subcutaneous=subcutaneous, prony=prony, **others
-        )
+        named = {name: values.pop(name) for name in FILES if name in values}
+        finger = cls(**values)
         for name, value in named.items():
             object.__setattr__(finger, name, value)
         return finger

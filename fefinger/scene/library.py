@@ -69,9 +69,8 @@ def maeno1998() -> TissueSet:
     by thickness, (0.4 x 136 + 0.6 x 80) / 1.0 = 102.4 kPa, which keeps the stiffness of the layer
     against stretching, the way in which a skin over soft tissue carries most of its load.
     """
-    epidermis, dermis = Tissue(136, 0.48, 0.4), Tissue(80, 0.48, 0.6)
     return TissueSet(
-        skin=_stretched_together(epidermis, dermis),
+        skin=Tissue(102.4, 0.48, 1.0),
         subcutaneous=Tissue(34, 0.48),
         source="Maeno, Kobayashi, Yamazaki (1998), JSME Int. J. C 41, 94-100",
         confidence="medium",
@@ -317,14 +316,3 @@ def _tissue_file(name: str) -> TissueSet:
             f"finger.tissue: expected [skin] and [subcutaneous] with modulus, poisson, ... and, "
             f"if needed, pad_radius and prony in {name!r}, received {error}"
         ) from None
-
-
-def _stretched_together(*layers: Tissue) -> Tissue:
-    """Return one layer with the membrane stiffness of thin `layers` on top of each other.
-
-    The layers share Poisson's ratio, so the moduli average weighted by thickness.
-    """
-    thicknesses = [layer.thickness or 0.0 for layer in layers]
-    total = sum(thicknesses)
-    stiffness = sum(layer.modulus * h for layer, h in zip(layers, thicknesses, strict=True))
-    return Tissue(stiffness / total, layers[0].poisson, round(total, 12))

@@ -20,6 +20,15 @@ LARGEST_RADIUS = 10.0
 """Upper bound in mm of the radius of a population; no finger pad is wider."""
 
 
+def by_type(name: str, table: Any, example: str = "...") -> Mapping[str, Any]:
+    """Check that the keys of a table are afferent types; InputError for others, or no table."""
+    if not isinstance(table, Mapping):
+        msg = f"{name}: expected a table such as {{SAI = {example}}}, received {table!r}"
+        raise InputError(msg)
+    reject_unknown(name, table, TYPES)
+    return table
+
+
 @dataclass(frozen=True, kw_only=True)
 class Layout:
     """Positions of the units of the types in `ask.spikes`, relative to first touch of the plate.
@@ -93,13 +102,9 @@ class Scatter(Layout):
         super().__post_init__()
         self._number("radius", above=0.0, at_most=LARGEST_RADIUS, unit="mm")
         name = "ask.population.densities"
-        given: Any = self.densities
-        if not isinstance(given, Mapping):
-            raise InputError(f"{name}: expected a table such as {{SAI = 70}}, received {given!r}")
-        reject_unknown(name, given, TYPES)
         checked = {
             kind: number(f"{name}.{kind}", value, above=0.0, at_most=1e4, unit="per cm²")
-            for kind, value in self.densities.items()
+            for kind, value in by_type(name, self.densities, "70").items()
         }
         object.__setattr__(self, "densities", Frozen(checked))
 

@@ -1,6 +1,7 @@
 """Reader of relief files: heights on a rectangular grid, as CSV, NPZ, PNG or STL."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +11,6 @@ from fefinger.support.csv_columns import read_columns
 from fefinger.support.outputs import check_input
 
 
-Numbers = tuple[float, ...]
 MEANING = {
     "pitch": "the distance in mm of the pixels of a PNG or the samples of an STL, as 0.1",
     "height": "the height in mm of white over black in a PNG, as 0.5",
@@ -18,19 +18,19 @@ MEANING = {
 COLUMNS = ("x", "y", "height")
 
 
-def read_relief(
-    file: Path, pitch: float | None, height: float | None
-) -> tuple[Numbers, Numbers, tuple[Numbers, ...]]:
-    """Read x, y and heights (n_x, n_y) in mm from a file of any format.
+def read_relief(file: Path, pitch: float | None, height: float | None) -> tuple[Any, Any, Any]:
+    """Read x (n_x,), y (n_y,) and heights (n_x, n_y) in mm from a file.
 
-    CSV and NPZ hold their grid, see `read_heights`. A PNG has `pitch` mm between its pixels, x to
-    the right and y upward about its middle, and `height` mm from black to white. An STL (mm, z
-    towards the finger) is sampled every `pitch` mm from its first corner on.
+    A CSV file begins with the line "x,y,height" and has one row per place of a full grid, in any
+    order. An NPZ archive has arrays x (n_x,), y (n_y,) and height (n_x, n_y). A PNG has `pitch` mm
+    between its pixels, x to the right and y upward about its middle, and `height` mm from black to
+    white. An STL (mm, z towards the finger) is sampled every `pitch` mm from its first corner on.
 
     Raises
     ------
     InputError
-        The file cannot be read or used, or pitch or height are missing, or one too many.
+        The file cannot be read or used, its places do not fill a grid, or pitch or height are
+        missing, or one too many.
     """
     kind = file.suffix.lower()
     needs = {".png": ("pitch", "height"), ".stl": ("pitch",)}.get(kind, ())
@@ -43,18 +43,22 @@ def read_relief(
             )
             raise InputError(f"{message} {MEANING[name]}")
     check_input("indenter.file", file, "a file of heights")
-    if not needs:
-        return read_heights(file)
-    step = number("indenter.pitch", pitch, above=0, unit="mm")
     if kind == ".png":
+        step = number("indenter.pitch", pitch, above=0, unit="mm")
         values = _picture(file) * number("indenter.height", height, above=0, unit="mm")
-        lines = [step * (np.arange(n) - (n - 1) / 2) for n in values.shape]
-    else:
+        x, y = (step * (np.arange(n) - (n - 1) / 2) for n in values.shape)
+    elif kind == ".stl":
         from fefinger.geometry.height_map import height_map
 
-        *lines, values = height_map(file, step)
-    rows = tuple(map(tuple, values.tolist()))
-    return tuple(lines[0].tolist()), tuple(lines[1].tolist()), rows
+        x, y, values = height_map(file, number("indenter.pitch", pitch, above=0, unit="mm"))
+    else:
+        x, y, values = _archive(file) if kind == ".npz" else _table(file)
+    if values.shape != (len(x), len(y)):
+        raise InputError(
+            f"indenter.file: expected heights of shape (x, y) = ({len(x)}, {len(y)}) in "
+            f"{str(file)!r}, received {values.shape}"
+        )
+    return x.tolist(), y.tolist(), values.tolist()
 
 
 def _picture(file: Path) -> Array:
@@ -67,27 +71,6 @@ def _picture(file: Path) -> Array:
         raise InputError(f"indenter.file: cannot read the picture {str(file)!r}: {error}") from None
     gray = pixels if pixels.ndim == 2 else pixels[..., : min(3, pixels.shape[2])].mean(axis=2)
     return np.ascontiguousarray(gray[::-1].T)
-
-
-def read_heights(file: Path) -> tuple[Numbers, Numbers, tuple[Numbers, ...]]:
-    """Read x (n_x,), y (n_y,) and heights (n_x, n_y) in mm from a file.
-
-    A CSV file begins with the line "x,y,height" and has one row per place of a full grid, in any
-    order. An NPZ archive has arrays x (n_x,), y (n_y,) and height (n_x, n_y).
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, or its places do not fill a grid.
-    """
-    x, y, height = _archive(file) if file.suffix.lower() == ".npz" else _table(file)
-    if height.shape != (len(x), len(y)):
-        raise InputError(
-            f"indenter.file: expected heights of shape (x, y) = ({len(x)}, {len(y)}) in "
-            f"{str(file)!r}, received {height.shape}"
-        )
-    rows = tuple(tuple(row) for row in height.tolist())
-    return tuple(x.tolist()), tuple(y.tolist()), rows
 
 
 def _archive(file: Path) -> tuple[Array, ...]:

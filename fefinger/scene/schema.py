@@ -15,10 +15,9 @@ from fefinger.scene import pawluk1997
 from fefinger.scene.ask import SOLVERS, Ask
 from fefinger.scene.dots import ARRANGEMENTS
 from fefinger.scene.finger import AUTO, CUTS, NAILS, RELAXATIONS, RESOLUTIONS, RIGID, Finger
-from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS, Flat
 from fefinger.scene.key_texts import TEXTS
-from fefinger.scene.motion import LIMITS, Motion
+from fefinger.scene.motion import LIMITS
 from fefinger.scene.motions import MOTIONS
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
 from fefinger.scene.tissue import Hard, Tissue
@@ -209,8 +208,3 @@ def parameters(record: type[Any]) -> dict[str, str]:
         ):
             texts |= dict.fromkeys(names.split(", "), " ".join(text.split()))
     return texts
-
-
-def kinds() -> dict[str, Mapping[str, type[Indenter | Motion | Layout]]]:
-    """Return the records of the tables that have kinds."""
-    return {"indenter": INDENTERS, "motion": MOTIONS, "ask.population": LAYOUTS}

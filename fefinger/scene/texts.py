@@ -69,18 +69,16 @@ class Text(Raised):
         """The surface of text and plate."""
         (left, right), (low, high) = self.extent
         self._check_samples("text", self.text, (right - left, high - low))
-        x, y = (self._lines(low, high) for low, high in self.extent)
+        x, y = (
+            np.linspace(low, high, int(np.ceil((high - low) / self.pitch)) + 1)
+            for low, high in self.extent
+        )
         return profiles.Relief(x, y, self.rising(self.inside(x - self.start, y)))
 
     @property
     def mirrored(self) -> bool:
         """False: a text is not symmetric."""
         return False
-
-    def _lines(self, low: float, high: float) -> Array:
-        """Return grid lines (n,) mm of the surface."""
-        count = int(np.ceil((high - low) / self.pitch)) + 1
-        return np.linspace(low, high, count, dtype=np.float64)
 
 
 @final

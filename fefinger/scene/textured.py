@@ -197,7 +197,7 @@ class Relief(PlateLike):
                 f"indenter.heights: expected a function that returns one height for each of "
                 f"{len(x)} x {len(y)} places, received an array of shape {surface.shape}"
             )
-        return cls(tuple(x), tuple(y), tuple(map(tuple, surface.tolist())), **placing)
+        return cls(x, y, surface.tolist(), **placing)
 
     @classmethod
     def from_array(cls, heights: Any, pitch: float, **placing: float) -> Self:
@@ -212,8 +212,7 @@ class Relief(PlateLike):
             msg = f"indenter.heights: expected an array (n_x, n_y), received shape {values.shape}"
             raise InputError(msg)
         x, y = (pitch * (np.arange(n) - (n - 1) / 2) for n in values.shape)
-        rows = tuple(map(tuple, values.tolist()))
-        return cls(tuple(x.tolist()), tuple(y.tolist()), rows, **placing)
+        return cls(x.tolist(), y.tolist(), values.tolist(), **placing)
 
     @classmethod
     def from_file(

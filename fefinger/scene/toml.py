@@ -1,5 +1,6 @@
 """Conversion between the parts of a scene and nested tables of plain values (TOML)."""
 
+import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, fields
@@ -120,7 +121,7 @@ def parts(table: Mapping[str, Any], folder: Path | None) -> dict[str, Any]:
             msg = f"{name}: missing; expected a table [{name}] with, for example, {example}"
             raise InputError(msg)
     arguments: dict[str, Any] = {
-        "finger": _stored(sub["finger"]) if folder is None else _finger(sub["finger"], folder),
+        "finger": _finger(sub["finger"], folder),
         "indenter": _indenter(sub["indenter"], folder or Path()),
         "motion": _motion(sub["motion"], folder or Path()),
         # A stored scene without a family is older than the choice: it was of the thesis.
@@ -150,33 +151,42 @@ def _subtable(name: str, table: Mapping[str, Any]) -> dict[str, Any]:
     return dict(value)
 
 
-def _finger(table: dict[str, Any], folder: Path) -> Finger:
-    """Convert the table [finger]."""
+def _finger(table: dict[str, Any], folder: Path | None) -> Finger:
+    """Convert the table [finger]; without a folder it holds every value, and no file is read."""
     _reject("finger", table, _finger_keys())
     pronies = _pronies(table)
     subject = table.pop(SUBJECT, None)
-    for name in ("surface", "bone_surface"):
-        if isinstance(table.get(name), str):
-            table[name] = str(folder / table[name])
-    given = any(layer in table for layer in LAYERS)
-    tissue = table.get("tissue", library.default_tissue(subject, given=given))
-    if isinstance(tissue, str) and tissue.endswith(library.TISSUE_FILE):
-        tissue = table["tissue"] = str(folder / tissue)
-    tissues = library.tissue_set(tissue)
+    bases: dict[str, dict[str, Any]] = {}
+    if folder is not None:
+        for name in ("surface", "bone_surface"):
+            if isinstance(table.get(name), str):
+                table[name] = str(folder / table[name])
+        given = any(layer in table for layer in LAYERS)
+        tissue = table.get("tissue", library.default_tissue(subject, given=given))
+        if isinstance(tissue, str) and tissue.endswith(library.TISSUE_FILE):
+            tissue = table["tissue"] = str(folder / tissue)
+        tissues = library.tissue_set(tissue)
+        # A layer keeps its relaxation, as in Python; only the others take that of the finger.
+        bases = {layer: vars(getattr(tissues, layer)) for layer in LAYERS}
     for layer in LAYERS:
+        name = f"finger.{layer}"
         if layer in table:
-            values = _subtable(f"finger.{layer}", table)
-            values.pop("prony", None)
-            # A layer keeps its relaxation, as in Python; only the others take that of the finger.
-            base = getattr(tissues, layer)
-            prony = pronies.get(f"finger.{layer}", base.prony)
-            table[layer] = _layer(f"finger.{layer}", values, base, prony)
-    table |= _hards(table)
+            own = {"prony": pronies[name]} if name in pronies else {}
+            values = bases.get(layer, {}) | _subtable(name, table) | own
+            table[layer] = _material(Tissue, name, values)
+    for part in ("bone", "nail"):
+        if isinstance(table.get(part), Mapping):
+            table[part] = _material(Hard, f"finger.{part}", dict(table[part]))
     if "prony" in table:
         table["prony"] = pronies["finger"]
+    if folder is None:
+        return Finger.stored(subject_name=subject, **table)
     if subject is not None:
         finger = Finger.subject(subject, **table)
-        _check_surface(finger)
+        if finger.surface is not None:  # a bad one is refused here, not when the mesh is made
+            from fefinger.geometry.surface_file import read_surface
+
+            read_surface(finger.surface, field="finger.surface")
         return finger
     surface = table.pop("surface", None)
     if surface is not None:
@@ -188,26 +198,12 @@ def _finger(table: dict[str, Any], folder: Path) -> Finger:
     return Finger(**table)
 
 
-def _check_surface(finger: Finger) -> None:
-    """Raise InputError for a scan that cannot be used: with the size of a subject nothing reads it.
-
-    Without a check here it would be refused when the mesh is made.
-    """
-    if finger.surface is not None:
-        from fefinger.geometry.surface_file import read_surface
-
-        read_surface(finger.surface, field="finger.surface")
-
-
-def _stored(table: dict[str, Any]) -> Finger:
-    """Convert a complete table [finger] without reading the files that it names."""
-    _reject("finger", table, _finger_keys())
-    pronies = _pronies(table)
-    for layer in ("skin", "subcutaneous"):
-        given = _subtable(f"finger.{layer}", table)
-        table[layer] = Tissue(**(given | {"prony": pronies.get(f"finger.{layer}")}))
-    table["subject_name"] = table.pop(SUBJECT, None)
-    return Finger.stored(**(table | _hards(table) | {"prony": pronies["finger"]}))
+def _material(cls: type[Any], name: str, values: dict[str, Any]) -> Any:
+    """Construct a Tissue or Hard from the values of the table `name`."""
+    try:
+        return _record(cls, name, values)
+    except InputError as error:  # which names the field "tissue.modulus" or "hard.modulus"
+        raise InputError(re.sub(rf"^{cls.__name__.lower()}\b", name, str(error))) from None
 
 
 def _reject(name: str, table: Mapping[str, Any], allowed: Iterable[str]) -> None:
@@ -249,34 +245,6 @@ def _finger_keys() -> tuple[str, ...]:
     """Names of the keys in [finger]."""
     names = (field.name for field in fields(Finger) if field.name != "subject_name")
     return (SUBJECT, *names)
-
-
-def _layer(name: str, given: dict[str, Any], base: Tissue, prony: Prony | None) -> Tissue:
-    """Return the layer `base` with the values `given` and the relaxation `prony`."""
-    reject_unknown(name, given, [field.name for field in fields(Tissue)])
-    try:
-        return Tissue(**(_plain(base) | given | {"prony": prony}))
-    except InputError as error:
-        raise InputError(str(error).replace("tissue", name, 1)) from None
-
-
-def _hards(table: Mapping[str, Any]) -> dict[str, Hard]:
-    """Convert [finger.bone] and [finger.nail], where they are tables."""
-    given = {part: table.get(part) for part in ("bone", "nail")}
-    return {
-        part: _hard(f"finger.{part}", dict(values))
-        for part, values in given.items()
-        if isinstance(values, Mapping)
-    }
-
-
-def _hard(name: str, given: dict[str, Any]) -> Hard:
-    """Convert the table of a hard part; errors name that table."""
-    try:
-        return cast(Hard, _record(Hard, name, given))
-    except InputError as error:
-        msg = str(error).replace("hard", name, 1) if str(error).startswith("hard") else str(error)
-        raise InputError(msg) from None
 
 
 def _pronies(table: dict[str, Any]) -> dict[str, Prony]:
