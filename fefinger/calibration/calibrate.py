@@ -8,6 +8,7 @@ thesis's fit of simulated frames must agree with that of the measured ones.
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
 from fefinger.calibration.curve import Family, family
-from fefinger.calibration.force import SHAPE, Forces, prony_of
+from fefinger.calibration.force import SHAPE, Forces
 from fefinger.calibration.inverse import solve
 from fefinger.calibration.outcome import AGREES, FitResult, checked, outcome, reach, refuse_gross
 from fefinger.calibration.press_store import Work
@@ -122,102 +123,10 @@ def calibrate(
         )
     measured = None if frames is None else targets.frames(frames)
     predicted = None if check is None else targets.unloading(check)
-    fit = {"condensed": condensed, "solid": solid}[mechanics]
-    calibration = fit(work, wanted, measured)
+    search = Search(work, wanted, measured)
+    calibration = search.solid() if mechanics == "solid" else search.condensed()
     refuse_gross(calibration)
     return calibration if predicted is None else checked(calibration, predicted)
-
-
-def condensed(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibration:
-    """Fit the linear finger times t(u), at the pad radius that agrees with the frames.
-
-    The printed R of a subject is not used: it is that of a finger of stiffening tissue.
-    """
-    start = work.finger
-    radius, mesh = start.pad_radius, start.resolution
-    with work.stage("condensed") as misfit:
-        linear = family((1.0,), radius, lambda _: work.press("condensed", mesh, radius))
-        result = _solved(_forces(work, wanted, linear, radius))
-        misfit(result.solution.misfit)
-    if frames is not None:
-        with work.stage("array") as misfit:
-            other = SMALLER * radius
-            linear = linear.with_radius(work.press("condensed", mesh, other), 1.0, other)
-            radius, power = _radius(work, wanted, frames, linear, (radius, other), result)
-            result = _solved(_forces(work, wanted, linear, radius), result)
-            spread = _spread(wanted, frames, result, radius, power)
-            result = _solved(_forces(work, wanted, linear, radius, spread), result)
-            misfit(result.solution.misfit)
-    adapted = replace(start, pad_radius=radius)
-    shape = _array(wanted, frames, result) if frames is not None else {}
-    return outcome(wanted, adapted, result, work.stages, "condensed", shape, linear.ripple)
-
-
-def solid(work: Work, wanted: Bulk | Record, frames: Frames | None) -> Calibration:
-    """Fit stiffening tissue, at the pad radius that agrees with the frames."""
-    start, power = work.finger, None
-    first = radius = start.pad_radius
-    has_frames = frames is not None or isinstance(wanted, Bulk)
-    with work.stage("solid, coarse") as misfit:
-        coarse = _wide_enough(work, wanted, first)
-        part = coarse.deepest / start.thickness
-        stiff = work.press("solid", "coarse", first, MIDDLE, AGAINST, part)
-        coarse = coarse.with_ratio(stiff, MIDDLE, AGAINST)
-        result = _solved(_forces(work, wanted, coarse, first))
-        misfit(result.solution.misfit)
-    if has_frames:
-        with work.stage("array, coarse"):
-            wider = WIDER * first
-            other = wider if work.reachable(wider) == wider else SMALLER * first
-            flatter = work.press("solid", "coarse", other, MIDDLE, part=part)
-            coarse = coarse.with_radius(flatter, MIDDLE, other)
-            radius, power = _radius(work, wanted, frames, coarse, (first, other), result)
-            result = _solved(_forces(work, wanted, coarse, radius), result)
-    again = "solid, coarse, again" if start.resolution == "coarse" else f"solid, {start.resolution}"
-    with work.stage(again) as misfit:
-        trial = _on_final_mesh(work, wanted, frames, coarse, radius, power, result)
-        result, coarse, radius = trial.fit, trial.curves, trial.radius
-        misfit(result.solution.misfit)
-    with work.stage("array"):
-        shape = _array(wanted, frames, result)
-    adapted = replace(start, pad_radius=radius)
-    told = (*work.ended(result.curve.deepest), *_undetermined(radius, power))
-    return outcome(wanted, adapted, result, work.stages, "solid", shape, coarse.ripple, told)
-
-
-def _undetermined(radius: float, power: float | None) -> tuple[str, ...]:
-    """Sentence on a pad radius in mm on which the frames hardly depend; () where they do."""
-    if power is None or power >= pad.DETERMINED:
-        return ()
-    return (
-        f"pad_radius: the R of the thesis's fit hardly depends on it (as its power {power:.2g}), "
-        f"so it remains {radius:g} mm",
-    )
-
-
-def _wide_enough(work: Work, wanted: Bulk | Record, radius: float) -> Family:
-    """Make the coarse family, with more exponents where the best one does not suffice.
-
-    That is the last of them, or one of a finger so soft that the target is beyond its presses.
-    """
-    curves = _row(work, radius, EXPONENTS)
-    result = _solved(_forces(work, wanted, curves, radius))
-    if SHAPE not in result.solution.at_bounds and reach(wanted, result) <= curves.deepest:
-        return curves
-    return _row(work, radius, (*EXPONENTS, *STIFFER))
-
-
-def _row(work: Work, radius: float, exponents: tuple[float, ...]) -> Family:
-    """Make the coarse family of some exponents.
-
-    A family is as deep as its shallowest press, so later presses are limited to the depth of
-    earlier ones: failed attempts at steps beyond cost most.
-    """
-    presses, part = {}, PART["solid"]
-    for each in exponents:
-        presses[each] = work.press("solid", "coarse", radius, each, part=part)
-        part = min(part, float(presses[each].depth[-1]) / work.finger.thickness)
-    return family(exponents, radius, presses.__getitem__)
 
 
 def _named(source: str | Path) -> str:
@@ -246,73 +155,6 @@ def _target(work: Work, source: str | Path) -> Bulk | Record:
     return record
 
 
-def _forces(
-    work: Work,
-    wanted: Bulk | Record,
-    curves: Family,
-    radius: float,
-    radius_sd: float | None = None,
-) -> Forces:
-    skin, rest = work.finger.skin.modulus, work.finger.subcutaneous.modulus
-    return Forces(wanted, curves, rest, skin / rest, radius, radius_sd)
-
-
-def _solved(forces: Forces, near: FitResult | None = None) -> FitResult:
-    starts = forces.starts() if near is None else [near.solution.values]
-    solution = solve(forces.residual, forces.unknowns, starts)
-    return FitResult(solution, *forces.curve(solution.values))
-
-
-def _radius(
-    work: Work,
-    wanted: Bulk | Record,
-    frames: Frames | None,
-    curves: Family,
-    radii: tuple[float, float],
-    last: FitResult,
-) -> tuple[float, float]:
-    """Find the pad radius in mm that agrees with the frames, or the nearest feasible one.
-
-    Also return the exponent of the fitted R as a power of it, from the curves at two pad radii.
-    """
-    tried = [_solved(_forces(work, wanted, curves, each), last) for each in radii]
-    fits, goal = [_fitted(each) for each in tried], _goal(wanted, frames)
-    radius, power = pad.radius_for(goal, radii, fits)
-    if abs(fits[0] / goal - 1) <= CLOSE:
-        radius = radii[0]
-    radius = float(np.clip(radius, min(radii) / pad.WITHIN, max(radii) * pad.WITHIN))
-    return round(work.reachable(radius), 2), power
-
-
-def _goal(wanted: Bulk | Record, frames: Frames | None) -> float:
-    """R in mm that the thesis's fit of the simulated frames must reproduce."""
-    return (pad.printed(wanted.name) if frames is None else pad.thesis_fit(frames)).radius
-
-
-def _fitted(result: FitResult) -> float:
-    """R in mm of the thesis's fit of a finger's simulated frames."""
-    prony = prony_of(result.solution.values)
-    return pad.thesis_fit(pad.simulated(result.curve, result.factor, prony)).radius
-
-
-def _spread(
-    wanted: Bulk | Record, frames: Frames | None, result: FitResult, radius: float, power: float
-) -> float:
-    """Estimate the standard deviation in mm of a pad radius from frames.
-
-    It is due to the mesh, and to the rounding of a printed R or the noise of the array; SCATTER
-    where the frames do not determine it.
-    """
-    fitted = _fitted(result)
-    if power < pad.DETERMINED or abs(fitted / _goal(wanted, frames) - 1) > AGREES:
-        return SCATTER * radius
-    prony = prony_of(result.solution.values)
-    noise = pad.ROUNDING
-    if frames is not None:
-        noise = pad.scatter(result.curve, result.factor, prony)
-    return radius * math.hypot(noise / fitted / power, MESH)
-
-
 @dataclass(frozen=True)
 class Trial:
     """A press on the final mesh at a pad radius in mm, and the fit with curves corrected by it.
@@ -326,69 +168,206 @@ class Trial:
     fitted: float
 
 
-def _on_final_mesh(
-    work: Work,
-    wanted: Bulk | Record,
-    frames: Frames | None,
-    curves: Family,
-    radius: float,
-    power: float | None,
-    result: FitResult,
-) -> Trial:
-    """Press on the final mesh until exponent and fitted R converge; return the best trial.
+@dataclass(frozen=True)
+class Search:
+    """Fit of a target, with frames of the array or None, by presses of one finger."""
 
-    Each trial corrects the coarse family by a new press. Without a `power` of DETERMINED or more
-    the pad radius is fixed. Once a press stopped early beyond the depth of the target, later
-    presses go no deeper.
-    """
-    goal = math.nan if power is None else _goal(wanted, frames)
-    trials: list[Trial] = []
-    end = math.inf
-    while len(trials) < CORRECTIONS:
-        exponent = round(result.solution.values[SHAPE], 2)
-        part = min(_deep_enough(work, wanted, curves, radius, result), end) / work.finger.thickness
-        press = work.press("solid", work.finger.resolution, radius, exponent, part=part)
-        curves = curves.corrected(press, exponent, radius)
-        result = _solved(_forces(work, wanted, curves, radius), result)
-        if press.halt and reach(wanted, result) <= press.depth[-1]:
-            end = float(press.depth[-1])
-        fitted = math.nan if power is None else _fitted(result)
-        trials.append(Trial(radius, result, curves, fitted))
-        steady = abs(result.solution.values[SHAPE] - exponent) < SETTLED
-        next_radius = radius
-        if power is not None and power >= pad.DETERMINED and abs(fitted / goal - 1) > CLOSE:
-            tried = [each.radius for each in trials], [each.fitted for each in trials]
-            next_radius = round(work.reachable(pad.nearer(goal, *tried, power)), 2)
-        if steady and abs(next_radius / radius - 1) < NONE:
-            break
-        radius = next_radius
-        result = _solved(_forces(work, wanted, curves, radius), result)
-    if power is None:
-        return trials[-1]
-    best = min(trials, key=lambda each: abs(math.log(each.fitted / goal)))
-    spread = _spread(wanted, frames, best.fit, best.radius, power)
-    forces = _forces(work, wanted, best.curves, best.radius, spread)
-    return replace(best, fit=_solved(forces, best.fit))
+    work: Work
+    wanted: Bulk | Record
+    frames: Frames | None
+
+    def condensed(self) -> Calibration:
+        """Fit the linear finger times t(u), at the pad radius that agrees with the frames.
+
+        The printed R of a subject is not used: it is that of a finger of stiffening tissue.
+        """
+        work = self.work
+        radius, mesh = work.finger.pad_radius, work.finger.resolution
+        with work.stage("condensed") as misfit:
+            linear = family((1.0,), radius, lambda _: work.press("condensed", mesh, radius))
+            result = self._solved(linear, radius)
+            misfit(result.solution.misfit)
+        if self.frames is not None:
+            with work.stage("array") as misfit:
+                other = SMALLER * radius
+                linear = linear.with_radius(work.press("condensed", mesh, other), 1.0, other)
+                radius, power = self._radius(linear, (radius, other), result)
+                result = self._solved(linear, radius, result)
+                spread = self._spread(result, radius, power)
+                result = self._solved(linear, radius, result, spread)
+                misfit(result.solution.misfit)
+        shape = {} if self.frames is None else self._array(result)
+        adapted = replace(work.finger, pad_radius=radius)
+        return outcome(self.wanted, adapted, result, work.stages, "condensed", shape, linear.ripple)
+
+    def solid(self) -> Calibration:
+        """Fit stiffening tissue, at the pad radius that agrees with the frames."""
+        work, start, power = self.work, self.work.finger, None
+        first = radius = start.pad_radius
+        has_frames = self.frames is not None or isinstance(self.wanted, Bulk)
+        with work.stage("solid, coarse") as misfit:
+            coarse = self._wide_enough(first)
+            part = coarse.deepest / start.thickness
+            stiff = work.press("solid", "coarse", first, MIDDLE, AGAINST, part)
+            coarse = coarse.with_ratio(stiff, MIDDLE, AGAINST)
+            result = self._solved(coarse, first)
+            misfit(result.solution.misfit)
+        if has_frames:
+            with work.stage("array, coarse"):
+                wider = WIDER * first
+                other = wider if work.reachable(wider) == wider else SMALLER * first
+                flatter = work.press("solid", "coarse", other, MIDDLE, part=part)
+                coarse = coarse.with_radius(flatter, MIDDLE, other)
+                radius, power = self._radius(coarse, (first, other), result)
+                result = self._solved(coarse, radius, result)
+        again = f"solid, {'coarse, again' if start.resolution == 'coarse' else start.resolution}"
+        with work.stage(again) as misfit:
+            trial = self._on_final_mesh(coarse, radius, power, result)
+            result, radius = trial.fit, trial.radius
+            misfit(result.solution.misfit)
+        with work.stage("array"):
+            shape = self._array(result) if has_frames else {}
+        adapted, ripple = replace(start, pad_radius=radius), trial.curves.ripple
+        told = (*work.ended(result.curve.deepest), *_undetermined(radius, power))
+        return outcome(self.wanted, adapted, result, work.stages, "solid", shape, ripple, told)
+
+    def _wide_enough(self, radius: float) -> Family:
+        """Make the coarse family, with more exponents where the best one does not suffice.
+
+        That is the last of them, or one of a finger so soft that the target is beyond its presses.
+        """
+        curves = self._row(radius, EXPONENTS)
+        result = self._solved(curves, radius)
+        if SHAPE in result.solution.at_bounds or reach(self.wanted, result) > curves.deepest:
+            return self._row(radius, (*EXPONENTS, *STIFFER))
+        return curves
+
+    def _row(self, radius: float, exponents: tuple[float, ...]) -> Family:
+        """Make the coarse family of some exponents.
+
+        A family is as deep as its shallowest press, so later presses are limited to the depth of
+        earlier ones: failed attempts at steps beyond cost most.
+        """
+        presses, part = {}, PART["solid"]
+        for each in exponents:
+            presses[each] = self.work.press("solid", "coarse", radius, each, part=part)
+            part = min(part, float(presses[each].depth[-1]) / self.work.finger.thickness)
+        return family(exponents, radius, presses.__getitem__)
+
+    def _forces(self, curves: Family, radius: float, radius_sd: float | None = None) -> Forces:
+        skin, rest = self.work.finger.skin.modulus, self.work.finger.subcutaneous.modulus
+        return Forces(self.wanted, curves, rest, skin / rest, radius, radius_sd)
+
+    def _solved(
+        self,
+        curves: Family,
+        radius: float,
+        near: FitResult | None = None,
+        radius_sd: float | None = None,
+    ) -> FitResult:
+        """Fit the target at a pad radius in mm, from several starts or `near` a fit."""
+        forces = self._forces(curves, radius, radius_sd)
+        starts = forces.starts() if near is None else [near.solution.values]
+        solution = solve(forces.residual, forces.unknowns, starts)
+        return FitResult(solution, *forces.curve(solution.values))
+
+    def _radius(
+        self, curves: Family, radii: tuple[float, float], last: FitResult
+    ) -> tuple[float, float]:
+        """Find the pad radius in mm that agrees with the frames, or the nearest feasible one.
+
+        Also return the exponent of the fitted R as a power of it, from the curves at two pad radii.
+        """
+        fits = [pad_fit(self._solved(curves, each, last)).radius for each in radii]
+        radius, power = pad.radius_for(self._goal.radius, radii, fits)
+        if abs(fits[0] / self._goal.radius - 1) <= CLOSE:
+            radius = radii[0]
+        radius = float(np.clip(radius, min(radii) / pad.WITHIN, max(radii) * pad.WITHIN))
+        return round(self.work.reachable(radius), 2), power
+
+    @cached_property
+    def _goal(self) -> pad.PadFit:
+        """The thesis's fit of the measured frames, which that of the simulated ones has to meet."""
+        return pad.printed(self.wanted.name) if self.frames is None else pad.thesis_fit(self.frames)
+
+    def _spread(self, result: FitResult, radius: float, power: float) -> float:
+        """Estimate the standard deviation in mm of a pad radius from frames.
+
+        It is due to the mesh, and to the rounding of a printed R or the noise of the array; SCATTER
+        where the frames do not determine it.
+        """
+        fitted = pad_fit(result).radius
+        if power < pad.DETERMINED or abs(fitted / self._goal.radius - 1) > AGREES:
+            return SCATTER * radius
+        noise = pad.ROUNDING
+        if self.frames is not None:
+            noise = pad.scatter(result.curve, result.factor, result.prony)
+        return radius * math.hypot(noise / fitted / power, MESH)
+
+    def _on_final_mesh(
+        self, curves: Family, radius: float, power: float | None, result: FitResult
+    ) -> Trial:
+        """Press on the final mesh until exponent and fitted R converge; return the best trial.
+
+        Each trial corrects the coarse family by a new press. Without a `power` of DETERMINED or
+        more the pad radius is fixed. Once a press stopped early beyond the depth of the target,
+        later presses go no deeper.
+        """
+        work, finger, goal = self.work, self.work.finger, math.nan
+        if power is not None:
+            goal = self._goal.radius
+        trials: list[Trial] = []
+        end = math.inf
+        while len(trials) < CORRECTIONS:
+            exponent = round(result.solution.values[SHAPE], 2)
+            part = min(self._deep_enough(curves, radius, result), end) / finger.thickness
+            press = work.press("solid", finger.resolution, radius, exponent, part=part)
+            curves = curves.corrected(press, exponent, radius)
+            result = self._solved(curves, radius, result)
+            if press.halt and reach(self.wanted, result) <= press.depth[-1]:
+                end = float(press.depth[-1])
+            fitted = math.nan if power is None else pad_fit(result).radius
+            trials.append(Trial(radius, result, curves, fitted))
+            steady = abs(result.solution.values[SHAPE] - exponent) < SETTLED
+            next_radius = radius
+            if power is not None and power >= pad.DETERMINED and abs(fitted / goal - 1) > CLOSE:
+                tried = [each.radius for each in trials], [each.fitted for each in trials]
+                next_radius = round(work.reachable(pad.nearer(goal, *tried, power)), 2)
+            if steady and abs(next_radius / radius - 1) < NONE:
+                break
+            radius = next_radius
+            result = self._solved(curves, radius, result)
+        if power is None:
+            return trials[-1]
+        best = min(trials, key=lambda each: abs(math.log(each.fitted / goal)))
+        spread = self._spread(best.fit, best.radius, power)
+        return replace(best, fit=self._solved(best.curves, best.radius, best.fit, spread))
+
+    def _deep_enough(self, curves: Family, radius: float, result: FitResult) -> float:
+        """Depth in mm of a press that covers the fitted data, at most that of the family."""
+        whole = self._forces(replace(curves, reached=math.inf), radius)
+        unlimited = FitResult(result.solution, *whole.curve(result.solution.values))
+        frames = pad.slow_press(unlimited.curve, unlimited.factor, unlimited.prony)[-1]
+        deep = max(float(frames), reach(self.wanted, unlimited))
+        return min(round(DEEPER * deep, 2), curves.deepest)
+
+    def _array(self, result: FitResult) -> dict[str, float]:
+        """Parameters of the thesis's fit of simulated and of measured frames, by name."""
+        names, fit = ("radius", "m", "c0_b"), pad_fit(result)
+        both = {f"array {name}": getattr(fit, name) for name in names}
+        return both | {f"array {name}, wanted": getattr(self._goal, name) for name in names}
 
 
-def _deep_enough(
-    work: Work, wanted: Bulk | Record, curves: Family, radius: float, result: FitResult
-) -> float:
-    """Depth in mm of a press that covers the fitted data, at most that of the family."""
-    whole = _forces(work, wanted, replace(curves, reached=math.inf), radius)
-    unlimited = FitResult(result.solution, *whole.curve(result.solution.values))
-    prony = prony_of(result.solution.values)
-    frames = float(pad.slow_press(unlimited.curve, unlimited.factor, prony)[-1])
-    return min(round(DEEPER * max(frames, reach(wanted, unlimited)), 2), curves.deepest)
+def _undetermined(radius: float, power: float | None) -> tuple[str, ...]:
+    """Sentence on a pad radius in mm on which the frames hardly depend; () where they do."""
+    if power is None or power >= pad.DETERMINED:
+        return ()
+    return (
+        f"pad_radius: the R of the thesis's fit hardly depends on it (as its power {power:.2g}), "
+        f"so it remains {radius:g} mm",
+    )
 
 
-def _array(wanted: Bulk | Record, frames: Frames | None, result: FitResult) -> dict[str, float]:
-    """Parameters of the thesis's fit of simulated and of measured frames, by name."""
-    if frames is None and not isinstance(wanted, Bulk):
-        return {}
-    goal = pad.thesis_fit(frames) if frames is not None else pad.printed(wanted.name)
-    prony = prony_of(result.solution.values)
-    fit = pad.thesis_fit(pad.simulated(result.curve, result.factor, prony))
-    names = ("radius", "m", "c0_b")
-    both = {f"array {name}": getattr(fit, name) for name in names}
-    return both | {f"array {name}, wanted": getattr(goal, name) for name in names}
+def pad_fit(result: FitResult) -> pad.PadFit:
+    """Apply the thesis's fit to the simulated frames of a finger."""
+    return pad.thesis_fit(pad.simulated(result.curve, result.factor, result.prony))

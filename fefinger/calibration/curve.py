@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike
 
 from fefinger.calibration.slow_press import Press
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import exprel
 
 
@@ -144,10 +143,9 @@ class Family:
     The shape is the exponent of a law in `solid`, and m of t(u) in `condensed`, whose family has
     one curve. radius: pad radius in mm of the curves; by_radius, by_ratio (NODES,): derivatives of
     q with respect to the logarithms of the pad radius and of the ratio of skin to subcutaneous
-    modulus; shares_by_radius (SHARES, 64) likewise, both from a press at the radius `other`;
-    correction (NODES,) and shares_correction (SHARES, 64) are added to every q and all shares, and
-    reached mm is the depth of the press that they are from; ripple: the largest relative distance
-    of a solved step from its curve.
+    modulus; shares_by_radius (SHARES, 64) likewise; correction (NODES,) and shares_correction
+    (SHARES, 64) are added to every q and all shares, and reached mm is the depth of the press that
+    they are from; ripple: the largest relative distance of a solved step from its curve.
     """
 
     shapes: tuple[float, ...]
@@ -159,7 +157,6 @@ class Family:
     by_radius: Array
     shares_by_radius: Array
     shares_correction: Array
-    other: float = math.nan
     reached: float = math.inf
 
     @property
@@ -211,7 +208,6 @@ class Family:
         wider = np.log(radius / self.radius)
         return replace(
             self,
-            other=radius,
             by_radius=self._difference(present, other) / wider,
             shares_by_radius=self._shares_difference(present, other) / wider,
         )
@@ -230,26 +226,15 @@ class Family:
 
 
 def family(shapes: Sequence[float], radius: float, press: Callable[[float], Press]) -> Family:
-    """Make the family of presses at some shapes; `press` gives the one at a shape.
-
-    Raises
-    ------
-    InputError
-        If the shapes do not increase.
-    """
-    if not len(shapes) or (np.diff(shapes) <= 0).any():
-        raise InputError(f"family.shapes: expected numbers that rise, received {list(shapes)}")
+    """Make the family of presses at shapes that rise; `press` gives the one at a shape."""
     curves = [curve(press(shape)) for shape in shapes]
+    q, shares = np.zeros(NODES), np.zeros_like(curves[0][0].shares)
     return Family(
         tuple(shapes),
         tuple(each for each, _ in curves),
         radius,
         max(ripple for _, ripple in curves),
-        np.zeros(NODES),
-        np.zeros(NODES),
-        np.zeros(NODES),
-        np.zeros_like(curves[0][0].shares),
-        np.zeros_like(curves[0][0].shares),
+        *(q, q, q, shares, shares),
     )
 
 

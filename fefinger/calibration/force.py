@@ -6,6 +6,7 @@ force, and the force at any rate is the integral of G(t - s) dT(s) while the con
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -71,43 +72,7 @@ def prony_of(values: Values) -> Prony:
     )
 
 
-def elastic_unknowns(family: Family, modulus: float, ratio: float) -> tuple[Unknown, ...]:
-    """Unknowns of the relaxed curve: moduli and exponent, or the t(u) of the thesis.
-
-    `modulus` kPa and `ratio` are those of the presses.
-    """
-    if len(family.shapes) == 1:
-        return (
-            Unknown(GAIN, 1.0, 1e-3, 1e3, "1/mm", "bounds alone"),
-            Unknown(GROWTH, 1.0, 0.0, 10.0, "1/mm", "bounds alone", log=False),
-        )
-    soft = "18 kPa (Dandekar 2003) to 50 kPa (Saal 2017) about 34 kPa (Maeno 1998): a factor 4"
-    stiff = "3 (Maeno 1998) to 10 (Dandekar 2003): a factor 1.8 about the latter"
-    return (
-        Unknown(MODULUS, modulus, 0.3, 2e3, "kPa", soft, prior=(modulus, MODULUS_SD)),
-        Unknown(
-            SHAPE,
-            3.0,
-            max(family.shapes[0], 0.02),
-            family.shapes[-1],
-            "1",
-            "bounds alone, those of the presses that were solved",
-            log=False,
-        ),
-        Unknown(RATIO, ratio, 1.0, 30.0, "1", stiff, prior=(ratio, RATIO_SD), held=True),
-    )
-
-
-def scaled(
-    family: Family, values: Values, modulus: float, ratio: float, radius: float
-) -> tuple[Curve, float]:
-    """Evaluate the relaxed curve of the values, and the factor on its force."""
-    if len(family.shapes) == 1:
-        return family.at(values[GROWTH], radius), values[GAIN]
-    shifted = family.at(values[SHAPE], radius, values.get(RATIO, ratio) / ratio)
-    return shifted, values[MODULUS] / modulus
-
-
+@dataclass(frozen=True)
 class Forces:
     """The residual of a target for the curves of a family at one pad radius.
 
@@ -115,38 +80,45 @@ class Forces:
     radius mm, and its standard deviation where frames gave it, which adds to all others.
     """
 
-    def __init__(
-        self,
-        target: Bulk | Record,
-        family: Family,
-        modulus: float,
-        ratio: float,
-        radius: float,
-        radius_sd: float | None = None,
-    ) -> None:
-        self.target, self.family = target, family
-        self.radius, self.radius_sd = radius, radius_sd
-        self.modulus, self.ratio = modulus, ratio
+    target: Bulk | Record
+    family: Family
+    modulus: float
+    ratio: float
+    radius: float
+    radius_sd: float | None = None
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
         """Unknowns of the target."""
-        unknowns = elastic_unknowns(self.family, self.modulus, self.ratio)
+        unknowns = self._elastic_unknowns
         if isinstance(self.target, Record):
             x0 = self.target.lumped.spring.x0
             touch = "bounds about the touch of the lumped fit"
             unknowns += (Unknown(TOUCH, x0 - 0.2, x0 - 2.0, x0 + 0.5, "mm", touch, log=False),)
         if self.radius_sd is not None:
             prior = (self.radius, self.radius_sd / self.radius)
-            unknowns += (
-                Unknown(
-                    *(RADIUS, self.radius, *RADII, "mm", FRAMES),
-                    prior=prior,
-                    held=True,
-                    elsewhere=True,
-                ),
-            )
+            radius = Unknown(RADIUS, self.radius, *RADII, "mm", FRAMES, prior=prior)
+            unknowns += (replace(radius, held=True, elsewhere=True),)
         return unknowns + relaxation_unknowns(self.target.name)
+
+    @property
+    def _elastic_unknowns(self) -> tuple[Unknown, ...]:
+        """Unknowns of the relaxed curve: moduli and exponent, or the t(u) of the thesis."""
+        shapes = self.family.shapes
+        if len(shapes) == 1:
+            return (
+                Unknown(GAIN, 1.0, 1e-3, 1e3, "1/mm", "bounds alone"),
+                Unknown(GROWTH, 1.0, 0.0, 10.0, "1/mm", "bounds alone", log=False),
+            )
+        soft = "18 kPa (Dandekar 2003) to 50 kPa (Saal 2017) about 34 kPa (Maeno 1998): a factor 4"
+        solved = "bounds alone, those of the presses that were solved"
+        stiff = "3 (Maeno 1998) to 10 (Dandekar 2003): a factor 1.8 about the latter"
+        modulus, ratio = (self.modulus, MODULUS_SD), (self.ratio, RATIO_SD)
+        return (
+            Unknown(MODULUS, self.modulus, 0.3, 2e3, "kPa", soft, prior=modulus),
+            Unknown(SHAPE, 3.0, max(shapes[0], 0.02), shapes[-1], "1", solved, log=False),
+            Unknown(RATIO, self.ratio, 1.0, 30.0, "1", stiff, prior=ratio, held=True),
+        )
 
     def starts(self) -> list[Values]:
         """Make starts at several shapes of the law, with moduli that match the target's force."""
@@ -160,7 +132,10 @@ class Forces:
     def curve(self, values: Values) -> tuple[Curve, float]:
         """Evaluate the relaxed curve of the values, and the factor on its force."""
         radius = values.get(RADIUS, self.radius)
-        return scaled(self.family, values, self.modulus, self.ratio, radius)
+        if len(self.family.shapes) == 1:
+            return self.family.at(values[GROWTH], radius), values[GAIN]
+        ratio = values.get(RATIO, self.ratio) / self.ratio
+        return self.family.at(values[SHAPE], radius, ratio), values[MODULUS] / self.modulus
 
     def residual(self, values: Values) -> Array:
         """Compute the residuals in standard deviations of the data."""
@@ -180,7 +155,7 @@ class Forces:
         """Make the start at a shape of the law, with a modulus from the target's largest force."""
         solid = len(self.family.shapes) > 1
         values = {SHAPE: shape, MODULUS: self.modulus} if solid else {GROWTH: shape, GAIN: 1.0}
-        curve, _ = scaled(self.family, values, self.modulus, self.ratio, self.radius)
+        curve, _ = self.curve(values)
         if isinstance(self.target, Record):
             spring, prony = self.target.lumped.spring, self.target.lumped.prony
             top = float(spring.force(self.target.position).max())

@@ -55,18 +55,18 @@ class Unknown:
 
 @dataclass(frozen=True)
 class Solution:
-    """Result of a fit: values and standard deviations by name, correlations and misfit.
+    """Result of a fit: values and standard deviations by name, covariance and misfit.
 
-    deviations are those of the parameters in their units; correlation (n, n) in the order of the
-    unknowns; misfit: sum of squares over the degrees of freedom, 1 where noise explains it;
-    weak: sentences on unidentified directions; at_bounds: names of parameters at their bounds.
+    deviations are those of the parameters in their units; covariance (n, n) of the fitted numbers,
+    in the order of the unknowns; misfit: sum of squares over the degrees of freedom, 1 where noise
+    explains it; weak: sentences on unidentified directions; at_bounds: names of parameters at
+    their bounds.
     """
 
     unknowns: tuple[Unknown, ...]
     values: Values
     deviations: Values
     covariance: Array
-    correlation: Array
     misfit: float
     weak: tuple[str, ...]
     at_bounds: tuple[str, ...]
@@ -74,7 +74,7 @@ class Solution:
 
 
 def solve(
-    residual: Residual, unknowns: Sequence[Unknown], starts: Sequence[Values] = ()
+    residual: Residual, unknowns: Sequence[Unknown], starts: Sequence[Values] = ({},)
 ) -> Solution:
     """Fit the unknowns from several starts; `residual` is in standard deviations of the data.
 
@@ -83,50 +83,27 @@ def solve(
     ConvergenceError
         If no start converges.
     """
-    free = [each for each in unknowns if not each.held]
-    start = {each.name: each.start for each in unknowns}
-
-    def whole(numbers: Array) -> Array:
-        values = start | {
-            each.name: each.outside(number)
-            for each, number in zip(free, numbers.tolist(), strict=True)
-        }
-        return np.concatenate([residual(values), _about_priors(free, values)])
-
-    low = np.array([each.inside(each.low) for each in free])
-    high = np.array([each.inside(each.high) for each in free])
-    firsts = [
-        [each.inside((start | first)[each.name]) for each in free] for first in starts or ({},)
-    ]
-    best, count = _best(whole, firsts, low, high)
-    best_values = start | {
-        each.name: each.outside(number) for each, number in zip(free, best.tolist(), strict=True)
-    }
-    at_bounds = [
-        each.name
-        for each, number, lo, hi in zip(free, best, low, high, strict=True)
-        if min(number - lo, hi - number) < 1e-6 * (hi - lo)
-    ]
-    return _judged(residual, tuple(unknowns), best_values, tuple(at_bounds), count)
-
-
-def _best(
-    whole: Callable[[Array], Array], firsts: Sequence[Sequence[float]], low: Array, high: Array
-) -> tuple[Array, int]:
-    """Minimize from several starts; return the best numbers (n,) and the count of evaluations.
-
-    Raises
-    ------
-    ConvergenceError
-        If no start converges.
-    """
     from scipy.optimize import least_squares
 
-    best, count = None, 0
-    for first in firsts:
+    free = [each for each in unknowns if not each.held]
+    start = {each.name: each.start for each in unknowns}
+    low = np.array([each.inside(each.low) for each in free])
+    high = np.array([each.inside(each.high) for each in free])
+
+    def values_of(numbers: Array) -> Values:
+        pairs = zip(free, numbers.tolist(), strict=True)
+        return start | {each.name: each.outside(number) for each, number in pairs}
+
+    def whole(numbers: Array) -> Array:
+        values = values_of(numbers)
+        return np.concatenate([residual(values), _about_priors(free, values)])
+
+    best, count, margin = None, 0, 1e-9 * (high - low)
+    for first in starts:
+        numbers = [each.inside((start | first)[each.name]) for each in free]
         result = least_squares(
             whole,
-            np.clip(first, low + 1e-9 * (high - low), high - 1e-9 * (high - low)),
+            np.clip(numbers, low + margin, high - margin),
             bounds=(low, high),
             x_scale="jac",
             xtol=1e-10,
@@ -139,9 +116,14 @@ def _best(
     if best is None:
         raise ConvergenceError(
             f"calibration: expected the fit to converge within {EVALUATIONS} evaluations, it did "
-            f"not from any of {len(firsts)} starts; check the record, or give a closer start"
+            f"not from any of {len(starts)} starts; check the record, or give a closer start"
         )
-    return best.x, count
+    at_bounds = [
+        each.name
+        for each, number, lo, hi in zip(free, best.x, low, high, strict=True)
+        if min(number - lo, hi - number) < 1e-6 * (hi - lo)
+    ]
+    return _judged(residual, tuple(unknowns), values_of(best.x), tuple(at_bounds), count)
 
 
 def jacobian(residual: Residual, unknowns: Sequence[Unknown], values: Values) -> Array:
@@ -181,7 +163,6 @@ def _judged(
     prior = np.array([0.0 if each.prior is None else each.prior[1] ** -2 for each in unknowns])
     covariance = _inverse(information + np.diag(prior))
     deviation = np.sqrt(np.diag(covariance))
-    correlation = covariance / np.outer(deviation, deviation)
     stretch = [values[each.name] if each.log else 1.0 for each in unknowns]
     deviations = {
         each.name: float(abs(d * s))
@@ -192,7 +173,6 @@ def _judged(
         values,
         deviations,
         covariance,
-        correlation,
         misfit,
         _weak(unknowns, information),
         at_bounds,

@@ -20,7 +20,7 @@ from fefinger.calibration.force import (
     stiffness,
 )
 from fefinger.calibration.inverse import Solution
-from fefinger.calibration.record import Calibration, Stage, correlations_of, parameters_of, tissue
+from fefinger.calibration.record import LENGTHS, Calibration, Stage, parameters_of, tissue
 from fefinger.calibration.targets import Bulk, Record
 from fefinger.results.candidate import MECHANICS
 from fefinger.scene import library
@@ -31,6 +31,7 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.lumped import confidence
 from fefinger.theory.lumped.spring import contact_force
+from fefinger.theory.relaxation import Prony
 
 
 LAW = "demiray"
@@ -68,6 +69,11 @@ class FitResult:
     solution: Solution
     curve: Curve
     factor: float
+
+    @property
+    def prony(self) -> Prony:
+        """G of the solution."""
+        return prony_of(self.solution.values)
 
 
 def layer(tissue: Tissue, exponent: float) -> Tissue:
@@ -111,29 +117,23 @@ def outcome(
         exponent = round(solution.values[SHAPE], 4)
         sentences += [f"exponent, c0, c1, v1 ...: {ONE_G}"] if isinstance(wanted, Record) else []
     fitted = stiffening(finger, exponent, factor)
+    parameters, correlations = parameters_of(solution)
     residuals = {"misfit": solution.misfit, **_misfits(wanted, result), **(array or {})}
     if math.isfinite(ripple):
         residuals["distance of the curve from the last press"] = ripple
     return Calibration(
         target=wanted.name,
         mechanics=mechanics,
-        finger={
-            "width": finger.width,
-            "thickness": finger.thickness,
-            "pad_radius": finger.pad_radius,
-            "tip_radius": finger.tip_radius,
-            "tip_tissue": finger.tip_tissue,
-            "resolution": finger.resolution,
-        },
-        parameters=parameters_of(solution),
-        correlations=correlations_of(solution),
+        finger={name: getattr(finger, name) for name in (*LENGTHS, "resolution")},
+        parameters=parameters,
+        correlations=correlations,
         residuals=residuals,
         unidentified=(*_unidentified(wanted, result, array or {}), *sentences),
         stages=tuple(stages),
         status=_status(wanted, solution, residuals, stages),
         skin=tissue(fitted.skin),
         subcutaneous=tissue(fitted.subcutaneous),
-        prony=prony_of(solution.values),
+        prony=result.prony,
         deepest=result.curve.deepest,
         q=tuple((result.curve.q + math.log(result.factor)).tolist()),
         shares=tuple(tuple(row) for row in np.round(result.curve.shares, 9).tolist()),
@@ -182,7 +182,7 @@ def sinusoids(wanted: Bulk, result: FitResult) -> dict[str, dict[str, float]]:
     The subject is represented by the lumped model, which can lose contact. Its touch is set for
     equal elastic force at the operating point, as the thesis shifts its x0 by up to 80 um.
     """
-    prony, spring = prony_of(result.solution.values), wanted.spring
+    prony, spring = result.prony, wanted.spring
     deep = float(spring.position(OPERATING))
     offset = float(result.curve.depth(prony.long_time * OPERATING / result.factor)) - deep
     out = {}
@@ -205,7 +205,7 @@ def line(force: ArrayLike, stiffness: ArrayLike) -> tuple[float, float]:
 
 
 def _misfits(wanted: Bulk | Record, result: FitResult) -> dict[str, float]:
-    prony = prony_of(result.solution.values)
+    prony = result.prony
     if isinstance(wanted, Record):
         depth = wanted.position - result.solution.values[TOUCH]
         model = loading(result.curve, result.factor, prony, wanted.time, depth)
@@ -229,7 +229,7 @@ def reach(wanted: Bulk | Record, result: FitResult) -> float:
     """Largest depth in mm of the target."""
     if isinstance(wanted, Record):
         return float(wanted.position.max() - result.solution.values[TOUCH])
-    relaxed = prony_of(result.solution.values).long_time * wanted.force[-1]
+    relaxed = result.prony.long_time * wanted.force[-1]
     return float(result.curve.depth(relaxed / result.factor))
 
 
@@ -262,7 +262,7 @@ def _unidentified(
             "was tried is closer"
         )
     if array:
-        top = pad_radius.heaviest(result.curve, result.factor, prony_of(result.solution.values))
+        top = pad_radius.heaviest(result.curve, result.factor, result.prony)
         if top < pad_radius.HEAVIEST:
             sentences.append(
                 f"pad_radius: the frames of this finger end at {top:.2g} N, where its presses end, "

@@ -155,29 +155,30 @@ class Calibration:
     @classmethod
     def from_record(cls, values: dict[str, Any]) -> Self:
         """Make a calibration from the plain values of `record`."""
-        fields = dict(values)
+        fields = {name: _tuples(value) for name, value in values.items()}
         fields["parameters"] = tuple(
-            Parameter(
-                **each
-                | {
-                    "bounds": tuple(each["bounds"]),
-                    "prior": None if each["prior"] is None else tuple(each["prior"]),
-                }
-            )
+            Parameter(**{name: _tuples(value) for name, value in each.items()})
             for each in fields["parameters"]
         )
         fields["stages"] = tuple(Stage(**each) for each in fields["stages"])
-        for name in ("correlations", "shares"):
-            fields[name] = tuple(tuple(row) for row in fields[name])
-        fields["prony"] = Prony(fields["prony"]["c"], fields["prony"]["v"])
-        for name in ("unidentified", "q"):
-            fields[name] = tuple(fields[name])
+        fields["prony"] = Prony(**fields["prony"])
         return cls(**fields)
 
 
-def parameters_of(solution: Solution) -> tuple[Parameter, ...]:
-    """Return the parameters of a solution, with the weights of G instead of their ratios to c0."""
-    out = [
+def _tuples(value: Any) -> Any:
+    """Convert nested lists to tuples."""
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
+
+
+def parameters_of(
+    solution: Solution,
+) -> tuple[tuple[Parameter, ...], tuple[tuple[float, ...], ...]]:
+    """Return the parameters of a solution, and their correlations (n, n).
+
+    They have the weights of G, after all others, instead of their ratios to c0.
+    """
+    unchanged = [i for i, each in enumerate(solution.unknowns) if not each.name.endswith("/c0")]
+    parameters = [
         Parameter(
             each.name,
             solution.values[each.name],
@@ -188,26 +189,20 @@ def parameters_of(solution: Solution) -> tuple[Parameter, ...]:
             (each.low, each.high),
             "held" if each.held else "fitted",
         )
-        for each in solution.unknowns
-        if not each.name.endswith("/c0")
+        for each in (solution.unknowns[i] for i in unchanged)
     ]
-    weights, jacobian = _weights(solution)
-    deviations = np.sqrt(np.diag(jacobian @ solution.covariance @ jacobian.T))
-    source = "the weights sum to 1; priors of their ratios from Table 3.1 of Pawluk (1997)"
-    out += [
-        Parameter(f"c{i}", c, sd, "1", None, source, (0.0, 1.0), "fitted")
-        for i, (c, sd) in enumerate(zip(weights.tolist(), deviations.tolist(), strict=True))
-    ]
-    return tuple(out)
-
-
-def correlations_of(solution: Solution) -> tuple[tuple[float, ...], ...]:
-    """Return the correlations (n, n) of `parameters_of`, in its order."""
-    unchanged = [i for i, each in enumerate(solution.unknowns) if not each.name.endswith("/c0")]
-    jacobian = np.concatenate([np.eye(len(solution.unknowns))[unchanged], _weights(solution)[1]])
+    weights, by_unknowns = _weights(solution)
+    jacobian = np.concatenate([np.eye(len(solution.unknowns))[unchanged], by_unknowns])
     covariance = jacobian @ solution.covariance @ jacobian.T
     deviation = np.sqrt(np.diag(covariance))
-    return tuple(tuple(row) for row in (covariance / np.outer(deviation, deviation)).tolist())
+    source = "the weights sum to 1; priors of their ratios from Table 3.1 of Pawluk (1997)"
+    of_weights = zip(weights.tolist(), deviation[len(unchanged) :].tolist(), strict=True)
+    parameters += [
+        Parameter(f"c{i}", c, sd, "1", None, source, (0.0, 1.0), "fitted")
+        for i, (c, sd) in enumerate(of_weights)
+    ]
+    correlations = (covariance / np.outer(deviation, deviation)).tolist()
+    return tuple(parameters), tuple(map(tuple, correlations))
 
 
 def _weights(solution: Solution) -> tuple[Array, Array]:

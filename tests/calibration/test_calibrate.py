@@ -3,6 +3,7 @@
 import json
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -157,11 +158,10 @@ def test_a_pad_radius_whose_r_is_as_printed_remains(monkeypatch, fitted, radius)
     work = press_store.Work(targets.finger_of("a.h."), None)
     smaller = fitted * 0.9**1.63
     fits = iter((fitted, smaller))
-    monkeypatch.setattr(calibrate, "_forces", lambda *given: None)
-    monkeypatch.setattr(calibrate, "_solved", lambda *given: None)
-    monkeypatch.setattr(calibrate, "_fitted", lambda result: next(fits))
-    radii, wanted = (14.0, 12.6), targets.subject("a.h.")
-    found, power = calibrate._radius(work, wanted, None, None, radii, None)
+    monkeypatch.setattr(calibrate.Search, "_solved", lambda *given: None)
+    monkeypatch.setattr(calibrate, "pad_fit", lambda result: SimpleNamespace(radius=next(fits)))
+    search = calibrate.Search(work, targets.subject("a.h."), None)
+    found, power = search._radius(None, (14.0, 12.6), None)
     assert (found, power) == (radius, pytest.approx(1.63))
 
 
