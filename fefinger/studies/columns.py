@@ -2,11 +2,14 @@
 
 from collections.abc import Mapping
 
+from fefinger.support.vocabulary import TYPES
+
 
 MISSED = "not reached"
 """Start of the `status` of a row at a force or depth that its scene does not reach."""
 
-_TYPES = ("SAI", "SAII", "FAI", "FAII")
+READINGS = "readings_kPa"
+"""Column of the array's readings, element by element; a list, which tables leave out."""
 
 _LAYER = {"modulus": "kPa", "thickness": "mm", "density": "kg_per_m3"}
 
@@ -36,12 +39,12 @@ UNITS: dict[str, dict[str, str]] = {
         **dict.fromkeys(("hold", "settle", "held", "seconds", "corner", "time"), "s"),
     },
     "ask": {"seconds": "s"},
-    "ask.depths": dict.fromkeys(_TYPES, "mm"),
+    "ask.depths": dict.fromkeys(TYPES, "mm"),
     "ask.population": {
         **dict.fromkeys(("radius", "spacing", "start", "stop", "places", "distance"), "mm"),
         "noise": "uA_per_cm2",
     },
-    "ask.population.densities": dict.fromkeys(_TYPES, "per_cm2"),
+    "ask.population.densities": dict.fromkeys(TYPES, "per_cm2"),
 }
 """Units of the fields of a scene, by table: a name may have different units in two tables."""
 

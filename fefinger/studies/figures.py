@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.studies.columns import MEASURES, bounds, split, words
+from fefinger.studies.columns import MEASURES, READINGS, bounds, split, words
 from fefinger.support.arrays import Array
 from fefinger.view import figures, quantities
 
@@ -22,7 +22,10 @@ SHARED: dict[str, tuple[Any, str, dict[str, str]]] = {
     "sensor_": (
         "--",
         "from the array's readings",
-        {"highest_pressure_1mm2_kPa": "sensor_peak_kPa"},
+        {
+            "highest_pressure_1mm2_kPa": "sensor_peak_kPa",
+            "contact_area_mm2": "sensor_area_mm2",
+        },
     ),
     "hertz_": (":", "elliptic Hertz at that depth", {}),
 }
@@ -34,8 +37,6 @@ LEGEND = (
     "Dotted lines are Hertz's formula for the same curvatures at the same depth, without bone."
 )
 """Caption of panels that have lines of all kinds."""
-
-LINES = {"sensor_contact_area_mm2": "sensor_area_mm2"}
 
 SAME = 0.005
 """Relative variation of a measure up to which it counts as constant."""
@@ -86,17 +87,16 @@ def varying(rows: Rows, skip: Sequence[str] = ()) -> list[str]:
 
 def _panel(axis: Any, rows: Rows, x: str, series: Sequence[str], name: str) -> None:
     """Draw one measure with its expected errors, and the same of the array and of Hertz."""
-    styles = [("-", name)]
-    for prefix, (style, _, others) in SHARED.items():
-        styles.append((style, others.get(name, prefix + name)))
+    shared = ((style, more.get(name, to + name)) for to, (style, _, more) in SHARED.items())
+    styles = [("-", name), *shared]
     for number, group in enumerate(grouped(rows, series).values()):
         color = PALETTE[number % len(PALETTE)]
         _bars(axis, group, x, name, number)
         for style, column in styles:
-            finite = [row for row in group if _number(row, LINES.get(column, column))]
+            finite = [row for row in group if _number(row, column)]
             axis.plot(
                 [row[x] for row in finite],
-                [row[LINES.get(column, column)] for row in finite],
+                [row[column] for row in finite],
                 style,
                 color=color,
                 marker="o" if style == "-" else None,
@@ -179,7 +179,7 @@ def spikes(rows: Rows, x: str, series: Sequence[str]) -> Any:
         return drawn
 
 
-def isobars(rows: Rows, x: str, readings: str) -> Any:
+def isobars(rows: Rows, x: str) -> Any:
     """Draw the readings of the 8 x 8 array in each row, tip up, as isobars 4 kPa apart.
 
     Colors are the same in all panels. A cross marks first touch.
@@ -189,14 +189,14 @@ def isobars(rows: Rows, x: str, readings: str) -> Any:
     across = min(len(rows), 5)
     count = -(-len(rows) // across)
     line = np.unique(ArraySensor().positions[:, 0])
-    top = max(max(row[readings]) for row in rows)
+    top = max(max(row[READINGS]) for row in rows)
     levels = np.arange(STEP, max(top, 2.5 * STEP), STEP)
     with figures.style():
         drawn = figures.figure(figures.WIDE, 0.5 + 2.1 * count)
         axes = drawn.subplots(count, across, squeeze=False, sharex=True, sharey=True)
         for axis, row in zip(axes.flat, rows, strict=False):
             middle = row["sensor_middle_distal_mm"]
-            pressure: Array = np.reshape(row[readings], (len(line), len(line)))
+            pressure: Array = np.reshape(row[READINGS], (len(line), len(line)))
             shown = levels[levels < pressure.max()]
             if len(shown):
                 spread = {"vmin": levels[0], "vmax": levels[-1], "cmap": quantities.EVEN}

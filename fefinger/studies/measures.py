@@ -13,6 +13,7 @@ import numpy as np
 from fefinger.result import Result
 from fefinger.results import pressure as pressures
 from fefinger.results.array_sensor import response
+from fefinger.studies.columns import READINGS
 from fefinger.studies.errors import stated
 from fefinger.studies.hertz import hertz
 from fefinger.studies.oscillation import dynamic_stiffness
@@ -42,9 +43,6 @@ VIBRATES = Slope(float("nan"), 0, "none: the motion vibrates, see dynamic_stiffn
 
 OPENS = "none: contact opens in the last cycles of the vibration, or no cycle is whole"
 """Why a vibration has no dynamic stiffness."""
-
-READINGS = "readings_kPa"
-"""Column of the array's readings, element by element; a list, which tables leave out."""
 
 
 def rows(

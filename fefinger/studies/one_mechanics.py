@@ -4,22 +4,18 @@ import hashlib
 import json
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import NamedTuple
 
 from fefinger.mechanics import names
 from fefinger.plan import choose
+from fefinger.results.result_record import Plan
 from fefinger.scene.finger import AUTO, RESOLUTIONS
+from fefinger.scene.scene import Scene
 from fefinger.studies.grid import EACH
-from fefinger.studies.tasks import key, write
+from fefinger.studies.tasks import Task, key, write
 from fefinger.support.checks import InputError
 
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from fefinger.results.result_record import Plan
-    from fefinger.scene.scene import Scene
-    from fefinger.studies.tasks import Task
 
 MOST = 400
 """Largest number of scenes that are planned to choose a mechanics; larger grids are sampled."""
@@ -43,8 +39,8 @@ class Choice(NamedTuple):
 
 
 def agreed(
-    tasks: "Mapping[int, Task]", over: Collection[str] = (), folder: "Path | None" = None
-) -> "tuple[dict[int, Task], str]":
+    tasks: Mapping[int, Task], over: Collection[str] = (), folder: Path | None = None
+) -> tuple[dict[int, Task], str]:
     """Assign one mechanics and mesh to all tasks; also return a sentence on the choice.
 
     The mechanics is the one named in the tasks, or the cheapest that refuses none of the scenes;
@@ -68,7 +64,7 @@ def agreed(
     return with_choice, choice.sentence
 
 
-def _stored(place: "Path | None") -> Choice | None:
+def _stored(place: Path | None) -> Choice | None:
     """Read the choice from a file; None if it is missing or damaged."""
     try:
         return None if place is None else Choice(*json.loads(place.read_text(encoding="utf-8")))
@@ -76,17 +72,14 @@ def _stored(place: "Path | None") -> Choice | None:
         return None
 
 
-def _choice(tasks: "Mapping[int, Task]", over: Collection[str]) -> Choice:
+def _choice(tasks: Mapping[int, Task], over: Collection[str]) -> Choice:
     """Choose one mechanics and mesh for all scenes."""
-    from fefinger.scene.scene import Scene
-
     sample = list(tasks.values())[:: -(-len(tasks) // MOST)]
     scenes = [Scene.from_dict(task["scene"]) for task in sample]
     named = sample[0]["mechanics"]
     planned = [(scene, plan) for scene in scenes if (plan := _plan(scene, named)) is not None]
-    used = list(
-        dict.fromkeys(_named(plan.mechanics, _mesh(scene, plan)) for scene, plan in planned)
-    )
+    chosen = (_named(plan.mechanics, _mesh(scene, plan)) for scene, plan in planned)
+    used = list(dict.fromkeys(chosen))
     if named is not None:
         mesh = _finest(planned)
         return Choice(named, mesh, _sentence_on_mesh(_named(named, mesh), used) if mesh else "")
@@ -123,7 +116,7 @@ def _sentence_on_mesh(taken: str, used: Sequence[str]) -> str:
     )
 
 
-def _plan(scene: "Scene", mechanics: str | None = None) -> "Plan | None":
+def _plan(scene: Scene, mechanics: str | None = None) -> Plan | None:
     """Plan a scene; None where it has no plan: its error is reported when it is answered."""
     try:
         return choose(scene, mechanics)
@@ -131,7 +124,7 @@ def _plan(scene: "Scene", mechanics: str | None = None) -> "Plan | None":
         return None
 
 
-def _mesh(scene: "Scene", plan: "Plan") -> str | None:
+def _mesh(scene: Scene, plan: Plan) -> str | None:
     """Mesh chosen by a plan; None without a mesh or where the scene states its mesh."""
     stated = scene.finger.resolution != AUTO
     return None if stated or plan.settings is None else plan.settings.resolution
@@ -141,15 +134,13 @@ def _named(mechanics: str, mesh: str | None) -> str:
     return f"{mechanics} on the {mesh} mesh" if mesh else mechanics
 
 
-def _finest(planned: "Sequence[tuple[Scene, Plan]]") -> str | None:
+def _finest(planned: Sequence[tuple[Scene, Plan]]) -> str | None:
     meshes = {_mesh(scene, plan) for scene, plan in planned}
     return max((mesh for mesh in meshes if mesh), key=RESOLUTIONS.index, default=None)
 
 
-def _meshed(task: "Task", mesh: str | None) -> "Task":
+def _meshed(task: Task, mesh: str | None) -> Task:
     """Set the mesh of a task's scene, unless the scene states one."""
-    from fefinger.scene.scene import Scene
-
     scene = Scene.from_dict(task["scene"])
     if mesh is None or scene.finger.resolution != AUTO:
         return {}

@@ -1,18 +1,16 @@
 """Page of a study as self-contained HTML."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fefinger.pages import page
 from fefinger.studies import figures
-from fefinger.studies.columns import ERRORS, MEASURES
+from fefinger.studies.columns import ERRORS, MEASURES, READINGS
 from fefinger.studies.grid import remarks
+from fefinger.studies.rows import StudyRows
 from fefinger.studies.slope import POINTS, WINDOW
 from fefinger.support.text import brief, percent
 
-
-if TYPE_CHECKING:
-    from fefinger.studies.rows import StudyRows
 
 MEANING = (
     "Positions are from the first touch on the smooth skin, toward the tip (distal) in the plane "
@@ -56,7 +54,7 @@ MOST = 15
 """Largest number of maps of the array on the page."""
 
 
-def html(study: "StudyRows") -> str:
+def html(study: StudyRows) -> str:
     """Render the page of a study."""
     has_readings = any(row.get("sensor_peak_kPa") is not None for row in study.rows)
     done = study.scenes - len(study.failures)
@@ -130,7 +128,7 @@ def _values(name: str, values: Sequence[Any]) -> str:
     return f"{name} {', '.join(texts) if len(texts) <= 4 else span}"
 
 
-def _parts(study: "StudyRows") -> Iterator[dict[str, Any]]:
+def _parts(study: StudyRows) -> Iterator[dict[str, Any]]:
     """Yield the sections: failures, figures at each time, spikes, maps and tables."""
     if study.failures:
         failed = [
@@ -162,8 +160,6 @@ def _parts(study: "StudyRows") -> Iterator[dict[str, Any]]:
 
 def maps(rows: Sequence[Mapping[str, Any]], x: str) -> Iterator[dict[str, Any]]:
     """Yield the section with the readings of the array, of the first series, at a force if any."""
-    from fefinger.studies.measures import READINGS
-
     with_array = [row for row in rows if row.get(READINGS)]
     times = sorted({row["at"] for row in with_array}, key=lambda at: (not at.endswith("N"), at))
     if not times:
@@ -176,5 +172,5 @@ def maps(rows: Sequence[Mapping[str, Any]], x: str) -> Iterator[dict[str, Any]]:
         f"Readings of the array at {times[0]}",
         f"Isobars 4 kPa apart as in Figure 3-3 of the thesis, at values of {x}, in the same colors "
         "in all panels; the tip is up, and the cross is first touch.",
-        picture=page.svg(figures.isobars(picked, x, READINGS)),
+        picture=page.svg(figures.isobars(picked, x)),
     )

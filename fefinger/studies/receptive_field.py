@@ -11,21 +11,27 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from fefinger.afferents import fire
+from fefinger.mechanics import get
+from fefinger.mechanics.situation import Situation
+from fefinger.plan import choose, rungs, settled
+from fefinger.results.candidate import MECHANICS
+from fefinger.results.records import Response
+from fefinger.results.result_record import Plan
+from fefinger.scene import builtin
+from fefinger.scene.population import Places
+from fefinger.scene.scene import Scene
+from fefinger.support import atomic_write
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, choices, number
+from fefinger.support.outputs import output_folder
+from fefinger.support.progress import Progress
 from fefinger.support.text import outline
 from fefinger.support.vocabulary import TYPES
-
-
-if TYPE_CHECKING:
-    from fefinger.results.records import Response
-    from fefinger.results.result_record import Plan
-    from fefinger.scene.scene import Scene
-    from fefinger.support.progress import Progress
 
 
 MOST = 1000
@@ -94,8 +100,6 @@ class ReceptiveField:
 
     def save(self, folder: str | Path) -> list[str]:
         """Write FILES into a folder and return their paths; InputError where it is unusable."""
-        from fefinger.support.atomic_write import together
-        from fefinger.support.outputs import output_folder
         from fefinger.view.figures import svg
 
         lines = [",".join(["x_mm", "y_mm", *(f"{kind}_impulses" for kind in self.kinds)])]
@@ -103,13 +107,12 @@ class ReceptiveField:
             lines.append(",".join([f"{x:g}", f"{y:g}", *map(str, counts)]))
         place = output_folder(folder)
         texts = dict(zip(FILES, ("\n".join(lines) + "\n", svg(self.figure())), strict=True))
-        with together(place, texts):
-            pass
+        atomic_write.write(place, texts)
         return [str(place / name) for name in FILES]
 
 
 def receptive_field(
-    scene: "Scene | str | Path",
+    scene: Scene | str | Path,
     kinds: Sequence[str] = ("SAI", "FAI"),
     *,
     changes: Mapping[str, Any] | None = None,
@@ -118,7 +121,7 @@ def receptive_field(
     branched: bool = True,
     seed: int = 0,
     mechanics: str | None = None,
-    progress: "Progress | None" = None,
+    progress: Progress | None = None,
 ) -> ReceptiveField:
     """Press the object of a scene at places around one unit of each kind.
 
@@ -146,9 +149,6 @@ def receptive_field(
         answers with the object over the unit. Another place that none answers, as one beside the
         pad, is left out.
     """
-    from fefinger.plan import choose
-    from fefinger.scene import builtin
-
     spacing = number("spacing", spacing, above=0, unit="mm")
     count = int(number("reach", reach, at_least=spacing, unit="mm") / spacing + 1e-9)
     if (2 * count + 1) ** 2 > MOST:
@@ -192,43 +192,32 @@ def receptive_field(
     )
 
 
-def _pressed(scene: "Scene", plan: "Plan", place: Array) -> "tuple[Response, Integers]":
+def _pressed(scene: Scene, plan: Plan, place: Array) -> tuple[Response, Integers]:
     """Press the object at a place (2,) mm; return the response, and the impulses of the units."""
-    from fefinger.afferents import fire
-    from fefinger.mechanics import get
-    from fefinger.plan import settled
-
     response = get(plan.mechanics).respond(settled(_moved(scene, place), plan))
     trains = fire(scene.ask, response, since=scene.motion.recorded_from, check=False)
     return response, trains.count()
 
 
-def _with_units(scene: "Scene", kinds: tuple[str, ...], branched: bool, seed: int) -> "Scene":
+def _with_units(scene: Scene, kinds: tuple[str, ...], branched: bool, seed: int) -> Scene:
     """Return the scene with one unit of each kind, and no other output."""
-    from fefinger.scene.population import Places
-
     units = Places(places=((0.0, 0.0),), branched=branched, seed=seed)
     ask = replace(scene.ask, spikes=kinds, population=units, fields=False, pressure=False)
     return replace(scene, ask=ask)
 
 
-def _moved(scene: "Scene", place: Array) -> "Scene":
+def _moved(scene: Scene, place: Array) -> Scene:
     """Return the scene with its object at a place (2,) mm."""
     x, y = place.tolist()
     return replace(scene, indenter=scene.indenter.moved((x, y)))
 
 
-def cheapest(scene: "Scene", count: int) -> str | None:
+def cheapest(scene: Scene, count: int) -> str | None:
     """Return the mechanics that answers `count` such scenes first; None where all refuse.
 
     What a mechanics builds once, as the operator of `condensed`, serves all of them; but a press at
     finite strain is of an object at one place.
     """
-    from fefinger.mechanics import get
-    from fefinger.mechanics.situation import Situation
-    from fefinger.plan import rungs
-    from fefinger.results.candidate import MECHANICS
-
     case, total = Situation.of(scene), {}
     for rung in rungs(scene):
         if not rung.refusals and np.isfinite(rung.error):

@@ -9,21 +9,30 @@ scenes, `workers.py` runs them, `measures.py` makes their rows, `tables.py` and 
 table and the page.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+import json
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fefinger.mechanics import names
+from fefinger.scene.scene import Scene
+from fefinger.studies import tables, workers
+from fefinger.studies.columns import column
+from fefinger.studies.grid import EACH, checked
+from fefinger.studies.one_mechanics import agreed
 from fefinger.studies.rows import StudyRows
+from fefinger.studies.tasks import Answer, StudyRequest, Task, key, load, made, provenance, store
+from fefinger.support import atomic_write
+from fefinger.support.checks import InputError, choice, number
+from fefinger.support.outputs import output, output_folder
+from fefinger.support.progress import Progress
+from fefinger.support.text import finite
 
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from fefinger.scene.scene import Scene
-    from fefinger.studies.tasks import Answer, StudyRequest, Task
-    from fefinger.support.progress import Progress
 
 
 @dataclass(frozen=True, repr=False)
@@ -32,18 +41,14 @@ class Study(StudyRows):
 
     def to_xarray(self) -> "xr.Dataset":
         """Convert the table to arrays over the fields of the grid and over `at`."""
-        from fefinger.studies.tables import dataset
-
-        return dataset(self)
+        return tables.dataset(self)
 
     def write(self, path: str | Path) -> str:
         """Write the table to a .csv, .parquet or .nc file and return its path.
 
         InputError for another ending, or where the extra `parquet` is needed and not installed.
         """
-        from fefinger.studies.tables import write
-
-        return write(self, path)
+        return tables.write(self, path)
 
     def save(self, folder: str | Path) -> list[str]:
         """Write table.csv, study.json and report.html into a folder, and return their paths.
@@ -52,12 +57,7 @@ class Study(StudyRows):
         and its new paths are returned too. InputError where the files cannot be written; none of
         them is then left.
         """
-        import json
-
-        from fefinger.studies import tables
         from fefinger.studies.page import html
-        from fefinger.support import atomic_write
-        from fefinger.support.outputs import output_folder
 
         place, page = output_folder(folder), html(self)
         record = {"name": self.name, "over": self.over, **self.about, "rows": self.rows}
@@ -72,7 +72,7 @@ class Study(StudyRows):
 
 
 def study(
-    scene: "Scene | str | Path",
+    scene: Scene | str | Path,
     over: Mapping[str, Sequence[Any]],
     *,
     changes: Mapping[str, Any] | None = None,
@@ -81,7 +81,7 @@ def study(
     folder: str | Path | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
-    progress: "Progress | None" = None,
+    progress: Progress | None = None,
 ) -> Study:
     """Run a grid of scenes in parallel.
 
@@ -116,12 +116,6 @@ def study(
         If the grid is unusable, or a value of it in every scene that has it: then nothing is run.
         Other unusable scenes are listed in `failures`.
     """
-    from fefinger.mechanics import names
-    from fefinger.studies.grid import EACH, checked
-    from fefinger.studies.tasks import StudyRequest
-    from fefinger.support.checks import InputError, choice, number
-    from fefinger.support.outputs import output
-
     if mechanics is not None:
         choice("mechanics", mechanics, (*names(), EACH))
     count = None if workers is None else int(number("workers", workers, at_least=1))
@@ -140,21 +134,15 @@ def study(
 
 
 def _answers(
-    request: "StudyRequest",
-    tasks: "Mapping[int, Task]",
-    failed: Mapping[int, str],
+    request: StudyRequest,
+    tasks: Mapping[int, Task],
+    unusable: Mapping[int, str],
     place: Path | None,
-    progress: "Progress | None",
-    workers: int | None,
+    progress: Progress | None,
+    processes: int | None,
     scheduler: str | None,
 ) -> Study:
     """Run the scenes that are not stored in `place` yet, and store their answers there."""
-    from fefinger.studies.grid import EACH
-    from fefinger.studies.one_mechanics import agreed
-    from fefinger.studies.tasks import load, made, store
-    from fefinger.support.checks import InputError
-    from fefinger.support.text import finite
-
     answers: dict[int, Answer] = {}
     chosen = ""
     if request.mechanics != EACH:
@@ -162,46 +150,38 @@ def _answers(
     if place is not None:
         stored = ((i, load(place, task)) for i, task in tasks.items())
         answers = {i: answer for i, answer in stored if answer is not None}
-    reused = len(answers)
-    for i, answer in _answered(tasks, answers.keys() ^ tasks.keys(), workers, scheduler):
+    reused, count = len(answers), len(request.points)
+    left = sorted(tasks.keys() - answers.keys())
+    remaining = [tasks[i] for i in left]
+    if scheduler is None:
+        finished = workers.local(remaining, processes)
+    else:
+        finished = workers.cluster(remaining, scheduler)
+    for nth, answer in finished:
+        i = left[nth]
         answers[i] = {**finite(answer), **made()}
         if place is not None and "rows" in answer:
             with suppress(InputError):  # on a full disk the answer still goes into the table
                 store(place, tasks[i], answers[i])
         if progress is not None:
-            progress("scenes", (len(answers) + len(failed)) / len(request.points))
-    done = _collected(request, tasks, failed, answers, reused)
-    return replace(done, about={**done.about, "chosen": chosen}) if chosen else done
-
-
-def _answered(
-    tasks: "Mapping[int, Task]", left: set[int], workers: int | None, scheduler: str | None
-) -> "Iterator[tuple[int, Answer]]":
-    """Run the tasks numbered `left`; yield their answers as they finish."""
-    from fefinger.studies.workers import cluster, local
-
-    places = sorted(left)
-    remaining = [tasks[i] for i in places]
-    if scheduler is None:
-        answers = local(remaining, workers)
-    else:
-        answers = cluster(remaining, scheduler)
-    for i, answer in answers:
-        yield places[i], answer
+            progress("scenes", (len(answers) + len(unusable)) / count)
+    about = {**request.record(), **provenance(list(answers.values()), reused)}
+    if chosen:
+        about["chosen"] = chosen
+    return _collected(request, tasks, unusable, answers, reused, about)
 
 
 def _collected(
-    request: "StudyRequest",
-    tasks: "Mapping[int, Task]",
+    request: StudyRequest,
+    tasks: Mapping[int, Task],
     unusable: Mapping[int, str],
-    answers: "Mapping[int, Answer]",
+    answers: Mapping[int, Answer],
     reused: int,
+    about: dict[str, Any],
 ) -> Study:
     """Collect the rows in the order of the grid, with the values and the hash of each scene."""
-    from fefinger.studies.tasks import key, provenance
-
     one, points = next(iter(tasks.values()))["scene"], request.points
-    columns = request.columns(one["motion"]["kind"])
+    columns = {field: column(field, one["motion"]["kind"]) for field in request.over}
     lost = {i: answer["error"] for i, answer in answers.items() if "error" in answer}
     failed = {**unusable, **lost}
     rows: list[dict[str, Any]] = []
@@ -218,7 +198,7 @@ def _collected(
         failures=tuple((points[i], failed[i]) for i in sorted(failed)),
         scenes=len(points),
         reused=reused,
-        about={**request.record(), **provenance(list(answers.values()), reused)},
+        about=about,
     )
 
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fefinger.studies.columns import MEASURES, split
+from fefinger.studies.columns import MEASURES, READINGS, split
+from fefinger.studies.rows import StudyRows
 from fefinger.support.atomic_write import in_place, netcdf
 from fefinger.support.checks import InputError
 
@@ -21,14 +22,10 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from fefinger.studies.rows import StudyRows
-
 ENDINGS = ".csv", ".parquet", ".nc"
 
 NAMES = "table.csv", "study.json", "report.html"
 """Files of a saved study, besides the answers to its scenes."""
-
-READINGS = "readings_kPa"
 
 
 def check(path: str | PathLike[str], option: str) -> None:
@@ -52,7 +49,7 @@ def check(path: str | PathLike[str], option: str) -> None:
         )
 
 
-def write(study: "StudyRows", path: str | PathLike[str], option: str = "table") -> str:
+def write(study: StudyRows, path: str | PathLike[str], option: str = "table") -> str:
     """Write the table of a study to a file that ends in one of ENDINGS, and return its path.
 
     The file appears complete or not at all.
@@ -84,7 +81,7 @@ def _uniform(table: "pd.DataFrame") -> "pd.DataFrame":
     return table
 
 
-def dataset(study: "StudyRows") -> "xr.Dataset":
+def dataset(study: StudyRows) -> "xr.Dataset":
     """Convert the rows of a study to arrays over the fields of its grid and over `at`.
 
     Entries of a failed scene are nan or empty.
@@ -132,7 +129,7 @@ def _about(name: str) -> dict[str, str]:
     return {"long_name": MEASURES.get(name, short), **units}
 
 
-def set_aside(study: "StudyRows", folder: Path) -> list[str]:
+def set_aside(study: StudyRows, folder: Path) -> list[str]:
     """Move an earlier table of other scenes into a subfolder; return the new paths.
 
     A table whose scenes are all in the present study, as when it is repeated or extended, is not

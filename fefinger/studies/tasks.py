@@ -8,18 +8,17 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fefinger.scene.builtin import given
-from fefinger.studies.columns import MISSED, column
+from fefinger.scene.scene import Scene
+from fefinger.studies.columns import MISSED
 from fefinger.studies.grid import EACH, parse_at, product
 from fefinger.support.atomic_write import in_place
 from fefinger.support.checks import InputError
+from fefinger.support.provenance import software
 from fefinger.support.version import VERSION
 
-
-if TYPE_CHECKING:
-    from fefinger.scene.scene import Scene
 
 FORMAT = 3
 """Version of the measures in the hash; increased when they change, to compute scenes again."""
@@ -38,7 +37,7 @@ Answer = dict[str, Any]
 class StudyRequest:
     """Inputs of a study: a scene, the grid of field values, and the settings of all scenes."""
 
-    scene: "Scene | str | Path"
+    scene: Scene | str | Path
     over: Mapping[str, Sequence[Any]]
     changes: Mapping[str, Any]
     mechanics: str | None
@@ -79,15 +78,10 @@ class StudyRequest:
                 tasks[i] = {"scene": scene.to_dict(), **shared}
         return tasks, unusable
 
-    def columns(self, kind: str) -> dict[str, str]:
-        """Return the columns of the fields, for a kind of motion."""
-        return {field: column(field, kind) for field in self.over}
-
     def record(self) -> dict[str, Any]:
         """Record the inputs of the study as plain values."""
-        grid = {field: list(values) for field, values in self.over.items()}
         return {
-            "grid": grid,
+            "grid": {field: list(values) for field, values in self.over.items()},
             "changes": dict(self.changes),
             "mechanics": self.mechanics or "the cheapest that refuses no scene",
             "at": list(self.at or AT),
@@ -121,16 +115,12 @@ def load(folder: Path, task: Task) -> Answer | None:
 
 def made() -> dict[str, str]:
     """Date and commit of new answers, which are stored with them."""
-    from fefinger.support.provenance import software
-
     now = software()
     return {"date": now["date"], "commit": now["commit"]}
 
 
 def provenance(answers: Sequence[Answer], reused: int) -> dict[str, Any]:
     """Provenance of a study's answers: software, dates, commits and seeds."""
-    from fefinger.support.provenance import software
-
     record: dict[str, Any] = software()
     dates = sorted(answer["date"] for answer in answers)
     commits = sorted({answer["commit"] for answer in answers})

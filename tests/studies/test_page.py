@@ -6,8 +6,8 @@ import pytest
 from fefinger.commands import console
 from fefinger.studies import figures
 from fefinger.studies import page as report
+from fefinger.studies.columns import READINGS
 from fefinger.studies.grid import MESH, remarks
-from fefinger.studies.measures import READINGS
 from fefinger.studies.study import Study
 
 
@@ -58,7 +58,7 @@ def test_isobars_have_one_color_for_one_pressure_in_all_panels_and_a_bar_with_th
         row(angle, sensor_middle_distal_mm=0.0, **{READINGS: (top * np.outer(peak, peak)).ravel()})
         for angle, top in ((0, 9.0), (30, 30.0), (60, 3.0))
     ]
-    *maps, bar = figures.isobars(rows, X, READINGS).axes
+    *maps, bar = figures.isobars(rows, X).axes
     assert bar.get_ylabel() == "pressure on the array / kPa"
     assert bar.get_ylim() == (4, 24)
     assert [axis.get_title(loc="left") for axis in maps] == ["0 deg", "30 deg", "60 deg"]

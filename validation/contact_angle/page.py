@@ -22,7 +22,7 @@ from fefinger.validation.contact_angle.sure import experiment, sure
 
 from fefinger.pages import page
 from fefinger.studies import figures
-from fefinger.studies.measures import READINGS
+from fefinger.studies.columns import READINGS
 from fefinger.studies.page import ARRAY, HOW, MEANING, errors, part, table
 from fefinger.view.figures import COLORS
 
@@ -89,7 +89,7 @@ def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
         "Simulated readings of the array of the thesis at 1 N",
         "Isobars 4 kPa apart, by angle in degrees; the tip is up, the cross is first touch. "
         "Subject a.h., without noise.",
-        picture=page.svg(figures.isobars(with_array, ANGLE, READINGS)),
+        picture=page.svg(figures.isobars(with_array, ANGLE)),
     )
     yield part("Against Figure 3-3 of the thesis", *_thesis(rows))
     yield from sure(rows)
