@@ -105,7 +105,15 @@ def columns(file: str | Path, units: dict[str, str]) -> Array:
     """
     table = read_table(str(file), file)
     values = table.numbers([_column(table, name, unit) for name, unit in units.items()])
-    _check_times(table, values[:, list(units).index("time")])
+    time = values[:, list(units).index("time")]
+    wrong = np.flatnonzero(np.diff(time) <= 0)
+    if wrong.size:
+        i = int(wrong[0]) + 1
+        what = "a repeated time" if time[i] == time[i - 1] else "an earlier time"
+        raise InputError(
+            f"{table.source}: line {table.rows[i][0]}: expected a time above {time[i - 1]:g} s, "
+            f"received {what}, {time[i]:g}; sort the rows and keep one of each time"
+        )
     return values
 
 
@@ -124,17 +132,6 @@ def _column(table: CsvTable, name: str, unit: str) -> int:
         msg = f"{file}: column {head[matches[0]]!r}: expected {name} in {unit}; convert it"
         raise InputError(msg)
     return matches[0]
-
-
-def _check_times(table: CsvTable, time: Array) -> None:
-    wrong = np.flatnonzero(np.diff(time) <= 0)
-    if wrong.size:
-        i = int(wrong[0]) + 1
-        what = "a repeated time" if time[i] == time[i - 1] else "an earlier time"
-        raise InputError(
-            f"{table.source}: line {table.rows[i][0]}: expected a time above {time[i - 1]:g} s, "
-            f"received {what}, {time[i]:g}; sort the rows and keep one of each time"
-        )
 
 
 def _check_unit(file: str, name: str, values: Array) -> None:
@@ -166,34 +163,32 @@ def _check_signs(file: str, position: Array, force: Array) -> None:
 
 def record(fit: Fit) -> dict[str, Any]:
     """Record a fit as plain values: value and one standard deviation of every parameter."""
-    return {
-        "samples": len(fit.time),
-        **{way: _identification(getattr(fit, way)) for way in WAYS},
-    }
-
-
-def _identification(fit: Identification) -> dict[str, Any]:
-    return {
-        "parameters": {
-            name: {
-                "value": value,
-                "uncertainty": fit.uncertainty[name],
-                "unit": PARAMETER_UNITS.get(name, PARAMETER_UNITS.get(name[0], "")),
-            }
-            for name, value in fit.parameters.items()
-        },
-        "mse_percent": 100 * fit.mse,
-        "vaf_stiffness": fit.vaf_stiffness,
-        "vaf_hold": fit.vaf_hold,
-        "warnings": list(fit.warnings),
+    ways = {way: getattr(fit, way) for way in WAYS}
+    return {"samples": len(fit.time)} | {
+        way: {
+            "parameters": {
+                name: {
+                    "value": value,
+                    "uncertainty": each.uncertainty[name],
+                    "unit": PARAMETER_UNITS.get(name, PARAMETER_UNITS.get(name[0], "")),
+                }
+                for name, value in each.parameters.items()
+            },
+            "mse_percent": 100 * each.mse,
+            "vaf_stiffness": each.vaf_stiffness,
+            "vaf_hold": each.vaf_hold,
+            "warnings": list(each.warnings),
+        }
+        for way, each in ways.items()
     }
 
 
 def summary(fit: Fit) -> str:
     """Format a fit as text: the joint fit beside the procedure of the thesis."""
     ways = {way: record(fit)[way] for way in ("joint", "thesis")}
+    spread = "{value:.4g} +- {uncertainty:.2g}"
     rows = [
-        [name, first["unit"], *(_with_spread(way["parameters"][name]) for way in ways.values())]
+        [name, first["unit"], *(spread.format(**way["parameters"][name]) for way in ways.values())]
         for name, first in ways["joint"]["parameters"].items()
     ]
     rows.append(["mse", "%", *(f"{way['mse_percent']:.3g}" for way in ways.values())])
@@ -202,10 +197,6 @@ def summary(fit: Fit) -> str:
     for name, way in ways.items():
         lines += [f"warning ({name}): {sentence}" for sentence in way["warnings"]]
     return "\n".join(lines)
-
-
-def _with_spread(parameter: dict[str, Any]) -> str:
-    return f"{parameter['value']:.4g} +- {parameter['uncertainty']:.2g}"
 
 
 ADVICE = (

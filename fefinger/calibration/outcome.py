@@ -252,7 +252,13 @@ def _unidentified(
         sentences += confidence.bias(
             wanted.record, lumped.prony, lumped.spring.x0, lumped.uncertainty
         )
-        sentences += _other_touch(result.solution.values[TOUCH], lumped.spring.x0)
+        touch = result.solution.values[TOUCH]
+        if abs(touch - lumped.spring.x0) >= APART:
+            sentences.append(
+                f"x0: this finger touches at {touch:.2g} mm, the lumped law of the same record at "
+                f"{lumped.spring.x0:.2g} mm: the touch depends on the model, which the deviation "
+                "of x0 does not include"
+            )
     if RADIUS not in result.solution.values:
         sentences.append("pad_radius: there are no frames, so it is not fitted")
     if array and abs(array["array radius"] / array["array radius, wanted"] - 1) > AGREES:
@@ -269,17 +275,6 @@ def _unidentified(
                 f"instead of {pad_radius.HEAVIEST:g} N as in the thesis"
             )
     return tuple(sentences)
-
-
-def _other_touch(fitted: float, lumped: float) -> list[str]:
-    """Sentence on a touch that differs from that of the lumped law; [] if they agree."""
-    if abs(fitted - lumped) < APART:
-        return []
-    return [
-        f"x0: this finger touches at {fitted:.2g} mm, the lumped law of the same record at "
-        f"{lumped:.2g} mm: the touch depends on the model, which the deviation of x0 does not "
-        "include"
-    ]
 
 
 def _status(

@@ -87,7 +87,11 @@ def press(finger: Finger, mechanics: str, part: float | None = None, spare: floa
         return Press(depth, force, read, area, float(stored["seconds"]), str(stored["halt"]))
     solved = _solved(scene, mechanics, spare)
     with suppress(OSError):  # on a full disk it is solved again the next time
-        _store(solved, place)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        values: dict[str, Any] = dict(vars(solved))
+        values["felt"] = values.pop("array_pressure")  # its name in the files of FORMAT 8
+        with moved(place) as new:
+            np.savez_compressed(new, **values)
     return solved
 
 
@@ -209,11 +213,3 @@ def array_pressure(scene: Scene, response: Response) -> Array:
     loads = pressure[-1] * pad.areas
     points = points - loads @ points / loads.sum()
     return np.asarray(pressure @ array_sensor.response(ArraySensor(), pad, points).T)
-
-
-def _store(solved: Press, place: Path) -> None:
-    place.parent.mkdir(parents=True, exist_ok=True)
-    values: dict[str, Any] = dict(vars(solved))
-    values["felt"] = values.pop("array_pressure")  # its name in the files of FORMAT 8
-    with moved(place) as new:
-        np.savez_compressed(new, **values)

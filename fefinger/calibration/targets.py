@@ -278,7 +278,15 @@ def frames(file: str | Path) -> Frames:
     if len(table) < FEWEST:
         msg = f"{file}: expected {FEWEST} frames or more of a slow press, received {len(table)}"
         raise InputError(msg)
-    _check_pressure(str(file), float(pressure.max()))
+    (low, high), largest = PRESSURE, float(pressure.max())
+    if largest <= 0:
+        raise InputError(f"{file}: p1 ... : expected pressures above 0 in contact, received none")
+    if not low <= largest <= high:
+        raise InputError(
+            f"{file}: p1 ... : expected kPa, with a largest pressure of {low:g} to {high:g}, "
+            f"received {largest:.3g}, as if it were in {'MPa' if largest < low else 'Pa'}; convert "
+            "the columns"
+        )
     reached = np.interp(time[:, None] + sensor.delays, time, depth)
     return aligned(reached, pressure, sensor)
 
@@ -291,31 +299,14 @@ def aligned(depth: Array, pressure: Array, sensor: ArraySensor) -> Frames:
     return Frames(depth, pressure, distance)
 
 
-def _check_pressure(file: str, largest: float) -> None:
-    low, high = PRESSURE
-    if low <= largest <= high:
-        return
-    likely = "MPa" if largest < low else "Pa"
-    if largest <= 0:
-        msg = f"{file}: p1 ... : expected pressures above 0 in contact, received none"
-    else:
-        msg = (
-            f"{file}: p1 ... : expected kPa, with a largest pressure of {low:g} to {high:g}, "
-            f"received {largest:.3g}, as if it were in {likely}; convert the columns"
-        )
-    raise InputError(msg)
-
-
 def _check_finger(name: str, parts: RampHold, lumped: Identification) -> None:
     """Raise InputError for a response unlike a finger's: no relaxation, or another stiffness.
 
     The stiffness is that of the fit `lumped`.
     """
     hold = parts.force[parts.hold :]
-    early, late = (
-        float(hold[: max(5, len(hold) // 50)].mean()),
-        float(hold[-len(hold) // 5 :].mean()),
-    )
+    early = float(hold[: max(5, len(hold) // 50)].mean())
+    late = float(hold[-len(hold) // 5 :].mean())
     if late > (1 - LIVELY) * early:
         raise InputError(
             f"{name}: expected a force that falls in the hold, because a finger relaxes, received "

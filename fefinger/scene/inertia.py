@@ -9,18 +9,14 @@ that of relaxed tissue. The limits here keep both below 5 %.
 """
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fefinger.scene.finger import Finger
+from fefinger.scene.motion import Motion
 from fefinger.scene.samples import SAMPLED
+from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
-
-
-if TYPE_CHECKING:
-    from fefinger.scene.finger import Finger
-    from fefinger.scene.motion import Motion
-    from fefinger.scene.scene import Scene
 
 
 DENSITY = 1e-6
@@ -36,7 +32,7 @@ QUICK = 0.05
 """Limit of frequency x thickness / shear wave speed: 1 / cos(2 pi 0.05) - 1 is 5 %."""
 
 
-def wave_speed(finger: "Finger", frequency: float = 0.0) -> float:
+def wave_speed(finger: Finger, frequency: float = 0.0) -> float:
     """Return the speed in mm/s of shear waves of a frequency in Hz in subcutaneous tissue.
 
     The slowest layer: sqrt(G / density) with G = E / (2 (1 + nu)), 3.39 m/s for relaxed tissue of
@@ -47,7 +43,7 @@ def wave_speed(finger: "Finger", frequency: float = 0.0) -> float:
     return math.sqrt(shear / DENSITY)
 
 
-def modulus(finger: "Finger", frequency: float) -> complex:
+def modulus(finger: Finger, frequency: float) -> complex:
     """Return the complex modulus at a frequency in Hz over that of relaxed tissue."""
     relaxed, *decaying = finger.prony.weights
     omega = 2j * math.pi * frequency
@@ -55,12 +51,12 @@ def modulus(finger: "Finger", frequency: float) -> complex:
     return 1.0 + sum(weight / relaxed * omega / (omega + rate) for weight, rate in terms)
 
 
-def warnings(motion: "Motion") -> tuple[str, ...]:
+def warnings(motion: Motion) -> tuple[str, ...]:
     """Warnings of a motion that jumps into the finger, or of its samples."""
     return jump(motion) + coarse_samples(motion)
 
 
-def jump(motion: "Motion") -> tuple[str, ...]:
+def jump(motion: Motion) -> tuple[str, ...]:
     """Warning if a motion starts with a jump into the finger."""
     start = float(motion.value(np.zeros(1))[0])
     if start <= AT_REST * motion.peak:
@@ -71,7 +67,7 @@ def jump(motion: "Motion") -> tuple[str, ...]:
     )
 
 
-def coarse_samples(motion: "Motion") -> tuple[str, ...]:
+def coarse_samples(motion: Motion) -> tuple[str, ...]:
     """Warning of a vibration with few samples per cycle or with gaps, which lines distort."""
     frequency, rate = motion.highest_frequency, motion.sample_rate
     if frequency is None or rate is None:
@@ -93,7 +89,7 @@ def coarse_samples(motion: "Motion") -> tuple[str, ...]:
     return said
 
 
-def noise(motion: "Motion") -> tuple[str, ...]:
+def noise(motion: Motion) -> tuple[str, ...]:
     """Note on what is taken for noise of a record and not for a vibration."""
     if not motion.noise:
         return ()
@@ -104,7 +100,7 @@ def noise(motion: "Motion") -> tuple[str, ...]:
     )
 
 
-def quasistatic(scene: "Scene", time: Array, depth: Array) -> tuple[str, ...]:
+def quasistatic(scene: Scene, time: Array, depth: Array) -> tuple[str, ...]:
     """Warning if an indenter at depth (n_t,) mm at times (n_t,) s moves too fast for statics.
 
     The depth is that of the answer, so that force control is checked too. A jump has no speed.

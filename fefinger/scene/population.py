@@ -79,11 +79,6 @@ class Layout:
         value = number(f"ask.population.{name}", getattr(self, name), **limits)
         object.__setattr__(self, name, value)
 
-    def _point(self, name: str) -> None:
-        """Check a field that is a place (x, y) and store it as floats."""
-        value = numbers(f"ask.population.{name}", getattr(self, name), count=2, unit="mm")
-        object.__setattr__(self, name, value)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Scatter(Layout):
@@ -141,7 +136,8 @@ class Line(Layout):
         """Check the ends and the number."""
         super().__post_init__()
         for name in ("start", "stop"):
-            self._point(name)
+            place = numbers(f"ask.population.{name}", getattr(self, name), count=2, unit="mm")
+            object.__setattr__(self, name, place)
         if self.start == self.stop:
             msg = f"ask.population.stop: expected a place other than start, received {self.stop}"
             raise InputError(msg)

@@ -37,25 +37,28 @@ class Scene:
             raise InputError(msg)
         kinds = {"finger": Finger, "indenter": Indenter, "motion": Motion, "ask": Ask}
         for name, kind in kinds.items():
-            if not isinstance(getattr(self, name), kind):
-                value = getattr(self, name)
+            value = getattr(self, name)
+            if not isinstance(value, kind):
                 received = type(value).__name__
                 if isinstance(value, type):
                     received = f"the class {value.__name__} itself; give it its values"
                 article = "an" if kind.__name__[0] in "AI" else "a"
                 raise InputError(f"{name}: expected {article} {kind.__name__}, received {received}")
-        self._check_depths()
-        self._check_place()
+        self._check_places()
         self._check_path()
-        self._check_duration()
+        if self.ask.spikes and self.motion.duration > LONGEST_RUN:
+            raise InputError(
+                f"motion: expected at most {LONGEST_RUN:g} s where ask.spikes asks for spikes, "
+                f"received {self.motion.duration:g} s; shorten the motion or ask for no spikes"
+            )
 
     @property
     def mirrored(self) -> bool:
         """Whether it is its own mirror image in the medial plane, so that half a finger does."""
         return self.indenter.mirrored and self.motion.mirrored
 
-    def _check_depths(self) -> None:
-        """Check that the motion and the end organs stay within the soft tissue."""
+    def _check_places(self) -> None:
+        """Check that motion and end organs stay within the tissue, and the object over the pad."""
         pulp = self.finger.pulp
         if self.motion.control == "depth" and self.motion.peak >= pulp:
             raise InputError(
@@ -64,9 +67,6 @@ class Scene:
             )
         for name, depth in self.ask.depths.items():
             number(f"ask.depths.{name}", depth, below=pulp, unit="mm")
-
-    def _check_place(self) -> None:
-        """Check that the indenter is over the pad."""
         at = self.indenter.place
         reach = (2 * self.finger.width, self.finger.width / 2)
         if at is not None and any(abs(x) >= limit for x, limit in zip(at, reach, strict=True)):
@@ -91,14 +91,6 @@ class Scene:
                     f"{range_[1]:.4g} mm along its {name}, received one from {low:.4g} to "
                     f"{high:.4g} mm; take a shorter path, another direction or a larger object"
                 )
-
-    def _check_duration(self) -> None:
-        """Check that a motion with spikes is short enough for the membranes."""
-        if self.ask.spikes and self.motion.duration > LONGEST_RUN:
-            raise InputError(
-                f"motion: expected at most {LONGEST_RUN:g} s where ask.spikes asks for spikes, "
-                f"received {self.motion.duration:g} s; shorten the motion or ask for no spikes"
-            )
 
     def to_dict(self) -> dict[str, Any]:
         """Convert to nested tables of plain values, as in a TOML file."""

@@ -97,7 +97,7 @@ def _ask() -> Schema:
 def _kinds(part: str, kinds: Mapping[str, type[Any]], default: str | None) -> Schema:
     """Return the schema of a table whose `kind` decides on its keys; `default`: where it is none.
 
-    A kind that can be read from a file has a second form, with the file.
+    A kind that can be read from a file has a second form, with the file and its other keys.
     """
     forms: list[Schema] = []
     for kind, record in kinds.items():
@@ -106,19 +106,16 @@ def _kinds(part: str, kinds: Mapping[str, type[Any]], default: str | None) -> Sc
         form = {"title": kind, "description": summary(record)}
         forms.append(form | _table(keys, required=(*must, *_needed(record))))
         if part != "ask.population" and kind in FROM_FILE:
-            forms.append(form | _file_form(part, kind, keys))
-    texts = {"description": TEXTS[part]}
-    return texts | {"type": "object", "oneOf": forms}
-
-
-def _file_form(part: str, kind: str, keys: Schema) -> Schema:
-    """Return the schema of an indenter or motion that is read from a file."""
-    reader = FROM_FILE[kind]
-    file = {"type": "string", "description": f"{reader.format} file, looked up from the scene's"}
-    others = {
-        name: keys.get(name) or _described(part, name, {"type": "number"}) for name in reader.keys
-    }
-    return _table({"kind": keys["kind"], "file": file, **others}, required=("kind", "file"))
+            reader = FROM_FILE[kind]
+            text = f"{reader.format} file, looked up from the scene's"
+            others = {
+                name: keys.get(name) or _described(part, name, {"type": "number"})
+                for name in reader.keys
+            }
+            file = {"file": {"type": "string", "description": text}}
+            of_file = {"kind": keys["kind"]} | file | others
+            forms.append(form | _table(of_file, required=("kind", "file")))
+    return {"description": TEXTS[part], "type": "object", "oneOf": forms}
 
 
 def _table(keys: Schema, required: Iterable[str] = ()) -> Schema:
@@ -141,10 +138,8 @@ def _keys(part: str, record: type[Any]) -> Schema:
     hints = get_type_hints(record)
     keys: Schema = {}
     for each in fields(record):
-        name = each.name
-        path = f"{part}.{name}"
-        key: Schema = {"enum": list(CHOICES[path])} if path in CHOICES else {}
-        key = key or _of_type(hints[name])
+        name, words = each.name, CHOICES.get(f"{part}.{each.name}")
+        key: Schema = {"enum": list(words)} if words else _of_type(hints[name])
         if part == "motion":
             limits = LIMITS.get(name, {})
             key |= {BOUNDS[limit]: limits[limit] for limit in BOUNDS if limit in limits}

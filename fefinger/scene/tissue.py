@@ -62,12 +62,6 @@ class Tissue:
         prony: Any = self.prony
         if prony is not None and not isinstance(prony, Prony):
             raise InputError(f"tissue.prony: expected a Prony, received {prony!r}")
-        checked |= self._law_numbers()
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
-
-    def _law_numbers(self) -> dict[str, float]:
-        """Check the parameters of the hyperelastic law."""
         choice("tissue.law", self.law, SHARES)
         exponential, mixed = self.law in EXPONENTIAL, self.law == "mooney-rivlin"
         if exponential and self.exponent is None:
@@ -80,12 +74,12 @@ class Tissue:
             if value is not None and not fits:
                 msg = f"tissue.{name}: expected none for the law {self.law!r}, received {value!r}"
                 raise InputError(msg)
-        checked = {}
         if self.exponent is not None:
             checked["exponent"] = number("tissue.exponent", self.exponent, above=0)
         if self.share is not None:
             checked["share"] = number("tissue.share", self.share, at_least=0, at_most=1)
-        return checked
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
 
 
 @dataclass(frozen=True)

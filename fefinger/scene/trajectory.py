@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.support.arrays import Array, Flags
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 
@@ -154,7 +154,10 @@ class Trajectory:
         before = np.concatenate([[0.0], slope])
         after = np.concatenate([slope, [0.0 if stop else slope[-1]]])
         kink = np.abs(after - before) > _STRAIGHT * np.abs(slope).max()
-        longest = _longest_corner(t, kink)
+        # The parabolas about two kinks must not overlap, nor the last one go beyond the end.
+        longest = float(np.diff(t[kink]).min(initial=np.inf))
+        if kink.any() and not kink[-1]:
+            longest = min(longest, float(2 * (t[-1] - t[kink][-1])))
         if corner > longest * (1 + _STRAIGHT):
             raise InputError(
                 f"motion.corner: expected at most {longest:.6g} s, the shortest straight part, "
@@ -239,13 +242,3 @@ class Trajectory:
         if self.wave is not None:
             times = np.concatenate([times, self.wave.crests(self.duration)])
         return float(self.value(times).max())
-
-
-def _longest_corner(t: Array, kink: Flags) -> float:
-    """Return the longest corner for which the parabolas about the kinks do not overlap."""
-    at = t[kink]
-    if not len(at):
-        return float("inf")
-    longest = np.diff(at).min(initial=np.inf)
-    last = np.inf if kink[-1] else 2 * (t[-1] - at[-1])
-    return float(min(longest, last))

@@ -148,15 +148,11 @@ def settings(texts: Iterable[str]) -> dict[str, Any]:
         try:
             overrides[path] = tomllib.loads(f"value = {value}")["value"]
         except tomllib.TOMLDecodeError:
-            overrides[path] = _unquoted(value)
+            # As a shell leaves it without quotes: a number, a text, or a list of them.
+            listed = value.startswith("[") and value.endswith("]")
+            parts = [plain(part.strip()) for part in value[1:-1].split(",")]
+            overrides[path] = parts if listed else plain(value)
     return overrides
-
-
-def _unquoted(value: str) -> Any:
-    """Read a value as a shell leaves it without quotes: a number, a text, or a list of them."""
-    if value.startswith("[") and value.endswith("]"):
-        return [plain(part.strip()) for part in value[1:-1].split(",")]
-    return plain(value)
 
 
 def _forget_others(part: str, table: dict[str, Any], key: str, value: Any) -> None:
