@@ -184,6 +184,9 @@ def isobars(rows: Rows, x: str) -> Any:
 
     Colors are the same in all panels. A cross marks first touch.
     """
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
     from fefinger.theory.array.sensor import ArraySensor
 
     across = min(len(rows), 5)
@@ -202,26 +205,13 @@ def isobars(rows: Rows, x: str) -> Any:
                 spread = {"vmin": levels[0], "vmax": levels[-1], "cmap": quantities.EVEN}
                 axis.contour(line, line + middle, pressure.T, shown, linewidths=0.9, **spread)
             axis.plot(0, 0, "+", color="#D55E00", markersize=8)
-            axis.set(aspect="equal", title=_named(row, x), xlim=(-7, 7), ylim=(-8, 8))
+            title = f"{row[x]:g} {split(x)[1]}".strip()
+            axis.set(aspect="equal", title=title, xlim=(-7, 7), ylim=(-8, 8))
         for axis in axes.flat[len(rows) :]:
             axis.set_axis_off()
         drawn.supxlabel("sideways / mm", fontsize=9)
         drawn.supylabel("distal from first touch / mm", fontsize=9)
-        _color_bar(drawn, axes, levels)
+        colors = ScalarMappable(Normalize(levels[0], levels[-1]), quantities.EVEN)
+        about = {"ticks": levels, "label": "pressure on the array / kPa"}
+        drawn.colorbar(colors, ax=axes, shrink=0.8, aspect=30, **about)
         return drawn
-
-
-def _named(row: Mapping[str, Any], x: str) -> str:
-    """Title of a panel: its value of `x` with the unit."""
-    return f"{row[x]:g} {split(x)[1]}".strip()
-
-
-def _color_bar(drawn: Any, axes: Any, levels: Array) -> None:
-    """Draw one bar for the colors of isobars at levels in kPa."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    colors = ScalarMappable(Normalize(levels[0], levels[-1]), quantities.EVEN)
-    drawn.colorbar(
-        colors, ax=axes, ticks=levels, label="pressure on the array / kPa", shrink=0.8, aspect=30
-    )

@@ -3,7 +3,7 @@
 import itertools
 import math
 import tomllib
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from fefinger.studies.columns import MISSED
@@ -127,7 +127,15 @@ def product(over: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
 
 def remarks(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> list[str]:
     """Sentences on forces and depths not reached, and on rows of different mechanics."""
-    sentences = list(_not_reached(rows, over))
+    levels: dict[str, list[str]] = {}
+    for row in rows:
+        if row["status"].startswith(MISSED):
+            where = ", ".join(f"{name} = {row[name]}" for name in over)
+            levels.setdefault(row["at"], []).append(f"{where}, at {row['at']}: {row['status']}")
+    sentences = []
+    for at, missed in levels.items():
+        many = f"{len(missed)} scenes have no row at {at}, the first of them: "
+        sentences.append(f"{many if len(missed) > 1 else ''}{missed[0]}")
     answered = [row for row in rows if row.get("mechanics")]
     if MESH in over:  # whose answers are meant to be of several meshes
         names = [row["mechanics"] for row in answered]
@@ -141,15 +149,3 @@ def remarks(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> list[str]
             "state theirs; --set finger.resolution=NAME states it for all."
         )
     return sentences
-
-
-def _not_reached(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> Iterator[str]:
-    """Yield a sentence for each level that some row did not reach."""
-    levels: dict[str, list[str]] = {}
-    for row in rows:
-        if row["status"].startswith(MISSED):
-            where = ", ".join(f"{name} = {row[name]}" for name in over)
-            levels.setdefault(row["at"], []).append(f"{where}, at {row['at']}: {row['status']}")
-    for at, missed in levels.items():
-        many = f"{len(missed)} scenes have no row at {at}, the first of them: "
-        yield f"{many if len(missed) > 1 else ''}{missed[0]}"

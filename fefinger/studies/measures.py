@@ -4,7 +4,6 @@ Positions are in the plane of the object, from the first touch on the smooth ski
 (distal) and sideways.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +12,7 @@ import numpy as np
 from fefinger.result import Result
 from fefinger.results import pressure as pressures
 from fefinger.results.array_sensor import response
+from fefinger.results.records import Pad
 from fefinger.studies.columns import READINGS
 from fefinger.studies.errors import stated
 from fefinger.studies.hertz import hertz
@@ -54,7 +54,11 @@ def rows(
     time; one that is not reached has a row whose `status` says so.
     """
     times = moments(result.response.force, result.depth, forces, depths)
-    highest = _highest(result, [time.where for time in times if not time.missed])
+    highest: dict[float, float] = {}  # mean pressure over 1 mm² in kPa, by index in time
+    if result.pressure is not None and result.pad is not None:
+        places = [time.where for time in times if not time.missed]
+        then = np.array([at(result.pressure, where) for where in places])
+        highest = dict(zip(places, pressures.peaks(result.pad, then).tolist(), strict=True))
     view, plan = _view(result), result.plan
     about = {
         "mechanics": plan.mechanics,
@@ -71,14 +75,6 @@ def rows(
         | about
         for time in times
     ]
-
-
-def _highest(result: Result, places: Sequence[float]) -> dict[float, float]:
-    """Highest mean pressure over 1 mm², in kPa, at some fractional time indices."""
-    if result.pressure is None or result.pad is None:
-        return {}
-    then = np.array([at(result.pressure, where) for where in places])
-    return dict(zip(places, pressures.peaks(result.pad, then).tolist(), strict=True))
 
 
 def _row(
@@ -120,9 +116,9 @@ def _row(
 def _oscillation(result: Result) -> dict[str, Any]:
     """Make the columns of a vibration, or say why it has none; {} without one."""
     motion, force = result.scene.motion, result.response.force
-    ratio = dynamic_stiffness(motion, result.time, result.depth, force)
     if motion.trajectory.wave is None:
         return {}
+    ratio = dynamic_stiffness(motion, result.time, result.depth, force)
     if ratio is None:
         return {"stiffness_note": OPENS}
     return {
@@ -147,10 +143,13 @@ class PlaneView:
     """The pad projected onto the plane of the object.
 
     places (n, 2) mm from first touch, toward the tip and sideways; areas (m,) mm² of the triangles
-    on the skin; touch: first touch on the smooth skin, where the finger has one.
+    on the skin; pad and pressure (n_t, n) kPa: those of the result; touch: first touch on the
+    smooth skin, where the finger has one.
     """
 
     result: Result
+    pad: Pad
+    pressure: Array
     places: Array
     areas: Array
     touch: "FirstTouch | None"
@@ -166,7 +165,8 @@ def _view(result: Result) -> PlaneView | None:
     origin, axis, touch = contact
     a, b, c = np.moveaxis(pad.points[pad.triangles], 1, 0)
     areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
-    return PlaneView(result, (pad.points - origin) @ directions(axis).T, areas, touch)
+    places = (pad.points - origin) @ directions(axis).T
+    return PlaneView(result, pad, result.pressure, places, areas, touch)
 
 
 def _first_touch(result: Result) -> "tuple[Array, Array, FirstTouch | None] | None":
@@ -207,12 +207,9 @@ def _columns(prefix: str, shape: Moments) -> dict[str, Any]:
 
 def _shape(view: PlaneView, where: float) -> dict[str, Any]:
     """Make the columns of the shape of the contact."""
-    pad, pressure = view.result.pad, view.result.pressure
-    assert pad is not None
-    assert pressure is not None
-    now = at(pressure, where)
-    shape = shape_of(view.places, pad.triangles, view.areas, now)
-    return _columns("", shape) | _reach("", view.places, pad.triangles, now)
+    now, triangles = at(view.pressure, where), view.pad.triangles
+    shape = shape_of(view.places, triangles, view.areas, now)
+    return _columns("", shape) | _reach("", view.places, triangles, now)
 
 
 def _reach(prefix: str, places: Array, triangles: Integers, pressure: Array) -> dict[str, float]:
@@ -232,9 +229,7 @@ def _array(view: PlaneView, where: float) -> dict[str, Any]:
     It is centered on the center of pressure at the largest force, as in section 3.2.1 of the
     thesis; all elements are read at the same time.
     """
-    sensor, pad, pressure = ArraySensor(), view.result.pad, view.result.pressure
-    assert pad is not None
-    assert pressure is not None
+    sensor, pad, pressure = ArraySensor(), view.pad, view.pressure
     if view.result.scene.indenter.flat is None:
         return {}
     heaviest = pressure[int(np.argmax(view.result.response.force))] * pad.areas
@@ -245,7 +240,9 @@ def _array(view: PlaneView, where: float) -> dict[str, Any]:
         return {"sensor_note": f"not read: {error}"}
     readings, element = weights @ at(pressure, where), sensor.pitch**2
     places = sensor.positions + middle
-    triangles = _both_ways(sensor)
+    # With both diagonals of each square, which keeps the symmetry of the array.
+    mirrored = np.arange(sensor.elements**2).reshape(sensor.elements, -1)[:, ::-1].ravel()
+    triangles = np.concatenate([sensor.triangles, mirrored[sensor.triangles]])
     halves = np.full(len(triangles), element / 4)
     return {
         "sensor_force_N": float(readings.sum() * element) * NEWTON_PER_MILLINEWTON,
@@ -256,9 +253,3 @@ def _array(view: PlaneView, where: float) -> dict[str, Any]:
         "sensor_middle_distal_mm": float(middle[0]),
         READINGS: [float(value) for value in readings],
     }
-
-
-def _both_ways(sensor: ArraySensor) -> Integers:
-    """Triangles of the array with both diagonals of each square, which keeps its symmetry."""
-    mirrored = np.arange(sensor.elements**2).reshape(sensor.elements, -1)[:, ::-1].ravel()
-    return np.concatenate([sensor.triangles, mirrored[sensor.triangles]])

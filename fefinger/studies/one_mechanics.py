@@ -3,7 +3,6 @@
 import hashlib
 import json
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -82,7 +81,13 @@ def _choice(tasks: Mapping[int, Task], over: Collection[str]) -> Choice:
     used = list(dict.fromkeys(chosen))
     if named is not None:
         mesh = _finest(planned)
-        return Choice(named, mesh, _sentence_on_mesh(_named(named, mesh), used) if mesh else "")
+        taken = _named(named, mesh)
+        others = ", ".join(each for each in used if each != taken)
+        sentence = (
+            f"{ALL} answered by {taken}, the finest that one of them needs; for others {others} "
+            "would suffice (--set finger.resolution=NAME takes another mesh)."
+        )
+        return Choice(named, mesh, sentence if mesh and others else "")
     first = max((names().index(plan.mechanics) for _, plan in planned), default=len(names()))
     barred = ROUND if set(over) & set(TURNING) else ()
     for name in names()[first:]:
@@ -104,16 +109,6 @@ def _sentence(taken: str, used: Sequence[str], which: str) -> str:
     if len(used) == 1:
         cheapest = f"would be {used[0]}, which does not depend on the place of contact"
     return f"{which} answered by {taken}; the cheapest accurate enough {cheapest}."
-
-
-def _sentence_on_mesh(taken: str, used: Sequence[str]) -> str:
-    others = [each for each in used if each != taken]
-    if not others:
-        return ""
-    return (
-        f"{ALL} answered by {taken}, the finest that one of them needs; for others "
-        f"{', '.join(others)} would suffice (--set finger.resolution=NAME takes another mesh)."
-    )
 
 
 def _plan(scene: Scene, mechanics: str | None = None) -> Plan | None:
@@ -141,7 +136,7 @@ def _finest(planned: Sequence[tuple[Scene, Plan]]) -> str | None:
 
 def _meshed(task: Task, mesh: str | None) -> Task:
     """Set the mesh of a task's scene, unless the scene states one."""
-    scene = Scene.from_dict(task["scene"])
-    if mesh is None or scene.finger.resolution != AUTO:
+    finger = task["scene"]["finger"]
+    if mesh is None or finger["resolution"] != AUTO:
         return {}
-    return {"scene": replace(scene, finger=replace(scene.finger, resolution=mesh)).to_dict()}
+    return {"scene": {**task["scene"], "finger": {**finger, "resolution": mesh}}}

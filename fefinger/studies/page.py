@@ -58,12 +58,17 @@ def html(study: StudyRows) -> str:
     """Render the page of a study."""
     has_readings = any(row.get("sensor_peak_kPa") is not None for row in study.rows)
     done = study.scenes - len(study.failures)
-    swept = " and ".join(_values(name, study.about["grid"][name]) for name in study.about["grid"])
+    swept = []
+    for name, values in study.about["grid"].items():
+        texts = [text(value) for value in values]
+        span = f"{texts[0]} to {texts[-1]} in {len(texts)} steps"
+        swept.append(f"{name} {', '.join(texts) if len(texts) <= 4 else span}")
+    grid = " and ".join(swept).removesuffix(".")
     return page.render(
         "study.html",
         data=("table.csv", "study.json"),
         title=f"{study.name} over {', '.join(study.about['grid'])}",
-        answer=f"{done} of {study.scenes} scenes were answered: {swept.removesuffix('.')}.",
+        answer=f"{done} of {study.scenes} scenes were answered: {grid}.",
         notes=[*filter(None, [study.about.get("chosen")]), *remarks(study.rows, study.over)],
         lines=(errors(study.rows), *([figures.LEGEND] if has_readings else [])),
         parts=[*_parts(study), part(HOW, MEANING, *([ARRAY] if has_readings else []))],
@@ -120,12 +125,6 @@ def _given(name: str, row: Mapping[str, Any]) -> bool:
     if name == "depth_mm":
         return row.get(ERRORS[name]) is None
     return name == "force_N" and row.get(ERRORS["depth_mm"]) is not None
-
-
-def _values(name: str, values: Sequence[Any]) -> str:
-    texts = [text(value) for value in values]
-    span = f"{texts[0]} to {texts[-1]} in {len(texts)} steps"
-    return f"{name} {', '.join(texts) if len(texts) <= 4 else span}"
 
 
 def _parts(study: StudyRows) -> Iterator[dict[str, Any]]:

@@ -156,9 +156,11 @@ def receptive_field(
             f"spacing: expected at most {MOST} places, received {(2 * count + 1) ** 2}; choose a "
             "larger spacing or a smaller reach"
         )
-    prepared = _with_units(
-        builtin.given(scene, changes), choices("kinds", kinds, TYPES), branched, seed
-    )
+    given = builtin.given(scene, changes)
+    units = Places(places=((0.0, 0.0),), branched=branched, seed=seed)
+    spikes = choices("kinds", kinds, TYPES)
+    ask = replace(given.ask, spikes=spikes, population=units, fields=False, pressure=False)
+    prepared = replace(given, ask=ask)
     lines = spacing * np.arange(-count, count + 1)
     places = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
     aside = _moved(prepared, ASIDE)
@@ -197,13 +199,6 @@ def _pressed(scene: Scene, plan: Plan, place: Array) -> tuple[Response, Integers
     response = get(plan.mechanics).respond(settled(_moved(scene, place), plan))
     trains = fire(scene.ask, response, since=scene.motion.recorded_from, check=False)
     return response, trains.count()
-
-
-def _with_units(scene: Scene, kinds: tuple[str, ...], branched: bool, seed: int) -> Scene:
-    """Return the scene with one unit of each kind, and no other output."""
-    units = Places(places=((0.0, 0.0),), branched=branched, seed=seed)
-    ask = replace(scene.ask, spikes=kinds, population=units, fields=False, pressure=False)
-    return replace(scene, ask=ask)
 
 
 def _moved(scene: Scene, place: Array) -> Scene:

@@ -186,7 +186,10 @@ def _collected(
     failed = {**unusable, **lost}
     rows: list[dict[str, Any]] = []
     for i, values in enumerate(points):
-        first = {columns[field]: _entry(value) for field, value in values.items()}
+        first = {
+            columns[field]: str(value) if isinstance(value, list | tuple | dict) else value
+            for field, value in values.items()
+        }
         none = [{"at": "", "status": f"failed: {failed.get(i)}"}]
         of_scene = none if i in failed else list(filter(request.wanted, answers[i]["rows"]))
         last = {"scene": key(tasks[i])} if i in tasks else {}
@@ -200,8 +203,3 @@ def _collected(
         reused=reused,
         about=about,
     )
-
-
-def _entry(value: Any) -> Any:
-    """Convert a value of a field to an entry of a table: a list becomes text."""
-    return str(value) if isinstance(value, list | tuple | dict) else value
