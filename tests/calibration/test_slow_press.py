@@ -13,8 +13,18 @@ from fefinger.support import cache
 from fefinger.support.checks import InputError, Stopped
 
 
-def test_a_press_is_solved_once_and_kept(tmp_path, monkeypatch):
-    monkeypatch.setattr(presses, "root", lambda: tmp_path)
+FINGER = ff.Finger.subject("a.h.", tissue="maeno1998")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """Keep presses in a folder of the test, and solve them by `hertz`."""
+    monkeypatch.setattr(cache, "root", lambda: tmp_path)
+    monkeypatch.setattr("fefinger.mechanics.get", lambda name: hertz)
+    return tmp_path / "presses"
+
+
+def test_a_press_is_solved_once_and_kept(folder, monkeypatch):
     solved = []
 
     class Way:
@@ -25,7 +35,7 @@ def test_a_press_is_solved_once_and_kept(tmp_path, monkeypatch):
 
     monkeypatch.setattr("fefinger.mechanics.get", lambda name: Way)
     monkeypatch.setattr("fefinger.mechanics.solid.respond", lambda scene, **_: Way.respond(scene))
-    finger = ff.Finger.subject("a.h.", tissue="maeno1998")
+    finger = FINGER
     first, again = press(finger, "condensed"), press(finger, "condensed")
     assert len(solved) == 1
     np.testing.assert_array_equal(first.array_pressure, again.array_pressure)
@@ -33,7 +43,7 @@ def test_a_press_is_solved_once_and_kept(tmp_path, monkeypatch):
     press(other, "condensed")
     press(finger, "solid")
     assert len(solved) == 3
-    (next(iter(tmp_path.glob("*.npz")))).write_bytes(b"damaged")
+    next(iter(folder.glob("*.npz"))).write_bytes(b"damaged")
     for each in (finger, other):
         press(each, "condensed")
     press(finger, "solid")
@@ -41,47 +51,36 @@ def test_a_press_is_solved_once_and_kept(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("left", [0.0, 0.5])
-def test_a_press_whose_file_was_cut_short_is_solved_again(tmp_path, monkeypatch, left):
-    monkeypatch.setattr(presses, "root", lambda: tmp_path)
-    monkeypatch.setattr("fefinger.mechanics.get", lambda name: hertz)
-    finger = ff.Finger.subject("a.h.", tissue="maeno1998")
-    first = press(finger, "condensed")
-    (file,) = tmp_path.glob("*.npz")
+def test_a_press_whose_file_was_cut_short_is_solved_again(folder, left):
+    first = press(FINGER, "condensed")
+    (file,) = folder.glob("*.npz")
     whole = file.read_bytes()
     file.write_bytes(whole[: int(left * len(whole))])
-    np.testing.assert_array_equal(press(finger, "condensed").array_pressure, first.array_pressure)
+    np.testing.assert_array_equal(press(FINGER, "condensed").array_pressure, first.array_pressure)
     with np.load(file) as kept:  # and kept anew
         np.testing.assert_array_equal(kept["felt"], first.array_pressure)
 
 
-def test_a_pad_that_condensed_does_not_reach_is_pressed_by_linear(tmp_path, monkeypatch):
-    monkeypatch.setattr(presses, "root", lambda: tmp_path)
-
+def test_a_pad_that_condensed_does_not_reach_is_pressed_by_linear(monkeypatch):
     def refuse(scene, progress=None):
         msg = "beyond the side of the finger"
         raise InputError(msg)
 
     ways = {"condensed": type("W", (), {"respond": refuse}), "linear": hertz}
     monkeypatch.setattr("fefinger.mechanics.get", ways.get)
-    assert presses.small(ff.Finger.subject("a.h.", tissue="maeno1998")).depth[-1] == pytest.approx(
-        1.8
-    )
+    assert presses.small(FINGER).depth[-1] == pytest.approx(1.8)
 
 
-def test_kept_presses_are_listed_in_the_cache(tmp_path, monkeypatch):
-    monkeypatch.setattr(cache, "root", lambda: tmp_path)
-    monkeypatch.setattr("fefinger.mechanics.get", lambda name: hertz)
-    press(ff.Finger.subject("a.h.", tissue="maeno1998"), "condensed")
+def test_kept_presses_are_listed_in_the_cache(folder):
+    press(FINGER, "condensed")
     (entry,) = cache.entries()
-    assert (entry.kind, entry.paths[0].parent) == ("presses", tmp_path / "presses")
+    assert (entry.kind, entry.paths[0].parent) == ("presses", folder)
     assert 0 < entry.size < 1e6
     cache.remove([entry])
     assert cache.entries() == ()
 
 
-def test_a_press_that_stops_is_kept_as_far_as_it_went(tmp_path, monkeypatch):
-    monkeypatch.setattr(presses, "root", lambda: tmp_path)
-
+def test_a_press_that_stops_is_kept_as_far_as_it_went(monkeypatch):
     def stop(scene, *, allowance):
         assert (allowance.usual, allowance.spare) == (presses.USUAL, presses.SPARE)
         whole = hertz.respond(scene)
@@ -94,6 +93,6 @@ def test_a_press_that_stops_is_kept_as_far_as_it_went(tmp_path, monkeypatch):
         raise Stopped(msg, replace(whole, **cut))
 
     monkeypatch.setattr("fefinger.mechanics.solid.respond", stop)
-    found = press(ff.Finger.subject("a.h.", tissue="maeno1998"), "solid")
+    found = press(FINGER, "solid")
     assert found.halt == "no further"
     assert 1.0 < found.depth[-1] < 1.3

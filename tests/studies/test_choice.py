@@ -20,6 +20,16 @@ def tasks(over, mechanics=None, **changes):
     return asked.tasks()[0]
 
 
+def mechanics_of(found):
+    """Return the mechanics of all tasks."""
+    return {task["mechanics"] for task in found.values()}
+
+
+def meshes_of(found):
+    """Return the meshes of the tasks, in their order."""
+    return [task["scene"]["finger"]["resolution"] for task in found.values()]
+
+
 def planned(monkeypatch, takes, refusing=()):
     """Let scenes take the (mechanics, mesh) of their angle; `refusing` names refuse 45 degrees."""
 
@@ -39,8 +49,8 @@ def planned(monkeypatch, takes, refusing=()):
 def test_scenes_that_take_the_same_are_held_to_it_without_a_word(monkeypatch):
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")))
     found, said = one_mechanics.agreed(tasks(ANGLES))
-    assert {task["mechanics"] for task in found.values()} == {"linear"}
-    assert {task["scene"]["finger"]["resolution"] for task in found.values()} == {"coarse"}
+    assert mechanics_of(found) == {"linear"}
+    assert set(meshes_of(found)) == {"coarse"}
     assert said == ""
 
 
@@ -54,7 +64,7 @@ def test_a_study_that_goes_on_keeps_its_choice_whatever_is_cheapest_by_then(monk
     for kept in tmp_path.iterdir():
         kept.write_text("{")
     again = one_mechanics.agreed(tasks(ANGLES), ANGLES, tmp_path)[0]
-    assert {task["mechanics"] for task in again.values()} == {"condensed"}
+    assert mechanics_of(again) == {"condensed"}
 
 
 def test_a_scene_that_none_answers_is_not_said_to_be_answered(monkeypatch):
@@ -76,32 +86,28 @@ def test_a_scene_that_none_answers_is_not_said_to_be_answered(monkeypatch):
 def test_what_is_alike_at_all_angles_answers_no_study_of_them(monkeypatch, name):
     planned(monkeypatch, dict.fromkeys((15, 30, 45), (name, None)))
     found, said = one_mechanics.agreed(tasks(ANGLES), ANGLES)
-    assert {task["mechanics"] for task in found.values()} == {"condensed"}
+    assert mechanics_of(found) == {"condensed"}
     assert f"would be {name}, which does not depend on the place of contact" in said
     found, said = one_mechanics.agreed(tasks(ANGLES), ["motion.depth"])
-    assert {task["mechanics"] for task in found.values()} == {name}
+    assert mechanics_of(found) == {name}
 
 
 def test_the_cheapest_that_refuses_none_answers_all_on_the_finest_mesh(monkeypatch):
     takes = {15: ("lumped", None), 30: ("linear", "coarse"), 45: ("linear", "standard")}
     planned(monkeypatch, takes)
     found, said = one_mechanics.agreed(tasks(ANGLES))
-    assert {task["mechanics"] for task in found.values()} == {"linear"}
-    assert {task["scene"]["finger"]["resolution"] for task in found.values()} == {"standard"}
+    assert mechanics_of(found) == {"linear"}
+    assert set(meshes_of(found)) == {"standard"}
     assert said.startswith("All scenes are answered by linear on the standard mesh; the cheapest ")
     assert "lumped, linear on the coarse mesh, linear on the standard mesh, scene by scene" in said
 
 
 def test_one_that_refuses_a_scene_is_passed_over(monkeypatch):
     planned(monkeypatch, {15: ("hertz", None), 30: ("linear", "coarse"), 45: ("hertz", None)})
-    assert {task["mechanics"] for task in one_mechanics.agreed(tasks(ANGLES))[0].values()} == {
-        "linear"
-    }
+    assert mechanics_of(one_mechanics.agreed(tasks(ANGLES))[0]) == {"linear"}
     takes = {15: ("hertz", None), 30: ("linear", "coarse"), 45: ("hertz", None)}
     planned(monkeypatch, takes, refusing=("linear",))
-    assert {task["mechanics"] for task in one_mechanics.agreed(tasks(ANGLES))[0].values()} == {
-        "solid"
-    }
+    assert mechanics_of(one_mechanics.agreed(tasks(ANGLES))[0]) == {"solid"}
     planned(monkeypatch, takes, refusing=("linear", "solid"))
     asked = tasks(ANGLES)
     assert one_mechanics.agreed(asked) == (asked, "")
@@ -111,8 +117,8 @@ def test_a_mechanics_that_is_named_answers_all_on_the_finest_mesh_that_one_needs
     takes = {15: ("lumped", "coarse"), 30: ("lumped", "coarse"), 45: ("lumped", "standard")}
     planned(monkeypatch, takes, refusing=("linear",))
     found, said = one_mechanics.agreed(tasks(ANGLES, "linear"))
-    assert {task["mechanics"] for task in found.values()} == {"linear"}
-    assert {task["scene"]["finger"]["resolution"] for task in found.values()} == {"standard"}
+    assert mechanics_of(found) == {"linear"}
+    assert set(meshes_of(found)) == {"standard"}
     assert said.startswith("All scenes are answered by linear on the standard mesh, the finest ")
     assert "for others linear on the coarse mesh would suffice" in said
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")))
@@ -137,27 +143,25 @@ def test_meshes_that_scenes_state_stay(monkeypatch):
     over = {"finger.resolution": ("coarse", "standard")}
     for name in ("linear", None):
         found, said = one_mechanics.agreed(tasks(over, name), over)
-        stated = [task["scene"]["finger"]["resolution"] for task in found.values()]
-        assert (stated, said) == (["coarse", "standard"], "")
+        assert (meshes_of(found), said) == (["coarse", "standard"], "")
 
 
 def test_a_study_with_a_mechanics_that_is_named_is_on_one_mesh(monkeypatch):
-    answered = []
+    answered = {}
 
     def local(tasks, count):
         for i, task in enumerate(tasks):
-            answered.append(task)
+            answered[i] = task
             yield i, {"error": "not answered"}
 
     monkeypatch.setattr(workers, "local", local)
     takes = {15: ("linear", "coarse"), 30: ("linear", "coarse"), 45: ("linear", "standard")}
     planned(monkeypatch, takes)
     found = ff.study("flat-press", ANGLES, changes=LEAN, mechanics="linear")
-    assert [task["scene"]["finger"]["resolution"] for task in answered] == ["standard"] * 3
+    assert meshes_of(answered) == ["standard"] * 3
     assert "linear on the standard mesh" in found.about["chosen"]
-    answered.clear()
     ff.study("flat-press", ANGLES, changes=LEAN, mechanics="each")
-    assert [task["scene"]["finger"]["resolution"] for task in answered] == ["auto"] * 3
+    assert meshes_of(answered) == ["auto"] * 3
 
 
 @pytest.mark.usefixtures("operators")

@@ -13,6 +13,7 @@ import pytest
 
 import fefinger as ff
 from fefinger.__main__ import main
+from fefinger.mechanics.hertz import tissue
 from fefinger.pipeline import run
 from fefinger.studies import tasks, workers
 from fefinger.studies.columns import column
@@ -26,10 +27,16 @@ from fefinger.theory.relaxation import Prony
 
 
 QUICK = {"ask.spikes": [], "motion.hold": 0.05, "motion.speed": 10}
+LEAN = {"ask.spikes": [], "ask.pressure": False, "ask.strain": False}
 ELASTIC = ff.Finger.subject(
     "a.h.", prony=Prony((1.0,), ()), resolution="coarse", tissue="maeno1998"
 )
 BARE = ff.Ask(strain=False, fields=False)
+
+
+def settings(changes):
+    """Return changes as words of a command."""
+    return [w for name, value in changes.items() for w in ("--set", f"{name}={json.dumps(value)}")]
 
 
 def same(first, second):
@@ -139,8 +146,6 @@ def test_hertz_beside_it_is_that_of_the_radii_of_the_shape(pressed):
     row = rows(pressed, depths=(1.0,))[2]
     assert row["hertz_radius_distal_mm"] == pytest.approx(20.0, rel=0.01)
     assert row["hertz_radius_side_mm"] == pytest.approx(9.8, rel=0.01)
-    from fefinger.mechanics.hertz import tissue
-
     want = Elliptic(20.0, 9.8, 1.0, *tissue(ELASTIC))
     assert row["hertz_force_N"] == pytest.approx(want.force * 1e-3, rel=0.01)
     assert row["hertz_contact_area_mm2"] == pytest.approx(want.area, rel=0.01)
@@ -164,8 +169,6 @@ def test_a_relaxing_half_space_is_told_with_its_relaxed_modulus():
         ask=BARE,
     )
     row = rows(run(scene, mechanics="linear"))[1]
-    from fefinger.mechanics.hertz import tissue
-
     want = Elliptic(20.0, 9.8, 0.5, *tissue(scene.finger)).force * 1e-3
     assert row["hertz_force_N"] == pytest.approx(want, rel=0.015)
     assert np.isnan(row["stiffness_N_per_mm"])
@@ -214,9 +217,8 @@ def test_spikes_are_counted_up_to_the_time_of_the_row(synthetic):
 
 def test_rows_come_in_the_order_of_the_grid_with_units_and_files(tmp_path, capsys):
     command = ["study", "flat-press", "--over", "motion.depth=0.4,0.2", "--mechanics", "lumped"]
-    command += ["--over", "indenter.angle=20:40:2", "--at", "0.1mm", "--set", "ask.spikes=[]"]
-    command += ["--set", "ask.pressure=false", "--set", "ask.strain=false", "-o", str(tmp_path)]
-    command += ["--set", "motion.speed=10"]
+    command += ["--over", "indenter.angle=20:40:2", "--at", "0.1mm", "-o", str(tmp_path)]
+    command += settings(LEAN | {"motion.speed": 10})
     assert main([*command, "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert (record["scenes"], record["reused"], record["failed"]) == (4, 0, [])
@@ -240,25 +242,14 @@ def test_a_scene_that_fails_costs_itself_alone(capsys):
     command = ["study", "flat-press", "--mechanics", "lumped", "--json"]
     for field, values in THICK_OR_DEEP.items():
         command += ["--over", f"{field}={','.join(map(str, values))}"]
-    command += [
-        "--set",
-        "ask.spikes=[]",
-        "--set",
-        "ask.pressure=false",
-        "--set",
-        "ask.strain=false",
-    ]
-    assert main(command) == 1
+    assert main([*command, *settings(LEAN)]) == 1
     record = json.loads(capsys.readouterr().out)
     (failed,) = record["failed"]
     bad = {"finger.thickness": 10, "motion.depth": 6}
     assert failed["scene"] == bad
     assert "expected less than 5 mm" in failed["error"]
-    assert [row["motion.depth_mm"] for row in record["rows"] if row["at"] == "peak"] == [
-        0.3,
-        0.3,
-        6,
-    ]
+    peaks = [row for row in record["rows"] if row["at"] == "peak"]
+    assert [row["motion.depth_mm"] for row in peaks] == [0.3, 0.3, 6]
     assert next(row for row in record["rows"] if not row["at"]) == {
         **{f"{field}_mm": value for field, value in bad.items()},
         "at": "",
@@ -283,8 +274,7 @@ def test_a_value_that_no_scene_can_have_ends_a_study_before_it_runs(
 
 
 def test_levels_that_were_not_asked_for_have_rows_where_they_are_reached():
-    changes = {**QUICK, "ask.pressure": False, "ask.strain": False}
-    options = {"changes": changes, "mechanics": "lumped", "workers": 1}
+    options = {"changes": QUICK | LEAN, "mechanics": "lumped", "workers": 1}
     found = ff.study("flat-press", {"motion.depth": (0.2, 1.2)}, **options)
     assert [row["at"] for row in found.rows] == ["peak", "end", "peak", "end", "1 mm"]
     asked = ff.study("flat-press", {"motion.depth": (0.2, 1.2)}, at=("1mm",), **options)
@@ -332,8 +322,8 @@ def test_it_goes_on_after_it_was_killed(tmp_path):
     over = {"indenter.angle": tuple(np.linspace(20, 40, 10).round(3))}
     listed = ",".join(map(str, over["indenter.angle"]))
     command = [sys.executable, "-m", "fefinger", "study", "flat-press", "--mechanics", "hertz"]
-    command += ["--over", f"indenter.angle={listed}", "--set", "ask.spikes=[]", "--workers", "1"]
-    command += ["--set", "motion.hold=0.05", "--set", "motion.speed=10", "-o", str(tmp_path)]
+    command += ["--over", f"indenter.angle={listed}", "--workers", "1", "-o", str(tmp_path)]
+    command += settings(QUICK)
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     until = time.monotonic() + 300  # for a machine with other work
     answered = "[!.]*.json"  # a file that is being written has a name with a dot before it
@@ -377,8 +367,7 @@ def test_an_error_of_the_program_is_a_sentence_too():
 @pytest.mark.filterwarnings("ignore")  # of the cluster's own libraries
 def test_a_cluster_gives_the_same():
     distributed = pytest.importorskip("distributed", reason="needs the extra 'distributed'")
-    over, lean = THICK_OR_DEEP, {"ask.spikes": [], "ask.pressure": False, "ask.strain": False}
-    options = {"changes": QUICK | lean, "mechanics": "lumped"}
+    over, options = THICK_OR_DEEP, {"changes": QUICK | LEAN, "mechanics": "lumped"}
     cluster = distributed.LocalCluster(
         n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
     )
@@ -412,8 +401,7 @@ def test_cores_are_those_this_process_may_use():
 
 
 def test_a_page_over_names_and_one_where_all_failed(tmp_path):
-    lean = {"ask.spikes": [], "ask.pressure": False, "ask.strain": False}
-    options = {"changes": {**QUICK, **lean}, "mechanics": "lumped", "workers": 1}
+    options = {"changes": QUICK | LEAN, "mechanics": "lumped", "workers": 1}
     found = ff.study("flat-press", {"finger.subject": ("a.h.", "d.p.")}, **options)
     assert found.table()["finger.subject"].unique().tolist() == ["a.h.", "d.p."]
     found.save(tmp_path)

@@ -12,7 +12,10 @@ import xarray as xr
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.studies import tables
+from fefinger.studies import tables, tasks
+from fefinger.studies.grid import parse_at
+from fefinger.studies.study import Study
+from fefinger.support import provenance
 from fefinger.support.checks import InputError
 
 
@@ -24,6 +27,11 @@ LEAN = {
     "motion.hold": 0.05,
 }
 """A force alone, which `lumped` answers at once."""
+
+
+COMMAND = ["study", "flat-press", "--over", "motion.depth=0.4,0.3", "--mechanics", "lumped"]
+for field, value in LEAN.items():
+    COMMAND += ["--set", f"{field}={json.dumps(value)}"]
 
 
 def asked(over, **options):
@@ -66,8 +74,6 @@ def test_what_the_array_reads_is_an_array_too():
 
 
 def _study(rows):
-    from fefinger.studies.study import Study
-
     return Study("made-up", ("x_mm",), tuple(rows), (), len(rows), 0, {"grid": {"x": [1, 2]}})
 
 
@@ -123,10 +129,7 @@ def test_the_table_of_other_scenes_is_kept_and_told(tmp_path, capsys):
     assert again.reused == 3
     again.save(tmp_path)
     assert not (tmp_path / "earlier-1").exists()
-    command = ["study", "flat-press", "--over", "motion.depth=0.4,0.3", "--mechanics", "lumped"]
-    for field, value in LEAN.items():
-        command += ["--set", f"{field}={json.dumps(value)}"]
-    assert main([*command, "-o", str(tmp_path)]) == 0
+    assert main([*COMMAND, "-o", str(tmp_path)]) == 0
     out, err = capsys.readouterr()
     assert "2 of 2 scenes" in out
     assert ", 2 of them reused" in out
@@ -138,10 +141,7 @@ def test_the_table_of_other_scenes_is_kept_and_told(tmp_path, capsys):
 
 
 def test_the_page_and_the_table_say_how_they_were_made(tmp_path, capsys):
-    command = ["study", "flat-press", "--over", "motion.depth=0.4,0.3", "--mechanics", "lumped"]
-    for field, value in LEAN.items():
-        command += ["--set", f"{field}={json.dumps(value)}"]
-    assert main([*command, "--at", "0.2mm", "-o", str(tmp_path)]) == 0
+    assert main([*COMMAND, "--at", "0.2mm", "-o", str(tmp_path)]) == 0
     capsys.readouterr()
     record = json.loads((tmp_path / "study.json").read_text())
     assert record["command"].startswith(
@@ -157,12 +157,10 @@ def test_the_page_and_the_table_say_how_they_were_made(tmp_path, capsys):
 
 
 def test_seeds_are_told_where_something_is_drawn():
-    from fefinger.studies.tasks import provenance
-
     made = {"date": "2026-01-01T00:00:00+00:00", "commit": "abc"}
     rows = [{"seed": 7}, {"seed": 7}]
     later = {**made, "date": "2026-02-01T00:00:00+00:00", "commit": "abd"}
-    told = provenance([{"rows": rows, **made}, {"error": "x", **later}], 1)["answers"]
+    told = tasks.provenance([{"rows": rows, **made}, {"error": "x", **later}], 1)["answers"]
     assert told["seeds"] == "7"
     assert told["finished_before"] == "1 of 2"
     assert told["dates"] == f"{made['date']} to {later['date']}"
@@ -170,19 +168,14 @@ def test_seeds_are_told_where_something_is_drawn():
 
 
 def test_a_level_that_comes_twice_is_refused():
-    from fefinger.studies.grid import parse_at
-
     with pytest.raises(InputError, match="received 1 N again"):
         parse_at(["1N", "1.0 N"])
 
 
 def test_the_commit_is_that_of_the_programs_own_tree(tmp_path, monkeypatch):
-    from fefinger.support import provenance
-
     subprocess.run(["git", "init", "-q", tmp_path], check=True)
-    monkeypatch.setattr(
-        provenance, "__file__", str(tmp_path / "installed" / "fefinger" / "support" / "p.py")
-    )
+    place = tmp_path / "installed" / "fefinger" / "support" / "p.py"
+    monkeypatch.setattr(provenance, "__file__", str(place))
     (tmp_path / "installed").mkdir()
     assert provenance.commit.__wrapped__() == ""
     monkeypatch.setenv("PATH", "")
