@@ -11,7 +11,6 @@ import json
 import time
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -81,7 +80,7 @@ def press(finger: Finger, mechanics: str, part: float | None = None, spare: floa
         If fewer than 8 steps are solved.
     """
     scene = pressed(finger, part or PART[mechanics])
-    place = root() / f"{key(scene, mechanics, spare)}.npz"
+    place = cache.root() / "presses" / f"{key(scene, mechanics, spare)}.npz"
     with suppress(*cache.DAMAGED), place.open("rb") as opened, np.load(opened) as stored:
         depth, force, read, area = (stored[name] for name in ("depth", "force", "felt", "area"))
         return Press(depth, force, read, area, float(stored["seconds"]), str(stored["halt"]))
@@ -132,11 +131,6 @@ def shapable(finger: Finger) -> bool:
     except InputError:
         return False
     return True
-
-
-def root() -> Path:
-    """Return the folder of the presses."""
-    return cache.root() / "presses"
 
 
 def key(scene: Scene, mechanics: str, spare: float = SPARE) -> str:

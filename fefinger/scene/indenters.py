@@ -28,6 +28,7 @@ class Flat(PlateLike):
     """
 
     kind = "flat"
+    hertzian = (np.inf, np.inf)
 
     angle: float = 30.0
     tilt: float = 0.0
@@ -41,11 +42,6 @@ class Flat(PlateLike):
     def flat(self) -> Plate:
         """Angle and tilt in degrees."""
         return self.plate
-
-    @property
-    def hertzian(self) -> tuple[float, float]:
-        """Two infinite radii."""
-        return float("inf"), float("inf")
 
     def describe(self) -> str:
         """Return "a rigid flat plate", with its angles."""

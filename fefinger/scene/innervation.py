@@ -40,14 +40,13 @@ class Innervation:
 
     density: units per cm². organs: smallest and largest number of end organs of a unit. field:
     diameter in mm of the disc over which they are spread; None for one end organ. velocity: m/s of
-    the impulses in the nerve. notes: source and confidence of each number.
+    the impulses in the nerve.
     """
 
     density: float
     organs: tuple[int, int]
     field: float | None
     velocity: float
-    notes: str
 
 
 def innervation() -> dict[str, Innervation]:
@@ -62,13 +61,9 @@ def innervation() -> dict[str, Innervation]:
     of FAI and FAII: means of Knibestol (1973), PMC1350502, confidence high; of SAI and SAII: taken
     to be those of the fast type with fields alike, a guess, confidence low.
     """
-    tip, near = "density: TouchSim, medium", "velocity: by analogy, low"
-    read = "velocity: PMC1350502, high"
-    fields = "organs: Pawluk (1997), medium; field: a guess, low"
-    one = "organs: Pawluk (1997), medium"
     return {
-        "SAI": Innervation(70.0, (4, 7), 3.0, 55.3, f"{tip}; {fields}; {near}"),
-        "SAII": Innervation(6.0, (1, 1), None, 46.9, f"density: 241 - 235, low; {one}; {near}"),
-        "FAI": Innervation(140.0, (12, 17), 3.0, 55.3, f"{tip}; {fields}; {read}"),
-        "FAII": Innervation(25.0, (1, 1), None, 46.9, f"{tip}; {one}; {read}"),
+        "SAI": Innervation(70.0, (4, 7), 3.0, 55.3),
+        "SAII": Innervation(6.0, (1, 1), None, 46.9),
+        "FAI": Innervation(140.0, (12, 17), 3.0, 55.3),
+        "FAII": Innervation(25.0, (1, 1), None, 46.9),
     }

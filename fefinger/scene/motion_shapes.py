@@ -37,6 +37,11 @@ class RampMotion(Motion):
         return float(getattr(self, self.control))
 
     @property
+    def steady_level(self) -> float:
+        """The level of the ramp."""
+        return self.level
+
+    @property
     def top(self) -> float:
         """Length of the ramp in s, with sharp corners."""
         pace = getattr(self, "loading_rate" if self.control == "force" else "speed")
@@ -111,11 +116,6 @@ class RampSinusoidMotion(RampMotion):
     settle: float
 
     @property
-    def steady_level(self) -> float:
-        """The level of the ramp."""
-        return self.level
-
-    @property
     def rest(self) -> float:
         """Length of the rest in s."""
         return self.settle
@@ -157,11 +157,6 @@ class SweepMotion(RampMotion):
     stop: float
     seconds: float
     settle: float
-
-    @property
-    def steady_level(self) -> float:
-        """The level of the ramp."""
-        return self.level
 
     @property
     def corner_limits(self) -> tuple[float, ...]:
@@ -216,4 +211,5 @@ class SinusoidMotion(Motion):
     def trajectory(self) -> Trajectory:
         """The sine."""
         wave = Wave(0.0, self.amplitude, self.frequency, 0.0, phase=-np.pi / 2)
-        return Trajectory.level(self.amplitude, wave, self.cycles)
+        level, still = np.array([self.amplitude]), np.zeros(1)
+        return Trajectory(still, level, still, still, self.cycles / self.frequency, wave)

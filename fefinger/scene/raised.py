@@ -80,6 +80,7 @@ class Raised(PlateLike):
     """
 
     sharp = True
+    raised = True
     usual_edge: ClassVar[float]
 
     height: float
@@ -103,11 +104,6 @@ class Raised(PlateLike):
     def crest(self) -> float:
         """The radius of the crests in mm."""
         return self.edge or fitting(self.usual_edge, self.height, self.rooms)
-
-    @property
-    def raised(self) -> bool:
-        """True."""
-        return True
 
     @property
     def flank(self) -> float:

@@ -35,6 +35,8 @@ class Text(Raised):
     It reads from x = 0 to the right, seen from the finger with y up; around it is bare plate.
     """
 
+    mirrored = False
+
     text: str
     start: float
 
@@ -74,11 +76,6 @@ class Text(Raised):
             for low, high in self.extent
         )
         return profiles.Relief(x, y, self.rising(self.inside(x - self.start, y)))
-
-    @property
-    def mirrored(self) -> bool:
-        """False: a text is not symmetric."""
-        return False
 
 
 @final

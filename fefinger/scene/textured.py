@@ -109,6 +109,7 @@ class Relief(PlateLike):
 
     kind = "relief"
     sharp = True
+    mirrored = False  # whether the samples are symmetric is not looked at
 
     x: tuple[float, ...]
     y: tuple[float, ...]
@@ -181,11 +182,6 @@ class Relief(PlateLike):
     def extent(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Ranges in mm of x and y on which there are samples."""
         return (self.x[0], self.x[-1]), (self.y[0], self.y[-1])
-
-    @property
-    def mirrored(self) -> bool:
-        """False: whether the samples are symmetric is not looked at."""
-        return False
 
     @classmethod
     def of(cls, function: Callable[[Any, Any], Any], x: Any, y: Any, **placing: float) -> Self:

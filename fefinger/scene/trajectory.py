@@ -176,12 +176,6 @@ class Trajectory:
         table = np.array([row for row in rows if end - row[0] > _INSTANT * end])
         return cls(table[:, 0], table[:, 1], table[:, 2], table[:, 3], end)
 
-    @classmethod
-    def level(cls, value: float, wave: Wave, cycles: int) -> "Trajectory":
-        """Return `cycles` of `wave` about a constant value, from t = 0 on."""
-        zero = np.zeros(1)
-        return cls(zero, np.array([value]), zero, zero, cycles / wave.frequency, wave)
-
     def followed_by(self, wave: Wave, cycles: float) -> "Trajectory":
         """Return this trajectory with `cycles` of `wave` about its last value at its end."""
         end = self.duration
