@@ -2,24 +2,20 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.targets import finger_of
-from fefinger.support import processes
+from fefinger.support import outputs, processes
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.progress import Progress
+from fefinger.support.text import table
 
 
-@dataclass(frozen=True)
-class Job:
-    """One calibration: its source, and the keywords of `calibrate`."""
-
-    source: str
-    options: dict[str, Any]
+Job = dict[str, Any]
+"""Arguments of `calibrate`, but for the progress."""
 
 
 def jobs(
@@ -37,19 +33,19 @@ def jobs(
             msg = 'calibrate: expected DATA.csv or --subject, as --subject "a.h.", received neither'
             raise InputError(msg)
         chosen = {name: finger_of(name, **size) for name in subjects}
-        return tuple(Job(name, options | {"finger": finger}) for name, finger in chosen.items())
+        return tuple(options | {"source": name, "finger": chosen[name]} for name in chosen)
     if len(subjects) > 1:
         msg = f"--subject: expected one with DATA.csv, for its size, received {len(subjects)}"
         raise InputError(msg)
     if subjects:
-        return (Job(data, options | {"finger": finger_of(subjects[0], **size)}),)
+        return (options | {"source": data, "finger": finger_of(subjects[0], **size)},)
     missing = [name for name in ("width", "thickness") if name not in size]
     if missing:
         raise InputError(
             f"--{missing[0]}: expected the size of the finger in {data} in mm, received none; give "
             "--width and --thickness, or --subject"
         )
-    return (Job(data, options | {"finger": finger_of(None, **size)}),)
+    return (options | {"source": data, "finger": finger_of(None, **size)},)
 
 
 def run(todo: Sequence[Job], workers: int = 1, report: Progress | None = None) -> list[Calibration]:
@@ -58,11 +54,11 @@ def run(todo: Sequence[Job], workers: int = 1, report: Progress | None = None) -
     The processes are ended when this function ends, also by an error.
     """
     if workers == 1 or len(todo) == 1:
-        return [calibrate(job.source, progress=report, **job.options) for job in todo]
+        return [calibrate(progress=report, **job) for job in todo]
     calibrations: dict[int, Calibration] = {}
     for number, each in processes.each(_one, todo, workers):
         if isinstance(each, processes.Died):
-            raise ConvergenceError(f"{todo[number].source}: {each}")
+            raise ConvergenceError(f"{todo[number]['source']}: {each}")
         calibrations[number] = each
         if report is not None:
             report("subjects", len(calibrations) / len(todo))
@@ -70,7 +66,7 @@ def run(todo: Sequence[Job], workers: int = 1, report: Progress | None = None) -
 
 
 def _one(job: Job) -> Calibration:
-    return calibrate(job.source, **job.options)
+    return calibrate(**job)
 
 
 @contextmanager
@@ -79,14 +75,12 @@ def folders(todo: Sequence[Job], output: str | None) -> Iterator[list[Path]]:
 
     Empty folders are removed after an error.
     """
-    from fefinger.support import outputs
-
     with ExitStack() as opened:
         whole = opened.enter_context(outputs.output(output))
         if whole is None or len(todo) == 1:
             yield [] if whole is None else [whole]
             return
-        names = [job.source.strip(".").replace(".", "") for job in todo]
+        names = [job["source"].strip(".").replace(".", "") for job in todo]
         for name in names:
             opened.enter_context(outputs.output(whole / name))
         yield [whole / name for name in names]
@@ -94,19 +88,12 @@ def folders(todo: Sequence[Job], output: str | None) -> Iterator[list[Path]]:
 
 def save(calibrations: Sequence[Calibration], places: Sequence[Path]) -> list[str]:
     """Write the calibrations into their folders and return the files."""
-    if not places:
-        return []
-    return [
-        file
-        for each, place in zip(calibrations, places, strict=True)
-        for file in each.save(str(place))
-    ]
+    pairs = zip(calibrations, places, strict=bool(places))
+    return [file for each, place in pairs for file in each.save(place)]
 
 
 def summary(calibration: Calibration) -> str:
     """Format a calibration as text: parameters, misfits, stages, and what is not identified."""
-    from fefinger.support.text import table
-
     rows = [
         [
             each.name,

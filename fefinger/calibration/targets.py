@@ -172,7 +172,8 @@ def subject(name: str) -> Bulk:
     """
     rows = pawluk1997.bulk()
     choice("subject", name, rows)
-    row, (stiffness_vaf, hold_vaf) = rows[name], pawluk1997.accounted()[name]
+    row = rows[name]
+    stiffness_vaf, hold_vaf = row.vaf
     spring = Spring(row.b, row.m)
     deepest = float(spring.position(PEAK / row.prony.long_time))
     depth = np.linspace(0.0, deepest, 2000)

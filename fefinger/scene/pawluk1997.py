@@ -17,7 +17,8 @@ MEANS = "means"
 class Lumped:
     """A row of Table 2.1: T(x) = (b/m) [exp(m (x - x0)) - 1], and its relaxation function.
 
-    width and thickness of the fingertip in mm, m 1/mm, b N/mm.
+    width and thickness of the fingertip in mm, m 1/mm, b N/mm; VAF_k and VAF_G: variance accounted
+    for in stiffness and relaxation.
     """
 
     width: float
@@ -25,6 +26,7 @@ class Lumped:
     m: float
     b: float
     prony: Prony
+    vaf: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -44,24 +46,13 @@ class Quasistatic:
 def bulk() -> dict[str, Lumped]:
     """Table 2.1 of the thesis: lumped force at 60 mm/s, per subject (confidence high)."""
     rows = {
-        "d.p.": (12, 9.5, 3.2, 0.092, (0.22, 0.45, 0.15, 0.18), (253, 14, 0.66)),
-        "d.s.": (14, 11.5, 1.6, 0.28, (0.29, 0.40, 0.19, 0.13), (183, 11, 0.77)),
-        "a.h.": (14, 10, 2.1, 0.18, (0.25, 0.40, 0.19, 0.16), (224, 14, 0.63)),
-        "p.w.": (17, 13, 1.6, 0.22, (0.29, 0.38, 0.20, 0.13), (264, 22, 0.69)),
-        "means": (14, 11, 2.1, 0.19, (0.26, 0.41, 0.18, 0.15), (231, 15, 0.69)),
+        "d.p.": (12, 9.5, 3.2, 0.092, (0.22, 0.45, 0.15, 0.18), (253, 14, 0.66), (0.98, 0.99)),
+        "d.s.": (14, 11.5, 1.6, 0.28, (0.29, 0.40, 0.19, 0.13), (183, 11, 0.77), (0.97, 0.85)),
+        "a.h.": (14, 10, 2.1, 0.18, (0.25, 0.40, 0.19, 0.16), (224, 14, 0.63), (0.98, 0.88)),
+        "p.w.": (17, 13, 1.6, 0.22, (0.29, 0.38, 0.20, 0.13), (264, 22, 0.69), (0.96, 0.77)),
+        "means": (14, 11, 2.1, 0.19, (0.26, 0.41, 0.18, 0.15), (231, 15, 0.69), (0.97, 0.87)),
     }
-    return {name: Lumped(*row[:4], Prony(*row[4:])) for name, row in rows.items()}
-
-
-def accounted() -> dict[str, tuple[float, float]]:
-    """VAF_k and VAF_G of Table 2.1: variance accounted for in stiffness and relaxation."""
-    return {
-        "d.p.": (0.98, 0.99),
-        "d.s.": (0.97, 0.85),
-        "a.h.": (0.98, 0.88),
-        "p.w.": (0.96, 0.77),
-        "means": (0.97, 0.87),
-    }
+    return {name: Lumped(*row[:4], Prony(*row[4:6]), row[6]) for name, row in rows.items()}
 
 
 def relaxation() -> dict[str, Prony]:

@@ -154,15 +154,15 @@ def _subtable(name: str, table: Mapping[str, Any]) -> dict[str, Any]:
 def _finger(table: dict[str, Any], folder: Path | None) -> Finger:
     """Convert the table [finger]; without a folder it holds every value, and no file is read."""
     _reject("finger", table, _finger_keys())
-    pronies = _pronies(table)
+    table |= _prony("finger", table)
     subject = table.pop(SUBJECT, None)
     bases: dict[str, dict[str, Any]] = {}
     if folder is not None:
         for name in ("surface", "bone_surface"):
             if isinstance(table.get(name), str):
                 table[name] = str(folder / table[name])
-        given = any(layer in table for layer in LAYERS)
-        tissue = table.get("tissue", library.default_tissue(subject, given=given))
+        written = any(layer in table for layer in LAYERS)
+        tissue = table.get("tissue", library.default_tissue(subject, given=written))
         if isinstance(tissue, str) and tissue.endswith(library.TISSUE_FILE):
             tissue = table["tissue"] = str(folder / tissue)
         tissues = library.tissue_set(tissue)
@@ -171,14 +171,12 @@ def _finger(table: dict[str, Any], folder: Path | None) -> Finger:
     for layer in LAYERS:
         name = f"finger.{layer}"
         if layer in table:
-            own = {"prony": pronies[name]} if name in pronies else {}
-            values = bases.get(layer, {}) | _subtable(name, table) | own
+            given = _subtable(name, table)
+            values = bases.get(layer, {}) | given | _prony(name, given)
             table[layer] = _material(Tissue, name, values)
     for part in ("bone", "nail"):
         if isinstance(table.get(part), Mapping):
             table[part] = _material(Hard, f"finger.{part}", dict(table[part]))
-    if "prony" in table:
-        table["prony"] = pronies["finger"]
     if folder is None:
         return Finger.stored(subject_name=subject, **table)
     if subject is not None:
@@ -247,25 +245,20 @@ def _finger_keys() -> tuple[str, ...]:
     return (SUBJECT, *names)
 
 
-def _pronies(table: dict[str, Any]) -> dict[str, Prony]:
-    """Convert the relaxations in [finger] and its layers, by the name of their table."""
-    pronies: dict[str, Prony] = {}
-    for where in ("finger", "finger.skin", "finger.subcutaneous"):
-        inside = table if where == "finger" else _subtable(where, table)
-        if "prony" not in inside:
-            continue
-        name = f"{where}.prony"
-        given = _subtable(name, inside)
-        reject_unknown(name, given, ("c", "v"))
-        for key in ("c", "v"):
-            if key not in given:
-                msg = f"{name}.{key}: missing; expected prony = {{c = [c0, c1, ..], v = [v1, ..]}}"
-                raise InputError(msg)
-        try:
-            pronies[where] = Prony(given["c"], given["v"])
-        except ValueError as error:
-            raise InputError(f"{where}.{error}") from None
-    return pronies
+def _prony(name: str, table: Mapping[str, Any]) -> dict[str, Prony]:
+    """Convert the relaxation in the table `name`, where it has one."""
+    if "prony" not in table:
+        return {}
+    given = _subtable(f"{name}.prony", table)
+    reject_unknown(f"{name}.prony", given, ("c", "v"))
+    for key in ("c", "v"):
+        if key not in given:
+            what = "expected prony = {c = [c0, c1, ..], v = [v1, ..]}"
+            raise InputError(f"{name}.prony.{key}: missing; {what}")
+    try:
+        return {"prony": Prony(**given)}
+    except ValueError as error:
+        raise InputError(f"{name}.{error}") from None
 
 
 def _ask(table: dict[str, Any]) -> Ask:

@@ -166,11 +166,11 @@ def receptive_field(
     aside = _moved(prepared, ASIDE)
     plan = choose(aside, mechanics or cheapest(aside, len(places)))
     press = partial(_pressed, prepared, plan)
-    response, _ = press(np.zeros(2))
+    response, middle = press(np.zeros(2))
     impulses, on, left_out = [], np.ones(len(places), bool), []
     for i, place in enumerate(places):
         try:
-            impulses.append(press(place)[1])
+            impulses.append(press(place)[1] if place.any() else middle)
         except InputError as error:
             on[i] = False
             left_out.append(((float(place[0]), float(place[1])), str(error)))

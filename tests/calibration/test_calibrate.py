@@ -217,7 +217,7 @@ def test_an_empty_name_is_no_folder_of_a_calibration(capsys, solved):
 
 
 def test_subjects_are_calibrated_in_processes_of_their_own():
-    todo = [jobs.Job(name, {"mechanics": "condensed"}) for name in ("nobody", "no one")]
+    todo = [{"source": name, "mechanics": "condensed"} for name in ("nobody", "no one")]
     with pytest.raises(InputError, match="expected a subject"):
         jobs.run(todo, workers=2)
 

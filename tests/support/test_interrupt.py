@@ -178,8 +178,8 @@ from fefinger.scene.finger import Finger
 from fefinger.support.interrupt import interruptible
 
 def work():
-    options = {"finger": Finger.subject("a.h.")}
-    jobs.run([jobs.Job(file, options) for file in sys.argv[1:]], workers=2)
+    finger = Finger.subject("a.h.")
+    jobs.run([{"source": file, "finger": finger} for file in sys.argv[1:]], workers=2)
     return 0
 
 sys.exit(interruptible(work))
