@@ -101,8 +101,8 @@ def outcome(
     result: FitResult,
     stages: Sequence[Stage],
     mechanics: str,
-    array: dict[str, float] | None = None,
-    ripple: float = math.nan,
+    array: dict[str, float],
+    ripple: float,
     told: Sequence[str] = (),
 ) -> Calibration:
     """Make the record of a fit on a finger.
@@ -118,9 +118,8 @@ def outcome(
         sentences += [f"exponent, c0, c1, v1 ...: {ONE_G}"] if isinstance(wanted, Record) else []
     fitted = stiffening(finger, exponent, factor)
     parameters, correlations = parameters_of(solution)
-    residuals = {"misfit": solution.misfit, **_misfits(wanted, result), **(array or {})}
-    if math.isfinite(ripple):
-        residuals["distance of the curve from the last press"] = ripple
+    residuals = {"misfit": solution.misfit, **_misfits(wanted, result), **array}
+    residuals["distance of the curve from the last press"] = ripple
     return Calibration(
         target=wanted.name,
         mechanics=mechanics,
@@ -128,7 +127,7 @@ def outcome(
         parameters=parameters,
         correlations=correlations,
         residuals=residuals,
-        unidentified=(*_unidentified(wanted, result, array or {}), *sentences),
+        unidentified=(*_unidentified(wanted, result, array), *sentences),
         stages=tuple(stages),
         status=_status(wanted, solution, residuals, stages),
         skin=tissue(fitted.skin),

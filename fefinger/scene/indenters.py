@@ -143,32 +143,19 @@ class Cylinder(Placed):
         return f"a rigid cylinder of radius {self.radius:g} mm{turned(self.roll)}"
 
 
-@final
-@dataclass(frozen=True)
-class Bar(Placed):
-    """A long rigid bar, `width` mm wide over all, with corners rounded to `corner` mm.
+class Edged(Placed):
+    """An object with a flat end `width` mm wide, whose edge is rounded to `corner` mm."""
 
-    A corner of half the width makes it a rounded edge. It is placed at `at` and turned by `roll`.
-    """
-
-    kind = "bar"
     sharp = True
     lengths = ("width",)
 
     width: float
-    corner: float
-    roll: float = 0.0
-    at: tuple[float, float] | None = None
+    corner: float | None
 
     def __post_init__(self) -> None:
-        """Check the corner besides, which has to fit."""
+        """Check the edge besides, which has to fit."""
         super().__post_init__()
         self._set("corner", above=0, at_most=self.width / 2, unit="mm")
-
-    @property
-    def profile(self) -> profiles.Bar:
-        """A flat strip between rounded corners."""
-        return profiles.Bar(self.width, self.corner)
 
     @property
     def narrowest(self) -> float:
@@ -177,8 +164,30 @@ class Bar(Placed):
 
     @property
     def least_radius(self) -> float:
-        """The radius of its corners in mm."""
+        """The radius of the edge in mm."""
+        assert self.corner is not None
         return self.corner
+
+
+@final
+@dataclass(frozen=True)
+class Bar(Edged):
+    """A long rigid bar, `width` mm wide over all, with corners rounded to `corner` mm.
+
+    A corner of half the width makes it a rounded edge. It is placed at `at` and turned by `roll`.
+    """
+
+    kind = "bar"
+
+    width: float
+    corner: float
+    roll: float = 0.0
+    at: tuple[float, float] | None = None
+
+    @property
+    def profile(self) -> profiles.Bar:
+        """A flat strip between rounded corners."""
+        return profiles.Bar(self.width, self.corner)
 
     def describe(self) -> str:
         """Return "a rigid bar", with its sizes and how it lies."""
@@ -188,42 +197,29 @@ class Bar(Placed):
 
 @final
 @dataclass(frozen=True)
-class Pin(Placed):
+class Pin(Edged):
     """A round rigid pin with a flat end, `width` mm across, its edge rounded to `corner` mm.
 
     The probe of experiments on single afferents. By default the edge is a fifth of the width.
     """
 
     kind = "pin"
-    sharp = True
-    lengths = ("width",)
 
     width: float
     corner: float | None = None
     at: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        """Check the edge besides, which has to fit."""
-        super().__post_init__()
+        """Take the edge from the width where it is left out, and check both."""
+        self._set("width", above=0, unit="mm")
         if self.corner is None:
             object.__setattr__(self, "corner", self.width / 5)
-        self._set("corner", above=0, at_most=self.width / 2, unit="mm")
+        super().__post_init__()
 
     @property
     def profile(self) -> profiles.Pin:
         """A flat disc with a rounded edge."""
         return profiles.Pin(self.width, self.least_radius)
-
-    @property
-    def narrowest(self) -> float:
-        """The width in mm."""
-        return self.width
-
-    @property
-    def least_radius(self) -> float:
-        """The radius of its edge in mm."""
-        assert self.corner is not None
-        return self.corner
 
     def describe(self) -> str:
         """Return "a rigid pin", with its sizes."""

@@ -12,7 +12,8 @@ from fefinger.results.result_record import Plan
 from fefinger.scene.finger import AUTO, RESOLUTIONS
 from fefinger.scene.scene import Scene
 from fefinger.studies.grid import EACH
-from fefinger.studies.tasks import Task, key, write
+from fefinger.studies.tasks import Task, key
+from fefinger.support import atomic_write
 from fefinger.support.checks import InputError
 
 
@@ -55,7 +56,7 @@ def agreed(
         named = next(iter(tasks.values()))["mechanics"]
         choice = _choice(tasks, over)
         if place is not None and (named is None or choice.mesh is not None):
-            write(place, json.dumps(choice))
+            atomic_write.write(place.parent, {place.name: json.dumps(choice)})
     if choice.mechanics is None:
         return dict(tasks), choice.sentence
     planned = {"mechanics": choice.mechanics}

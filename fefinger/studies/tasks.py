@@ -14,7 +14,7 @@ from fefinger.scene.builtin import given
 from fefinger.scene.scene import Scene
 from fefinger.studies.columns import MISSED
 from fefinger.studies.grid import EACH, parse_at, product
-from fefinger.support.atomic_write import in_place
+from fefinger.support import atomic_write
 from fefinger.support.checks import InputError
 from fefinger.support.provenance import software
 from fefinger.support.version import VERSION
@@ -100,7 +100,7 @@ def key(task: Task) -> str:
 
 def store(folder: Path, task: Task, answer: Answer) -> None:
     """Write the answer of a task into a folder."""
-    write(folder / f"{key(task)}.json", json.dumps(answer, allow_nan=False))
+    atomic_write.write(folder, {f"{key(task)}.json": json.dumps(answer, allow_nan=False)})
 
 
 def load(folder: Path, task: Task) -> Answer | None:
@@ -139,9 +139,3 @@ def provenance(answers: Sequence[Answer], reused: int) -> dict[str, Any]:
         "seeds": ", ".join(map(str, seeds)) or "none: nothing is drawn at random",
     }
     return record
-
-
-def write(path: Path, text: str) -> None:
-    """Write a text file atomically."""
-    with in_place(path) as new:
-        new.write_text(text, encoding="utf-8")
