@@ -143,9 +143,15 @@ def key(scene: Scene, mechanics: str, spare: float = SPARE) -> str:
 
 
 def _solved(scene: Scene, mechanics: str, spare: float) -> Press:
+    from fefinger.fem.hyperelastic.load_path import FactorizationBudget
+    from fefinger.mechanics import get, solid
+
     started, halt = time.process_time(), ""
     try:
-        response = _respond(scene, mechanics, spare)
+        if MECHANICS[mechanics].finite:
+            response = solid.respond(scene, allowance=FactorizationBudget(USUAL, spare))
+        else:
+            response = get(mechanics).respond(scene)
     except Stopped as stop:
         response, halt = stop.reached, str(stop)
     steps = _steps(scene, response, mechanics)
@@ -164,18 +170,6 @@ def _solved(scene: Scene, mechanics: str, spare: float) -> Press:
         time.process_time() - started,
         halt,
     )
-
-
-def _respond(scene: Scene, mechanics: str, spare: float) -> Response:
-    """Solve the press; `solid` with a limit on tangent factorizations."""
-    from fefinger.mechanics import get
-
-    if not MECHANICS[mechanics].finite:
-        return get(mechanics).respond(scene)
-    from fefinger.fem.hyperelastic.load_path import FactorizationBudget
-    from fefinger.mechanics import solid
-
-    return solid.respond(scene, allowance=FactorizationBudget(USUAL, spare))
 
 
 def _steps(scene: Scene, response: Response, mechanics: str) -> Integers:
