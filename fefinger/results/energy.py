@@ -7,14 +7,12 @@ functions of the present strain, so that relaxation at constant strain changes n
 
 import numpy as np
 
+from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS, volumes
 from fefinger.results.records import Fields
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
 from fefinger.support.arrays import Array
 from fefinger.support.vocabulary import SHARES
-
-
-SKIN, SUBCUTANEOUS = 1, 2
 
 
 def density(fields: Fields, frame: int, finger: Finger, *, elastic: bool, finite: bool) -> Array:
@@ -52,7 +50,7 @@ def split(strain: Array, tissue: Tissue, *, finite: bool) -> tuple[Array, Array]
     if not finite:
         squares = (deviator**2) @ np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
         return shear * squares, bulk / 2 * trace**2
-    logs = np.linalg.eigvalsh(deviator[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3))
+    logs = np.linalg.eigvalsh(tensors(deviator))
     first, second = (np.expm1(sign * 2 * logs).sum(axis=1) for sign in (1, -1))
     share = SHARES[tissue.law] if tissue.share is None else tissue.share
     if tissue.exponent is not None:
@@ -61,17 +59,17 @@ def split(strain: Array, tissue: Tissue, *, finite: bool) -> tuple[Array, Array]
     return distortion, bulk / 2 * np.expm1(trace) ** 2
 
 
+def tensors(six: Array) -> Array:
+    """Return the symmetric tensors (n, 3, 3) of components xx yy zz xy yz xz (n, 6)."""
+    return six[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
+
+
 def shares(fields: Fields) -> tuple[Array, Array]:
     """Share of skin in the volume of each point's soft cells, and 1 where it has soft cells."""
-    a, b, c, d = fields.points[fields.cells].transpose(1, 0, 2)
-    volume = np.abs(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a))
-    sums = [
-        np.bincount(
-            fields.cells[fields.region == region].ravel(),
-            np.repeat(volume[fields.region == region], 4),
-            minlength=len(fields.points),
-        )
-        for region in (SKIN, SUBCUTANEOUS)
-    ]
-    total = sums[0] + sums[1]
-    return sums[0] / np.where(total > 0, total, 1.0), (total > 0).astype(float)
+    volume = np.repeat(np.abs(volumes(fields.points, fields.cells))[:, None], 4, axis=1)
+    skin, subcutaneous = (
+        np.bincount(fields.cells[part].ravel(), volume[part].ravel(), len(fields.points))
+        for part in (fields.region == SKIN, fields.region == SUBCUTANEOUS)
+    )
+    total = skin + subcutaneous
+    return skin / np.where(total > 0, total, 1.0), (total > 0).astype(float)

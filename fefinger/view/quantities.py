@@ -20,16 +20,6 @@ DEFAULT = "compressive strain"
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 PRINCIPAL = ("principal strain 1", "principal strain 2", "principal strain 3")
 ENERGIES = ("relaxed strain energy", "elastic strain energy")
-FIELDS = (
-    "compressive strain",
-    "tensile strain",
-    "von Mises strain",
-    *PRINCIPAL,
-    *(f"strain {component}" for component in COMPONENTS),
-    *ENERGIES,
-    "displacement",
-    "pressure",
-)
 ABOUT = {
     "compressive strain": "size of the most compressive principal strain",
     "tensile strain": "the most tensile principal strain, 0 where there is none",
@@ -43,6 +33,7 @@ ABOUT = {
     "displacement": "length of the displacement",
     "pressure": "contact pressure on the pad",
 }  # fmt: skip
+FIELDS = tuple(ABOUT)
 OTHERWISE = {
     **dict.fromkeys(("sed", "strain energy", "energy", "strain energy density"), ENERGIES[::-1]),
     **dict.fromkeys(("mises", "equivalent strain", "von mises"), ("von Mises strain",)),
@@ -96,11 +87,10 @@ def named(name: str, field: str) -> str:
     """Return the field; InputError of `name`, with the nearest fields, if it is unknown."""
     if field in FIELDS:
         return field
-    candidates = OTHERWISE.get(str(field).strip().lower().replace("_", " "))
-    if candidates is None:
+    meant = OTHERWISE.get(str(field).strip().lower().replace("_", " "))
+    if meant is None:
         return choice(name, field, FIELDS)
-    options, nearest = (" or ".join(repr(each) for each in group) for group in (FIELDS, candidates))
-    options = options.replace(" or ", ", ")
+    options, nearest = ", ".join(map(repr, FIELDS)), " or ".join(map(repr, meant))
     message = f"{name}: expected one of {options}, received {field!r}. Did you mean {nearest}?"
     raise InputError(message)
 
@@ -155,11 +145,7 @@ def values(result: ResultRecord, field: str, frame: int) -> Array:
     strain = 100.0 * fields.strain[frame]
     if field.removeprefix("strain ") in COMPONENTS:
         return np.asarray(strain[:, COMPONENTS.index(field.removeprefix("strain "))])
-    return _principal(field, np.asarray(np.linalg.eigvalsh(tensors(strain)), np.float64))
-
-
-def _principal(field: str, principal: Array) -> Array:
-    """Return a field of the principal strains (n, 3), ascending."""
+    principal = np.asarray(np.linalg.eigvalsh(energy.tensors(strain)), np.float64)  # ascending
     if field in PRINCIPAL:
         return np.asarray(principal[:, 2 - PRINCIPAL.index(field)])
     if field == "compressive strain":
@@ -168,11 +154,6 @@ def _principal(field: str, principal: Array) -> Array:
         return np.asarray(np.maximum(0.0, principal[:, 2]))
     deviator = principal - principal.mean(axis=1, keepdims=True)
     return np.asarray(np.sqrt(2 / 3 * np.sum(deviator**2, axis=1)))
-
-
-def tensors(six: Array) -> Array:
-    """Return the symmetric tensors (n, 3, 3) of components xx yy zz xy yz xz (n, 6)."""
-    return six[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
 
 
 def span(shown: Iterable[Array], field: str, limits: tuple[float, float] | None = None) -> Span:
