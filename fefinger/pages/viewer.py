@@ -72,15 +72,13 @@ def write(
     results at all times. Several stand under the names of their `folders`. Raises InputError if a
     result has no fields, the field is unknown or the time is after the end.
     """
-    shown = [results] if isinstance(results, ResultRecord) else list(results)
-    quantities.named("field", field)
+    shown = frames.requested(results, field, time)
     drawings = []
     for result, title in zip(shown, titles(shown, folders), strict=True):
         drawn = cut_open(frames.whole_result(result), title)
         # The page can add the skin before the cut.
         before = surfaces.other_half(drawn.fields)
         drawings.append(replace(drawn, surfaces=(*drawn.surfaces, *before)))
-    frames.check("time", shown, time)
     blob = Blob()
     spans = {
         name: colors(drawings, name, limits if name == field else None)

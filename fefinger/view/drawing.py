@@ -18,56 +18,45 @@ from fefinger.view.surfaces import Piece
 class Drawing:
     """The surfaces, lines and marks of a result with fields.
 
-    surfaces: of the finger; lines: the outlines of the cut, none if the finger is `whole`; marks:
-    of end organs in the cut, or of units on the skin of the whole finger; title: the line above.
+    surfaces: of the finger; lines: the outlines of the cut, None if the finger is whole; marks: of
+    end organs in the cut, or of units on the skin of the whole finger; title: the line above.
     """
 
     result: ResultRecord
-    fields: Fields
     surfaces: tuple[Piece, ...]
     lines: Piece | None
     marks: markers.Marks | None
-    whole: bool
     title: str
 
+    @property
+    def fields(self) -> Fields:
+        """The fields of the result."""
+        return quantities.fields_of(self.result)
 
-def drawing(result: ResultRecord, field: str, title: str = "") -> Drawing:
+    @property
+    def whole(self) -> bool:
+        """Whether the finger is drawn whole."""
+        return self.lines is None
+
+
+def drawing(result: ResultRecord, field: str, title: str) -> Drawing:
     """Return the drawing that shows a field: the whole finger for pressure, else the cut one.
 
-    Its title is that of its scene by default. Raises InputError if the field is unknown or there
-    are no fields.
+    On the skin of a whole finger the units of a population are marked. Raises InputError if the
+    field is unknown or there are no fields.
     """
-    quantities.named("field", field)
-    return entire(result, title) if field == "pressure" else cut_open(result, title)
+    if quantities.named("field", field) != "pressure":
+        return cut_open(result, title)
+    result = frames.whole_result(result)
+    pieces = surfaces.entire(quantities.fields_of(result))
+    return Drawing(result, pieces, None, markers.on_skin(result), title)
 
 
-def cut_open(result: ResultRecord, title: str = "") -> Drawing:
+def cut_open(result: ResultRecord, title: str) -> Drawing:
     """Return the drawing of the half finger behind the medial plane, and of its end organs."""
     fields = quantities.fields_of(result)
-    return Drawing(
-        result=result,
-        fields=fields,
-        surfaces=surfaces.cut_open(fields),
-        lines=surfaces.outlines(fields),
-        marks=markers.in_section(result),
-        whole=False,
-        title=title or result.scene.name,
-    )
-
-
-def entire(result: ResultRecord, title: str = "") -> Drawing:
-    """Return the drawing of the whole finger, and of the units of a population on its skin."""
-    result = frames.whole_result(result)
-    fields = quantities.fields_of(result)
-    return Drawing(
-        result=result,
-        fields=fields,
-        surfaces=surfaces.entire(fields),
-        lines=None,
-        marks=markers.on_skin(result),
-        whole=True,
-        title=title or result.scene.name,
-    )
+    pieces, lines = surfaces.cut_open(fields), surfaces.outlines(fields)
+    return Drawing(result, pieces, lines, markers.in_section(result), title)
 
 
 def colors(

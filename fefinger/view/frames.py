@@ -1,4 +1,4 @@
-"""Stored times nearest to a requested time, and fields mirrored to the whole finger."""
+"""Checks of what is to be shown, stored times next to a requested one, and whole fingers."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,6 +11,21 @@ from fefinger.results.records import Fields
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.checks import InputError, number
 from fefinger.view import quantities
+
+
+def requested(
+    results: ResultRecord | Sequence[ResultRecord], field: str, time: float | None = None
+) -> list[ResultRecord]:
+    """Return one result or several as a list; InputError unless they can be shown.
+
+    All have fields, the name of the `field` is known, and `time` is within the runs, as in `check`.
+    """
+    every = [results] if isinstance(results, ResultRecord) else list(results)
+    for result in every:
+        quantities.fields_of(result)
+    quantities.named("field", field)
+    check("time", every, time)
+    return every
 
 
 def check(name: str, results: Sequence[ResultRecord], time: float | None) -> None:

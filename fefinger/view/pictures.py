@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.results.result_record import ResultRecord
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import moved
 from fefinger.view import color_bars, figures, film, frames, quantities, renderer
 from fefinger.view.color_bars import add_bars
@@ -66,6 +65,11 @@ def compose(
     return stages
 
 
+def stored_times(stages: Sequence[Stage]) -> Array:
+    """Return the stored times of all stages in s, ascending."""
+    return np.unique(np.concatenate([stage.shown.fields.times for stage in stages]))
+
+
 def size(columns: int) -> tuple[int, int]:
     """Return width and height in pixels of views in space side by side, and their color bars."""
     return PANEL[0] * columns + color_bars.WIDTH, PANEL[1]
@@ -87,8 +91,7 @@ def screenshot(
     force; `limits` are those of the color bar. Raises InputError if there is no renderer, there are
     no fields, the field is unknown or the time is after the end.
     """
-    shown = [results] if isinstance(results, ResultRecord) else list(results)
-    frames.check("time", shown, time)
+    shown = frames.requested(results, field, time)
     plotter, stages = _stages(shown, field, limits, folders)
     for stage in stages:
         stage.at(frames.peak_time(stage.shown.result) if time is None else time)
@@ -107,19 +110,16 @@ def movie(
     Otherwise as `screenshot`. Times are not evenly spaced; every picture shows its time.
     """
     film.check(path, "--movie")
-    shown = [results] if isinstance(results, ResultRecord) else list(results)
-    plotter, stages = _stages(shown, field, limits, folders)
-    times = np.unique(np.concatenate([stage.shown.fields.times for stage in stages]))
+    plotter, stages = _stages(frames.requested(results, field), field, limits, folders)
 
-    def pictures() -> Iterator[NDArray[np.uint8]]:
-        for time in times:
+    def pictures() -> Iterator[film.Picture]:
+        for time in stored_times(stages):
             for stage in stages:
                 stage.at(float(time))
             plotter.render()
             picture = np.array(plotter.screenshot(return_img=True))
             yield picture
-        for _ in range(REST):
-            yield picture
+        yield from [picture] * REST
 
     try:
         film.write(path, pictures(), FPS)
@@ -134,9 +134,6 @@ def _stages(
     folders: Sequence[str],
 ) -> tuple[Any, list[Stage]]:
     """Return an off-screen plotter, and the results in it."""
-    for result in results:
-        quantities.fields_of(result)
-    quantities.named("field", field)
     renderer.require()
     plotter = renderer.plotter(size(len(results)), len(results), aside=color_bars.WIDTH)
     return plotter, compose(plotter, results, field, limits, folders)
@@ -147,15 +144,16 @@ def draw_mesh(mesh: "FingerMesh", path: str | PathLike[str]) -> None:
 
     Raises InputError where no renderer exists.
     """
+    import pyvista as pv
+
     renderer.require()
     plotter = renderer.plotter(size(1))
     behind = mesh.points[mesh.cells][:, :, 1].mean(axis=1) > 0
-    body = _grid(mesh.points, mesh.cells[behind])
+    body: Any = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells[behind]}, mesh.points)
     body["region"] = mesh.region[behind]
-    surface = body.extract_surface(algorithm=None)
     kinds = [kind for kind in REGIONS if kind in body["region"]]
     plotter.add_mesh(
-        surface,
+        body.extract_surface(algorithm=None),
         scalars="region",
         cmap=[REGIONS[kind][1] for kind in kinds],
         clim=(min(kinds) - 0.5, max(kinds) + 0.5),
@@ -168,7 +166,7 @@ def draw_mesh(mesh: "FingerMesh", path: str | PathLike[str]) -> None:
         diffuse=0.45,
     )
     title = f"{mesh.name}: {len(mesh.points)} points, {len(mesh.cells)} tetrahedra"
-    plotter.add_text(title, font_size=16, color="#1f2933")
+    plotter.add_text(title, font_size=16, color=figures.INK)
     plotter.view_vector((0.55, -1.0, 0.35), viewup=(0, 0, 1))
     plotter.camera.zoom(1.35)
     plotter.camera.SetWindowCenter(0.1, 0.0)
@@ -182,10 +180,3 @@ def _finish(plotter: Any, path: str | PathLike[str]) -> None:
             plotter.screenshot(new)
     finally:
         plotter.close()
-
-
-def _grid(points: Array, cells: Integers) -> Any:
-    """Return an unstructured grid of tetrahedra."""
-    import pyvista as pv
-
-    return pv.UnstructuredGrid({pv.CellType.TETRA: np.asarray(cells)}, np.asarray(points))

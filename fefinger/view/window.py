@@ -1,12 +1,12 @@
 """The window: a slider over time, one over the fields, and a box for every part."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from fefinger.results.result_record import ResultRecord
-from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.view import color_bars, figures, frames, pictures, quantities, renderer
 from fefinger.view.plot3d import Stage
@@ -37,20 +37,10 @@ class Controls:
         limits: tuple[float, float] | None = None,
         folders: Sequence[str] = (),
     ) -> None:
-        self.plotter, self.results, self.limits = plotter, list(results), limits
-        self.folders = tuple(folders)
-        self.time = frames.peak_time(self.results[0]) if time is None else time
-        self.stages: list[Stage] = pictures.compose(
-            plotter, self.results, field, limits, self.folders
-        )
-        self.hidden: set[str] = set()
-        self.move(self.time)
-
-    @property
-    def times(self) -> Array:
-        """Return the stored times of all results in s, ascending."""
-        every = [quantities.fields_of(result).times for result in self.results]
-        return np.unique(np.concatenate(every))
+        self.plotter, self.results, self.limits, self.folders = plotter, results, limits, folders
+        self.stages: list[Stage] = pictures.compose(plotter, results, field, limits, folders)
+        self.times = pictures.stored_times(self.stages)
+        self.move(frames.peak_time(results[0]) if time is None else time)
 
     def move(self, time: float) -> None:
         """Show the stored frames next to a time in s."""
@@ -60,12 +50,10 @@ class Controls:
 
     def step(self, number: float) -> None:
         """Show a stored time by its number, from 1; they are not evenly spaced."""
-        times = self.times
-        self.move(float(times[min(max(round(number), 1), len(times)) - 1]))
+        self.move(float(self.times[min(max(round(number), 1), len(self.times)) - 1]))
 
     def toggle(self, part: str, on: bool) -> None:
         """Show or hide a part of every finger."""
-        (self.hidden.discard if on else self.hidden.add)(part)
         for stage in self.stages:
             stage.show(part, on)
 
@@ -84,7 +72,7 @@ class Controls:
             for column in range(len(before)):
                 self.plotter.renderers[column].camera = camera
         self.move(self.time)
-        for part in sorted(self.hidden):
+        for part in before[0].hidden:
             self.toggle(part, False)
 
     def add_widgets(self) -> None:
@@ -92,15 +80,14 @@ class Controls:
         times = self.times
         for column in range(len(self.stages)):
             self.plotter.renderers[column].camera.SetWindowCenter(*ABOVE)
+        self.plotter.subplot(0, 0)
         if len(times) > 1:
             now = 1 + int(np.argmin(np.abs(times - self.time)))
-            self.plotter.subplot(0, 0)
             self.plotter.add_slider_widget(
                 self.step, (1, len(times)), value=now, fmt="%.0f",
                 title=f"stored time, 1 to {len(times)}",
                 pointa=(0.2, 0.08), pointb=(0.48, 0.08), **SLIDER,
             )  # fmt: skip
-        self.plotter.subplot(0, 0)
         slider = self.plotter.add_text_slider_widget(
             self.color, list(quantities.FIELDS),
             value=quantities.FIELDS.index(self.stages[0].field),
@@ -110,16 +97,11 @@ class Controls:
         shape.SetTubeWidth(SLIDER["tube_width"])
         shape.SetSliderWidth(SLIDER["slider_width"])
         shape.SetTitleHeight(SLIDER["title_height"])
-        self.plotter.subplot(0, 0)
         for row, part in enumerate(reversed(self.stages[0].parts)):
             at = 20.0 + row * (BOX + 10)
-
-            def switch(on: bool, part: str = part) -> None:
-                self.toggle(part, on)
-
             self.plotter.add_checkbox_button_widget(
-                switch, value=True, position=(14.0, at), size=BOX, border_size=2,
-                color_on="#0072B2", color_off="#dfe5ea", background_color="white",
+                partial(self.toggle, part), value=True, position=(14.0, at), size=BOX,
+                border_size=2, color_on="#0072B2", color_off="#dfe5ea", background_color="white",
             )  # fmt: skip
             self.plotter.add_text(
                 part, position=(14.0 + BOX + 10, at), font_size=10, color=figures.INK,
@@ -139,11 +121,7 @@ def show(
     Several stand under the names of their `folders`. Raises InputError if there is no renderer or
     no display, the result has no fields, or the time is after its end.
     """
-    shown = [results] if isinstance(results, ResultRecord) else list(results)
-    for result in shown:
-        quantities.fields_of(result)
-    quantities.named("field", field)
-    frames.check("time", shown, time)
+    shown = frames.requested(results, field, time)
     renderer.require()
     size = (SIZE[0] + MORE * (len(shown) - 1), SIZE[1])
     plotter = renderer.plotter(size, len(shown), aside=color_bars.WIDTH, off_screen=None)

@@ -135,7 +135,7 @@ def test_a_view_in_space_shows_something(synthetic: Result, tmp_path: Path, fiel
 
 @needs_renderer
 def test_compared_results_have_one_scale(synthetic: Result, weaker: Result, tmp_path: Path) -> None:
-    both = [drawing(result, "tensile strain") for result in (synthetic, weaker)]
+    both = [drawing(result, "tensile strain", "") for result in (synthetic, weaker)]
     strong, weak = (colors([each], "tensile strain") for each in both)
     assert weak.high < 0.6 * strong.high
     assert colors(both, "tensile strain") == strong
