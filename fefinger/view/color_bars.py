@@ -26,13 +26,12 @@ LONG = 23  # letters of a title in one line
 def add_bars(plotter: Any, stages: Sequence[Stage]) -> None:
     """Add one bar for each thing that any stage is colored by; the last stage keeps them."""
     keys = {label: key for stage in reversed(stages) for label, key in stage.keys.items()}
-    first = [label for label in stages[0].keys if label in keys]
     plotter.subplot(0, len(stages))
-    for place, label in zip(PLACES, dict.fromkeys([*first, *keys]), strict=False):
+    for place, label in zip(PLACES, stages[0].keys | keys, strict=False):
         title = (label if len(label) <= LONG else label.replace(" / ", "\n/ ")) + "\n"
-        key = keys[label]
+        mapper, needs = keys[label]
         bar = plotter.add_scalar_bar(
-            title=title, mapper=key.mapper, position_y=place, **LOOK, render=False
+            title=title, mapper=mapper, position_y=place, **LOOK, render=False
         )
-        stages[-1].props.append(Prop(bar, key.needs))
+        stages[-1].props.append(Prop(bar, needs))
     stages[-1].refresh()

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.neural.train_record import FEW
+from fefinger.results.records import Pad
 from fefinger.results.result_record import ResultRecord
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array, Integers
@@ -117,23 +118,12 @@ def signals(result: ResultRecord, rows: list[tuple[str, Array, Curves]]) -> Any:
 
     Each row is drawn over all `windows`, on one scale; times in ms where the span is short.
     """
-    spans = windows(result.scene, float(result.time[-1]))
     with style():
-        drawn = figure(WIDE, 0.5 + 1.75 * len(rows))
-        axes = drawn.subplots(
-            len(rows),
-            len(spans),
-            sharey="row",
-            sharex="col",
-            squeeze=False,
-            width_ratios=[1.0] * (len(spans) - 1) + [1.5],
-        )
+        drawn, axes, scales = _panels(result, [1.0] * len(rows), 0.5 + 1.75 * len(rows))
         for (label, time, curves), line in zip(rows, axes, strict=True):
-            for axis, (_, start, stop) in zip(line, spans, strict=True):
-                scale = _scale(start, stop)
+            for axis, scale in zip(line, scales, strict=True):
                 for name, color, values in curves:
                     axis.plot(time * scale, values, color=color, label=name or "_")
-                axis.set_xlim(start * scale, stop * scale)
             line[0].set_ylabel(label)
         handles = [
             line for axis in axes[:, -1] for line in axis.lines if line.get_label()[:1] != "_"
@@ -141,23 +131,30 @@ def signals(result: ResultRecord, rows: list[tuple[str, Array, Curves]]) -> Any:
         if handles:
             # On the left, where a phone shows it without scrolling.
             drawn.legend(handles=handles, loc="outside upper left", ncols=len(handles))
-        _label_time(axes, spans)
         return drawn
 
 
-def _scale(start: float, stop: float) -> float:
-    return 1e3 if stop - start < SHORT else 1.0
-
-
-def _label_time(axes: Any, spans: list[tuple[str, float, float]]) -> None:
+def _panels(
+    result: ResultRecord, heights: list[float], height: float
+) -> tuple[Any, Any, list[float]]:
+    """Return a figure, its axes (len(heights), n) over all n `windows`, and their units per s."""
     from matplotlib.ticker import MaxNLocator
 
-    for column, (title, start, stop) in enumerate(spans):
-        axes[0, column].set_title(title)
-        name = "time / ms" if stop - start < SHORT else "time / s"
-        axes[-1, column].set_xlabel(name)
-        if column < len(spans) - 1:
-            axes[-1, column].xaxis.set_major_locator(MaxNLocator(5, prune="upper"))
+    spans = windows(result.scene, float(result.time[-1]))
+    ratios = {"width_ratios": [1.0] * (len(spans) - 1) + [1.5], "height_ratios": heights}
+    drawn = figure(WIDE, height)
+    axes = drawn.subplots(
+        len(heights), len(spans), sharex="col", sharey="row", squeeze=False, **ratios
+    )
+    scales = []
+    for (title, start, stop), column in zip(spans, axes.T, strict=True):
+        scale, unit = (1e3, "ms") if stop - start < SHORT else (1.0, "s")
+        scales.append(scale)
+        column[0].set(title=title, xlim=(start * scale, stop * scale))
+        column[-1].set_xlabel(f"time / {unit}")
+        if len(scales) < len(spans):
+            column[-1].xaxis.set_major_locator(MaxNLocator(5, prune="upper"))
+    return drawn, axes, scales
 
 
 def force(result: ResultRecord) -> Any:
@@ -206,15 +203,20 @@ def site_strain(result: ResultRecord) -> Any:
     if sites.unit is not None:
         shown = strongest(principal[..., 0], sites.types)
     labels = [f"{sites.types[i]}, {sites.depths[i]:g} mm" for i in shown]
-    colors = [COLORS.get(sites.types[i], INK) for i in shown]
-    rows: list[tuple[str, Array, Curves]] = []
-    for name, part in (
-        ("compressive strain / %", np.maximum(0, -principal[:, shown, 0])),
-        ("tensile strain / %", np.maximum(0, principal[:, shown, 2])),
-    ):
-        curves = list(zip(labels, colors, part.T, strict=True))
-        rows.append((name, result.time, curves if not rows else [("", c, v) for _, c, v in curves]))
+    types = [sites.types[i] for i in shown]
+    compressive, tensile = np.maximum(0, -principal[..., 0]), np.maximum(0, principal[..., 2])
+    rows = [
+        ("compressive strain / %", result.time, _curves(labels, types, compressive[:, shown])),
+        ("tensile strain / %", result.time, _curves(None, types, tensile[:, shown])),
+    ]
     return signals(result, rows)
+
+
+def _curves(labels: list[str] | None, types: Sequence[str], values: Array) -> Curves:
+    """Return the columns of values (n_t, n) as curves in the colors of their types."""
+    named = labels or [""] * len(types)
+    colors = [COLORS.get(kind, INK) for kind in types]
+    return list(zip(named, colors, values.T, strict=True))
 
 
 def currents(result: ResultRecord) -> Any:
@@ -227,16 +229,10 @@ def currents(result: ResultRecord) -> Any:
     shown: list[int] = list(range(len(spikes)))
     if len(spikes) > FEW:
         shown = strongest(spikes.current, spikes.types)
-    colors = [COLORS.get(spikes.types[i], INK) for i in shown]
-    names = [spikes.names[i] for i in shown]
-    inputs = list(zip(names, colors, spikes.x_in.T[shown], strict=True))
+    names, types = [spikes.names[i] for i in shown], [spikes.types[i] for i in shown]
     rows = [
-        ("end-organ input / mm", spikes.time, inputs),
-        (
-            "current / µA/cm²",
-            spikes.time,
-            [("", color, i) for color, i in zip(colors, spikes.current.T[shown], strict=True)],
-        ),
+        ("end-organ input / mm", spikes.time, _curves(names, types, spikes.x_in[:, shown])),
+        ("current / µA/cm²", spikes.time, _curves(None, types, spikes.current[:, shown])),
     ]
     return signals(result, rows)
 
@@ -246,26 +242,14 @@ def spikes(result: ResultRecord) -> Any:
     trains = result.spikes
     assert trains is not None
     end = float(result.time[-1])
-    spans = windows(result.scene, end)
     colors = [COLORS.get(kind, INK) for kind in trains.types]
     firing = [unit for unit, times in enumerate(trains.times) if len(times) > 1]
     heights = [0.24 * len(trains) + 0.15] + [1.0] * len(firing)
     with style():
-        drawn = figure(WIDE, 0.8 + sum(heights))
-        axes = drawn.subplots(
-            1 + len(firing),
-            len(spans),
-            sharex="col",
-            sharey="row",
-            squeeze=False,
-            width_ratios=[1.0] * (len(spans) - 1) + [1.5],
-            height_ratios=heights,
-        )
-        for line, (_, start, stop) in zip(axes.T, spans, strict=True):
-            scale = _scale(start, stop)
+        drawn, axes, scales = _panels(result, heights, 0.8 + sum(heights))
+        for line, scale in zip(axes.T, scales, strict=True):
             times = [t * scale for t in trains.times]
             line[0].eventplot(times, colors=colors, linelengths=0.8, linewidths=0.9)
-            line[0].set_xlim(start * scale, stop * scale)
             line[0].grid(visible=False)
             for unit, axis in zip(firing, line[1:], strict=True):
                 _draw_rate(axis, trains.times[unit], end, colors[unit], scale)
@@ -274,7 +258,6 @@ def spikes(result: ResultRecord) -> Any:
         for unit, axis in zip(firing, axes[1:, 0], strict=True):
             axis.set_ylabel(f"{trains.names[unit]}\nrate / Hz")
             axis.set_ylim(bottom=0)
-        _label_time(axes, spans)
         return drawn
 
 
@@ -292,7 +275,7 @@ def pressure_map(result: ResultRecord) -> Any:
     assert result.pressure is not None
     step = result.peak
     pressure, pad = result.pressure[step], result.pad
-    palmar = (pad.normals[pad.triangles][:, :, 2] < 0).all(axis=1)
+    triangles = palmar_triangles(pad)
     loaded = np.flatnonzero(pressure > 0)
     near = pad.points[loaded if loaded.size else slice(None)]
     low, high = near.min(axis=0) - 2.0, near.max(axis=0) + 2.0
@@ -300,20 +283,19 @@ def pressure_map(result: ResultRecord) -> Any:
         drawn = figure(5.4, 4.6)
         axis = drawn.subplots()
         x, y = pad.points[:, 0], pad.points[:, 1]
+        colors = {"cmap": quantities.SKIN_DEEP, "vmin": 0, "vmax": max(pressure.max(), 1e-9)}
         drawn_map = axis.tripcolor(
-            x,
-            y,
-            pad.triangles[palmar],
-            pressure,
-            shading="gouraud",
-            cmap=quantities.SKIN_DEEP,
-            vmin=0,
-            vmax=max(float(pressure.max()), 1e-9),
-            rasterized=True,
+            x, y, triangles, pressure, shading="gouraud", rasterized=True, **colors
         )
-        axis.triplot(x, y, pad.triangles[palmar], color=STEEL, linewidth=0.25, alpha=0.5)
+        axis.triplot(x, y, triangles, color=STEEL, linewidth=0.25, alpha=0.5)
         if result.centroid is not None:
-            _mark_centroid(axis, result.centroid[step])
+            place, color = result.centroid[step], "#0072B2"
+            for width, shade in ((4.5, "white"), (2.0, color)):
+                axis.plot(*place, marker="+", ms=13, mew=width, color=shade)
+            box = {"fc": "white", "ec": "none", "alpha": 0.75, "pad": 1.5}
+            axis.annotate(
+                "centroid", place, (8, 8), textcoords="offset points", color=color, bbox=box
+            )
         axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axis.set(xlabel="x (distal) / mm", ylabel="y (radial) / mm")
         axis.set_title(
@@ -324,18 +306,9 @@ def pressure_map(result: ResultRecord) -> Any:
         return drawn
 
 
-def _mark_centroid(axis: Any, place: Array) -> None:
-    """Draw a named cross at a place (2,) mm."""
-    for width, color in ((4.5, "white"), (2.0, "#0072B2")):
-        axis.plot(*place, marker="+", ms=13, mew=width, color=color)
-    axis.annotate(
-        "centroid",
-        place,
-        (8, 8),
-        textcoords="offset points",
-        color="#0072B2",
-        bbox={"fc": "white", "ec": "none", "alpha": 0.75, "pad": 1.5},
-    )
+def palmar_triangles(pad: Pad) -> Integers:
+    """Return the triangles (k, 3) of the pad that are seen from below."""
+    return pad.triangles[(pad.normals[pad.triangles][:, :, 2] < 0).all(axis=1)]
 
 
 def stages(result: ResultRecord) -> Any:

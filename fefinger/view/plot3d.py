@@ -25,6 +25,10 @@ WORDS = (0.015, 0.985)  # of a part of the picture, where three lines or more ha
 LETTER = 9.0  # pixels of their letters, on average
 LENGTH = 5.0  # mm of the scale line
 LIT: dict[str, Any] = {"ambient": 0.68, "diffuse": 0.38}
+WRITTEN: dict[str, Any] = {
+    **{"font_size": 16, "text_color": figures.INK, "bold": False, "shape": None},
+    **{"show_points": False, "always_visible": True, "justification_vertical": "center"},
+}  # of labels at points
 
 
 class Prop(NamedTuple):
@@ -33,13 +37,6 @@ class Prop(NamedTuple):
     actor: Any
     needs: tuple[str, ...]
     without: str | None = None
-
-
-class Key(NamedTuple):
-    """Entry of a color bar: its mapper, and which parts it `needs` shown."""
-
-    mapper: Any
-    needs: tuple[str, ...]
 
 
 class Scales(NamedTuple):
@@ -53,7 +50,8 @@ class Scales(NamedTuple):
 class Stage:
     """A finger in the active part of a plotter, which `at` and `show` change.
 
-    `keys`: mapper and parts of every color bar by its title, the field first.
+    `keys`: of every color bar by its title, the field first: the mapper, and the parts that it
+    needs shown.
     """
 
     def __init__(self, plotter: Any, shown: Drawing, field: str, scales: Scales) -> None:
@@ -61,7 +59,7 @@ class Stage:
         self.where = tuple(plotter.renderers.index_to_loc(plotter.renderers.active_index))
         self.props: list[Prop] = []
         self.moves: list[Callable[[int], None]] = []
-        self.keys: dict[str, Key] = {}
+        self.keys: dict[str, tuple[Any, tuple[str, ...]]] = {}
         self.hidden: set[str] = set()
         self.frame = 0
         for piece in shown.surfaces:
@@ -76,11 +74,10 @@ class Stage:
 
     def look(self) -> None:
         """Point the camera at the cut, or at the pad of a whole finger."""
-        self.plotter.view_vector(BELOW if self.shown.whole else BEHIND, viewup=(0, 0, 1))
+        place, closer = (BELOW, 1.2) if self.shown.whole else (BEHIND, 1.35)
+        self.plotter.view_vector(place, viewup=(0, 0, 1))
         width, height = self._size()
-        share = width / height
-        closer = 1.2 if self.shown.whole else 1.35
-        self.plotter.camera.zoom(closer * min(1.0, share / WIDE))
+        self.plotter.camera.zoom(closer * min(1.0, width / height / WIDE))
 
     def at(self, time: float) -> None:
         """Show the stored frame next to a time in s."""
@@ -120,11 +117,9 @@ class Stage:
         if result.force is not None:
             state.append(f"force {np.interp(now, result.time, result.force):.3g} N")
         kind = f" ({quantities.measure(result)})" if quantities.unit(self.field) == "%" else ""
-        beyond = self.scales.field.beyond(quantities.unit(self.field))
-        state += [beyond] if beyond else []
-        return (
-            f"{self.shown.title}\n{result.plan.mechanics}: {self.field}{kind}\n{',  '.join(state)}"
-        )
+        state.append(self.scales.field.beyond(quantities.unit(self.field)))
+        of = f"{result.plan.mechanics}: {self.field}{kind}"
+        return f"{self.shown.title}\n{of}\n{',  '.join(filter(None, state))}"
 
     def _say(self) -> None:
         """Write `words` above the finger."""
@@ -204,14 +199,13 @@ class Stage:
         )  # fmt: skip
         actor.prop.interpolation = "Phong"
         self.props.append(Prop(actor, needs, without))
-        self.keys.setdefault(title, Key(actor.mapper, needs if name == "pressure" else ()))
+        self.keys.setdefault(title, (actor.mapper, needs if name == "pressure" else ()))
 
     def _add_lines(self, piece: surfaces.Piece) -> None:
         """Add the white outlines of the tissues on the cut."""
         import pyvista as pv
 
-        lines = np.column_stack([np.full(len(piece.triangles), 2), piece.triangles])
-        mesh = pv.PolyData(self._place(piece, 0), lines=lines.ravel())
+        mesh = pv.PolyData(self._place(piece, 0), lines=np.insert(piece.triangles, 0, 2, axis=1))
         lift = np.array([0.0, -0.02, 0.0])  # mm off the cut, so that they are not buried in it
 
         def move(frame: int) -> None:
@@ -257,21 +251,17 @@ class Stage:
         self.props.append(Prop(added[0], needs[:1]))
         self.props.append(Prop(added[1], needs[:1], "rates" if fires else None))
         if fires:
-            added.append(self._add_rates(balls, needs))
+            rated = self.plotter.add_mesh(
+                balls, scalars="rate", cmap=quantities.RATES, clim=(0.0, self.scales.rate),
+                show_scalar_bar=False, ambient=0.6, diffuse=0.4,
+            )  # fmt: skip
+            added.append(rated)
+            self.props.append(Prop(rated, needs))
+            self.keys["rate / Hz"] = rated.mapper, needs
         for actor in added:
             _bring_forward(actor.mapper)
         if len(types) <= FEW:
             self._add_labels(marks, shown.labels)
-
-    def _add_rates(self, balls: Any, needs: tuple[str, ...]) -> Any:
-        """Add the balls colored by their rate, and return their actor."""
-        rated = self.plotter.add_mesh(
-            balls, scalars="rate", cmap=quantities.RATES, clim=(0.0, self.scales.rate),
-            show_scalar_bar=False, ambient=0.6, diffuse=0.4,
-        )  # fmt: skip
-        self.props.append(Prop(rated, needs))
-        self.keys["rate / Hz"] = Key(rated.mapper, needs)
-        return rated
 
     def _add_labels(self, marks: Any, labels: tuple[str, ...]) -> None:
         """Add type and depth of a few end organs, in a column above the finger, joined to them."""
@@ -283,10 +273,9 @@ class Stage:
         distal = marks.points[:, 0].max() + aside
         level = self.shown.fields.points[:, 2].max() + above + line * np.arange(len(words))[::-1]
         column = np.column_stack([np.full(len(words), distal), np.zeros(len(words)), level])
-        pairs = np.stack([np.arange(len(words)), len(words) + np.arange(len(words))], axis=1)
+        pairs = np.arange(2 * len(words)).reshape(2, -1).T
         lines = pv.PolyData(
-            np.concatenate([marks.points[order], column]),
-            lines=np.column_stack([np.full(len(words), 2), pairs]).ravel(),
+            np.concatenate([marks.points[order], column]), lines=np.insert(pairs, 0, 2, axis=1)
         )
 
         def move(frame: int) -> None:
@@ -297,11 +286,8 @@ class Stage:
         self.moves.append(move)
         leaders = self.plotter.add_mesh(lines, color=figures.INK, line_width=1.5, lighting=False)
         _bring_forward(leaders.mapper)
-        labels_actor = self.plotter.add_point_labels(
-            column, words, font_size=16, text_color=figures.INK, shape=None, margin=2,
-            show_points=False, always_visible=True, bold=False, justification_vertical="center",
-        )  # fmt: skip
-        self.props += [Prop(actor, ("end organs",)) for actor in (leaders, labels_actor)]
+        written = self.plotter.add_point_labels(column, words, margin=2, **WRITTEN)
+        self.props += [Prop(actor, ("end organs",)) for actor in (leaders, written)]
 
     def _add_length(self) -> None:
         """Add a line of LENGTH mm below the finger, in the plane of the cut, to measure it by."""
@@ -313,12 +299,9 @@ class Stage:
         line = self.plotter.add_mesh(
             pv.Line(start, end), color=figures.INK, line_width=3, lighting=False
         )
-        labels_actor = self.plotter.add_point_labels(
-            end[None], [f"   {LENGTH:g} mm"], font_size=16, text_color=figures.INK,
-            shape=None, margin=8, show_points=False, always_visible=True, bold=False,
-            justification_vertical="center",
-        )  # fmt: skip
-        self.props += [Prop(actor, ()) for actor in (line, labels_actor)]
+        words = [f"   {LENGTH:g} mm"]
+        written = self.plotter.add_point_labels(end[None], words, margin=8, **WRITTEN)
+        self.props += [Prop(actor, ()) for actor in (line, written)]
 
     def _add_indenter(self) -> None:
         """Add the indenter, clear as glass; before a whole pad the rim of a plate or ball."""

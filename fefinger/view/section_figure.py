@@ -20,6 +20,8 @@ REACH = 30.0  # mm of the indenter on both sides of the finger
 MARGIN = 1.2  # mm about the section
 CLOSE = 4.5  # mm: half the width of the close view
 OFF_PLANE = 0.5  # mm: end organs farther than this from the section are drawn hollow
+LEADER = {"arrowstyle": "-", "color": figures.INK, "linewidth": 0.8, "relpos": (0.0, 0.5),
+          "shrinkA": 0.0}  # fmt: skip
 HALVINGS = 2  # of the triangles' edges, between which matplotlib mixes colors in place of values
 
 
@@ -68,6 +70,7 @@ def medial(result: ResultRecord, field: str, frame: int) -> Medial:
     places = (rest + moved)[:, [0, 2]]
     time = float(fields.times[frame])
     depth = float(np.interp(time, result.time, result.depth))
+    pose = indenter_pose.pose(result, depth, time)
     soft = cut.region != BONE
     return Medial(
         places=places,
@@ -76,17 +79,12 @@ def medial(result: ResultRecord, field: str, frame: int) -> Medial:
         values=values,
         outlines=cut.outlines(),
         span=quantities.span([values[np.unique(cut.triangles[soft])]], field),
-        indenter=_outline(result, depth, time),
+        # Also of a part of it far from its origin.
+        indenter=pose.outline(REACH + float(np.linalg.norm(pose.origin))),
         organs=_organs(result, rest, moved),
         field=field,
         title=f"t = {time:.4g} s, depth {depth:.3g} mm",
     )
-
-
-def _outline(result: ResultRecord, depth: float, time: float) -> Array:
-    """Return the outline of the indenter at a time, also of a part of it far from its origin."""
-    pose = indenter_pose.pose(result, depth, time)
-    return pose.outline(REACH + float(np.linalg.norm(pose.origin)))
 
 
 def _organs(result: ResultRecord, rest: Array, moved: Array) -> list[tuple[Array, str, str, bool]]:
@@ -107,6 +105,9 @@ def _organs(result: ResultRecord, rest: Array, moved: Array) -> list[tuple[Array
 
 def _figure(cut: Medial) -> Any:
     """Draw the whole section, and a close view of the end organs under the indenter."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
     with figures.style():
         drawn = figures.figure(figures.WIDE, 4.4)
         whole, close = drawn.subplots(1, 2, width_ratios=[1.35, 1.0])
@@ -119,17 +120,19 @@ def _figure(cut: Medial) -> Any:
         )
         center = cut.indenter.mean(axis=0)
         if cut.organs:
-            many = len(cut.organs) > FEW
-            center = np.mean(
-                [organ[0] for organ in (cut.organs if many else cut.organs[:1])], axis=0
-            )
+            seen = cut.organs if len(cut.organs) > FEW else cut.organs[:1]
+            center = np.mean([organ[0] for organ in seen], axis=0)
         close.set(
             xlim=(center[0] - CLOSE, center[0] + CLOSE),
             ylim=(center[1] - 0.45 * CLOSE, center[1] + 1.55 * CLOSE),
             title="close view of the end organs",
         )
         _draw_organs(whole, close, cut)
-        _draw_bar(drawn, close, cut)
+        scale = Normalize(cut.span.low, cut.span.high)
+        drawn.colorbar(
+            ScalarMappable(scale, cut.span.colors), ax=close, shrink=0.85,
+            label=quantities.label(cut.field), extend=cut.span.extend,
+        )  # fmt: skip
         return drawn
 
 
@@ -138,25 +141,15 @@ def _draw_section(axis: Any, cut: Medial) -> None:
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.patches import Polygon
 
-    bone = PolyCollection(list(cut.places[cut.bone]), color=figures.BONE)
-    axis.add_collection(bone)
+    axis.add_collection(PolyCollection(list(cut.places[cut.bone]), color=figures.BONE))
     corners, triangles = np.column_stack([cut.places, cut.values]), cut.triangles
     for _ in range(HALVINGS):
         corners, triangles = _halved(corners, triangles)
-    axis.tripcolor(
-        *corners[:, :2].T,
-        triangles,
-        corners[:, 2],
-        shading="gouraud",
-        cmap=cut.span.map(),
-        vmin=cut.span.low,
-        vmax=cut.span.high,
-        rasterized=True,
-    )
-    lines = LineCollection(
-        list(cut.places[cut.outlines]), colors="white", linewidths=0.9, alpha=0.9
-    )
-    axis.add_collection(lines)
+    (x, y, values), colors = corners.T, {"cmap": cut.span.map()}
+    colors |= {"vmin": cut.span.low, "vmax": cut.span.high}
+    axis.tripcolor(x, y, triangles, values, shading="gouraud", rasterized=True, **colors)
+    lines = list(cut.places[cut.outlines])
+    axis.add_collection(LineCollection(lines, colors="white", linewidths=0.9, alpha=0.9))
     if len(cut.indenter):
         slab = Polygon(cut.indenter, facecolor="#b8c2cc", edgecolor=figures.INK, linewidth=0.9)
         axis.add_patch(slab)
@@ -184,24 +177,11 @@ def _draw_organs(whole: Any, close: Any, cut: Medial) -> None:
         face = color if inside else "none"
         for axis, size in ((whole, 5), (close, 9)):
             axis.plot(*place, "o", ms=size, mfc=face, mec="white", mew=1.0, zorder=5)
+        box = {"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": color}
         close.annotate(
-            label,
-            place,
-            xytext=(0.69, 0.36 - 0.088 * row),
-            textcoords="axes fraction",
-            va="center",
-            color=color,
-            fontweight="bold",
-            zorder=6,
-            bbox={"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": color},
-            arrowprops={
-                "arrowstyle": "-",
-                "color": figures.INK,
-                "linewidth": 0.8,
-                "relpos": (0.0, 0.5),
-                "shrinkA": 0.0,
-            },
-        )
+            label, place, xytext=(0.69, 0.36 - 0.088 * row), textcoords="axes fraction",
+            va="center", color=color, fontweight="bold", zorder=6, bbox=box, arrowprops=LEADER,
+        )  # fmt: skip
 
 
 def _draw_population(whole: Any, close: Any, cut: Medial) -> None:
@@ -212,13 +192,3 @@ def _draw_population(whole: Any, close: Any, cut: Medial) -> None:
             axis.plot(*np.reshape(places, (-1, 2)).T, "o", ms=size, mfc=color, mec="white",
                       mew=0.6, ls="", zorder=5, label=kind if places else "_")  # fmt: skip
     close.legend(loc="lower right", framealpha=0.9, frameon=True)
-
-
-def _draw_bar(drawn: Any, axis: Any, cut: Medial) -> None:
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    bar = ScalarMappable(Normalize(cut.span.low, cut.span.high), cut.span.colors)
-    drawn.colorbar(
-        bar, ax=axis, label=quantities.label(cut.field), shrink=0.85, extend=cut.span.extend
-    )

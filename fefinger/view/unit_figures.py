@@ -10,10 +10,18 @@ import numpy as np
 
 from fefinger.neural.statistics import mean_rates
 from fefinger.neural.trains import SpikeTrains
-from fefinger.results.records import Pad
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
-from fefinger.view.figures import COLORS, INK, STEEL, WIDE, figure, of_each, style
+from fefinger.view.figures import (
+    COLORS,
+    INK,
+    STEEL,
+    WIDE,
+    figure,
+    of_each,
+    palmar_triangles,
+    style,
+)
 
 
 BIN = 60  # bins of the histogram over the whole time
@@ -103,17 +111,10 @@ def _by_distance(trains: SpikeTrains, which: Integers) -> Integers:
 
 def _outline(axis: Any, result: ResultRecord) -> None:
     """Draw where the pad is pressed at the peak of the press."""
-    pad: Pad | None = result.pad
-    if pad is None or result.pressure is None:
+    if result.pad is None or result.pressure is None:
         return
     pressure = result.pressure[result.peak]
-    palmar = (pad.normals[pad.triangles][:, :, 2] < 0).all(axis=1)
     if pressure.max() > 0:
-        axis.tricontourf(
-            *pad.points[:, :2].T,
-            pad.triangles[palmar],
-            pressure,
-            levels=np.linspace(0.02, 1.0, 6) * pressure.max(),
-            cmap="Greys",
-            alpha=0.35,
-        )
+        levels = np.linspace(0.02, 1.0, 6) * pressure.max()
+        corners = *result.pad.points[:, :2].T, palmar_triangles(result.pad)
+        axis.tricontourf(*corners, pressure, levels=levels, cmap="Greys", alpha=0.35)
