@@ -5,19 +5,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.results.pressure import cuts, net
+from fefinger.results.records import Pad
+from fefinger.results.result_record import ResultRecord
 from fefinger.scene.indenter import Indenter, direction
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:
-    from fefinger.results.records import Pad
-    from fefinger.results.result_record import ResultRecord
     from fefinger.theory.array.sensor import ArraySensor, Reading
 
 
 def read(
-    result: "ResultRecord", sensor: "ArraySensor | None" = None, *, seed: int | None = None
+    result: ResultRecord, sensor: "ArraySensor | None" = None, *, seed: int | None = None
 ) -> "Reading":
     """Simulate the readings of an array on the plate, centered at the center of pressure.
 
@@ -35,7 +35,7 @@ def read(
     if pad is None or pressure is None:
         msg = "ask.pressure: expected true for the array, which reads the pressure, received false"
         raise InputError(msg)
-    points = on_plate(result)
+    points = plane(result.scene.indenter, pad.points)
     heaviest = pressure[int(np.argmax(pressure @ pad.areas))] * pad.areas
     if heaviest.sum() <= 0:
         msg = "motion: expected contact, by which the array is aligned, received none at any time"
@@ -49,7 +49,7 @@ def read(
         raise InputError(f"sensor: {error}") from None
 
 
-def response(sensor: "ArraySensor", pad: "Pad", places: "Array") -> "Array":
+def response(sensor: "ArraySensor", pad: Pad, places: Array) -> Array:
     """Matrix (n_elements, n_pad) from pressures on the pad to pressures on the array's elements.
 
     places (n_pad, 2) mm are the points of the pad in the plane of the array. The pressure is taken
@@ -67,13 +67,7 @@ def response(sensor: "ArraySensor", pad: "Pad", places: "Array") -> "Array":
     return np.asarray(weights @ fine.loads[loaded])
 
 
-def on_plate(result: "ResultRecord") -> "Array":
-    """Coordinates (n, 2) mm of the pad's points in the plane of the plate: distal, sideways."""
-    assert result.pad is not None
-    return plane(result.scene.indenter, result.pad.points)
-
-
-def plane(indenter: Indenter, points: "Array") -> "Array":
+def plane(indenter: Indenter, points: Array) -> Array:
     """Project points (n, 3) mm onto the plane of the plate: (n, 2) mm, distal and sideways.
 
     Raises

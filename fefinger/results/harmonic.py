@@ -16,11 +16,8 @@ if TYPE_CHECKING:
 
 Complex = NDArray[np.complex128]
 
-MICROJOULE = 1e3
-"""uJ per N mm."""
-
-PER_METER = 1e3
-"""mm per m: N/mm in N/m."""
+MICROJOULE = 1e3  # per N mm
+PER_METER = 1e3  # mm per m
 
 
 @dataclass(frozen=True)
@@ -98,19 +95,17 @@ class Harmonic:
 
         The phase is followed from the lowest frequency on, where it is within half a cycle.
         """
-        flat = self.strain.reshape(len(self.frequency), self.strain.shape[1], -1)
-        largest = np.abs(flat).sum(axis=0).argmax(axis=1)
-        chosen = np.take_along_axis(flat, largest[None, :, None], axis=2)[..., 0]
-        return self._delay(chosen * np.sign(chosen[0].real))
+        return self._delay(self.strain.reshape(*self.strain.shape[:2], 9))
 
     def skin_delay(self) -> Array:
         """Phase delay (n_f, n_skin) in s of the skin's displacement along its largest component."""
-        largest = np.abs(self.skin).sum(axis=0).argmax(axis=1)
-        chosen = np.take_along_axis(self.skin, largest[None, :, None], axis=2)[..., 0]
-        return self._delay(chosen * np.where(chosen[0].real < 0, -1.0, 1.0))
+        return self._delay(self.skin)
 
-    def _delay(self, transfer: Complex) -> Array:
-        phase = np.unwrap(np.angle(transfer), axis=0)
+    def _delay(self, components: Complex) -> Array:
+        """Phase delay (n_f, n) in s of the largest of the components (n_f, n, k)."""
+        largest = np.abs(components).sum(axis=0).argmax(axis=1)
+        transfer = np.take_along_axis(components, largest[None, :, None], axis=2)[..., 0]
+        phase = np.unwrap(np.angle(transfer * np.where(transfer[0].real < 0, -1.0, 1.0)), axis=0)
         return np.asarray(-phase / (2 * np.pi * self.frequency[:, None]))
 
 

@@ -21,17 +21,13 @@ class Variable(NamedTuple):
     long_name: str
 
 
-def _layout() -> dict[tuple[str, str], Variable]:
-    """Read the labels of all arrays, by record and field, from `netcdf.toml`."""
-    text = resources.files("fefinger.results").joinpath("netcdf.toml").read_text(encoding="utf-8")
-    return {
-        (record, field): Variable(name, tuple(dims), units, long_name)
-        for record, fields in tomllib.loads(text).items()
-        for field, (name, dims, units, long_name) in fields.items()
-    }
-
-
-LAYOUT = _layout()
+_FILE = resources.files("fefinger.results").joinpath("netcdf.toml")
+LAYOUT = {
+    (record, field): Variable(name, tuple(dims), units, long_name)
+    for record, fields in tomllib.loads(_FILE.read_text(encoding="utf-8")).items()
+    for field, (name, dims, units, long_name) in fields.items()
+}
+"""Labels of all arrays, by record and field."""
 
 COORDINATES = {
     "axis": ("x", "y", "z"),

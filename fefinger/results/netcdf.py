@@ -28,18 +28,9 @@ FORMAT = "fefinger result 1"
 RECORDS = {"Result": result_record.ResultRecord} | {
     record.__name__: record
     for record in (
-        result_record.Plan,
-        records.Rung,
-        result_record.Settings,
-        records.Refusal,
-        records.Response,
-        Harmonic,
-        records.Lateral,
-        records.Pad,
-        records.Sites,
-        Reference,
-        records.Fields,
-        SpikeTrains,
+        *(result_record.Plan, result_record.Settings, records.Rung, records.Refusal),
+        *(records.Response, records.Lateral, records.Pad, records.Sites, records.Fields),
+        *(Harmonic, Reference, SpikeTrains),
     )
 }
 
@@ -63,20 +54,16 @@ def read(path: str | PathLike[str]) -> result_record.ResultRecord:
         with xr.open_dataset(file, engine="h5netcdf", decode_times=False) as opened:
             kind = opened.attrs.get("format")
             if kind == FORMAT:
-                return _result(opened)
+                result = _decode(json.loads(opened["record"].item()), opened.load())
+                if not isinstance(result, result_record.ResultRecord):
+                    raise TypeError(type(result))
+                return result
     except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError):
         raise InputError(
             f"result: expected a result of fefinger in {str(file)!r}, received a damaged or "
             "foreign file; run the scene again"
         ) from None
     raise InputError(f"result: expected the format {FORMAT!r} in {str(file)!r}, received {kind!r}")
-
-
-def _result(opened: "xr.Dataset") -> result_record.ResultRecord:
-    result = _decode(json.loads(opened["record"].item()), opened.load())
-    if not isinstance(result, result_record.ResultRecord):
-        raise TypeError(f"expected the record of a Result, received a {type(result).__name__}")
-    return result
 
 
 def dataset(result: result_record.ResultRecord) -> "xr.Dataset":

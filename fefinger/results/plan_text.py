@@ -56,9 +56,8 @@ def _reasons(rung: "Rung") -> list[str]:
 def choice_line(rung: "Rung") -> str:
     """Return the choice in one line: mechanics, mesh, expected error of the force and time."""
     mesh = f" on the {rung.resolution} mesh" if rung.resolution else ""
-    error = "error of the force not known"
-    if math.isfinite(rung.error):
-        error = f"force within {percent(rung.error)}"
+    known = math.isfinite(rung.error)
+    error = f"force within {percent(rung.error)}" if known else "error of the force not known"
     return f"{rung.mechanics}{mesh}: {error}, in about {expected_time(rung)}."
 
 
@@ -81,10 +80,8 @@ def trust(rung: "Rung", ask: "Ask") -> str:
     unknown = [QUANTITIES[name] for name in wanted if name not in known]
     words = QUANTITIES
     if "depth" in errors:
-        known, words = (
-            ["depth", *known],
-            QUANTITIES | {"force": "force at the depth", "depth": "depth"},
-        )
+        known = ["depth", *known]
+        words = QUANTITIES | {"force": "force at the depth", "depth": "depth"}
     bounds = ", ".join(f"{words[name]} {percent(errors[name])}" for name in known)
     sentences = [f"Expected within: {bounds}."] if known else []
     if ask.spikes:

@@ -21,14 +21,6 @@ if TYPE_CHECKING:
     from fefinger.neural.trains import SpikeTrains
 
 
-def green_lagrange(logs: Array) -> Array:
-    """Return (C - I) / 2 (..., 3, 3) of the logarithmic strain ln(C) / 2, C = F'F."""
-    values, vectors = np.linalg.eigh(logs)
-    return np.asarray(
-        (vectors * (np.expm1(2 * values) / 2)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
-    )
-
-
 @dataclass(frozen=True)
 class Settings:
     """Settings of a run: mesh, time steps, computed quantities and simulated afferents.
@@ -176,7 +168,9 @@ class ResultRecord:
         """
         if self.strain is None or not self.response.finite:
             return None
-        return green_lagrange(self.strain)
+        values, vectors = np.linalg.eigh(self.strain)
+        scaled = vectors * (np.expm1(2 * values) / 2)[..., None, :]
+        return np.asarray(scaled @ np.swapaxes(vectors, -1, -2))
 
     @property
     def fields(self) -> Fields | None:

@@ -8,7 +8,6 @@ Source: VTK file formats, "VTKHDF File Format", sections Unstructured Grid and T
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -28,49 +27,37 @@ def write(fields: Fields, path: str | PathLike[str]) -> None:
     """
     import h5py
 
-    steps, buffer = fields.times.size, BytesIO()  # in memory: see `writing.netcdf`
+    n_points, n_cells, steps = len(fields.points), len(fields.cells), fields.times.size
+    same: Integers = np.zeros(steps, dtype=np.int64)  # every step refers to the one mesh
+    stacked = {
+        "displacement": fields.displacement.reshape(-1, 3),
+        "strain": fields.strain.reshape(-1, 6),
+        "pressure": fields.pressure.reshape(-1),
+    }
+    rows = np.arange(steps, dtype=np.int64) * n_points  # and to its own rows of the point data
+    values = {
+        "NumberOfPoints": np.array([n_points]),
+        "NumberOfCells": np.array([n_cells]),
+        "NumberOfConnectivityIds": np.array([4 * n_cells]),
+        "Points": fields.points.astype(np.float32),
+        "Connectivity": fields.cells.astype(np.int64).ravel(),
+        "Offsets": np.arange(0, 4 * n_cells + 1, 4),
+        "Types": np.full(n_cells, TETRAHEDRON, dtype=np.uint8),
+        **{f"PointData/{name}": each.astype(np.float32) for name, each in stacked.items()},
+        "CellData/region": fields.region,
+        "Steps/Values": fields.times.astype(np.float64),
+        "Steps/NumberOfParts": same + 1,
+        **{f"Steps/{name}": same for name in ("PartOffsets", "PointOffsets")},
+        **{f"Steps/{name}": same[:, None] for name in ("CellOffsets", "ConnectivityIdOffsets")},
+        **{f"Steps/PointDataOffsets/{name}": rows for name in stacked},
+        "Steps/CellDataOffsets/region": same,
+    }
+    buffer = BytesIO()  # in memory: see `atomic_write.netcdf`
     with h5py.File(buffer, "w") as file:
         root = file.create_group("VTKHDF", track_order=True)
         root.attrs["Version"] = VERSION
         root.attrs["Type"] = np.bytes_("UnstructuredGrid")
-        _write_mesh(root, fields)
-        stacked = {
-            "displacement": fields.displacement.reshape(-1, 3),
-            "strain": fields.strain.reshape(-1, 6),
-            "pressure": fields.pressure.reshape(-1),
-        }
-        points = root.create_group("PointData")
-        for name, values in stacked.items():
-            points.create_dataset(name, data=values.astype(np.float32))
-        root.create_group("CellData").create_dataset("region", data=fields.region)
-        _write_steps(root, fields, tuple(stacked), steps)
+        for name, each in values.items():
+            root[name] = each
+        root["Steps"].attrs["NSteps"] = steps
     Path(path).write_bytes(buffer.getbuffer())
-
-
-def _write_mesh(root: Any, fields: Fields) -> None:
-    """Store points, tetrahedra and their sizes as the single part of the grid."""
-    n_points, n_cells = len(fields.points), len(fields.cells)
-    root["NumberOfPoints"] = np.array([n_points])
-    root["NumberOfCells"] = np.array([n_cells])
-    root["NumberOfConnectivityIds"] = np.array([4 * n_cells])
-    root["Points"] = fields.points.astype(np.float32)
-    root["Connectivity"] = fields.cells.astype(np.int64).ravel()
-    root["Offsets"] = np.arange(0, 4 * n_cells + 1, 4)
-    root["Types"] = np.full(n_cells, TETRAHEDRON, dtype=np.uint8)
-
-
-def _write_steps(root: Any, fields: Fields, names: tuple[str, ...], steps: int) -> None:
-    """Refer every step to the one mesh, and to its own rows of the point data."""
-    group = root.create_group("Steps")
-    group.attrs["NSteps"] = steps
-    same: Integers = np.zeros(steps, dtype=np.int64)
-    rows = np.arange(steps, dtype=np.int64) * len(fields.points)
-    group["Values"] = fields.times.astype(np.float64)
-    group["NumberOfParts"] = same + 1
-    for name in ("PartOffsets", "PointOffsets"):
-        group[name] = same
-    for name in ("CellOffsets", "ConnectivityIdOffsets"):
-        group[name] = same[:, None]
-    for name in names:
-        group[f"PointDataOffsets/{name}"] = rows
-    group["CellDataOffsets/region"] = same

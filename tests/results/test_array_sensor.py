@@ -42,7 +42,7 @@ def test_an_angled_plate_sees_the_same_circle(result):
 
 
 def test_distal_is_x_and_the_noise_is_seeded(result):
-    points = array_sensor.on_plate(result)
+    points = array_sensor.plane(SCENE.indenter, result.pad.points)
     offset = result.pad.points - result.pad.points[0]
     across = np.abs(offset[:, 1]) < 1e-9
     assert np.corrcoef(points[across, 0], offset[across, 0])[0, 1] > 0.99
