@@ -7,6 +7,7 @@ from importlib import resources
 from typing import Any
 from urllib.parse import quote
 
+from fefinger.support import text
 from fefinger.view import figures
 
 
@@ -22,11 +23,7 @@ def render(template: str, **values: Any) -> str:
     environment = Environment(
         loader=FunctionLoader(source), autoescape=True, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters |= {
-        "percent": lambda value: f"{100 * value:.2g} %",
-        "number": lambda value: f"{value:.3g}",
-        "code": code,
-    }
+    environment.filters |= {"percent": text.percent, "code": code}
     return environment.get_template(template).render(css=source("report.css"), **values)
 
 
@@ -35,18 +32,18 @@ def source(name: str) -> str:
     return raw(resources.files(TEMPLATES).joinpath(name).read_text("utf-8"))
 
 
-def code(text: str) -> str:
+def code(sentence: str) -> str:
     """Escape a sentence for a page, and set text between backticks as code."""
     from markupsafe import escape
 
-    return raw(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))
+    return raw(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(sentence))))
 
 
-def raw(text: str) -> str:
+def raw(markup: str) -> str:
     """Mark text as markup that is not escaped; it has to be safe."""
     from markupsafe import Markup
 
-    return Markup(text)
+    return Markup(markup)
 
 
 def svg(drawn: Any) -> str:
@@ -59,10 +56,6 @@ def png(data: bytes) -> str:
     return "data:image/png;base64," + base64.b64encode(data).decode("ascii")
 
 
-def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+def flat(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Yield the entries of nested tables that are not empty, as (dotted name, text)."""
-    for name, value in table.items():
-        if isinstance(value, Mapping):
-            yield from flat(value, f"{prefix}{name}.")
-        elif value != "":
-            yield f"{prefix}{name}", str(value)
+    return ((name, str(value)) for name, value in text.flat(table) if value != "")

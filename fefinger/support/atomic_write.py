@@ -5,7 +5,7 @@ import os
 import secrets
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from io import BytesIO
 from os import PathLike
@@ -29,9 +29,8 @@ FULL = errno.ENOSPC, errno.EDQUOT, errno.EFBIG
 def write_error(error: OSError, place: str | PathLike[str] | None = None) -> str:
     """Error message for files that could not be written to `place`, a file or a folder."""
     where = f" {str(place)!r}" if place is not None else ""
-    advice = "free some space or choose another folder"
-    advice = advice if error.errno in FULL else "choose another folder"
-    return f"cannot write{where}: {error.strerror or error}; {advice}"
+    space = "free some space or " if error.errno in FULL else ""
+    return f"cannot write{where}: {error.strerror or error}; {space}choose another folder"
 
 
 @contextmanager
@@ -119,31 +118,37 @@ def scratch_folder(target: Path) -> Iterator[Path]:
     process that fills it lives. (On Windows, which has no such locks, they stay.)
     """
     for left in target.glob(f"{SAVING}*"):
-        handle = _lock(left)
-        if handle is not None:
+        with suppress(OSError, ImportError):
+            handle = lock(left)
             remove_folder(left)
             os.close(handle)
-    with temporary_folder(target, SAVING) as path:
-        handle = _lock(path)
+    with temporary_folder(target, SAVING) as path, ExitStack() as held:
+        with suppress(OSError, ImportError):
+            held.callback(os.close, lock(path))
+        yield path
+
+
+def lock(path: Path, flags: int = os.O_RDONLY, waiting: Callable[[], object] | None = None) -> int:
+    """Lock a file or folder and return the open handle that holds the lock.
+
+    While another process holds it, call `waiting` and wait. Raises OSError where the system gives
+    no lock or, without `waiting`, another process holds it, and ImportError on Windows.
+    """
+    import fcntl
+
+    handle = os.open(path, flags, 0o644)
+    try:
         try:
-            yield path
-        finally:
-            if handle is not None:
-                os.close(handle)
-
-
-def _lock(folder: Path) -> int | None:
-    """Lock a folder and return the open handle that holds the lock; None where that fails."""
-    handle = None
-    with suppress(OSError, ImportError):
-        import fcntl  # not on Windows
-
-        handle = os.open(folder, os.O_RDONLY)
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        return handle
-    if handle is not None:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if waiting is None:
+                raise
+            waiting()
+            fcntl.flock(handle, fcntl.LOCK_EX)
+    except BaseException:  # as KeyboardInterrupt while it waits
         os.close(handle)
-    return None
+        raise
+    return handle
 
 
 def remove_folder(path: Path) -> None:

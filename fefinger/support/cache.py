@@ -10,12 +10,12 @@ import shutil
 import time
 import zlib
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from zipfile import BadZipFile
 
-from fefinger.support.atomic_write import temporary_folder
+from fefinger.support.atomic_write import lock, temporary_folder
 from fefinger.support.interrupt import on_end, shielded
 
 
@@ -24,15 +24,16 @@ LIMITS_MB = {"operators": 10_000, "modes": 2000, "patches": 2000, "elastic": 200
 """Limits in MB by kind; beyond them the least recently used entries are removed. There is an
 operator per finger, and a patch per indenter and set of end organs."""
 
-ABANDONED = 24 * 3600.0
-"""Age in s from which an unfinished entry counts as abandoned by its process."""
-
 DAY = 24 * 3600.0
+
+ABANDONED = DAY
+"""Age in s from which an unfinished entry counts as abandoned by its process."""
 
 DAMAGED = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
 """Errors of reading missing or damaged arrays, which are then made again."""
 
 BUILDING, LEAVING = ".building-", ".leaving-"
+UNFINISHED = "unfinished"
 
 
 @dataclass(frozen=True)
@@ -67,8 +68,8 @@ def remove(chosen: Sequence[Entry]) -> tuple[Entry, ...]:
 def unused(days: float) -> tuple[Entry, ...]:
     """Entries that were not used for `days` days, and abandoned ones."""
     now = time.time()
-    least = {True: ABANDONED, False: days * DAY}
-    return tuple(e for e in entries() if now - e.used >= least[e.what == UNFINISHED])
+    least = {UNFINISHED: ABANDONED}
+    return tuple(e for e in entries() if now - e.used >= least.get(e.what, days * DAY))
 
 
 def touch(place: Path) -> None:
@@ -118,22 +119,12 @@ def _locked(path: Path, waiting: Callable[[], object]) -> int | None:
 
     Raises OSError or ImportError where the system gives no lock.
     """
-    import fcntl  # not on Windows
-
-    handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-    try:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            waiting()
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        with suppress(FileNotFoundError):
-            if os.path.samestat(os.fstat(handle), os.stat(path)):
-                return handle
-    except BaseException:  # as KeyboardInterrupt while it waits
-        os.close(handle)
-        raise
-    os.close(handle)
+    handle = lock(path, os.O_RDWR | os.O_CREAT, waiting)
+    with ExitStack() as opened, suppress(FileNotFoundError):
+        opened.callback(os.close, handle)
+        if os.path.samestat(os.fstat(handle), os.stat(path)):
+            opened.pop_all()
+            return handle
     return None
 
 
@@ -148,9 +139,6 @@ def limit(kind: str) -> None:
         total += entry.size
         if number and total > 1e6 * LIMITS_MB[kind]:
             remove([entry])
-
-
-UNFINISHED = "unfinished"
 
 
 def _entries(kind: str) -> Iterator[Entry]:

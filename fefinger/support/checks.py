@@ -4,6 +4,7 @@ import difflib
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 
@@ -44,15 +45,12 @@ def number(
     wanted = " and ".join(f"{word} {limit:g}" for limit, word, _ in limits if limit is not None)
     expected = f"expected a finite number{suffix}" + (f" {wanted}" if wanted else "")
     message = f"{name}: {expected}, received {value!r}"
-    if isinstance(value, bool | str | bytes) or not hasattr(value, "__float__"):
-        raise InputError(message)
-    try:
-        result = float(value)
-    except (OverflowError, TypeError) as error:
-        raise InputError(message) from error
-    if not math.isfinite(result):
-        raise InputError(message)
-    if not all(holds(result, limit) for limit, _, holds in limits if limit is not None):
+    result = math.nan
+    if hasattr(value, "__float__") and not isinstance(value, bool | str | bytes):
+        with suppress(OverflowError, TypeError):
+            result = float(value)
+    inside = all(holds(result, limit) for limit, _, holds in limits if limit is not None)
+    if not (math.isfinite(result) and inside):
         raise InputError(message)
     return result
 

@@ -12,11 +12,12 @@ import numpy as np
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.outputs import unreadable
+from fefinger.support.text import plain
 
 
-UNITS = {"time": "s", "depth": "mm", "force": "N", "x": "mm", "y": "mm", "height": "mm"} | {
-    "angle": "degrees",
-    "tilt": "degrees",
+UNITS = {
+    **{"time": "s", "depth": "mm", "force": "N", "x": "mm", "y": "mm", "height": "mm"},
+    **{"angle": "degrees", "tilt": "degrees"},
 }
 
 SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
@@ -52,7 +53,8 @@ class CsvTable:
                 msg = f"{where}: expected {len(self.header)} values, received {len(cells)}{todo}"
                 raise InputError(msg)
             for k, column in enumerate(columns):
-                row[k] = _number(cells[column])
+                number = plain(cells[column])
+                row[k] = np.nan if isinstance(number, str) else number
                 if not np.isfinite(row[k]):
                     todo = DECIMAL if "," in cells[column] else "remove rows without a value"
                     raise InputError(
@@ -77,10 +79,9 @@ def read_table(source: str, file: str | PathLike[str]) -> CsvTable:
         with open(file, newline="", encoding="utf-8-sig") as stream:
             lines = [[cell.strip() for cell in line] for line in csv.reader(stream)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        other = isinstance(error, UnicodeDecodeError)
-        received = (
-            "bytes that are no UTF-8 text; save it as UTF-8" if other else f"another: {error}"
-        )
+        received = f"another: {error}"
+        if isinstance(error, UnicodeDecodeError):
+            received = "bytes that are no UTF-8 text; save it as UTF-8"
         raise InputError(f"{source}: expected a CSV file of text, received {received}") from error
     rows = [(number, cells) for number, cells in enumerate(lines, start=1) if any(cells)]
     header = rows[0][1] if rows else []
@@ -119,11 +120,3 @@ def read_columns(field: str, file: Path, names: tuple[str, ...]) -> tuple[tuple[
         )
     values = table.numbers(range(len(names)))
     return tuple(map(tuple, values.T.tolist()))
-
-
-def _number(cell: str) -> float:
-    """Convert a cell to a number, nan where it is none."""
-    try:
-        return float(cell)
-    except ValueError:
-        return float("nan")

@@ -99,17 +99,11 @@ class Worker:
         self._opened, self._threads = ExitStack(), threads
         self._process = self._started()
 
-    def call(self, function: Callable[[Item], Value], item: Item) -> Value:
-        """Evaluate `function(item)` in the child; the function must be picklable, as in a module.
-
-        Raises what the function raises, and Died where the process ends meanwhile.
-        """
-        self.start(function, item)
-        value: Value = self.wait()
-        return value
-
     def start(self, function: Callable[[Any], Any], item: Any) -> None:
-        """Start the evaluation of `function(item)`, whose value is taken by `wait`."""
+        """Start the evaluation of `function(item)` in the child; `wait` returns its value.
+
+        The function must be picklable, as in a module.
+        """
         if self._process.poll() is not None:
             self._process = self._started()
         requests = self._process.stdin
@@ -119,7 +113,10 @@ class Worker:
             requests.flush()
 
     def wait(self) -> Any:
-        """Return the value of what was started, or raise as `call`."""
+        """Return the value of what was started.
+
+        Raises what the function raises, and Died where the process ends meanwhile.
+        """
         replies = self._process.stdout
         assert replies is not None
         with suppress(OSError, EOFError, pickle.UnpicklingError):
@@ -179,7 +176,7 @@ def serve() -> None:
 def in_background(function: Callable[[Item], Value], item: Item) -> Iterator[Callable[[], Value]]:
     """Evaluate `function(item)` in a process of its own; yield a function that waits for it.
 
-    It returns or raises as `Worker.call`. The process ends with the block.
+    It returns or raises as `Worker.wait`. The process ends with the block.
     """
     worker = Worker()
     try:
@@ -205,7 +202,9 @@ def each(
     def one(item: Item) -> Value | Died:
         worker = free.get()
         try:
-            return worker.call(function, item)
+            worker.start(function, item)
+            value: Value = worker.wait()
+            return value
         except Died as error:
             return error
         finally:

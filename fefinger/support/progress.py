@@ -3,7 +3,7 @@
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Protocol
 
 
@@ -35,9 +35,11 @@ class Stages:
         yield report
         report(1.0)
         self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - started
-        peak = peak_memory()
-        if peak is not None:
-            self.megabytes[name] = peak
+        with suppress(ImportError):  # Windows
+            import resource
+
+            unit = 1024**2 if sys.platform == "darwin" else 1024
+            self.megabytes[name] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
 
     @property
     def memory(self) -> str:
@@ -46,13 +48,3 @@ class Stages:
         if not peaks:
             return "not measured"
         return f"peak of the process in MB, by stage: {', '.join(peaks)}"
-
-
-def peak_memory() -> float | None:
-    """Peak memory of the process so far in MB; None on systems that do not report it."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return None
-    unit = 1024**2 if sys.platform == "darwin" else 1024
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit

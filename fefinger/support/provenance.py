@@ -19,10 +19,11 @@ def commit() -> str:
     tree = Path(__file__).resolve().parents[2]
     try:
         top = _git(tree, "rev-parse", "--show-toplevel")
-        is_repository = top and Path(top).resolve() == tree
-        return _git(tree, "describe", "--always", "--dirty") if is_repository else ""
+        if top and Path(top).resolve() == tree:
+            return _git(tree, "describe", "--always", "--dirty")
     except OSError:  # no git
-        return ""
+        pass
+    return ""
 
 
 def _git(tree: Path, *arguments: str) -> str:

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 
@@ -12,13 +12,9 @@ BRIEF = 60
 
 def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
     """Format rows as aligned columns."""
-    every = [list(heading), *rows] if heading else list(rows)
-    widths = [max(len(row[i]) for row in every) for i in range(len(every[0]))]
-    lines = [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in every
-    ]
-    return "\n".join(lines)
+    every = [heading, *rows] if heading else rows
+    widths = [max(map(len, column)) for column in zip(*every, strict=True)]
+    return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in every)
 
 
 def strict_json(record: Any) -> str:
@@ -33,6 +29,15 @@ def finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [finite(entry) for entry in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the entries of nested tables as (dotted name, value)."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
 
 
 def counted(names: Sequence[str]) -> str:

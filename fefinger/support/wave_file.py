@@ -32,12 +32,11 @@ def read_wave(name: str, file: Path) -> tuple[int, Array]:
     if len(first) < 2:
         message = f"{name}: expected at least 2 samples, received {len(first)} in {str(file)!r}"
         raise InputError(message)
-    if np.issubdtype(first.dtype, np.floating):
-        wave = first.astype(np.float64)
-    elif first.dtype == np.uint8:
-        wave = (first.astype(np.float64) - 128.0) / 128.0
-    else:
-        wave = first.astype(np.float64) / -float(np.iinfo(first.dtype).min)
+    wave = first.astype(np.float64)
+    if first.dtype == np.uint8:
+        wave = (wave - 128.0) / 128.0
+    elif np.issubdtype(first.dtype, np.integer):
+        wave = wave / -float(np.iinfo(first.dtype).min)
     if not (np.isfinite(wave).all() and np.abs(wave).max() <= 1.0):
         raise InputError(f"{name}: expected samples from -1 to 1, received others in {str(file)!r}")
     if not wave.any():

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.results.result_record import ResultRecord
+from fefinger.support.text import flat
 
 
 MOST = 3  # differences in a title
@@ -30,7 +31,7 @@ def titles(
         folder_names = [path.parent.name if path.suffix == ".nc" else path.name for path in ours]
         names = [folder if folder == name else f"{folder}: {name}"
                  for folder, name in zip(folder_names, names, strict=True)]  # fmt: skip
-    tables = [dict(_flat(result.scene.to_dict())) for result in results]
+    tables = [dict(flat(result.scene.to_dict())) for result in results]
     every = dict.fromkeys(key for table in tables for key in table if key.startswith(SHOWN))
     varied = [key for key in every if len({repr(table.get(key)) for table in tables}) > 1]
     kinds = {key.removesuffix("kind") for key in varied if key.endswith(".kind")}
@@ -52,11 +53,3 @@ def _differences(table: Mapping[str, Any], varied: Sequence[str]) -> Iterator[st
         yield f"{key} {text}" if len(text) <= LONG else f"another {key}"
     if len(varied) > MOST:
         yield f"{len(varied) - MOST} more"
-
-
-def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value

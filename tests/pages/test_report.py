@@ -152,6 +152,15 @@ def test_the_same_result_gives_the_same_figure(synthetic: Result) -> None:
     assert figures.svg(figures.force(synthetic)) == figures.svg(figures.force(synthetic))
 
 
+def test_an_error_beyond_100_percent_is_written_as_in_the_terminal(
+    synthetic: Result, tmp_path: Path
+) -> None:
+    plan = synthetic.plan
+    rungs = (dataclasses.replace(plan.rungs[0], error=1.2), *plan.rungs[1:])
+    wrong = dataclasses.replace(synthetic, plan=dataclasses.replace(plan, rungs=rungs))
+    assert ">120 %</td>" in page(wrong, tmp_path)
+
+
 def test_a_mechanics_that_is_not_able_has_no_cost_and_no_error(
     synthetic: Result, tmp_path: Path
 ) -> None:
