@@ -1,6 +1,6 @@
 """`fefinger calibrate`: fit a finger to subjects of the thesis or to a record."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -8,8 +8,7 @@ from fefinger.commands import console
 from fefinger.commands.options import json_option, output_option
 
 
-if TYPE_CHECKING:
-    from fefinger.calibration.record import Calibration
+NO_TISSUE = "no tissue.toml is written: t(u) scales the force, not a tissue; use --mechanics solid"
 
 
 @click.command()
@@ -56,14 +55,12 @@ def calibrate(
     calibration continues where it stopped.
     """
     from fefinger.calibration import jobs
+    from fefinger.results.candidate import MECHANICS
 
-    size: dict[str, Any] = {"width": width, "thickness": thickness, "pad_radius": pad_radius}
-    todo = jobs.jobs(
-        data,
-        subjects,
-        {name: value for name, value in size.items() if value is not None},
-        {"mechanics": mechanics, "resolution": resolution, "frames": frames, "check": check},
-    )
+    given = {"width": width, "thickness": thickness, "pad_radius": pad_radius}
+    size: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+    how = {"mechanics": mechanics, "resolution": resolution, "frames": frames, "check": check}
+    todo = jobs.jobs(data, subjects, size, how)
     with jobs.folders(todo, output) as folders:
         with console.progress() as report:
             calibrations = jobs.run(todo, workers, report)
@@ -71,18 +68,9 @@ def calibrate(
         try:
             files = jobs.save(calibrations, folders)
         finally:  # print the answer also where saving it fails
-            _print(calibrations, files, as_json=as_json)
-
-
-def _print(calibrations: list["Calibration"], files: list[str], *, as_json: bool) -> None:
-    """Print calibrations and the files that they were saved to."""
-    from fefinger.calibration import jobs
-    from fefinger.results.candidate import MECHANICS
-
-    record = {"calibrations": [each.record() for each in calibrations], "files": files}
-    texts = ["\n\n".join(map(jobs.summary, calibrations)), *(f"file  {file}" for file in files)]
-    if not all(MECHANICS[each.mechanics].finite for each in calibrations):
-        texts.append(
-            "no tissue.toml is written: t(u) scales the force, not a tissue; use --mechanics solid"
-        )
-    console.print_answer(record, "\n".join(texts), as_json=as_json)
+            record = {"calibrations": [each.record() for each in calibrations], "files": files}
+            text = "\n\n".join(map(jobs.summary, calibrations))
+            lines = [text, *(f"file  {file}" for file in files)]
+            if not all(MECHANICS[each.mechanics].finite for each in calibrations):
+                lines.append(NO_TISSUE)
+            console.print_answer(record, "\n".join(lines), as_json=as_json)

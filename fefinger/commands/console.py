@@ -116,7 +116,7 @@ def _details(
     """Rows on how a result was reached: convergence, choice, trust, stages, notes, files."""
     rows = [("status", result.status), ("mechanics", result.plan.sentence)]
     if result.centroid is not None:
-        x, y = run_record(result, seconds, files)["centroid_mm"]
+        x, y = result.centroid[result.peak]
         rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
     if result.plan.trust:
         rows.append(("trust", f"{result.plan.trust} Source: {result.plan.chosen.evidence}."))
@@ -191,8 +191,7 @@ def spikes_summary(record: dict[str, Any]) -> str:
         (unit["name"], unit["type"], *("" if unit[k] is None else _short(unit[k]) for k in keys))
         for unit in record["units"]
     ]
-    below = [("note", note) for note in record["notes"]]
-    below += [("file", file) for file in record["files"]]
+    below = [(kind, each) for kind in ("note", "file") for each in record[f"{kind}s"]]
     text = table(rows, ("unit", "type", "spikes", "mean Hz", "peak Hz", "first s"))
     return f"{text}\n{table(below)}" if below else text
 
@@ -215,16 +214,9 @@ def study_record(study: "Study", files: list[str]) -> dict[str, Any]:
 
 
 STUDY = (
-    *(
-        "at",
-        "force_N",
-        "force_rel_error",
-        "depth_mm",
-        "contact_area_mm2",
-        "highest_pressure_1mm2_kPa",
-        "shift_distal_mm",
-    ),
-    *("asymmetry", "ellipticity", "stiffness_N_per_mm", "spikes"),
+    *("at", "force_N", "force_rel_error", "depth_mm", "contact_area_mm2"),
+    *("highest_pressure_1mm2_kPa", "shift_distal_mm", "asymmetry", "ellipticity"),
+    *("stiffness_N_per_mm", "spikes"),
 )
 """Columns of a study that a terminal shows."""
 
@@ -237,12 +229,12 @@ def study_summary(record: dict[str, Any]) -> str:
     shown = [*record["over"], *(name for name in STUDY if name in available)]
     finished = [row for row in record["rows"] if row["status"] == "done"]
     rows = [["" if row.get(n) is None else _short(row[n]) for n in shown] for row in finished]
-    below = [
-        ("failed", f"{_at(each['scene'])}: {brief(each['error'])}") for each in record["failed"]
-    ]
     notes = [record["chosen"], *remarks(record["rows"], record["over"])]
-    below += [("note", note) for note in notes if note]
-    below += [("file", file) for file in record["files"]]
+    below = [
+        *(("failed", f"{_at(each['scene'])}: {brief(each['error'])}") for each in record["failed"]),
+        *(("note", note) for note in notes if note),
+        *(("file", file) for file in record["files"]),
+    ]
     done = record["scenes"] - len(record["failed"])
     used = dict.fromkeys(f"{row['mechanics']} {row.get('mesh') or ''}".strip() for row in finished)
     by = f" by {', '.join(used)}" if used else ""
@@ -268,12 +260,9 @@ def validation_summary(record: dict[str, Any]) -> str:
         for case in suite["cases"]
     ]
     verdicts = [case["verdict"] for suite in record["suites"] for case in suite["cases"]]
-    counted = [
-        f"{verdicts.count(name)} {meaning}"
-        for name, meaning in VERDICTS.items()
-        if name in verdicts
-    ]
-    return f"{table(rows, ('suite', 'case', 'value', 'expected', 'verdict'))}\n{', '.join(counted)}"
+    counts = ((verdicts.count(name), meaning) for name, meaning in VERDICTS.items())
+    total = ", ".join(f"{count} {meaning}" for count, meaning in counts if count)
+    return f"{table(rows, ('suite', 'case', 'value', 'expected', 'verdict'))}\n{total}"
 
 
 VERDICTS = {
@@ -287,15 +276,11 @@ VERDICTS = {
 
 def bench_summary(record: dict[str, Any]) -> str:
     """Format the figures of a benchmark, one line each."""
-    rows = [
-        (
-            figure["name"],
-            f"{figure['value']:.4g} {figure['unit']}",
-            "" if figure["baseline"] is None else f"{figure['baseline']:.4g}",
-            "" if figure["ratio"] is None else f"{figure['ratio']:.3g}",
-        )
-        for figure in record["figures"]
-    ]
+    rows = []
+    for figure in record["figures"]:
+        beside = ((figure["baseline"], ".4g"), (figure["ratio"], ".3g"))
+        texts = ("" if value is None else f"{value:{digits}}" for value, digits in beside)
+        rows.append((figure["name"], f"{figure['value']:.4g} {figure['unit']}", *texts))
     return table(rows, ("figure", "value", "baseline", "ratio"))
 
 

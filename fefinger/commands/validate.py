@@ -40,12 +40,11 @@ def validate(
         record = available.as_json(outcomes)
         try:
             if folder is not None:
-                words = [*suites, *(["--quick"] if quick else [])]
-                written = _save(record, folder, name, " ".join(["fefinger validate", *words]))
+                words = ["fefinger validate", *suites, *["--quick"] * quick]
+                written = _save(record, folder, name, " ".join(words))
         finally:  # print the outcome also where saving it fails
-            console.print_answer(
-                record, "\n".join([console.validation_summary(record), *written]), as_json=as_json
-            )
+            lines = [console.validation_summary(record), *written]
+            console.print_answer(record, "\n".join(lines), as_json=as_json)
     verdicts = {case["verdict"] for suite in record["suites"] for case in suite["cases"]}
     return FAILED if "fail" in verdicts else DONE
 
