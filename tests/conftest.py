@@ -1,5 +1,6 @@
 """A made-up Result with everything in it: smooth fields on a small half finger, and spikes."""
 
+import dataclasses
 import importlib
 import shutil
 from collections.abc import Callable, Iterator
@@ -328,6 +329,13 @@ def saved(synthetic: Result, monkeypatch: pytest.MonkeyPatch) -> Result:
     """Let `fefinger view` find the synthetic result in every folder."""
     monkeypatch.setattr("fefinger.result.load", lambda folder: synthetic)
     return synthetic
+
+
+@pytest.fixture
+def without_fields(synthetic: Result) -> Result:
+    """Return the synthetic result without fields on the mesh."""
+    response = dataclasses.replace(synthetic.response, fields=None)
+    return dataclasses.replace(synthetic, response=response)
 
 
 @pytest.fixture

@@ -95,18 +95,17 @@ def _chance(result: ResultRecord) -> list[str]:
 
 def answer(result: ResultRecord) -> str:
     """Return the answer in one sentence: peak force or depth, contact area, spikes."""
-    parts = []
+    parts, step = [], result.peak
+    when = key_numbers.moment(result.time[step])
     if result.force is not None and result.scene.motion.control == "force":
-        when = key_numbers.moment(result.time[result.peak])
         parts.append(
             f"under up to {result.force.max():.3g} N the finger gives way by up to "
-            f"{result.depth[result.peak]:.3g} mm (at {when})"
+            f"{result.depth[step]:.3g} mm (at {when})"
         )
     elif result.force is not None:
-        step = result.peak
         parts.append(
-            f"the finger pushes back with up to {result.force[step]:.3g} N "
-            f"(at {key_numbers.moment(result.time[step])}) and {result.force[-1]:.3g} N at the end"
+            f"the finger pushes back with up to {result.force[step]:.3g} N (at {when}) and "
+            f"{result.force[-1]:.3g} N at the end"
         )
     if result.contact_area is not None:
         parts.append(f"it touches over at most {np.nanmax(result.contact_area):.3g} mm²")
@@ -150,16 +149,13 @@ def _blocked(result: ResultRecord) -> list[str]:
         return []
     seconds = result.spikes.block_seconds
     blocked = np.flatnonzero(seconds > 0)
+    who = [f"{result.spikes.names[unit]} spends {seconds[unit]:.3g} s" for unit in blocked]
+    whose = "its"
     if len(blocked) > FEW:
-        return [
-            f"{len(blocked)} of {len(seconds)} units spend up to {seconds.max():.3g} s in "
-            "depolarization block: the current is above the range in which their membrane fires."
-        ]
-    return [
-        f"{result.spikes.names[unit]} spends {seconds[unit]:.3g} s in "
-        "depolarization block: the current is above the range in which its membrane fires."
-        for unit in blocked
-    ]
+        who = [f"{len(blocked)} of {len(seconds)} units spend up to {seconds.max():.3g} s"]
+        whose = "their"
+    why = f"the current is above the range in which {whose} membrane fires"
+    return [f"{each} in depolarization block: {why}." for each in who]
 
 
 def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
@@ -275,26 +271,22 @@ def _section(result: ResultRecord) -> dict[str, Any]:
     if missing := renderer.renderer_lacking():
         text = f"{text} {missing}"
     else:
-        for field in ("pressure", quantities.DEFAULT):
-            source = page.png(_screenshot(result, field))
-            pictures.append({"source": source, "caption": _caption(result, field)})
+        frame = frames.nearest_frame(result.fields, frames.peak_time(result))
+        when = key_numbers.moment(result.fields.times[frame])
+        places = ("on the skin, seen from below", "behind the medial plane")
+        for field, where in zip(("pressure", quantities.DEFAULT), places, strict=True):
+            caption = f"{field.capitalize()} {where}, {when}."
+            pictures.append({"source": _screenshot(result, field), "caption": caption})
     title = "A section through the finger"
     return _part("section", title, text, section_figure.draw(result)) | {"pictures": pictures}
 
 
-def _screenshot(result: ResultRecord, field: str) -> bytes:
-    """Return the view in space as the bytes of a PNG file."""
+def _screenshot(result: ResultRecord, field: str) -> str:
+    """Return the view in space as the source of a picture."""
     with temporary_folder() as folder:
         path = folder / "picture.png"
         view.screenshot(result, path, field)
-        return path.read_bytes()
-
-
-def _caption(result: ResultRecord, field: str) -> str:
-    assert result.fields is not None
-    frame = frames.nearest_frame(result.fields, frames.peak_time(result))
-    where = {"pressure": "on the skin, seen from below"}.get(field, "behind the medial plane")
-    return f"{field.capitalize()} {where}, {key_numbers.moment(result.fields.times[frame])}."
+        return page.png(path.read_bytes())
 
 
 def _units(result: ResultRecord) -> Iterator[dict[str, str]]:

@@ -6,8 +6,8 @@ Needs no renderer here and no network there: a browser draws it with WebGL. Ever
 import base64
 import json
 import zlib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -36,25 +36,19 @@ PRESSED = "pressure on the pad"  # which keeps its colors under another field
 RATED = Span(0.0, 1.0, quantities.RATES, "neither")
 
 
-@dataclass
-class Blob:
-    """Buffer of concatenated arrays, with the position of each."""
-
-    parts: list[bytes] = field(default_factory=list)
-    size: int = 0
+class Blob(bytearray):
+    """Buffer of concatenated arrays."""
 
     def add(self, array: Any, kind: str) -> dict[str, Any]:
         """Append an array as little-endian `kind` (f4, u4, u2) and return its place."""
         data = np.ascontiguousarray(array, dtype=f"<{kind}")
-        place = {"kind": kind, "at": self.size, "count": data.size}
-        padded = data.tobytes() + bytes(-data.nbytes % 4)
-        self.parts.append(padded)
-        self.size += len(padded)
+        place = {"kind": kind, "at": len(self), "count": data.size}
+        self.extend(data.tobytes() + bytes(-data.nbytes % 4))
         return place
 
     def text(self) -> str:
         """Return everything, deflated, as base64."""
-        return base64.b64encode(zlib.compress(b"".join(self.parts), 9)).decode("ascii")
+        return base64.b64encode(zlib.compress(self, 9)).decode("ascii")
 
 
 def write(
@@ -84,12 +78,11 @@ def write(
         name: colors(drawings, name, limits if name == field else None)
         for name in quantities.FIELDS
     } | {PRESSED: colors(drawings, "pressure")}
-    bars = {name: _bar(spans[name], name) for name in quantities.FIELDS}
     data = {
         "field": field,
         "time": frames.peak_time(shown[0]) if time is None else time,
         "scenes": [_scene(drawn, blob) for drawn in drawings],
-        "fields": bars,
+        "fields": {name: _bar(spans[name], name) for name in quantities.FIELDS},
         "pressure": _bar(spans[PRESSED], "pressure"),
         "maps": {_map(span): _colors(span) for span in [*spans.values(), RATED]},
         "rate": quantities.round_up(max(map(markers.highest_rate, shown)) or 1.0),
@@ -99,7 +92,7 @@ def write(
     html = page.render(
         "viewer.html",
         title=", ".join(result.scene.name for result in shown),
-        fields=[(name, quantities.label(name), quantities.ABOUT[name]) for name in bars],
+        fields=[(name, quantities.label(name), text) for name, text in quantities.ABOUT.items()],
         script=page.source("viewer.js"),
         data=page.raw(json.dumps(data).replace("<", "\\u003c")),
         blob=blob.text(),
@@ -148,7 +141,7 @@ def _scene(drawn: Drawing, blob: Blob) -> dict[str, Any]:
             {"name": piece.name, "flat": piece.flat, "from": int(a), "to": int(b)}
             for piece, a, b in zip(every, counts[:-1], counts[1:], strict=True)
         ],
-        "values": {name: _values(result, every, name, blob) for name in quantities.FIELDS},
+        "values": {name: _values(drawn, name, blob) for name in quantities.FIELDS},
         "lines": blob.add(lines.triangles, "u4"),
         "linePoints": blob.add([lines.at(each) for each in moved], "f4"),
         "organs": _organs(drawn.marks, fields, blob),
@@ -163,27 +156,22 @@ def _at(every: Sequence[surfaces.Piece], nodal: Array) -> Array:
 
 def _same(every: Sequence[surfaces.Piece]) -> Integers:
     """Return, per vertex, the first vertex at the same place of an outer surface (one normal)."""
-    keys = [
-        np.column_stack(
-            [piece.edges, np.round(1e6 * piece.weight), np.full(len(piece.weight), kind)]
-        )
-        for piece, kind in ((each, number if each.flat or each.name not in OUTER else -1)
-                            for number, each in enumerate(every))
-    ]  # fmt: skip
+    keys = []
+    for number, piece in enumerate(every):
+        kind = -1 if piece.name in OUTER and not piece.flat else number
+        kinds = np.full(len(piece.weight), kind)
+        keys.append(np.column_stack([piece.edges, np.round(1e6 * piece.weight), kinds]))
     _, first, inverse = np.unique(
         np.concatenate(keys), axis=0, return_index=True, return_inverse=True
     )
     return np.asarray(first[inverse.ravel()])
 
 
-def _values(
-    result: ResultRecord, every: Sequence[surfaces.Piece], name: str, blob: Blob
-) -> Mapping[str, Any]:
+def _values(drawn: Drawing, name: str, blob: Blob) -> dict[str, Any]:
     """Return a field on all vertices at all times, each on LEVELS of its range."""
-    times = quantities.fields_of(result).times
-    values = np.stack(
-        [_at(every, quantities.values(result, name, frame)) for frame in range(len(times))]
-    )
+    steps = range(len(drawn.fields.times))
+    nodal = (quantities.values(drawn.result, name, step) for step in steps)
+    values = np.stack([_at(drawn.surfaces, each) for each in nodal])
     low, high = float(values.min()), float(values.max())
     step = (high - low) / LEVELS or 1.0
     return blob.add(np.round((values - low) / step), "u2") | {"low": low, "step": step}

@@ -15,6 +15,7 @@ from xml.sax.saxutils import escape
 
 
 SVG = "http://www.w3.org/2000/svg"
+LINK = r"(^|url\()#([^)]+)"
 DECIMALS = 2
 LENGTHS = ("x", "y", "width", "height", "x1", "x2", "y1", "y2", "cx", "cy", "r")
 PAIRS = {"M": 1, "L": 1, "Q": 2, "C": 3, "Z": 0}
@@ -46,7 +47,7 @@ def _rename_links(root: Element) -> None:
         for key in [key for key in element.attrib if key.endswith("}href")]:
             element.set("href", element.attrib.pop(key))
     values = [value for element in elements for value in element.attrib.values()]
-    targets = {link for value in values for link in re.findall(r"(?:^|url\()#([^)]+)", value)}
+    targets = {link for value in values for _, link in re.findall(LINK, value)}
     ids = [element.get("id", "") for element in elements]
     short = dict(zip((i for i in ids if i in targets), _short_names(), strict=False))
     for element in elements:
@@ -54,15 +55,9 @@ def _rename_links(root: Element) -> None:
         if name in short:
             element.set("id", short[name])
         for key in ("href", "clip-path", "style", "fill"):
-            if "#" in element.get(key, ""):
-                element.set(key, _linked(element.attrib[key], short))
-
-
-def _linked(value: str, short: dict[str, str]) -> str:
-    """Return the value of an attribute with its links to the short ids."""
-    return re.sub(
-        r"(^|url\()#([^)]+)", lambda match: f"{match[1]}#{short.get(match[2], match[2])}", value
-    )
+            if "#" in (value := element.get(key, "")):
+                linked = re.sub(LINK, lambda m: f"{m[1]}#{short.get(m[2], m[2])}", value)
+                element.set(key, linked)
 
 
 def _short_names() -> Iterator[str]:
@@ -75,28 +70,17 @@ def _short_names() -> Iterator[str]:
 def _merge_groups(parent: Element) -> None:
     """Join neighboring groups of one clip path; drop empty groups and unwrap bare ones."""
     merged: list[Element] = []
-    for child in list(_unwrapped(parent)):
-        if merged and _mergeable(merged[-1], child):
-            merged[-1].extend(child)
-        else:
-            merged.append(child)
-    parent[:] = merged
-
-
-def _unwrapped(parent: Element) -> Iterator[Element]:
-    """Give the children of an element, those of groups without attributes in their place."""
     for child in parent:
         _merge_groups(child)
-        if _name(child) != "g" or child.attrib:
-            yield child
-        else:
-            yield from child
-
-
-def _mergeable(first: Element, second: Element) -> bool:
-    """Check that both are groups with the same clip path and no other attribute."""
-    groups = _name(first) == _name(second) == "g"
-    return groups and first.attrib == second.attrib and set(second.attrib) == {"clip-path"}
+        bare = _name(child) == "g" and not child.attrib
+        for each in child if bare else [child]:
+            last, clipped = merged[-1] if merged else None, set(each.attrib) == {"clip-path"}
+            alike = last is not None and _name(last) == _name(each) == "g"
+            if last is not None and alike and clipped and last.attrib == each.attrib:
+                last.extend(each)
+            else:
+                merged.append(each)
+    parent[:] = merged
 
 
 def _round(element: Element) -> None:
@@ -181,9 +165,7 @@ def _joined(letter: str, units: list[int]) -> str:
 
 def _share_styles(root: Element) -> None:
     """Turn every style that is there more than once into a class of the style sheet."""
-    counts = Counter(
-        element.attrib["style"] for element in root.iter() if "style" in element.attrib
-    )
+    counts = Counter(each.attrib["style"] for each in root.iter() if "style" in each.attrib)
     repeated = [style for style, count in counts.most_common() if count > 1]
     classes = dict(zip(repeated, _short_names(), strict=False))
     for element in root.iter():
@@ -203,11 +185,8 @@ def _written(element: Element) -> Iterator[str]:
     )
     inside = _text(element.text)
     children = "".join("".join(_written(child)) for child in element)
-    yield (
-        f"<{name}{attributes}>{inside}{children}</{name}>"
-        if inside or children
-        else (f"<{name}{attributes}/>")
-    )
+    full = inside or children
+    yield f"<{name}{attributes}>{inside}{children}</{name}>" if full else f"<{name}{attributes}/>"
     yield _text(element.tail)
 
 

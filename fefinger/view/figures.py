@@ -1,6 +1,6 @@
 """Figures of a result, drawn with matplotlib's objects (no pyplot) for the report and for view.
 
-Every function returns a matplotlib Figure; `svg` and `png` turn one into text or bytes.
+Every function returns a matplotlib Figure; `svg` turns one into text.
 """
 
 import io
@@ -85,14 +85,6 @@ def svg(drawn: Any) -> str:
         drawn.set_dpi(RASTER)
         canvas.print_svg(buffer, metadata={"Date": None})
     return compact(buffer.getvalue())
-
-
-def png(drawn: Any) -> bytes:
-    """Return the figure as a PNG picture."""
-    buffer = io.BytesIO()
-    with style():
-        drawn.savefig(buffer, format="png", dpi=150)
-    return buffer.getvalue()
 
 
 def windows(scene: Scene, end: float) -> list[tuple[str, float, float]]:

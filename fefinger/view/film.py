@@ -1,9 +1,10 @@
 """Films from pictures: GIF with Pillow, MP4 with the extra `film` (imageio-ffmpeg)."""
 
 from collections.abc import Iterable
+from contextlib import closing
+from itertools import chain
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,14 +60,10 @@ def _mp4(path: Path, pictures: Iterable[Picture], fps: float) -> None:
     """Write an MP4 (H.264) that browsers play; its sides are cut to even numbers of pixels."""
     from imageio_ffmpeg import write_frames
 
-    writer: Any = None
-    try:
-        for picture in pictures:
-            height, width = (2 * (side // 2) for side in picture.shape[:2])
-            if writer is None:
-                writer = write_frames(str(path), (width, height), fps=fps, macro_block_size=2)
-                writer.send(None)
+    rest = iter(pictures)
+    first = next(rest)
+    height, width = (2 * (side // 2) for side in first.shape[:2])
+    with closing(write_frames(str(path), (width, height), fps=fps, macro_block_size=2)) as writer:
+        writer.send(None)
+        for picture in chain([first], rest):
             writer.send(np.ascontiguousarray(picture[:height, :width]))
-    finally:
-        if writer is not None:
-            writer.close()

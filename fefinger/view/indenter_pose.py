@@ -45,7 +45,7 @@ class Pose(NamedTuple):
         """
         ahead = self.axis[[0, 2]] / np.hypot(self.axis[0], self.axis[2])
         if self.profile.half_axes is not None and self.roll == 0:
-            return self._ring(np.array([ahead[1], -ahead[0]]), ahead, self.profile.half_axes)
+            return self._ring(ahead, self.profile.half_axes)
         front = self._front(reach)
         if not len(front):
             return front
@@ -53,13 +53,14 @@ class Pose(NamedTuple):
         back = front + np.outer(low - front @ ahead, ahead)
         return np.concatenate([front, back[[-1, 0]]])
 
-    def _ring(self, along: Array, ahead: Array, radii: tuple[float, float, float]) -> Array:
-        """Return the ellipse in which the medial plane cuts an ellipsoid that travels along it."""
+    def _ring(self, ahead: Array, radii: tuple[float, float, float]) -> Array:
+        """Return the ellipse in which the medial plane cuts an ellipsoid that travels ahead."""
         center = self.origin - radii[2] * self.axis
         inside = 1 - (center[1] / radii[1]) ** 2
         if inside <= 0:
             return np.empty((0, 2))
         turn = np.linspace(0, 2 * np.pi, 181)[:, None]
+        along = np.array([ahead[1], -ahead[0]])
         ring = radii[0] * np.cos(turn) * along + radii[2] * np.sin(turn) * ahead
         return np.asarray(center[[0, 2]] + np.sqrt(inside) * ring)
 
@@ -133,17 +134,14 @@ def texture(result: ResultRecord) -> Texture | None:
 def _first(result: ResultRecord, depth: float) -> Pose:
     """Return the pose of the indenter at its first place."""
     indenter = result.scene.indenter
-    plate, roll = indenter.plate, indenter.turn
+    plate, at, pad = indenter.plate, indenter.place, result.pad
+    origin, axis = np.zeros(3), direction(STANDARD if plate is None else plate)
     if plate is not None:
-        axis, origin = direction(plate), np.zeros(3)
         if plate != STANDARD.plate and result.fields is not None:
             points = whole(result.fields).points
             origin = points[int(np.argmin(points @ axis))]
-        return Pose(origin + depth * axis, axis, indenter.profile, roll)
-    origin, axis = np.zeros(3), direction(STANDARD)
-    at, pad = indenter.place, result.pad
-    if at is not None and pad is not None:
+    elif at is not None and pad is not None:
         palmar = np.where(pad.normals[:, 2] < 0, 0.0, np.inf)
         here = int(np.argmin(np.sum((pad.points[:, :2] - at) ** 2, axis=1) + palmar))
         origin, axis = pad.points[here], -pad.normals[here]
-    return Pose(origin + depth * axis, axis, indenter.profile, roll)
+    return Pose(origin + depth * axis, axis, indenter.profile, indenter.turn)

@@ -166,8 +166,8 @@ def watch(finger: Finger) -> Frame:
 
 def require(*, off_screen: bool = False) -> None:
     """Raise InputError where VTK cannot draw, or there is no display for a window."""
-    missing = renderer.renderer_lacking()
-    if not (missing or off_screen or renderer.has_display()):
-        missing = "live: expected a display for a window, found none. Record with -o FILE.gif"
-    if missing:
+    if missing := renderer.renderer_lacking():
         raise InputError(missing)
+    if not (off_screen or renderer.has_display()):
+        message = "live: expected a display for a window, found none. Record with -o FILE.gif"
+        raise InputError(message)

@@ -6,6 +6,7 @@ import numpy as np
 
 from fefinger.neural.train_record import FEW
 from fefinger.neural.trains import SpikeTrains
+from fefinger.results.records import Sites
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
 from fefinger.view import quantities, surfaces
@@ -41,8 +42,7 @@ def in_section(result: ResultRecord) -> Marks | None:
     chosen = np.arange(len(sites.types))
     if len(chosen) > FEW:
         chosen = np.flatnonzero(np.abs(sites.points[:, 1]) <= OFF_PLANE)
-    unit = np.arange(len(sites.types)) if sites.unit is None else sites.unit
-    return _marks(result, sites.points[chosen], chosen, unit[chosen])
+    return _marks(result, sites, sites.points[chosen], chosen, _units(sites)[chosen])
 
 
 def on_skin(result: ResultRecord) -> Marks | None:
@@ -50,12 +50,12 @@ def on_skin(result: ResultRecord) -> Marks | None:
     sites = result.sites
     if sites is None or len(sites.types) <= FEW:
         return None
-    unit = np.arange(len(sites.types)) if sites.unit is None else sites.unit
     above = sites.points + sites.depths[:, None] * sites.normals
-    units, first, count = np.unique(unit, return_index=True, return_counts=True)
-    inverse = np.searchsorted(units, unit)
-    places = np.stack([np.bincount(inverse, above[:, k]) / count for k in range(3)], axis=1)
-    return _marks(result, places, first, units)
+    units, first, unit, count = np.unique(
+        _units(sites), return_index=True, return_inverse=True, return_counts=True
+    )
+    places = np.stack([np.bincount(unit, above[:, k]) / count for k in range(3)], axis=1)
+    return _marks(result, sites, places, first, units)
 
 
 def highest_rate(result: ResultRecord) -> float:
@@ -66,15 +66,18 @@ def highest_rate(result: ResultRecord) -> float:
     return max(float(result.spikes.rate(unit, times).max()) for unit in range(len(result.spikes)))
 
 
-def _marks(result: ResultRecord, points: Array, sites: Integers, units: Integers) -> Marks | None:
-    all_sites = result.sites
-    assert all_sites is not None
+def _units(sites: Sites) -> Integers:
+    """Return the unit of each site (n_sites,); one each where they are not of a population."""
+    return np.arange(len(sites.types)) if sites.unit is None else sites.unit
+
+
+def _marks(
+    result: ResultRecord, sites: Sites, points: Array, chosen: Integers, units: Integers
+) -> Marks | None:
+    """Return marks at points (n, 3) with the types and depths of chosen sites (n,), if any."""
     if not len(points):
         return None
-    return Marks(
-        followed=surfaces.follow(quantities.fields_of(result), points),
-        types=tuple(all_sites.types[i] for i in sites),
-        labels=tuple(f"{all_sites.types[i]} {all_sites.depths[i]:g} mm" for i in sites),
-        units=units,
-        trains=result.spikes,
-    )
+    types = tuple(sites.types[i] for i in chosen)
+    labels = (f"{kind} {sites.depths[i]:g} mm" for kind, i in zip(types, chosen, strict=True))
+    followed = surfaces.follow(quantities.fields_of(result), points)
+    return Marks(followed, types, tuple(labels), units, result.spikes)

@@ -3,24 +3,21 @@
 from collections.abc import Iterator, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, FingerMesh
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import moved
-from fefinger.view import color_bars, figures, film, frames, quantities, renderer
+from fefinger.view import color_bars, figures, film, frames, quantities, renderer, surfaces
 from fefinger.view.color_bars import add_bars
 from fefinger.view.drawing import colors, drawing
 from fefinger.view.markers import highest_rate
 from fefinger.view.plot3d import Scales, Stage
 from fefinger.view.quantities import round_up
 from fefinger.view.titles import titles
-
-
-if TYPE_CHECKING:
-    from fefinger.geometry.finger_mesh import FingerMesh
 
 
 PANEL = (880, 780)  # pixels of a view in space, beside which the color bars are
@@ -34,7 +31,7 @@ LEGEND: dict[str, Any] = {
     "width": 0.6,
     "height": 0.08,
 }
-REGIONS = {1: ("skin", "#e8b89a"), 2: ("subcutaneous tissue", "#f4dc8c"), 3: ("bone", figures.BONE)}
+REGIONS = {SKIN: "#e8b89a", SUBCUTANEOUS: "#f4dc8c", BONE: figures.BONE}  # their colors
 
 
 def compose(
@@ -139,7 +136,7 @@ def _stages(
     return plotter, compose(plotter, results, field, limits, folders)
 
 
-def draw_mesh(mesh: "FingerMesh", path: str | PathLike[str]) -> None:
+def draw_mesh(mesh: FingerMesh, path: str | PathLike[str]) -> None:
     """Draw a mesh, cut open at the medial plane and colored by region, to the PNG file `path`.
 
     Raises InputError where no renderer exists.
@@ -155,9 +152,9 @@ def draw_mesh(mesh: "FingerMesh", path: str | PathLike[str]) -> None:
     plotter.add_mesh(
         body.extract_surface(algorithm=None),
         scalars="region",
-        cmap=[REGIONS[kind][1] for kind in kinds],
+        cmap=[REGIONS[kind] for kind in kinds],
         clim=(min(kinds) - 0.5, max(kinds) + 0.5),
-        annotations={float(kind): REGIONS[kind][0] for kind in kinds},
+        annotations={float(kind): surfaces.NAMES[kind] for kind in kinds},
         n_colors=len(kinds),
         show_edges=True,
         edge_color="#6b5d52",

@@ -227,14 +227,12 @@ class Stage:
             for size in (1.0, 1.25)
         )
         marks = pv.PolyData(organs.moved(fields.displacement[0]))
-        color = np.array(
-            [pv.Color(figures.COLORS.get(kind, figures.INK)).int_rgb for kind in types]
-        )
+        shades = [pv.Color(figures.COLORS.get(kind, figures.INK)).int_rgb for kind in types]
+        marks["type"] = np.array(shades, np.uint8)
         balls, rims = pv.PolyData(), pv.PolyData()
 
         def move(frame: int) -> None:
             marks.points = organs.moved(fields.displacement[frame])
-            marks["type"] = color.astype(np.uint8)
             if fires:
                 marks["rate"] = shown.rates(float(fields.times[frame]))
             balls.copy_from(marks.glyph(geom=ball, scale=False, orient=False))
@@ -295,10 +293,8 @@ class Stage:
 
         low, high = self.shown.fields.points.min(axis=0), self.shown.fields.points.max(axis=0)
         start = np.array([low[0] + 1.0, 0.0, low[2] - 0.12 * (high[2] - low[2])])
-        end = start + np.array([LENGTH, 0.0, 0.0])
-        line = self.plotter.add_mesh(
-            pv.Line(start, end), color=figures.INK, line_width=3, lighting=False
-        )
+        end, look = start + np.array([LENGTH, 0.0, 0.0]), {"color": figures.INK, "line_width": 3}
+        line = self.plotter.add_mesh(pv.Line(start, end), lighting=False, **look)
         words = [f"   {LENGTH:g} mm"]
         written = self.plotter.add_point_labels(end[None], words, margin=8, **WRITTEN)
         self.props += [Prop(actor, ()) for actor in (line, written)]

@@ -63,8 +63,8 @@ class Span(NamedTuple):
 
     def beyond(self, unit: str) -> str:
         """Return a sentence on values beyond the ends of the bar, empty if there are none."""
-        low, high = f"first color: {self.low:.3g} {unit} and less", f"last color: {self.high:.3g}"
-        high = f"{high} {unit} and more"
+        low = f"first color: {self.low:.3g} {unit} and less"
+        high = f"last color: {self.high:.3g} {unit} and more"
         return {"neither": "", "min": low, "max": high, "both": f"{low}, {high}"}[self.extend]
 
     @property

@@ -13,13 +13,12 @@ from fefinger.geometry.finger_mesh import BONE
 from fefinger.neural.train_record import FEW
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
-from fefinger.view import figures, frames, indenter_pose, quantities
+from fefinger.view import figures, frames, indenter_pose, markers, quantities
 
 
 REACH = 30.0  # mm of the indenter on both sides of the finger
 MARGIN = 1.2  # mm about the section
 CLOSE = 4.5  # mm: half the width of the close view
-OFF_PLANE = 0.5  # mm: end organs farther than this from the section are drawn hollow
 LEADER = {"arrowstyle": "-", "color": figures.INK, "linewidth": 0.8, "relpos": (0.0, 0.5),
           "shrinkA": 0.0}  # fmt: skip
 HALVINGS = 2  # of the triangles' edges, between which matplotlib mixes colors in place of values
@@ -30,13 +29,38 @@ def draw(
 ) -> Any:
     """Return the deformed medial section, colored by a field, as a matplotlib Figure.
 
-    It shows the stored frame next to `time` s, by default that of the largest force,
-    or of the largest depth where the force is prescribed. Raises InputError if the result has no
-    fields or the field is unknown.
+    Beside it is a close view of the end organs under the indenter. It shows the stored frame next
+    to `time` s, by default that of the largest force, or of the largest depth where the force is
+    prescribed. Raises InputError if the result has no fields or the field is unknown.
     """
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
     fields = quantities.fields_of(result)
     moment = frames.peak_time(result) if time is None else time
-    return _figure(medial(result, field, frames.nearest_frame(fields, moment)))
+    cut = medial(result, field, frames.nearest_frame(fields, moment))
+    with figures.style():
+        drawn = figures.figure(figures.WIDE, 4.4)
+        whole, close = drawn.subplots(1, 2, width_ratios=[1.35, 1.0])
+        low, high = cut.places.min(axis=0) - MARGIN, cut.places.max(axis=0) + MARGIN
+        for axis in (whole, close):
+            _draw_section(axis, cut)
+            axis.set(aspect="equal", xlabel="x (distal) / mm", ylabel="z (dorsal) / mm")
+        whole.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), title=cut.title)
+        center = cut.indenter.mean(axis=0)
+        if cut.organs:
+            seen = cut.organs if len(cut.organs) > FEW else cut.organs[:1]
+            center = np.mean([organ[0] for organ in seen], axis=0)
+        close.set(
+            xlim=(center[0] - CLOSE, center[0] + CLOSE),
+            ylim=(center[1] - 0.45 * CLOSE, center[1] + 1.55 * CLOSE),
+            title="close view of the end organs",
+        )
+        _draw_organs(whole, close, cut)
+        scale, label = Normalize(cut.span.low, cut.span.high), quantities.label(field)
+        bar = ScalarMappable(scale, cut.span.colors)
+        drawn.colorbar(bar, ax=close, label=label, shrink=0.85, extend=cut.span.extend)
+        return drawn
 
 
 @dataclass(frozen=True)
@@ -57,7 +81,6 @@ class Medial:
     span: quantities.Span
     indenter: Array
     organs: list[tuple[Array, str, str, bool]]
-    field: str
     title: str
 
 
@@ -82,13 +105,12 @@ def medial(result: ResultRecord, field: str, frame: int) -> Medial:
         # Also of a part of it far from its origin.
         indenter=pose.outline(REACH + float(np.linalg.norm(pose.origin))),
         organs=_organs(result, rest, moved),
-        field=field,
-        title=f"t = {time:.4g} s, depth {depth:.3g} mm",
+        title=f"medial section, t = {time:.4g} s, depth {depth:.3g} mm",
     )
 
 
 def _organs(result: ResultRecord, rest: Array, moved: Array) -> list[tuple[Array, str, str, bool]]:
-    """Return the end organs, moved with the nearest vertex of the section."""
+    """Return the end organs, moved with the nearest vertex of the section, hollow far from it."""
     if result.sites is None:
         return []
     organs = []
@@ -99,41 +121,8 @@ def _organs(result: ResultRecord, rest: Array, moved: Array) -> list[tuple[Array
         place = (point + moved[nearest])[[0, 2]]
         label = f"{kind}  {depth:g} mm"
         color = figures.COLORS.get(kind, figures.INK)
-        organs.append((place, label, color, bool(abs(point[1]) <= OFF_PLANE)))
+        organs.append((place, label, color, bool(abs(point[1]) <= markers.OFF_PLANE)))
     return organs
-
-
-def _figure(cut: Medial) -> Any:
-    """Draw the whole section, and a close view of the end organs under the indenter."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    with figures.style():
-        drawn = figures.figure(figures.WIDE, 4.4)
-        whole, close = drawn.subplots(1, 2, width_ratios=[1.35, 1.0])
-        low, high = cut.places.min(axis=0) - MARGIN, cut.places.max(axis=0) + MARGIN
-        for axis in (whole, close):
-            _draw_section(axis, cut)
-            axis.set(aspect="equal", xlabel="x (distal) / mm", ylabel="z (dorsal) / mm")
-        whole.set(
-            xlim=(low[0], high[0]), ylim=(low[1], high[1]), title=f"medial section, {cut.title}"
-        )
-        center = cut.indenter.mean(axis=0)
-        if cut.organs:
-            seen = cut.organs if len(cut.organs) > FEW else cut.organs[:1]
-            center = np.mean([organ[0] for organ in seen], axis=0)
-        close.set(
-            xlim=(center[0] - CLOSE, center[0] + CLOSE),
-            ylim=(center[1] - 0.45 * CLOSE, center[1] + 1.55 * CLOSE),
-            title="close view of the end organs",
-        )
-        _draw_organs(whole, close, cut)
-        scale = Normalize(cut.span.low, cut.span.high)
-        drawn.colorbar(
-            ScalarMappable(scale, cut.span.colors), ax=close, shrink=0.85,
-            label=quantities.label(cut.field), extend=cut.span.extend,
-        )  # fmt: skip
-        return drawn
 
 
 def _draw_section(axis: Any, cut: Medial) -> None:

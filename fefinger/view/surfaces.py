@@ -39,6 +39,7 @@ def cut_open(fields: Fields) -> tuple[Piece, ...]:
     that touches at any time; the skin is without it.
     """
     cut = section.cut(fields.points, fields.cells, fields.region)
+    places = cut.at(fields.points)
     touches = np.asarray((fields.pressure > 0).any(axis=0))
     pieces = []
     for region, (faces, outer) in _boundaries(fields).items():
@@ -48,7 +49,10 @@ def cut_open(fields: Fields) -> tuple[Piece, ...]:
             pieces.append(_clipped(PAD, fields.points, faces[pad]))
             faces = faces[~pad]
         pieces.append(_clipped(name, fields.points, faces))
-        face = _turned(cut.at(fields.points), cut.triangles[cut.region == region])
+        face = cut.triangles[cut.region == region]
+        a, b, c = places[face].transpose(1, 0, 2)
+        inward = np.cross(b - a, c - a)[:, 1] > 0  # all are to look to -y, out of the half finger
+        face = np.where(inward[:, None], face[:, [0, 2, 1]], face)
         pieces.append(_compact(name, cut.edges, cut.weight, face, flat=True))
     return tuple(piece for piece in pieces if len(piece.triangles))
 
@@ -105,12 +109,11 @@ def _clipped(name: str, points: Array, faces: Integers) -> Piece:
     count = inside[faces].sum(axis=1)
     pairs = [np.repeat(faces[count == 3][:, :, None], 2, axis=2)]
     for number in (1, 2):
-        hit, odd = faces[count == number], number == 1
-        first = np.argmax(inside[hit] == odd, axis=1)
+        hit = faces[count == number]
+        first = np.argmax(inside[hit] == (number == 1), axis=1)  # which differs from the others
         a, b, c = (hit[np.arange(len(hit)), (first + k) % 3] for k in range(3))
-        if odd:
-            corners = [((a, a), (a, b), (a, c))]
-        else:
+        corners = [((a, a), (a, b), (a, c))]
+        if number == 2:
             corners = [((b, b), (c, c), (a, b)), ((c, c), (a, c), (a, b))]
         pairs += [np.array(triangle).transpose(2, 0, 1).reshape(-1, 3, 2) for triangle in corners]
     edges = np.sort(np.concatenate(pairs).reshape(-1, 2), axis=1)
@@ -118,13 +121,6 @@ def _clipped(name: str, points: Array, faces: Integers) -> Piece:
     same = edges[:, 0] == edges[:, 1]
     weight = np.where(same, 0.0, -y0 / np.where(same, 1.0, y1 - y0))
     return _compact(name, edges, weight, np.arange(len(edges)).reshape(-1, 3))
-
-
-def _turned(places: Array, triangles: Integers) -> Integers:
-    """Return triangles in the medial plane so that all look to -y, out of the half finger."""
-    a, b, c = places[triangles].transpose(1, 0, 2)
-    inward = np.cross(b - a, c - a)[:, 1] > 0
-    return np.asarray(np.where(inward[:, None], triangles[:, [0, 2, 1]], triangles))
 
 
 def _compact(
@@ -157,9 +153,7 @@ def follow(fields: Fields, points: Array) -> Followed:
 
     A point outside of the mesh follows the nearest place of the cell that comes closest.
     """
-    mirrored = np.zeros(len(points), bool)
-    if section.is_half(fields.points):
-        mirrored = points[:, 1] < 0
+    mirrored = (points[:, 1] < 0) & section.is_half(fields.points)
     place = np.where(mirrored[:, None], mirror.image(points), points)
     cell, weight = locate(fields.points[fields.cells], place, nearest=NEAREST)
     weight = np.maximum(weight, 0.0)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from fefinger.neural.statistics import mean_rates
-from fefinger.neural.trains import SpikeTrains
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
 from fefinger.view.figures import (
@@ -41,7 +40,10 @@ def raster(result: ResultRecord) -> Any:
         )[:, 0]
         for axis, (kind, which) in zip(axes, kinds.items(), strict=False):
             color = COLORS.get(kind, INK)
-            rows = [trains.times[i] for i in _by_distance(trains, which)]
+            if trains.positions is not None:
+                away = np.linalg.norm(trains.positions[which], axis=1)
+                which = which[np.argsort(away, kind="stable")]
+            rows = [trains.times[i] for i in which]
             axis.eventplot(rows, colors=color, linelengths=1.0, linewidths=1.0)
             axis.set(ylabel=f"{kind}\n{len(which)} units", yticks=[], ylim=(len(which) - 0.5, -0.5))
             axis.grid(visible=False)
@@ -100,13 +102,6 @@ def receptive_fields(
             drawn.colorbar(shown, ax=axis, label="impulses", shrink=0.8)
         axes[0].set_ylabel("y (radial) / mm")
         return drawn
-
-
-def _by_distance(trains: SpikeTrains, which: Integers) -> Integers:
-    """Return these units by their distance from the origin, nearest first."""
-    if trains.positions is None:
-        return which
-    return which[np.argsort(np.linalg.norm(trains.positions[which], axis=1), kind="stable")]
 
 
 def _outline(axis: Any, result: ResultRecord) -> None:

@@ -15,7 +15,6 @@ from fefinger.pages import viewer
 from fefinger.result import Result
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.textured import Grating
-from fefinger.support.checks import InputError
 from fefinger.view import frames, indenter_pose, quantities, surfaces
 
 
@@ -112,17 +111,6 @@ def test_rates_end_organs_and_other_indenters_are_in_it(synthetic: Result, tmp_p
     front = read(blob, shown["indenter"]["points"]).reshape(-1, 3)
     pose = indenter_pose.pose(dataclasses.replace(synthetic, scene=scene), 0.0)
     assert np.ptp(front @ pose.axis) == pytest.approx(0.8, rel=0.05)
-
-
-def test_what_cannot_be_shown_is_refused_in_a_sentence(synthetic: Result, tmp_path: Path) -> None:
-    bare = dataclasses.replace(
-        synthetic, response=dataclasses.replace(synthetic.response, fields=None)
-    )
-    with pytest.raises(InputError, match=r"ask\.fields=true"):
-        viewer.write(bare, tmp_path / "a.html")
-    with pytest.raises(InputError, match="Did you mean 'pressure'"):
-        viewer.write(synthetic, tmp_path / "a.html", field="presure")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_ball_is_drawn_round_and_a_plate_with_its_rim(

@@ -67,16 +67,8 @@ def test_it_is_recorded_as_a_film_that_browsers_play(tmp_path: Path) -> None:
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
     file = tmp_path / "show.mp4"
     live.record(FINGER, file)
-    words = [
-        imageio_ffmpeg.get_ffmpeg_exe(),
-        "-i",
-        file,
-        "-f",
-        "rawvideo",
-        "-pix_fmt",
-        "rgb24",
-        "-",
-    ]
+    words = [imageio_ffmpeg.get_ffmpeg_exe(), *("-i", file), *("-f", "rawvideo")]
+    words += ["-pix_fmt", "rgb24", "-"]
     played = subprocess.run(words, capture_output=True, check=True)
     assert b"h264" in played.stderr
     assert b"900x900" in played.stderr
