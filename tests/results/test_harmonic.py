@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from fefinger.result import Result
 from fefinger.results import key_numbers
@@ -38,3 +39,10 @@ def test_the_impedance_of_a_damper_is_among_the_numbers_of_a_result(synthetic: R
     }
     assert numbers["impedance"].value == "2 and 2 N s/m"
     assert numbers["impedance"].about == "at 20 and 200 Hz"
+
+
+def test_a_delay_is_followed_from_a_first_phase_of_90_degrees() -> None:
+    strain = np.zeros((2, 1, 3, 3), complex)
+    strain[:, 0, 2, 2] = [-1j, -1j]  # a quarter of a cycle late at 20 and at 200 Hz
+    answer = replace(spring_and_damper(1.0, 0.0), strain_parts=apart(strain))
+    assert answer.site_delay()[:, 0] == pytest.approx([0.25 / 20, 0.25 / 200])
