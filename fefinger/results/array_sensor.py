@@ -60,11 +60,11 @@ def response(sensor: "ArraySensor", pad: Pad, places: Array) -> Array:
     ValueError
         If the triangles of the pad are too large for the elements.
     """
-    fine = net(pad, cuts(pad, sensor.sigma))
-    areas = np.asarray(fine.loads.sum(axis=1)).ravel()
+    between, loads = net(pad, cuts(pad, sensor.sigma))
+    areas = np.asarray(loads.sum(axis=1)).ravel()
     loaded = areas > 0
-    weights = sensor.weights((fine.between @ places)[loaded], areas[loaded]) / areas[loaded]
-    return np.asarray(weights @ fine.loads[loaded])
+    weights = sensor.weights((between @ places)[loaded], areas[loaded]) / areas[loaded]
+    return np.asarray(weights @ loads[loaded])
 
 
 def plane(indenter: Indenter, points: Array) -> Array:

@@ -3,7 +3,7 @@
 With forces at the mesh points only, a mean over 1 mm² would depend on the positions of the points.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,23 +25,13 @@ SPREAD = 1 / np.sqrt(2 * np.pi)
 """Standard deviation in mm of a Gaussian whose integral is 1 mm² times its peak."""
 
 
-@dataclass(frozen=True)
-class Net:
-    """Refined points on the pad, as matrices from the values at its points.
-
-    between (m, n_pad): values at the pad's points to values at these; loads (m, n_pad) mm²:
-    pressures in kPa at the pad's points to forces in mN at these.
-    """
-
-    between: "csr_matrix"
-    loads: "csr_matrix"
-
-
-def net(pad: Pad, parts: int) -> Net:
-    """Refine the pad's triangles to points whose forces represent the linear pressure.
+def net(pad: Pad, parts: int) -> "tuple[csr_matrix, csr_matrix]":
+    """Refine the pad's triangles to m points whose forces represent the linear pressure.
 
     Every edge is divided into `parts`, every triangle into parts² with their forces at their
     centers. The force of a point of the pad, pressure times area, is preserved and distributed.
+    Returns matrices (m, n_pad) from values at the pad's points to values at the refined ones, and
+    in mm² from pressures in kPa at the pad's points to forces in mN at the refined ones.
     """
     from scipy import sparse
 
@@ -56,7 +46,7 @@ def net(pad: Pad, parts: int) -> Net:
     loads = sparse.diags(np.repeat(size, len(corners))) @ between
     total = np.asarray(loads.sum(axis=0)).ravel()
     share = np.divide(pad.areas, total, out=np.zeros_like(total), where=total > 0)
-    return Net(between, (loads @ sparse.diags(share)).tocsr())
+    return between, (loads @ sparse.diags(share)).tocsr()
 
 
 def highest(pad: Pad, pressure: Array) -> tuple[float, Array]:
@@ -87,13 +77,12 @@ def _means(pad: Pad, pressure: Array) -> tuple[Array, Array]:
     if not used.any():
         return pad.points[:1], np.zeros((1, len(pressure)))
     pad = pressed(pad, used)
-    fine = net(pad, cuts(pad, SPREAD))
-    tree = KDTree(fine.between @ pad.points)
+    between, loads = net(pad, cuts(pad, SPREAD))
     near = KDTree(pad.points[used]).sparse_distance_matrix(
-        tree, FAR * SPREAD, output_type="coo_matrix"
+        KDTree(between @ pad.points), FAR * SPREAD, output_type="coo_matrix"
     )
     near.data = np.exp(-(near.data**2) / (2 * SPREAD**2)) / (2 * np.pi * SPREAD**2)
-    return pad.points[used], np.asarray((near @ fine.loads)[:, used] @ pressure[:, used].T)
+    return pad.points[used], np.asarray((near @ loads)[:, used] @ pressure[:, used].T)
 
 
 def pressed(pad: Pad, used: Flags) -> Pad:

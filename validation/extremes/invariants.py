@@ -140,10 +140,10 @@ def _across(indenter: Indenter, response: Response) -> Array:
     assert response.pressure is not None
     pad = pressed(response.pad, np.any(response.pressure > 0, axis=0))
     origin, axis = _touch(indenter.place, response.pad)
-    fine = net(pad, CUTS)
+    between, loads = net(pad, CUTS)
     sideways = frame(axis, indenter.turn)[:2]
-    _, slope, _ = indenter.profile.height((fine.between @ pad.points - origin) @ sideways.T)
-    return np.asarray(fine.loads.T @ (1 / np.sqrt(1 + np.sum(slope**2, axis=-1))))
+    _, slope, _ = indenter.profile.height((between @ pad.points - origin) @ sideways.T)
+    return np.asarray(loads.T @ (1 / np.sqrt(1 + np.sum(slope**2, axis=-1))))
 
 
 def _touch(at: tuple[float, float] | None, pad: Pad) -> tuple[Array, Array]:
