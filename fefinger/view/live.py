@@ -41,13 +41,8 @@ class Window:
         import pyvista as pv
 
         self.show = show
-        plotter: Any = pv.Plotter(
-            off_screen=off_screen,
-            shape=(2, 1),
-            row_weights=[7, 3],
-            border=False,
-            window_size=list(SIZE),
-        )
+        parts: dict[str, Any] = {"shape": (2, 1), "row_weights": [7, 3], "border": False}
+        plotter: Any = pv.Plotter(off_screen=off_screen, window_size=list(SIZE), **parts)
         plotter.set_background("white", all_renderers=True)
         self.plotter = plotter
         solid, made = show.rolling.solid, pv.PolyData.from_regular_faces
@@ -87,14 +82,8 @@ class Window:
             (self.section, "compressive strain", LARGEST_STRAIN, "viridis", 0.53),
         ):
             bar = {"title": scalars, "position_x": place, "position_y": 0.03, **BAR}
-            self.plotter.add_mesh(
-                part,
-                scalars=scalars,
-                clim=(0, top),
-                cmap=colors,
-                scalar_bar_args=bar,
-                ambient=0.5,
-            )
+            look = {"cmap": colors, "clim": (0, top), "ambient": 0.5}
+            self.plotter.add_mesh(part, scalars=scalars, scalar_bar_args=bar, **look)
         self.plotter.camera_position = [(0, -26, -32), (-6, 0, 2), (0, 0, 1)]
         self.plotter.camera.zoom(1.2)
 

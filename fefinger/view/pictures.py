@@ -23,13 +23,8 @@ from fefinger.view.titles import titles
 PANEL = (880, 780)  # pixels of a view in space, beside which the color bars are
 FPS, REST = 8, 8  # pictures per second of a film, and how often its last one stays
 LEGEND: dict[str, Any] = {
-    "title": "region",
-    "n_labels": 0,
-    "vertical": False,
-    "position_x": 0.2,
-    "position_y": 0.05,
-    "width": 0.6,
-    "height": 0.08,
+    **{"title": "region", "n_labels": 0, "vertical": False},
+    **{"position_x": 0.2, "position_y": 0.05, "width": 0.6, "height": 0.08},
 }
 REGIONS = {SKIN: "#e8b89a", SUBCUTANEOUS: "#f4dc8c", BONE: figures.BONE}  # their colors
 
