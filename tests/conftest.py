@@ -116,12 +116,6 @@ def synthetic() -> Result:
     return make_synthetic()
 
 
-@pytest.fixture(scope="session")
-def synthesize() -> Callable[..., Result]:
-    """Return the function that makes the synthetic Result, for other sizes of it."""
-    return make_synthetic
-
-
 @pytest.fixture
 def answered(monkeypatch: pytest.MonkeyPatch, synthetic: Result) -> list:
     """Answer every scene with the synthetic result; return the calls that were made."""
@@ -135,7 +129,7 @@ def answered(monkeypatch: pytest.MonkeyPatch, synthetic: Result) -> list:
     return calls
 
 
-def make_synthetic(n_t: int = 60, n_frames: int = 3, cells: tuple[int, int, int] = (12, 4, 8)):
+def make_synthetic() -> Result:
     """Return a Result of smooth made-up fields on half a finger of 6 tetrahedra per box."""
     ask = Ask(spikes=TYPES)
     motion = RampHold(speed=60, depth=DEPTH, hold=5)
@@ -146,10 +140,10 @@ def make_synthetic(n_t: int = 60, n_frames: int = 3, cells: tuple[int, int, int]
         motion=motion,
         ask=ask,
     )
-    time = np.unique(np.concatenate([np.linspace(0, 0.05, n_t // 2), np.geomspace(0.05, 5, n_t)]))
+    time = np.unique(np.concatenate([np.linspace(0, 0.05, 30), np.geomspace(0.05, 5, 60)]))
     depth = motion.value(time)
-    points, tetrahedra, region = half_finger(cells)
-    frames = np.linspace(0.02, 5.0, n_frames)
+    points, tetrahedra, region = half_finger()
+    frames = np.linspace(0.02, 5.0, 3)
     fields = make_fields(points, tetrahedra, region, frames, motion.value(frames))
     pad = make_pad(points, tetrahedra)
     radius = np.sqrt(7 * depth)
@@ -197,9 +191,9 @@ def make_synthetic(n_t: int = 60, n_frames: int = 3, cells: tuple[int, int, int]
     )
 
 
-def half_finger(cells: tuple[int, int, int]) -> tuple[Array, Integers, NDArray[np.int8]]:
+def half_finger() -> tuple[Array, Integers, NDArray[np.int8]]:
     """Return points, tetrahedra and regions of half a round-tipped rod, first touch at 0."""
-    nx, ny, nz = cells
+    nx, ny, nz = 12, 4, 8
     grid = np.meshgrid(
         np.linspace(-14, 8, nx + 1),
         np.linspace(0, 1, ny + 1),
@@ -218,14 +212,8 @@ def half_finger(cells: tuple[int, int, int]) -> tuple[Array, Integers, NDArray[n
         for j in (0, 1)
         for k in (0, 1)
     ]
-    split = [
-        (0, 3, 1, 7),
-        (0, 2, 3, 7),
-        (0, 6, 2, 7),
-        (0, 4, 6, 7),
-        (0, 5, 4, 7),
-        (0, 1, 5, 7),
-    ]
+    ring = (1, 3, 2, 6, 4, 5)  # of edges around the diagonal from 0 to 7
+    split = [(0, b, a, 7) for a, b in zip(ring, np.roll(ring, -1), strict=True)]
     tetrahedra = np.concatenate([np.column_stack([corner[c] for c in row]) for row in split])
     outer = np.maximum(v, np.abs(w))[tetrahedra].mean(axis=1)
     region = np.where(outer > 0.78, 1, 2).astype(np.int8)

@@ -1,6 +1,5 @@
 """What the command line refuses, with which words and exit status."""
 
-import importlib
 import re
 
 import pytest
@@ -256,7 +255,7 @@ def test_what_goes_wrong_inside_decides_the_exit_status(capsys, monkeypatch, err
     def fail(scene, **options):
         raise error
 
-    monkeypatch.setattr(importlib.import_module("fefinger.pipeline"), "run", fail)
+    monkeypatch.setattr("fefinger.pipeline.run", fail)
     assert main(["run", "flat-press", "--json"]) == status
     out, err = capsys.readouterr()
     assert out == ""

@@ -1,7 +1,6 @@
 """Where a disk is full: a sentence, the answer all the same, and nothing that is half-written."""
 
 import errno
-import importlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -64,7 +63,7 @@ def test_why_a_run_stopped_is_told_where_what_it_reached_cannot_be_kept(
         msg = "it buckled"
         raise ff.Stopped(msg, synthetic)
 
-    monkeypatch.setattr(importlib.import_module("fefinger.pipeline"), "run", stopped)
+    monkeypatch.setattr("fefinger.pipeline.run", stopped)
     with full():
         assert main(["run", "flat-press", "-o", str(tmp_path / "out")]) == 1
     err = capsys.readouterr().err
@@ -114,9 +113,7 @@ def study():
 
 def test_a_study_is_told_where_it_cannot_be_saved(monkeypatch, capsys, study, tmp_path):
     answered = study()  # not while files are limited: it asks git, whose own files would be cut
-    monkeypatch.setattr(
-        importlib.import_module("fefinger.studies.study"), "study", lambda *a, **k: answered
-    )
+    monkeypatch.setattr("fefinger.studies.study.study", lambda *given, **options: answered)
     words = ["study", "flat-press", "--over", "motion.depth=0.2,0.4", "-o", str(tmp_path)]
     with full():
         assert main(words) == 2
