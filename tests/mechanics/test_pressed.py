@@ -175,6 +175,8 @@ def test_a_press_is_the_same_after_it_was_written_and_read(tmp_path: Path) -> No
     assert np.array_equal(back.force, table.force)
     assert np.array_equal(back.modes.shapes, table.modes.shapes)
     assert np.allclose(back.pressure, table.pressure, rtol=1e-6)
+    for name in elastic_store.ROUNDED:
+        assert np.array_equal(getattr(back, name), getattr(elastic_store.as_stored(table), name))
     stiffer = back.of_modulus(2 * back.modulus)
     assert np.allclose(stiffer.force, 2 * back.force)
     assert np.array_equal(stiffer.modes.amplitudes, back.modes.amplitudes)
@@ -194,7 +196,7 @@ def test_a_press_of_stiffer_tissue_is_that_press_scaled() -> None:
 
 
 def test_a_damaged_file_is_solved_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    table = _table()
+    table = replace(_table(), pressure=_table().pressure / 3)  # which single precision rounds
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     solved = []
     monkeypatch.setattr(
@@ -203,7 +205,9 @@ def test_a_damaged_file_is_solved_again(tmp_path: Path, monkeypatch: pytest.Monk
     asked = scene(Ramp(60, 0.5), replace(FINGER, cut="nail"))  # no press of this is shipped
     first = pressed.respond(asked)
     (file,) = (tmp_path / "fefinger" / "elastic").glob("*.npz")
-    assert pressed.respond(asked).force[-1] == first.force[-1]
+    again = pressed.respond(asked)
+    assert np.array_equal(again.force, first.force)
+    assert np.array_equal(again.pressure, first.pressure)
     assert len(solved) == 1
     file.write_bytes(b"not a press")
     assert pressed.respond(asked).force[-1] == first.force[-1]

@@ -162,7 +162,8 @@ def load_or_solve(
         if table is None:
             # A plate ends nowhere; contact with any other object may reach its rim.
             further = indenter.flat is not None
-            table = solve(press, least, stages, force=force, further=further)
+            solved = solve(press, least, stages, force=force, further=further)
+            table = elastic_store.as_stored(solved)
             with suppress(OSError):  # without room for it, it is solved again the next time
                 elastic_store.write(table, place)
                 cache.limit("elastic")

@@ -9,6 +9,7 @@ import json
 import os
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -109,6 +110,12 @@ def _paths(name: str) -> Iterator[Path]:
     if os.path.isfile(place):
         cache.touch(place)
         yield place
+
+
+def as_stored(press: ElasticPress) -> ElasticPress:
+    """Round a press as its file does, so that the first answer is that of all later ones."""
+    rounded = {name: getattr(press, name).astype(np.float32).astype(float) for name in ROUNDED}
+    return replace(press, **rounded)
 
 
 def write(press: ElasticPress, place: Path) -> None:
