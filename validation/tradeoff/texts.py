@@ -57,10 +57,9 @@ def texts(summary: dict[str, Any]) -> list[str]:
         + ".",
         f"All choices together cost {summary['total_seconds_over_least']:.1f} times the least "
         f"possible. {100 * summary['within_1.2']:.0f} % of them are {within}; the target is "
-        f"{100 * AIM:.0f} %.{_taken(summary)} So few scenes scatter, and in the scenes of "
-        "development it is missed: it asks for stated errors that are almost exact (first table), "
-        "as the candidates differ widely in cost, so that a margin that excludes one of them leads "
-        "to a much more expensive one.",
+        f"{100 * AIM:.0f} %.{_taken(summary)} It asks for stated errors that are almost "
+        "exact (first table), as the candidates differ widely in cost, so that a margin that "
+        "excludes one of them leads to a much more expensive one.",
     ]
 
 
