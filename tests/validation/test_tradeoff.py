@@ -141,7 +141,7 @@ def test_the_front_is_what_nothing_beats():
 
 def test_held_out_scenes_are_many_and_drawn_by_seed():
     drawn = tradeoff_scenes.held_out()
-    assert len(drawn) == len(tradeoff_scenes.OBJECTS)  # every kind as often as in the others
+    assert len(drawn) % len(tradeoff_scenes.OBJECTS) == 0  # every kind as often as in the others
     assert drawn == tradeoff_scenes.held_out()
     assert len({scene.indenter for scene in drawn.values()}) > 0.8 * len(drawn)
     again = tradeoff_scenes.development()
