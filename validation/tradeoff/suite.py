@@ -34,7 +34,7 @@ RULES = (
     "edges, than at the depths around. Finite strain through time has the errors of "
     "reports/carrying.json, and what shorter time steps change (reports/time-steps.json) is added. "
     "Margins of independent causes are added as squares. The scenes that were held out before "
-    "(seeds 33 to 36) are those of development."
+    f"(seeds {min(scenes.DEVELOPMENT)} to {max(scenes.DEVELOPMENT)}) are those of development."
 )
 
 

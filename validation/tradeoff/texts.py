@@ -47,8 +47,7 @@ def texts(summary: dict[str, Any]) -> list[str]:
         f"{summary['scenes']} scenes took no part in deriving the rules. The planner answers "
         f"{summary['answered']} of them on the meshes that are compared, and "
         f"{summary['on_a_mesh_that_is_not_judged']} on the fine mesh, which is not compared. It "
-        f"refuses {summary['refused_although_possible']} that a candidate could have answered; no "
-        "candidate can answer the rest. "
+        f"refuses {summary['refused_although_possible']} that a candidate could have answered. "
         f"{100 * summary['tolerance_met']:.0f} % of its choices meet the tolerance.",
         "The stated error is an upper bound of the actual error in this share of its choices (of "
         f"all candidates): {_shares(picks, every)}.",
