@@ -9,6 +9,11 @@ fails, as when a facet snaps through and the tangent is indefinite on the way, a
 consistent and a positive definite tangent is used (`_globalized`), without acceleration until the
 residual falls again.
 
+Under force control the obstacle travels by dd in an iteration. The contact stiffness C in K0, of
+facets that fold and spread, resists motion against the obstacle: its force is C (v - dd e), e being
+the motion of the obstacle, so that K0^-1 C e dd is added to the displacements. Without it the slope
+of the force was twice the true one, and each iteration halved the error.
+
 Under a plate that slides, the loads B gain the friction of the skin that slips, P = B + mu T: the
 complementarity problem has the matrix B' K0^-1 P, without symmetry. It is exact in the pressures;
 that the friction of a facet changes with its shape is left out of the tangent, not of the residual.
