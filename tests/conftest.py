@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from fefinger.fem.linalg import multifrontal_single
 from fefinger.mechanics.evidence import machine
-from fefinger.mechanics.press import load_steps
+from fefinger.mechanics.press import finite_strain, load_steps
 from fefinger.neural.reference import Reference
 from fefinger.neural.trains import SpikeTrains
 from fefinger.result import Result
@@ -27,6 +27,7 @@ from fefinger.scene.indenters import Flat
 from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.tolerances import EQUILIBRIUM
 
 
 TYPES = ("SAI", "SAII", "FAI", "FAII")
@@ -108,6 +109,12 @@ def few_steps(
 ) -> None:
     """Take few steps through time, where time is not the question."""
     stride_far(monkeypatch)
+
+
+@pytest.fixture
+def iterated_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Iterate presses of `solid` as far as any body, where answers are compared to many digits."""
+    monkeypatch.setattr(finite_strain, "PRESS_EQUILIBRIUM", EQUILIBRIUM)
 
 
 @pytest.fixture(scope="session")

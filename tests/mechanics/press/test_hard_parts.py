@@ -186,6 +186,7 @@ def test_the_solver_of_a_scene_is_used_and_recorded() -> None:
     assert re.search(r"in MB, by stage: mesh \d+, factor \d+", result.provenance["memory"])
 
 
+@pytest.mark.usefixtures("iterated_far")
 def test_single_precision_that_fails_gives_way_with_a_note(
     unsound: Callable[..., None],
 ) -> None:
