@@ -153,7 +153,8 @@ def test_a_body_without_memory_that_is_left_again_is_at_rest_at_once(poisson: fl
     times, depth = np.arange(9.0), lambda time: 0.1 * min(time, 8.0 - time)
     follow(pressed.equilibrium, history, Path("depth", times, depth), lambda _, s: states.append(s))
     assert np.abs(states[-1].values).max() < 1e-7
-    assert states[-1].pressure.max() < 1e-6
+    forces = [float(pressed.equilibrium.contact.projected @ state.pressure) for state in states]
+    assert forces[-1] < EQUILIBRIUM * max(forces)  # single pressures go with the processor
     assert pressed.equilibrium.factors < 10  # 60 and more in the last step, and no equilibrium
 
 
