@@ -276,6 +276,23 @@ def test_one_iteration_with_a_fresh_tangent_finds_the_depth_of_a_slightly_larger
     assert first.depth - state.depth == pytest.approx(exact.depth - state.depth, rel=1e-3)
 
 
+def test_nothing_follows_an_obstacle_where_gaps_would_open_by_it():
+    """As in a body that would buckle without the obstacle: slower, but it converges."""
+    material = neo_hookean(Elastic(40.0, 0.49))
+    force, _, state = squeezed(material, [0.15, 0.3])
+    pressed = cube(material)
+    solver, projected = pressed.equilibrium, pressed.equilibrium.contact.projected
+    more = Target("force", 1.0001 * force, pressed.body.at_rest, force)
+    iterate = solver._evaluate(state, more)
+    solver._renew(iterate, more)
+    loads = iterate.gap.loads
+    assert (projected - loads.T @ solver._factored.following).min() < 0
+    following, closing = solver._factored.travel(loads, projected)
+    assert not following.any()
+    assert np.array_equal(closing, projected)
+    assert projected @ solver.find(state, more).pressure == pytest.approx(more.value, rel=1e-6)
+
+
 def test_an_iteration_that_runs_away_is_told_as_one_so_that_its_step_is_split():
     """It left as an error of the linear algebra, which no step control catches."""
     mixing = Anderson(3)
