@@ -276,6 +276,25 @@ def test_one_iteration_with_a_fresh_tangent_finds_the_depth_of_a_slightly_larger
     assert first.depth - state.depth == pytest.approx(exact.depth - state.depth, rel=1e-3)
 
 
+def test_the_flexibility_of_columns_that_come_later_is_that_of_all_at_once():
+    material = neo_hookean(Elastic(40.0, 0.3))
+    _, _, state = squeezed(material, [0.2])
+    solver = cube(material).equilibrium
+    target = Target("depth", 0.2, solver.body.at_rest)
+    found = []
+    for parts in (1, 3):
+        solver._renew(solver._evaluate(state, target), target)
+        factored = solver._factored
+        for part in range(1, parts + 1):
+            near = np.arange(len(solver.contact)) < len(solver.contact) * part / parts
+            flexibility = factored.contact(near).flexibility
+        found.append(flexibility)
+        assert factored.flexibility == pytest.approx(
+            factored.loads.T @ factored.columns.T, abs=1e-6 * np.abs(flexibility).max()
+        )
+    assert found[1] == pytest.approx(found[0], abs=1e-5 * np.abs(found[0]).max())
+
+
 def test_nothing_follows_an_obstacle_where_gaps_would_open_by_it():
     """As in a body that would buckle without the obstacle: slower, but it converges."""
     material = neo_hookean(Elastic(40.0, 0.49))
