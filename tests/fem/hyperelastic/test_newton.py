@@ -276,6 +276,17 @@ def test_one_iteration_with_a_fresh_tangent_finds_the_depth_of_a_slightly_larger
     assert first.depth - state.depth == pytest.approx(exact.depth - state.depth, rel=1e-3)
 
 
+@pytest.mark.parametrize("poisson", [0.3, 0.49])
+def test_a_path_under_force_control_takes_few_iterations(poisson: float):
+    """Some 70 in 13 steps; three times as many if the depth is not accelerated with the rest."""
+    material = neo_hookean(Elastic(40.0, poisson))
+    force, _, _ = squeezed(material, [0.1, 0.2, 0.3])
+    pressed = cube(material)
+    path = Path("force", np.linspace(0, 1, 13), lambda time: force * min(2 * time, 1.0))
+    follow(pressed.equilibrium, StressHistory(pressed.body, SERIES), path, lambda *_: None)
+    assert pressed.equilibrium.iterations < 110
+
+
 def test_the_flexibility_of_columns_that_come_later_is_that_of_all_at_once():
     material = neo_hookean(Elastic(40.0, 0.3))
     _, _, state = squeezed(material, [0.2])
