@@ -42,8 +42,8 @@ ITERATIONS = 120
 PATIENCE = 25  # iterations of one step before its factor is renewed
 STALLED = 5  # iterations without a smaller error before it is renewed sooner
 STUCK = 2 * PATIENCE  # iterations without a smaller error before the step is given up
-FEW = 4  # iterations of a step with a good factor
-RENEWAL = 8  # sum over steps of (iterations beyond FEW)² that justifies a new factor
+FEW = 5  # iterations of a step with a good factor
+RENEWAL = 20  # sum over steps of (iterations beyond FEW)² that justifies a new factor
 SEARCH = 8  # factors of one step under depth control; beyond, blended tangents cost less
 SOON = 3  # iterations with a factor before the fold stiffness may renew it
 # Change of the fold stiffness that a factor tolerates, in shear modulus / facet size. A larger one
