@@ -39,4 +39,4 @@ EQUILIBRIUM = 5e-8
 
 PRESS_EQUILIBRIUM = 1e-5
 """The same for the press of a finger: on flat-press, against 1e-8, it changes the force by 3e-6 of
-its peak, strain by 1e-5 and the pressure by 3e-5, for two thirds of the iterations."""
+its peak, strain by 1e-5 and the pressure by 3e-5, for four fifths of the iterations."""
