@@ -177,10 +177,15 @@ class _PathSolver:
         self.steps += 1
 
     def _guess(self, value: float) -> State:
-        """Extrapolate the last two states linearly to a new depth or force."""
+        """Extrapolate the last two states linearly to a new depth or force.
+
+        In a hold the body is taken to creep as far as in the step before. The pressures are part
+        of it: an old factor errs by their change, as its contact loads are those of another shape.
+        """
         last = self.value - self.previous_value
         if last == 0:
-            return self.state
-        ratio = float(np.clip((value - self.value) / last, -FARTHEST, FARTHEST))
+            ratio = 1.0 if value == self.value else 0.0
+        else:
+            ratio = float(np.clip((value - self.value) / last, -FARTHEST, FARTHEST))
         guess = self.previous.toward(self.state, 1.0 + ratio)
-        return replace(guess, pressure=self.state.pressure)
+        return replace(guess, pressure=np.maximum(guess.pressure, 0.0))

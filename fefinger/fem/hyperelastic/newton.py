@@ -20,7 +20,7 @@ that the friction of a facet changes with its shape is left out of the tangent, 
 """
 
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy import sparse
@@ -29,6 +29,7 @@ from fefinger.fem.contact.deformed_gap import ContactSurface, DeformedGap
 from fefinger.fem.contact.viscoelastic import depth_at
 from fefinger.fem.hyperelastic.anderson import Anderson
 from fefinger.fem.hyperelastic.continuum import Continuum
+from fefinger.fem.hyperelastic.iterate import Iterate, relative_error
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.hyperelastic.tangent import FactoredTangent
 from fefinger.fem.linalg.multifrontal_single import ApproximateFactor
@@ -42,8 +43,8 @@ ITERATIONS = 120
 PATIENCE = 25  # iterations of one step before its factor is renewed
 STALLED = 5  # iterations without a smaller error before it is renewed sooner
 STUCK = 2 * PATIENCE  # iterations without a smaller error before the step is given up
-FEW = 5  # iterations of a step with a good factor
-RENEWAL = 20  # sum over steps of (iterations beyond FEW)² that justifies a new factor
+FEW = 3  # iterations of a step with a good factor
+RENEWAL = 30  # sum over steps of (iterations beyond FEW)² that justifies a new factor
 SEARCH = 8  # factors of one step under depth control; beyond, blended tangents cost less
 SOON = 3  # iterations with a factor before the fold stiffness may renew it
 # Change of the fold stiffness that a factor tolerates, in shear modulus / facet size. A larger one
@@ -201,7 +202,7 @@ class Equilibrium:
         trusted = TRUST * float(self.contact.sizes.mean())
         return far if most <= trusted else state.toward(far, trusted / most)
 
-    def _evaluate(self, state: State, target: Target) -> "_Iterate | None":
+    def _evaluate(self, state: State, target: Target) -> Iterate | None:
         """Evaluate residual and gaps; None if a cell is inverted or the forces diverge."""
         self.iterations += 1
         inner, least = self.body.residual(state.values, target.history)
@@ -210,7 +211,7 @@ class Equilibrium:
         gap = self.contact.at(state)
         pulled = gap.pulled(target.drag)
         error = self._error(state, target, inner - pulled @ state.pressure, gap)
-        return _Iterate(state, inner, gap, pulled, error)
+        return Iterate(state, inner, gap, pulled, error)
 
     def _folds_too_stiff(self, fold_stiffness: Array, target: Target) -> bool:
         """Whether the fold stiffness has changed too much for the present factor.
@@ -224,34 +225,13 @@ class Equilibrium:
         return bool((change > np.maximum(STIFF * skin, factored / 2)).any())
 
     def _error(self, state: State, target: Target, residual: Array, gap: DeformedGap) -> float:
-        """Largest of the relative errors of force, volume, gap and prescribed force.
+        """Relative error of an iterate with the force `residual` (n_unknowns,) mN."""
+        self.load = max(self.load, float(np.linalg.norm(gap.loads @ state.pressure)))
+        return relative_error(
+            self.body, self.contact, self.system.free, state, target, residual, gap.gaps, self.load
+        )
 
-        residual (n_unknowns,) mN: internal forces less those of the contact.
-        """
-        projected, n, gaps = self.contact.projected, self.body.space.n_displacements, gap.gaps
-        free = self.system.free[self.system.free < n]
-        load = max(self.load, float(np.linalg.norm(gap.loads @ state.pressure)))
-        self.load = load
-        load = max(load, target.small)
-        size = max(abs(state.depth), float(np.abs(state.values[:n]).max(initial=0.0)))
-        shallow = target.small / self.body.scale / float(np.sqrt(projected.sum()))
-        size = max(size, target.shallow, shallow)
-        forces = float(np.linalg.norm(residual[free]))
-        volumes = float(np.abs(residual[n:]).sum()) / self.body.scale
-        apart = np.where(state.pressure > 0, np.abs(gaps), np.maximum(-gaps, 0.0)) / projected
-        errors = [
-            forces / load if load > 0 else forces,
-            volumes / (size * projected.sum()) if size > 0 else volumes,
-            float(apart.max()) / size if size > 0 else 0.0,
-        ]
-        if target.control == "force":
-            reached = float(projected @ state.pressure)
-            most = max(target.value, reached, target.small, 1e-300)
-            errors.append(abs(reached - target.value) / most)
-        worst = max(errors)
-        return worst if np.isfinite(worst) else np.inf
-
-    def _renew(self, iterate: "_Iterate", target: Target, *, whole: bool = True) -> None:
+    def _renew(self, iterate: Iterate, target: Target, *, whole: bool = True) -> None:
         """Factor the tangent of the iterate, with an elastic support where it is in contact.
 
         Without the obstacle, a body under pressure may be close to buckling. Under depth control
@@ -311,7 +291,7 @@ class Equilibrium:
             factored.follow(stiffness @ rigid)
         return factored
 
-    def _blend(self, iterate: "_Iterate", target: Target, share: float) -> float:
+    def _blend(self, iterate: Iterate, target: Target, share: float) -> float:
         """Factor a blend of the tangents; return the share of the positive definite one.
 
         That is `share` or, where the blend is unstable with a support under the closed gaps, the
@@ -358,7 +338,7 @@ class Equilibrium:
             message = "equilibrium: the tangent of an iterate is singular; take shorter steps"
             raise ConvergenceError(message) from error
 
-    def _step(self, iterate: "_Iterate", target: Target, mixing: "Anderson") -> State:
+    def _step(self, iterate: Iterate, target: Target, mixing: "Anderson") -> State:
         """Make one iteration: linearized body, exact complementarity of the contact."""
         state, factored = iterate.state, self._factored
         gaps, loads, projected = iterate.gap.gaps, iterate.gap.loads, self.contact.projected
@@ -407,20 +387,6 @@ class Equilibrium:
             f"{error:.1e} after {count} iterations; take shorter steps"
         )
         return ConvergenceError(message)
-
-
-@dataclass(frozen=True)
-class _Iterate:
-    """An iterate with its internal force `inner` (n_unknowns,) mN, gaps and relative error.
-
-    pulled: the loads of unit pressures with their friction.
-    """
-
-    state: State
-    inner: Array
-    gap: DeformedGap
-    pulled: sparse.csc_matrix
-    error: float
 
 
 def _stagnant(errors: list[float]) -> bool:

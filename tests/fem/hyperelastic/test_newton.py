@@ -287,6 +287,30 @@ def test_a_path_under_force_control_takes_few_iterations(poisson: float):
     assert pressed.equilibrium.iterations < 110
 
 
+def test_a_step_of_a_hold_starts_where_creep_as_in_the_step_before_it_would_lead(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    """Not so the first one, before which the plate moved."""
+    pressed = cube(neo_hookean(Elastic(40.0, 0.3)), 1)
+    starts, ends, find = [], [], pressed.equilibrium.find
+
+    def seen(start: State, target: Target) -> State:
+        starts.append(start)
+        ends.append(find(start, target))
+        return ends[-1]
+
+    monkeypatch.setattr(pressed.equilibrium, "find", seen)
+    path = Path("force", np.array([0.0, 0.01, 0.02, 0.04, 0.08]), lambda t: 1000 * min(t, 0.01))
+    follow(pressed.equilibrium, StressHistory(pressed.body, SERIES), path, lambda *_: None)
+    assert starts[2].depth == ends[1].depth
+    for k in (3, 4):
+        crept = ends[k - 1].depth - ends[k - 2].depth
+        assert crept > 0
+        assert starts[k].depth == pytest.approx(ends[k - 1].depth + crept, rel=1e-12)
+        assert starts[k].values == pytest.approx(2 * ends[k - 1].values - ends[k - 2].values)
+        assert (starts[k].pressure >= 0).all()
+
+
 def test_the_flexibility_of_columns_that_come_later_is_that_of_all_at_once():
     material = neo_hookean(Elastic(40.0, 0.3))
     _, _, state = squeezed(material, [0.2])

@@ -1,0 +1,61 @@
+"""An iterate on the way to equilibrium, and how far from it the iterate is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from fefinger.fem.contact.deformed_gap import ContactSurface, DeformedGap
+from fefinger.fem.hyperelastic.continuum import Continuum
+from fefinger.fem.hyperelastic.state import State, Target
+from fefinger.support.arrays import Array, Integers
+
+
+@dataclass(frozen=True)
+class Iterate:
+    """An iterate with its internal force `inner` (n_unknowns,) mN, gaps and relative error.
+
+    pulled: the loads of unit pressures with their friction.
+    """
+
+    state: State
+    inner: Array
+    gap: DeformedGap
+    pulled: sparse.csc_matrix
+    error: float
+
+
+def relative_error(
+    body: Continuum,
+    contact: ContactSurface,
+    free: Integers,
+    state: State,
+    target: Target,
+    residual: Array,
+    gaps: Array,
+    load: float,
+) -> float:
+    """Return the largest of the relative errors of force, volume, gap and prescribed force.
+
+    free: the unknowns that are not held; residual (n_unknowns,) mN: internal forces less those of
+    the contact; gaps (n_candidates,) mm³; load mN: the largest one so far.
+    """
+    projected, n = contact.projected, body.space.n_displacements
+    load = max(load, target.small)
+    size = max(abs(state.depth), float(np.abs(state.values[:n]).max(initial=0.0)))
+    shallow = target.small / body.scale / float(np.sqrt(projected.sum()))
+    size = max(size, target.shallow, shallow)
+    forces = float(np.linalg.norm(residual[free[free < n]]))
+    volumes = float(np.abs(residual[n:]).sum()) / body.scale
+    apart = np.where(state.pressure > 0, np.abs(gaps), np.maximum(-gaps, 0.0)) / projected
+    errors = [
+        forces / load if load > 0 else forces,
+        volumes / (size * projected.sum()) if size > 0 else volumes,
+        float(apart.max()) / size if size > 0 else 0.0,
+    ]
+    if target.control == "force":
+        reached = float(projected @ state.pressure)
+        most = max(target.value, reached, target.small, 1e-300)
+        errors.append(abs(reached - target.value) / most)
+    worst = max(errors)
+    return worst if np.isfinite(worst) else np.inf
