@@ -34,7 +34,7 @@ from fefinger.support.checks import InputError, number
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.support.vocabulary import TYPES
-from fefinger.theory.contact.one_spring import Spring
+from fefinger.theory.contact.one_spring import RelaxingSpring
 
 
 class Pressed:
@@ -89,7 +89,7 @@ class Pressed:
         pad, column = whole_pad(press.body, carried.contact.neighborhood)
         seen = on_seen(np.eye(len(self._travel)), carried.contact.neighborhood)[:, column]
         self._loads = seen @ np.column_stack([pad.areas, first_moments(pad)[:, :2]])
-        self._spring = Spring(carried.elastic, finger.prony)
+        self._spring = RelaxingSpring(carried.elastic, finger.prony)
         zeros = np.zeros(len(self._travel)), np.zeros((len(self.sites.points), 6))
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, *zeros)
 

@@ -91,7 +91,7 @@ class ElasticForce:
         return low, float((depth - self.nodes[low]) / (self.nodes[low + 1] - self.nodes[low]))
 
 
-class Spring:
+class RelaxingSpring:
     """One spring through time, with a relaxation G whose long-time value is 1.
 
     depth mm of the indenter; body mm: the elastic depth that the body is deformed to; stress (n,):
@@ -211,7 +211,7 @@ def carry(elastic: ElasticForce, prony: Prony, time: Array, value: Array, contro
     -----
     Each exponential of G is exact for elastic values that are linear over a step.
     """
-    spring, shape = Spring(elastic, prony), (len(time), len(elastic.nodes))
+    spring, shape = RelaxingSpring(elastic, prony), (len(time), len(elastic.nodes))
     depth, force, edge = np.empty(len(time)), np.empty(len(time)), np.empty(len(time))
     stress, strain = np.empty(shape), np.empty(shape)
     advance = spring.advance if control == "depth" else spring.advance_force

@@ -5,7 +5,7 @@ import pytest
 
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
-from fefinger.theory.contact.one_spring import ElasticForce, Spring, carry
+from fefinger.theory.contact.one_spring import ElasticForce, RelaxingSpring, carry
 from fefinger.theory.contact.ting import radius_nodes
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 
@@ -114,7 +114,7 @@ def test_a_step_is_of_second_order_in_its_length() -> None:
 
 
 def test_a_reset_spring_has_no_memory() -> None:
-    spring = Spring(ElasticForce(NODES, LAWS["Hertz"]), PRONY)
+    spring = RelaxingSpring(ElasticForce(NODES, LAWS["Hertz"]), PRONY)
     for _ in range(2):
         spring.advance(0.1, 0.8)
         spring.advance(0.5, 0.3)
@@ -153,8 +153,8 @@ def test_a_press_whose_first_touch_is_not_resolved_is_carried_all_the_same() -> 
 def test_what_lies_beyond_the_deepest_node_is_refused() -> None:
     elastic = ElasticForce(NODES, LAWS["Hertz"])
     with pytest.raises(ValueError, match="depth: expected at most 2 mm"):
-        Spring(elastic, PRONY).advance(0.1, 2.5)
+        RelaxingSpring(elastic, PRONY).advance(0.1, 2.5)
     with pytest.raises(
         ValueError, match=r"force: expected at most .*, that of the largest depth, 2 mm"
     ):
-        Spring(elastic, PRONY).advance_force(0.1, 1e3)
+        RelaxingSpring(elastic, PRONY).advance_force(0.1, 1e3)
