@@ -79,7 +79,7 @@ def edges(simplices: Integers) -> Integers:
     return np.unique(np.sort(pairs, axis=1), axis=0)
 
 
-def areas(corners: Array) -> Array:
-    """Return the area of each triangle of corners (n, 3, 3) mm, (n,) mm^2."""
-    sides = corners[:, 1:] - corners[:, :1]
-    return np.asarray(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2.0)
+def triangle_areas(corners: Array) -> Array:
+    """Return the areas (...) mm^2 of triangles of corners (..., 3, 3) mm."""
+    sides = corners[..., 1:, :] - corners[..., :1, :]
+    return np.asarray(np.linalg.norm(np.cross(sides[..., 0, :], sides[..., 1, :]), axis=-1) / 2.0)

@@ -14,7 +14,7 @@ from scipy import sparse
 from scipy.interpolate import PchipInterpolator
 
 from fefinger.geometry.facets import interfaces
-from fefinger.geometry.finger_mesh import BONE, FingerMesh, areas, volumes
+from fefinger.geometry.finger_mesh import BONE, FingerMesh, triangle_areas, volumes
 from fefinger.mesh import finger_shape, smooth
 from fefinger.mesh.finger_shape import Shape, touch_point
 from fefinger.mesh.finish import ON_SHELLS, bone_of_volume, record, supports
@@ -105,7 +105,7 @@ def _wanted(template: FingerMesh) -> float:
 def _check_stretch(template: FingerMesh, points: Array) -> None:
     """Raise ConvergenceError where the fine half of the pad becomes coarser than its resolution."""
     pad = template.facets["pad"]
-    before, after = (areas(places[pad]) for places in (template.points, points))
+    before, after = (triangle_areas(places[pad]) for places in (template.points, points))
     fine = before <= np.median(before)
     stretch = float(np.sqrt(after[fine].sum() / before[fine].sum()))
     if stretch > STRETCH:

@@ -5,7 +5,15 @@ from typing import Any
 import numpy as np
 
 from fefinger.geometry.facets import parts
-from fefinger.geometry.finger_mesh import BONE, REGIONS, FingerMesh, areas, edges, faces, volumes
+from fefinger.geometry.finger_mesh import (
+    BONE,
+    REGIONS,
+    FingerMesh,
+    edges,
+    faces,
+    triangle_areas,
+    volumes,
+)
 from fefinger.geometry.mirror import Halves
 from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL, fitted_radii
 from fefinger.support.arrays import Array, Integers
@@ -87,7 +95,7 @@ def measure(
         "pulp_thickness": float(np.linalg.norm(bone, axis=1).min()),
         "pad_edge_mean": float(patch.mean()),
         "pad_edge_max": float(patch.max()),
-        "nail_area": float(areas(points[mesh.facets["nail"]]).sum()) * (1 + mesh.half),
+        "nail_area": float(triangle_areas(points[mesh.facets["nail"]]).sum()) * (1 + mesh.half),
     }
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fefinger.geometry.finger_mesh import triangle_areas
 from fefinger.results.records import Pad
 from fefinger.support.arrays import Array, Flags
 
@@ -36,8 +37,7 @@ def net(pad: Pad, parts: int) -> "tuple[csr_matrix, csr_matrix]":
     from scipy import sparse
 
     corners = _corners(parts)
-    one, two = (pad.points[pad.triangles[:, i]] - pad.points[pad.triangles[:, 0]] for i in (1, 2))
-    size = np.linalg.norm(np.cross(one, two), axis=1) / 2 / len(corners)
+    size = triangle_areas(pad.points[pad.triangles]) / len(corners)
     columns = np.repeat(pad.triangles, len(corners), axis=0)
     values = np.tile(corners, (len(pad.triangles), 1))
     rows = np.repeat(np.arange(len(values)), 3)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fefinger.geometry.finger_mesh import triangle_areas
 from fefinger.result import Result
 from fefinger.results import pressure as pressures
 from fefinger.results.array_sensor import response
@@ -163,8 +164,7 @@ def _view(result: Result) -> PlaneView | None:
     if pad is None or result.pressure is None or contact is None:
         return None
     origin, axis, touch = contact
-    a, b, c = np.moveaxis(pad.points[pad.triangles], 1, 0)
-    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    areas = triangle_areas(pad.points[pad.triangles])
     places = (pad.points - origin) @ directions(axis).T
     return PlaneView(result, pad, result.pressure, places, areas, touch)
 

@@ -18,7 +18,7 @@ from scipy.spatial import cKDTree
 
 from fefinger.fem.contact.obstacle import Rigid
 from fefinger.fem.contact.rim_fit import fit_rims
-from fefinger.geometry.finger_mesh import areas
+from fefinger.geometry.finger_mesh import triangle_areas
 from fefinger.support.arrays import Array, Flags, Integers
 
 
@@ -72,7 +72,7 @@ class CandidateSurface:
 
     @cached_property
     def _areas(self) -> Array:
-        return areas(self.points[self.triangles])
+        return triangle_areas(self.points[self.triangles])
 
     @cached_property
     def _across(self) -> Array:

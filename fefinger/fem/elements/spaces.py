@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Basis, ElementTetP2, ElementTriP1, ElementTriP2, MeshTet, MeshTri
 
+from fefinger.geometry.finger_mesh import triangle_areas
 from fefinger.support.arrays import Array, Flags, Integers
 
 
@@ -148,11 +149,10 @@ def trace(space: Space, triangles: Integers) -> Trace:
     shapes = np.array([np.asarray(f[0])[0] for f in linear.basis])
     corners = space.points[triangles]
     sides = corners[:, 1:] - corners[:, :1]
-    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
     return Trace(
         triangles=triangles,
         nodes=np.hstack([triangles, space.edge_nodes(triangles)]),
-        weights=areas[:, None] * 2 * quadratic.dx[0][None, :],
+        weights=triangle_areas(corners)[:, None] * 2 * quadratic.dx[0][None, :],
         places=np.einsum("iq,tid->tqd", shapes, corners),
         linear=shapes,
         quadratic=np.array([np.asarray(f[0])[0] for f in quadratic.basis]),

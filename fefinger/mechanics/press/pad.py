@@ -4,6 +4,7 @@ import numpy as np
 
 from fefinger.fem.body import Solid
 from fefinger.fem.contact.patch import Neighborhood, Patch
+from fefinger.geometry.finger_mesh import triangle_areas
 from fefinger.geometry.mirror import Halves
 from fefinger.results.records import Pad
 from fefinger.support.arrays import Array, Integers
@@ -31,10 +32,9 @@ def centroid(pad: Pad, pressure: Array) -> Array:
 def first_moments(pad: Pad) -> Array:
     """Return the integrals (n_pad, 3) mm³ of every hat times the place, over the triangles."""
     corners = pad.points[pad.triangles]
-    sides = corners[:, 1:] - corners[:, :1]
-    twelfths = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 24
+    twelfths = triangle_areas(corners)[:, None, None] / 12
     moments = np.zeros_like(pad.points)
-    share = twelfths[:, None, None] * (corners + corners.sum(axis=1, keepdims=True))
+    share = twelfths * (corners + corners.sum(axis=1, keepdims=True))
     np.add.at(moments, pad.triangles, share)
     return moments
 

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fefinger.geometry.finger_mesh import triangle_areas
 from fefinger.geometry.mirror import Halves
 from fefinger.support.arrays import Array, Integers
 
@@ -23,11 +24,7 @@ def meshed(points: Array, triangles: Integers, normals: Array, *, half: bool) ->
     """
     from fefinger.neural.populations import Surface
 
-    corners = points[triangles]
-    area = np.linalg.norm(
-        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-    )
-    weights = np.repeat(area / 6.0, 3)
+    weights = np.repeat(triangle_areas(points[triangles]) / 3.0, 3)
     shares = np.bincount(triangles.ravel(), weights, len(points)).astype(np.float64)
     used = np.unique(triangles)
     used = used[np.linalg.norm(normals[used], axis=1) > 0.5]
