@@ -134,13 +134,25 @@ def _texts(cases: Sequence[dict[str, Any]], verdict: str, key: str) -> dict[str,
 
 
 def _nearest(cases: Sequence[dict[str, Any]]) -> list[tuple[int, str]]:
-    """Share in % of the tolerance that each case uses, with its name, the largest first."""
+    """Share in % of its limit that each case uses, with its name, the largest first."""
     shares = [
-        (round(100 * abs(case["value"] - case["expected"]) / case["tolerance"]), case["name"])
+        (round(100 * _used(case)), case["name"])
         for case in cases
         if case["verdict"] != "fail" and case["tolerance"] > 0 and math.isfinite(case["value"])
     ]
     return sorted(shares, key=lambda share: -share[0])[:NEAREST]
+
+
+def _from_zero(case: Mapping[str, Any]) -> bool:
+    """Whether a case expects a range from 0 on: of errors and counts, where 0 is no limit."""
+    return case["tolerance"] > 0 and case["expected"] == case["tolerance"]
+
+
+def _used(case: Mapping[str, Any]) -> float:
+    """Deviation over the tolerance; in a range from 0 on, value over the upper limit."""
+    if _from_zero(case):
+        return float(case["value"]) / (2 * case["tolerance"])
+    return float(abs(case["value"] - case["expected"]) / case["tolerance"])
 
 
 def _figure(caption: str, drawn: Any) -> dict[str, Any]:
@@ -157,13 +169,20 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
         yield {
             "name": case["name"],
             "value": _number(case["value"], limit),
-            "expected": _number(case["expected"], limit),
-            "tolerance": f"{limit:.3g}",
+            "expected": _expected(case),
             "beside": {k: "" if value is None else f"{value:g}" for k, value in beside.items()},
             "unit": shown(case["unit"]),
             "source": case["source"],
             "verdict": case["verdict"],
         } | {key: "" if following.get(key) == note else note for key, note in notes.items()}
+
+
+def _expected(case: Mapping[str, Any]) -> str:
+    """Return the expected value with its tolerance, or the range from 0 on."""
+    limit = case["tolerance"]
+    if _from_zero(case):
+        return f"0 to {2 * limit:.3g}"
+    return f"{_number(case['expected'], limit)} ± {limit:.3g}"
 
 
 def _number(value: float | None, tolerance: float) -> str:

@@ -153,6 +153,18 @@ def test_the_cases_closest_to_their_tolerance_are_named_and_a_failed_one_is_not(
     assert 'id="summary"' not in html
 
 
+def test_in_a_range_from_0_on_a_small_value_is_far_from_the_limit():
+    cases = [
+        case("small", "pass", value=1e-9, expected=0.5, tolerance=0.5),
+        case("large", "pass", value=0.9, expected=0.5, tolerance=0.5),
+        case("exact", "pass", value=-0.2, expected=0.0, tolerance=0.5),
+    ]
+    html = page.html({"suites": [{"suite": "s", "cases": cases}]}, {}, {})
+    assert "large: 90 %; exact: 40 %; small: 0 %." in html
+    rows = [row for row in cells(html) if len(row) == 6]
+    assert [row[3] for row in rows] == ["0 to 1", "0 to 1", "0 ± 0.5"]
+
+
 def test_both_files_are_written_and_the_page_stands_alone(tmp_path):
     with figures.style():
         drawn = figures.figure(3, 2)
