@@ -1,12 +1,12 @@
 """Bodies, material points and contacts at the edges, where meshes of fingers are not needed."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.extremes.invariants import invariants, off
 from fefinger.validation.extremes.scenes import SUBJECT, answered, ramp
-from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Kind, Trial
+from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Row, Trial, grouped
 from fefinger.validation.problems import cube
 from fefinger.validation.problems.grids import box
 
@@ -32,17 +32,11 @@ GROUP = "elements"
 
 RATIOS = (0.0, 0.3, 0.499999, 0.5)
 
-Row = tuple[str, str, Callable[[], Findings], Kind | None]
-
 
 @cache
 def trials() -> tuple[Trial, ...]:
     """Return the problems of elements and contact."""
-    return tuple(
-        Trial(GROUP, edge, name, ask, wants)
-        for part in (_bars, _points, _cubes, _contacts, _places)
-        for edge, name, ask, wants in part()
-    )
+    return grouped(GROUP, _bars, _points, _cubes, _contacts, _places)
 
 
 def _bars() -> Iterator[Row]:

@@ -1,11 +1,11 @@
 """Membranes and end organs at extreme currents, rates and steps."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.extremes.invariants import not_finite, off
-from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Kind, Trial
+from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Row, Trial, grouped
 from fefinger.validation.neural.connor_stevens import ConnorStevens
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
@@ -25,17 +25,11 @@ MEMBRANES: dict[str, Membrane] = {
     "integrate and fire": IntegrateAndFire(),
 }
 
-Row = tuple[str, str, Callable[[], Findings], Kind | None]
-
 
 @cache
 def trials() -> tuple[Trial, ...]:
     """Return the trials of membranes and end organs."""
-    return tuple(
-        Trial(GROUP, edge, name, ask, wants)
-        for part in (_currents, _paces, _organs, _afferents)
-        for edge, name, ask, wants in part()
-    )
+    return grouped(GROUP, _currents, _paces, _organs, _afferents)
 
 
 def _currents() -> Iterator[Row]:

@@ -8,7 +8,15 @@ import numpy as np
 from fefinger.validation.extremes.invariants import ROUNDING, falling, not_finite, off
 from fefinger.validation.extremes.scenes import SERIES, ramp
 from fefinger.validation.extremes.scenes import answered as answered_scene
-from fefinger.validation.extremes.trial import ANSWERED, REFUSED, THEORY, Findings, Kind, Trial
+from fefinger.validation.extremes.trial import (
+    ANSWERED,
+    REFUSED,
+    THEORY,
+    Findings,
+    Row,
+    Trial,
+    grouped,
+)
 from fefinger.validation.oracles.impedance import impedance
 from fefinger.validation.oracles.sphere import Sphere
 
@@ -32,14 +40,7 @@ PLAIN = Prony((0.3, 0.7), (10.0,))
 @cache
 def trials() -> tuple[Trial, ...]:
     """Return the problems of theory."""
-    return tuple(
-        Trial(THEORY, edge, name, ask, wants)
-        for part in (_springs, _series, _contacts, _layers, _many)
-        for edge, name, ask, wants in part()
-    )
-
-
-Row = tuple[str, str, Callable[[], Findings], Kind | None]
+    return grouped(THEORY, _springs, _series, _contacts, _layers, _many)
 
 
 def _springs() -> Iterator[Row]:

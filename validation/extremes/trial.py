@@ -54,6 +54,15 @@ class Trial:
     wants: Kind | None = None
 
 
+Row = tuple[str, str, Callable[[], Findings], Kind | None]
+"""A Trial without its group."""
+
+
+def grouped(group: str, *parts: Callable[[], Iterator[Row]]) -> tuple[Trial, ...]:
+    """Return the trials of a group, in the order of its parts."""
+    return tuple(Trial(group, *row) for part in parts for row in part())
+
+
 @dataclass(frozen=True)
 class Ending:
     """How a trial ended; worst: the largest violation over its limit."""
