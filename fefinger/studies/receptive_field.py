@@ -150,19 +150,12 @@ def receptive_field(
         pad, is left out.
     """
     spacing = number("spacing", spacing, above=0, unit="mm")
-    count = int(number("reach", reach, at_least=spacing, unit="mm") / spacing + 1e-9)
-    if (2 * count + 1) ** 2 > MOST:
-        raise InputError(
-            f"spacing: expected at most {MOST} places, received {(2 * count + 1) ** 2}; choose a "
-            "larger spacing or a smaller reach"
-        )
+    places = _grid(reach, spacing)
     given = builtin.given(scene, changes)
     units = Places(places=((0.0, 0.0),), branched=branched, seed=seed)
     spikes = choices("kinds", kinds, TYPES)
     ask = replace(given.ask, spikes=spikes, population=units, fields=False, pressure=False)
     prepared = replace(given, ask=ask)
-    lines = spacing * np.arange(-count, count + 1)
-    places = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
     aside = _moved(prepared, ASIDE)
     plan = choose(aside, mechanics or cheapest(aside, len(places)))
     press = partial(_pressed, prepared, plan)
@@ -192,6 +185,18 @@ def receptive_field(
         plan.mechanics,
         tuple(left_out),
     )
+
+
+def _grid(reach: float, spacing: float) -> Array:
+    """Places (n, 2) mm of a square grid about the unit; InputError for more than MOST."""
+    count = int(number("reach", reach, at_least=spacing, unit="mm") / spacing + 1e-9)
+    if (2 * count + 1) ** 2 > MOST:
+        raise InputError(
+            f"spacing: expected at most {MOST} places, received {(2 * count + 1) ** 2}; choose a "
+            "larger spacing or a smaller reach"
+        )
+    lines = spacing * np.arange(-count, count + 1)
+    return np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
 def _pressed(scene: Scene, plan: Plan, place: Array) -> tuple[Response, Integers]:

@@ -232,22 +232,15 @@ def _added(
     pulls = force < 0
     force = np.maximum(force, 0.0)
     share = np.divide(force, answer.force, out=np.zeros_like(force), where=answer.force > 0)
-    strain = answer.strain
-    if strain is not None and press.sites is not None:
-        complete = history.body.complete
-        change = history.contact.elastic @ complete.strain.T
-        change -= still.contact.elastic @ still.reduced.strain.T
-        strain = strain + press.unfolded(tensors(change.reshape(len(force), -1, 6)))
-    notes = (
-        *answer.notes,
+    notes = [
         f"Tissue stiffens with strain: inertia is that of a linear finger with {factor:.3g} times "
         f"the moduli, of the stiffness at {depth:.3g} mm, on the {press.finger.mesh} mesh; its "
         "change of force, strain and displacement is added to the answer of `pressed`, and "
         "pressures are scaled to the force. The stress of the preload does not relax in the "
         f"vibration: {percent(relaxation.share)} more of the stiffness does than without it.",
-    )
+    ]
     if pulls.any():
-        notes = (*notes, f"The contact would pull at {int(pulls.sum())} times: there it is open.")
+        notes.append(f"The contact would pull at {int(pulls.sum())} times: there it is open.")
     changed = replace(
         answer,
         depth=answer.depth + more,
@@ -256,12 +249,23 @@ def _added(
         moment=None if answer.moment is None else share[:, None] * answer.moment,
         contact_area=_open(answer.contact_area, force),
         centroid=_open(answer.centroid, force, np.nan),
-        strain=strain,
+        strain=_strain(answer, press, history, still),
         fields=_fields(answer, press, history, still, factor, share),
-        notes=notes,
+        notes=(*answer.notes, *notes),
         numbers=answer.numbers | {"finite_strain": 1.0, "stiffening": factor},
     )
     return _with_modes(changed, history, grid)
+
+
+def _strain(
+    answer: Response, press: Press, history: ModalHistory, still: SmallStrainHistory
+) -> Array | None:
+    """Strain (n_t, n_sites, 3, 3) of the answer with the change of it by inertia, if any is."""
+    if answer.strain is None or press.sites is None:
+        return answer.strain
+    change = history.contact.elastic @ history.body.complete.strain.T
+    change -= still.contact.elastic @ still.reduced.strain.T
+    return answer.strain + press.unfolded(tensors(change.reshape(len(change), -1, 6)))
 
 
 def _open(values: Array | None, force: Array, empty: float = 0.0) -> Array | None:
