@@ -19,7 +19,7 @@ from fefinger.neural.gains import GAINS
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire, vectorized
 from fefinger.neural.reference import Reference
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.checks import InputError, choice, number
+from fefinger.support.checks import InputError, choice, number, whole
 from fefinger.support.text import counted
 
 
@@ -205,10 +205,7 @@ class Afferents(SteppedUnits):
         for i, kind in enumerate(types):
             _, c, p = organs[kind]
             share[i, : len(c)], pole[i, : len(p)] = c, p
-        if isinstance(substeps, bool) or not isinstance(substeps, int) or substeps < 1:
-            raise InputError(
-                f"substeps: expected a whole number of 1 or more, received {substeps!r}"
-            )
+        whole("substeps", substeps, at_least=1)
         codes = [drive_code(f"drives.{kind}", chosen[kind], "neural.units") for kind in types]
         self.state = compiled.State(
             drive=np.array(codes),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, number
+from fefinger.support.checks import InputError, number, whole
 
 
 NOISE_STEP = 1e-3
@@ -32,8 +32,7 @@ class Variation:
 
     def __post_init__(self) -> None:
         """Check the seed and the sizes."""
-        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            raise InputError(f"seed: expected a whole number of 0 or more, received {self.seed!r}")
+        whole("seed", self.seed)
         if self.spread is not None:
             number("spread", self.spread, at_least=0.0, at_most=3.0)
         if self.noise is not None:

@@ -9,7 +9,7 @@ import numpy as np
 from fefinger.geometry import profiles
 from fefinger.scene.raised import SAMPLES, Raised, Room
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, choice
+from fefinger.support.checks import InputError, choice, whole
 
 
 ARRANGEMENTS = ("grid", "random")
@@ -50,9 +50,7 @@ class Dots(Raised):
         super().__post_init__()
         self._check_samples("spacing", self.spacing, (self.tile, self.tile))
         choice("indenter.arrangement", self.arrangement, ARRANGEMENTS)
-        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            msg = f"indenter.seed: expected a whole number of 0 or more, received {self.seed!r}"
-            raise InputError(msg)
+        whole("indenter.seed", self.seed)
         if self.arrangement == "random":
             _ = self.centers
 

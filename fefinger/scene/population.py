@@ -12,6 +12,7 @@ from fefinger.support.checks import (
     number,
     numbers,
     reject_unknown,
+    whole,
 )
 from fefinger.support.vocabulary import RULES, TYPES
 
@@ -64,10 +65,7 @@ class Layout:
         flag("ask.population.branched", self.branched)
         if self.rule is not None:
             choice("ask.population.rule", self.rule, RULES)
-        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            raise InputError(
-                f"ask.population.seed: expected a whole number of 0 or more, received {self.seed!r}"
-            )
+        whole("ask.population.seed", self.seed)
         self._number("distance", at_least=0.0, at_most=2000.0, unit="mm")
         if self.spread is not None:
             self._number("spread", at_least=0.0, at_most=3.0)

@@ -55,6 +55,14 @@ def number(
     return result
 
 
+def whole(name: str, value: Any, *, at_least: int = 0) -> int:
+    """Return `value` if it is a whole number of `at_least` or more, or raise InputError."""
+    if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
+        msg = f"{name}: expected a whole number of {at_least} or more, received {value!r}"
+        raise InputError(msg)
+    return value
+
+
 def nearest(name: str, options: Iterable[str], synonyms: Mapping[str, str] | None = None) -> str:
     """Return the sentence " Did you mean 'x'?" for the closest option, or an empty string.
 

@@ -12,6 +12,7 @@ from fefinger.support.checks import (
     number,
     numbers,
     reject_unknown,
+    whole,
 )
 
 
@@ -61,6 +62,13 @@ def test_a_flag_is_true_or_false_and_nothing_else(value):
     assert flag("x", True) is True
     with pytest.raises(InputError, match="x: expected true or false"):
         flag("x", value)
+
+
+@pytest.mark.parametrize("value", [True, 1, 2.0, "3", None])
+def test_a_whole_number_is_no_truth_value_and_no_float(value):
+    assert whole("n", 2, at_least=2) == 2
+    with pytest.raises(InputError, match=r"n: expected a whole number of 2 or more, received"):
+        whole("n", value, at_least=2)
 
 
 def test_unknown_keys_are_named_with_their_table():
