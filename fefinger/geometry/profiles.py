@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import Any, ClassVar, Self, final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fefinger.support.arrays import Array, Flags
 
@@ -304,6 +305,17 @@ def frame(axis: Array, roll: float = 0.0) -> Array:
     second = np.cross(axis, first)
     c, s = np.cos(np.radians(roll)), np.sin(np.radians(roll))
     return np.array([c * first + s * second, c * second - s * first, axis])
+
+
+def directions(axis: ArrayLike) -> Array:
+    """Return the unit vectors (2, 3) across a travel (3,): towards the tip, and sideways.
+
+    The first is the one nearest to x, where that of `frame` lies in the x-z plane.
+    """
+    axis = np.asarray(axis, float)
+    distal = np.array([1.0, 0.0, 0.0]) - axis[0] * axis
+    distal /= np.linalg.norm(distal)
+    return np.stack([distal, np.cross(axis, distal)])
 
 
 def _lifted(h: Array, slope: Array, bend: Array) -> Heights:

@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fefinger.geometry.profiles import directions
 from fefinger.mesh import extend
 from fefinger.mesh.finger_shape import FOREMOST, PALMAR, SmoothSurface
 from fefinger.mesh.frame import FIT_RADIUS, curvature
@@ -30,14 +31,6 @@ class FirstTouch:
 
     point: Array
     curvature: Array
-
-
-def directions(axis: ArrayLike) -> Array:
-    """Return the unit vectors (2, 3) across a travel (3,): towards the tip, and sideways."""
-    axis = np.asarray(axis, float)
-    distal = np.array([1.0, 0.0, 0.0]) - axis[0] * axis
-    distal /= np.linalg.norm(distal)
-    return np.stack([distal, np.cross(axis, distal)])
 
 
 def first_touch(recipe: Recipe, axis: ArrayLike) -> FirstTouch:

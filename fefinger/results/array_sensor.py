@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fefinger.geometry.profiles import directions
 from fefinger.results.pressure import cuts, net
 from fefinger.results.records import Pad
 from fefinger.results.result_record import ResultRecord
@@ -78,7 +79,4 @@ def plane(indenter: Indenter, points: Array) -> Array:
     if indenter.flat is None:
         msg = f"indenter: expected a plate to put the array on, received a {indenter.kind}"
         raise InputError(msg)
-    axis = direction(indenter.flat)
-    distal = np.array([1.0, 0.0, 0.0]) - axis[0] * axis
-    distal /= np.linalg.norm(distal)
-    return np.asarray(points @ np.stack([distal, np.cross(axis, distal)], axis=1))
+    return np.asarray(points @ directions(direction(indenter.flat)).T)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fefinger.geometry.finger_mesh import triangle_areas
+from fefinger.geometry.profiles import directions
 from fefinger.result import Result
 from fefinger.results import pressure as pressures
 from fefinger.results.array_sensor import response
@@ -158,8 +159,6 @@ class PlaneView:
 
 def _view(result: Result) -> PlaneView | None:
     """Project the pad onto the plane of the object; None without a pressure or a first touch."""
-    from fefinger.mesh.first_touch import directions
-
     pad, contact = result.pad, _first_touch(result)
     if pad is None or result.pressure is None or contact is None:
         return None

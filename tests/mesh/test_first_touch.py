@@ -5,8 +5,9 @@ import pytest
 
 import fefinger as ff
 from fefinger.fem.body import solid
+from fefinger.geometry.profiles import directions
 from fefinger.mechanics.press import placement
-from fefinger.mesh.first_touch import _shape, directions, first_touch
+from fefinger.mesh.first_touch import _shape, first_touch
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.indenter import direction

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from fefinger.geometry.profiles import directions
 from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH, central_sites, end_organ_sites
-from fefinger.mechanics.press.skin import across, spherical
+from fefinger.mechanics.press.skin import spherical
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.results.records import Pad, Response, Sites
 from fefinger.scene.ask import Ask
@@ -234,7 +235,7 @@ def _cylinder(first: Touch, organs: Sites) -> tuple[Array, Array, Array]:
     offset = organs.points + organs.depths[:, None] * organs.normals - first.origin
     aside = offset - np.outer(offset @ first.axis, first.axis)
     r = np.linalg.norm(aside, axis=1)
-    side = across(first.axis)[0]
+    side = directions(first.axis)[0]
     away = r > 1e-12 * (1.0 + np.abs(offset).max())
     radial = np.where(away[:, None], aside / np.where(away, r, 1.0)[:, None], side)
     inward = -organs.normals
@@ -252,7 +253,7 @@ def _pad(first: Touch, edges: Array, areas: Array, radius: float) -> Pad:
     """
     r = np.repeat((edges[1:] + edges[:-1]) / 2, SECTORS)
     angle = np.tile(2 * np.pi * np.arange(SECTORS) / SECTORS, RINGS - 1)
-    one, two = across(first.axis)
+    one, two = directions(first.axis)
     aside = np.outer(r * np.cos(angle), one) + np.outer(r * np.sin(angle), two)
     aside = np.concatenate([np.zeros((1, 3)), aside])
     drop = np.concatenate([[0.0], r**2 / (2 * radius)])

@@ -6,6 +6,7 @@ import numpy as np
 
 from fefinger.geometry.finger_mesh import triangle_areas
 from fefinger.geometry.mirror import Halves
+from fefinger.geometry.profiles import directions
 from fefinger.support.arrays import Array, Integers
 
 
@@ -36,13 +37,6 @@ def meshed(points: Array, triangles: Integers, normals: Array, *, half: bool) ->
     return Surface(points, normals / np.linalg.norm(normals, axis=1, keepdims=True), shares)
 
 
-def across(axis: Array) -> tuple[Array, Array]:
-    """Return two unit vectors (3,) at right angles to the axis, the first near x."""
-    first = np.array([1.0, 0.0, 0.0]) - axis[0] * axis
-    first /= np.linalg.norm(first)
-    return first, np.cross(axis, first)
-
-
 def spherical(radius: float, axis: Array) -> "Surface":
     """Return a pad of `radius` mm that touches the origin, where `axis` (3,) points inward."""
     from fefinger.neural.populations import Surface
@@ -52,5 +46,5 @@ def spherical(radius: float, axis: Array) -> "Surface":
     flat = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
     flat = flat[np.linalg.norm(flat, axis=1) <= reach]
     depth = np.sqrt(radius**2 - np.sum(flat**2, axis=1))
-    outward = flat @ np.stack(across(axis)) - np.outer(depth, axis)
+    outward = flat @ directions(axis) - np.outer(depth, axis)
     return Surface(radius * axis + outward, outward / radius, LATTICE**2 * radius / depth)
