@@ -92,6 +92,11 @@ class Prony:
         """G(infinity), the ratio of the relaxed to the instantaneous modulus."""
         return self.weights[0]
 
+    @property
+    def branches(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Weights (n,) of the exponentials over G(infinity), and their rates (n,) in 1/s."""
+        return np.array(self.weights[1:]) / self.long_time, np.array(self.v)
+
     def relaxation(self, t: ArrayLike) -> NDArray[np.float64]:
         """Return G at the times `t` >= 0 in s, of any shape."""
         t = np.asarray(t, float)

@@ -87,10 +87,8 @@ def drag(speed: float) -> tuple[float, float]:
 def exact(speed: float) -> float:
     """Return (k h)² Im E* / 4 in mN per mm² at a speed in mm/s; without inertia."""
     omega, wave = 2 * np.pi / LENGTH * speed, Wave(wave_places())
-    weights = np.array(PRONY.weights[1:]) / PRONY.weights[0]
-    loss = float(
-        np.sum(weights * omega / np.array(PRONY.v) / (1 + (omega / np.array(PRONY.v)) ** 2))
-    )
+    weights, rates = PRONY.branches
+    loss = float(np.sum(weights * omega / rates / (1 + (omega / rates) ** 2)))
     plane = MODULUS / (1 - POISSON**2)
     return (wave.number * HEIGHT) ** 2 * plane * loss / 4
 

@@ -50,8 +50,7 @@ STABLE = 0.01
 
 def modulus(finger: Finger, frequency: Array) -> Complex:
     """Complex modulus (n_f,) of a finger over the long-time one, at frequencies (n_f,) in Hz."""
-    weights = np.array(finger.prony.weights[1:]) / finger.prony.weights[0]
-    return complex_modulus(weights, np.array(finger.prony.v), frequency)
+    return complex_modulus(*finger.prony.branches, frequency)
 
 
 @dataclass(frozen=True)

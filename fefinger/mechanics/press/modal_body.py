@@ -95,9 +95,7 @@ def body_of_modes(
     probe: the strain at the points of `static`; stiffening: factor on the moduli, which `static`
     includes.
     """
-    prony = finger.prony
-    weights = np.array(prony.weights[1:]) / prony.weights[0]
-    oscillators = Oscillators.of(modes.squares * stiffening, weights, np.array(prony.v))
+    oscillators = Oscillators.of(modes.squares * stiffening, *finger.prony.branches)
     shares = modes.read(static.patch.loads.T.tocsr()).T
     normal = modes.read(static.patch.places.T.tocsr())
     return modal(static, oscillators, np.ascontiguousarray(shares), modes.read(probe()), normal)

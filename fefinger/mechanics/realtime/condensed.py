@@ -116,11 +116,9 @@ class Condensed:
         self.solid, self.patch, self.flexibility = solid, reduced.patch, reduced.flexibility
         self.touch, self.reduced = touch, reduced
         self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
-        prony = finger.prony
-        weights = np.array(prony.weights[1:]) / prony.weights[0]
         self._state = lcp_compiled.lcp_state(reduced.flexibility)
         gap, areas = self.patch.gap, self.patch.projected
-        self._memory = step_compiled.pad_state(gap, areas, weights, np.array(prony.v), tolerance)
+        self._memory = step_compiled.pad_state(gap, areas, *finger.prony.branches, tolerance)
         self.output = step_output(solid, reduced, self.sites.points, precision)
         nothing = np.empty((len(areas), 0), dtype=self.output.rows.dtype)
         self._without = self.output._replace(rows=nothing, strain=nothing[0])

@@ -93,9 +93,8 @@ class Rolling:
         flexibility, rim = reduced.flexibility.reshape(2, n, 2, n), np.flatnonzero(self._on_rim())
         self._plate = rolling_step.plate(flexibility, moments, weights, rim)
         self._state = lcp_compiled.lcp_state(np.zeros((n, n)))  # made when the plate has an angle
-        prony, nothing = finger.prony, np.zeros(2 * n)
-        factors = np.array(prony.weights[1:]) / prony.weights[0]
-        self._memory = step_compiled.pad_state(nothing, nothing, factors, np.array(prony.v))
+        nothing = np.zeros(2 * n)
+        self._memory = step_compiled.pad_state(nothing, nothing, *finger.prony.branches)
         self._along = -every[1].moment[chosen, 1] / every[1].projected[chosen]
         self._strain = np.zeros(6 * len(sites.points))
         strain = self._strain.reshape(-1, 6)

@@ -115,10 +115,9 @@ class Sliding:
         self._travel = Travel.of(solid.space, solid.normals, on, obstacle)
         self._output = step_output(solid, reduced, sites.points, precision)
         self._limits = self._output.limits.copy()
-        prony, size = finger.prony, len(reduced.flexibility)
-        weights, rates = np.array(prony.weights[1:]) / prony.weights[0], np.array(prony.v)
+        size = len(reduced.flexibility)
         areas = on.projected if not mu else np.zeros(size)
-        self._memory = step_compiled.pad_state(np.zeros(size), areas, weights, rates)
+        self._memory = step_compiled.pad_state(np.zeros(size), areas, *finger.prony.branches)
         self._grip = friction_step.grip(np.zeros(count), on.projected, mu, indenter.kinetic)
         self._state = lcp_compiled.lcp_state(np.zeros((0, 0)) if mu else reduced.flexibility)
         self._gripping = friction_state.friction_state(

@@ -101,8 +101,7 @@ class RelaxingSpring:
 
     def __init__(self, elastic: ElasticForce, prony: Prony) -> None:
         self.elastic = elastic
-        self._weights = np.array(prony.weights[1:]) / prony.long_time
-        self._rates = np.array(prony.v)
+        self._weights, self._rates = prony.branches
         self.reset()
 
     def reset(self) -> None:
