@@ -29,6 +29,11 @@ ABOUT = {
 
 SUITES = tuple(ABOUT)
 
+QUICK = (
+    "A quick run: cases that take longer than seconds are left out, and with them all figures and "
+    "tables, which are computed from the whole suite."
+)
+
 
 def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:
     """Return the cases of a suite; `quick` leaves out what takes longer than seconds."""
@@ -61,6 +66,11 @@ def findings(record: dict[str, Any]) -> dict[str, dict[str, Any]]:
         finding = module.finding() if hasattr(module, "finding") else finding
         results[suite] = {"about": ABOUT[suite]} | finding
     return results
+
+
+def subjects(record: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return the subject of the suites of a record alone, for the page of a quick run."""
+    return {suite: {"about": ABOUT[suite], "texts": [QUICK]} for suite, _, _ in _recorded(record)}
 
 
 def _recorded(record: dict[str, Any]) -> Iterator[tuple[str, Any, list[dict[str, Any]]]]:

@@ -12,7 +12,9 @@ from fefinger.support.checks import InputError
 
 @click.command()
 @click.argument("suites", nargs=-1)
-@click.option("--quick", is_flag=True, help="Leave out cases that take longer than seconds.")
+@click.option(
+    "--quick", is_flag=True, help="Leave out cases that take longer than seconds, and the figures."
+)
 @output_option("validation.json and validation.html")
 @click.option("--name", default="validation", metavar="NAME", help="Base name of these files.")
 @json_option
@@ -41,7 +43,7 @@ def validate(
         try:
             if folder is not None:
                 words = ["fefinger validate", *suites, *["--quick"] * quick]
-                written = _save(record, folder, name, " ".join(words))
+                written = _save(record, folder, name, " ".join(words), quick=quick)
         finally:  # print the outcome also where saving it fails
             lines = [console.validation_summary(record), *written]
             console.print_answer(record, "\n".join(lines), as_json=as_json)
@@ -49,12 +51,15 @@ def validate(
     return FAILED if "fail" in verdicts else DONE
 
 
-def _save(record: dict[str, Any], folder: Path, name: str, command: str) -> list[str]:
+def _save(
+    record: dict[str, Any], folder: Path, name: str, command: str, *, quick: bool
+) -> list[str]:
     """Write the record, its page and an existing index; return a line of output per file."""
     from fefinger.validation import index, page, suites
     from fefinger.validation.provenance import provenance
 
-    pictures, findings = suites.figures(record), suites.findings(record)
+    pictures = {} if quick else suites.figures(record)
+    findings = suites.subjects(record) if quick else suites.findings(record)
     made = provenance(command)
     page.save(record, folder, pictures, made, name, findings)
     files = [folder / f"{name}.json", folder / f"{name}.html"]
