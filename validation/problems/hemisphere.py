@@ -19,7 +19,7 @@ from fefinger.fem.hyperelastic.load_path import Path, Series, StressHistory, fol
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.fem.linalg.system import System, factor
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Flags
 
 
 RADIUS, DEPTH, SPEED = 14.0, 1.5, 60.0
@@ -60,14 +60,19 @@ class Hemisphere:
         return continuum(self.space, {1: self.law})
 
     @cached_property
-    def system(self) -> System:
-        """The factored body at rest, held at its base, sliding in the planes of symmetry."""
+    def held(self) -> Flags:
+        """Displacements (n_nodes, 3) that are zero: of the base, and across planes of symmetry."""
         base, _ = outer(self.space)
         held = np.repeat(base[:, None], 3, axis=1)
         held[:, :2] |= self.space.node_points[:, :2] == 0
+        return held
+
+    @cached_property
+    def system(self) -> System:
+        """The factored body at rest, held at its base, sliding in the planes of symmetry."""
         at_rest = np.zeros(self.space.n_unknowns)
         matrix = self.body.tangent(at_rest, self.body.at_rest, whole=False)
-        return factor(self.space, matrix, np.flatnonzero(held.ravel()))
+        return factor(self.space, matrix, np.flatnonzero(self.held.ravel()))
 
     @cached_property
     def contact(self) -> ContactSurface:
@@ -78,7 +83,8 @@ class Hemisphere:
         length = np.linalg.norm(arms, axis=1)
         on = np.abs(length - RADIUS) < 1e-9 * RADIUS
         upper = self.space.points[:, 2] < 0.7 * RADIUS
-        round_ = facets[(on & upper)[facets].all(axis=1)]
+        cut = (self.space.points[facets][:, :, :2] == 0).all(axis=1).any(axis=1)
+        round_ = facets[(on & upper)[facets].all(axis=1) & ~cut]
         normals = np.where(on[:, None], arms / np.where(on, length, 1.0)[:, None], 0.0)
         plate = Obstacle(np.array([0.0, 0.0, 1.0]), np.zeros(3))
         return contact_surface(
