@@ -1,7 +1,7 @@
 """How fast finite strain is: the relaxing hemisphere that FEBio was measured on.
 
-FEBio 4.11 took 54 CPU s for 61 steps on 13 999 unknowns of displacement (two cores, another run);
-its material relaxes the whole stress, as here. Compilation is not counted.
+`problems.febio` times FEBio on the same mesh and machine (reports/febio.json): its 61 steps take
+40 CPU s with one thread. Compilation is not counted.
 """
 
 import time
