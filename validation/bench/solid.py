@@ -13,6 +13,7 @@ from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic.laws import neo_hookean
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.support.threads import one_thread
+from fefinger.support.tolerances import PRESS_EQUILIBRIUM
 
 
 SIZES = (4.0, 2.4)  # mm of the cells at the pole; the first compiles
@@ -30,7 +31,7 @@ def figures(progress: Progress) -> list[Figure]:
         space = ball.space
         _ = space.unknowns  # numbered here: meshing is not counted
         started = time.process_time()
-        force, solver = ball.pressed(TIMES, SPEED, SERIES)
+        force, solver = ball.pressed(TIMES, SPEED, SERIES, PRESS_EQUILIBRIUM)
         seconds = time.process_time() - started
         progress("solid", (number + 1) / (len(SIZES) + 1))
     parts = _parts(solver)

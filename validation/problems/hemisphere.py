@@ -102,10 +102,17 @@ class Hemisphere:
         return float(self.pressed(times, DEPTH, None)[0][-1])
 
     def pressed(
-        self, times: Array, rate: float, series: Series | None
+        self,
+        times: Array,
+        rate: float,
+        series: Series | None,
+        tolerance: float = EQUILIBRIUM,
     ) -> tuple[Array, Equilibrium]:
-        """Return the force in N at the times of a ramp at `rate` mm/s and a hold at DEPTH."""
-        solver = Equilibrium(self.body, self.contact, self.system)
+        """Return the force in N at the times of a ramp at `rate` mm/s and a hold at DEPTH.
+
+        tolerance: the relative residual of a step.
+        """
+        solver = Equilibrium(self.body, self.contact, self.system, tolerance)
         history = StressHistory(self.body, {} if series is None else {1: series})
         forces: list[float] = []
 
