@@ -20,6 +20,7 @@ from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.fem.linalg.system import System, factor
 from fefinger.support.arrays import Array, Flags
+from fefinger.support.tolerances import EQUILIBRIUM
 
 
 RADIUS, DEPTH, SPEED = 14.0, 1.5, 60.0
