@@ -8,12 +8,21 @@ mechanics/            `respond` of the chosen one: force, pressure, strain. All 
                       problem.Press (mesh, body, obstacle, end organs), small_strain, finite_strain
 fem/                  the contact: time steps in `fem/contact/step_compiled.py`, each solved in
                       `lcp_compiled.py`, at small strain; equilibria in `fem/hyperelastic/newton.py`
-                      at finite strain. The strain at the end organs is a linear map of the
-                      displacements, made in `fem/elements/recovery.py`
+                      at finite strain. The displacement gradient at the end organs is a linear
+                      map of the displacements, made in `fem/elements/recovery.py` and applied in
+                      `mechanics/press/`: response.py, finite_strain.py and carried.py
 afferents.fire        the spikes of that strain: `neural/recorded_vectorized.py`, which
                       `neural/recorded_simulation.py` calls, or, of the family `thesis`,
-                      `neural/membranes/`, which `neural/units.py` calls
+                      `neural/membranes/vectorized.py`, which `neural/units.py` calls
 result.Result         `save`, `load` and `show`; its page is written by `pages/report.py`
+
+Where else to look:
+
+friction              `mechanics/press/sliding.py` at small strain (solved in
+                      `fem/contact/sliding_march.py`), `mechanics/press/dragged.py` at finite strain
+table of `pressed`    `mechanics/press/elastic_press.py`: `load_or_solve` reads it, or solves and
+                      stores it; its files are written by `elastic_store.write`
+stated error          `plan._rung`: `error` of the mechanics, and that of neglecting inertia
 """
 
 from typing import TYPE_CHECKING
