@@ -11,7 +11,7 @@ from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.evidence import carrying
 from fefinger.mechanics.press import elastic_press, elastic_store
 from fefinger.mechanics.press.elastic_press import depths
-from fefinger.mechanics.press.elastic_table import STEP, ElasticPress, Modes
+from fefinger.mechanics.press.elastic_table import STEP, DepthTable, Modes
 from fefinger.mechanics.realtime.pressed import Pressed
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
@@ -298,7 +298,7 @@ def test_a_whole_finger_takes_no_press_of_its_half(
     assert elastic_store.deepest_at_hand(FINGER, Flat(30), aside) == (0.0, 0.0)
 
 
-def _table() -> ElasticPress:
+def _table() -> DepthTable:
     """Return a small table of that finger under the plate, without solving it."""
     from fefinger.mechanics.press.carried import METHOD
     from fefinger.mechanics.press.problem import Press

@@ -1,4 +1,4 @@
-"""Convolution of a tabulated elastic press with the relaxation along a motion: the Response."""
+"""`pressed`: a table of elastic solutions over depth, convolved with the relaxation of a motion."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,7 +13,7 @@ from fefinger.geometry import mirror
 from fefinger.mechanics.press import dragged, elastic_press
 from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.elastic_press import FARTHEST
-from fefinger.mechanics.press.elastic_table import ElasticPress
+from fefinger.mechanics.press.elastic_table import DepthTable
 from fefinger.mechanics.press.fields import finite_strain_fields
 from fefinger.mechanics.press.finite_reference import reference_strain
 from fefinger.mechanics.press.hard_parts import with_nail
@@ -37,23 +37,24 @@ METHOD: SolutionMethod = replace(
     WHOLE_MESH,
     body=lambda finger, mesh, solver, report: solid(with_nail(finger, mesh), tissues(finger)),
 )
-"""Method of `pressed`: the solid alone, which is factored only to solve a new press."""
+"""Method of `pressed`: the solid alone, which is factored only to solve a new table."""
 
 
 @dataclass(frozen=True)
 class CarriedPress:
-    """A tabulated elastic press on the body of a Press, with the elastic quantities over depth.
+    """A contact problem (`Press`) and the table of its elastic solutions over depth.
 
-    contact: the candidates that its pressures belong to.
+    Its properties are the elastic quantities at the nodes of depth; its methods carry them along
+    the motion. contact: the candidate vertices that the pressures of the table belong to.
     """
 
     press: Press
-    table: ElasticPress
+    table: DepthTable
     contact: ContactSurface
 
     @classmethod
-    def of(cls, press: Press, table: ElasticPress) -> "CarriedPress":
-        """Place a tabulated press on the body of a Press."""
+    def of(cls, press: Press, table: DepthTable) -> "CarriedPress":
+        """Find the candidate vertices of a table on the body of a contact problem."""
         body = press.body
         on = contact_surface(body.space, body.pad, body.normals, press.obstacle, table.reach)
         return cls(press, table, on)
@@ -71,11 +72,11 @@ class CarriedPress:
 
     @cached_property
     def elastic(self) -> ElasticForce:
-        """Force of the press in N over the depth."""
+        """Elastic force in N as a function of depth."""
         return ElasticForce(self.table.nodes, self.force)
 
     def along(self, time: Array) -> Carried:
-        """Carry the press along the motion."""
+        """Convolve the elastic force with the relaxation along the motion, at times (n_t,) s."""
         motion = self.press.motion
         value = np.asarray(motion.value(time), dtype=np.float64)
         return carry(self.elastic, self.press.finger.prony, time, value, motion.control)
@@ -115,8 +116,8 @@ class CarriedPress:
         return reference_strain(body, plate.sites, self.table.reference(body.space.n_unknowns))
 
 
-def table_of(press: Press, indenter: Indenter, stages: Stages) -> ElasticPress:
-    """Read or solve the elastic press that a motion needs: to its depth, or to its force.
+def table_of(press: Press, indenter: Indenter, stages: Stages) -> DepthTable:
+    """Read or solve the table that a motion needs: to its depth, or to its force.
 
     Errors as `elastic_press.load_or_solve`, and InputError for a force that is too large.
     """
@@ -136,7 +137,7 @@ def table_of(press: Press, indenter: Indenter, stages: Stages) -> ElasticPress:
 def respond(
     scene: Scene, progress: Progress | None = None, *, mechanics: str, notes: tuple[str, ...]
 ) -> Response:
-    """Solve the scene from an elastic press that is cached, or solved now and cached.
+    """Answer the scene from its table over depth, which is cached, or solved now and cached.
 
     Errors as `mechanics.pressed.respond`.
     """
@@ -149,7 +150,7 @@ def respond(
 
 
 def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> Response:
-    """Return the Response of a press carried along its motion."""
+    """Return the Response of a contact problem whose table is convolved along its motion."""
     press = carried.press
     table, half = carried.table, press.body.half
     with stages.stage("fields"):

@@ -1,6 +1,7 @@
-"""Elastic press of a relaxed finger at finite strain, solved once for `pressed`.
+"""Elastic solutions of a relaxed finger at finite strain over depth, solved once for `pressed`.
 
-`solve` presses the finger of a Press in steps of equal size in the root of the depth.
+`load_or_solve` reads the table or solves and stores it; `solve` goes through depths with equal
+steps in their root.
 """
 
 from collections.abc import Callable
@@ -13,7 +14,7 @@ from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.load_path import Path, StressHistory
 from fefinger.mechanics.press import elastic_store, placement
 from fefinger.mechanics.press.constitutive import laws
-from fefinger.mechanics.press.elastic_table import ElasticPress, Modes
+from fefinger.mechanics.press.elastic_table import DepthTable, Modes
 from fefinger.mechanics.press.finite_reference import reference_state
 from fefinger.mechanics.press.finite_strain import BUDGET, FINITE_STRAIN, Course, follow_course
 from fefinger.mechanics.press.load_steps import LoadSteps
@@ -54,8 +55,8 @@ def no_deeper(depth: float) -> Array:
 
 def solve(
     press: Press, least: float, stages: Stages, *, force: float = 0.0, further: bool = True
-) -> ElasticPress:
-    """Solve the elastic press of a finger under the obstacle of a press.
+) -> DepthTable:
+    """Solve the table of a contact problem: its relaxed finger under its obstacle.
 
     It goes to `least` mm or more, or on until it bears `force` N, or to FARTHEST. If `further`, it
     goes to PART of the thickness where it can, so that other motions find it.
@@ -89,8 +90,8 @@ def _solved(
     wanted: Array,
     stages: Stages,
     enough: Callable[[float, float], bool] = lambda depth, force: False,
-) -> ElasticPress:
-    """Solve the elastic press at the `wanted` depths (n,) in mm, until it is `enough`."""
+) -> DepthTable:
+    """Solve the table at the `wanted` depths (n,) in mm, until it has reached its target."""
     with stages.stage("factor") as report:
         body = FINITE_STRAIN.body(press.finger, press.mesh, None, report)
         elements = continuum(body.space, laws(press.finger), soft=(1, 2))
@@ -122,7 +123,7 @@ def _solved(
     pressure, travel = history.pressure, history.contact.projected
     force = press.sides * pressure @ travel * NEWTON_PER_MILLINEWTON
     pad, column = whole_pad(body, history.contact.neighborhood)
-    return ElasticPress(
+    return DepthTable(
         depth=solved,
         force=force,
         moment=history.moment,
@@ -137,8 +138,8 @@ def _solved(
 
 def load_or_solve(
     press: Press, indenter: Indenter, least: float, stages: Stages, *, force: float = 0.0
-) -> ElasticPress:
-    """Read or solve the elastic press of a finger under an object.
+) -> DepthTable:
+    """Read or solve the table of a finger under an object; a new one is stored in the cache.
 
     It goes to `least` mm or more; or, where a `force` in N is given, to one that bears it, if any
     up to FARTHEST does.
@@ -147,7 +148,7 @@ def load_or_solve(
     it. ConvergenceError if an equilibrium is not reached.
     """
 
-    def stored() -> ElasticPress | None:
+    def stored() -> DepthTable | None:
         table = elastic_store.at_hand(press.finger, indenter, press.mesh)
         if table is None or table.deepest < least * (1 - 1e-9) or table.force[-1] < force:
             return None

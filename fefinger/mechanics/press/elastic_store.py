@@ -1,6 +1,6 @@
-"""Files of elastic presses: shipped with the package, or in the user's cache.
+"""Files of the tables of `pressed`: shipped with the package, or in the user's cache.
 
-A press depends on the mesh, the object and the tissues up to one modulus, not on the relaxation
+A table depends on the mesh, the object and the tissues up to one modulus, not on the relaxation
 nor on the motion but for its depth.
 """
 
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fefinger.mechanics.press.discretization import continued, refinement_location
-from fefinger.mechanics.press.elastic_table import ElasticPress, Modes
+from fefinger.mechanics.press.elastic_table import DepthTable, Modes
 from fefinger.mesh.shipped import data_folder
 from fefinger.mesh.store import sha256
 from fefinger.scene.finger import Finger
@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
 
 FORMAT = 3
-"""Raised when the solver, the depths or the files change, so that presses are solved again."""
+"""Raised when the solver, the depths or the files change, so that tables are solved again."""
 
 PREFIX = "press-"
-"""Of the names of shipped presses, which end with the first DIGITS of their key."""
+"""Of the names of shipped tables, which end with the first DIGITS of their key."""
 
 DIGITS = 16
 
@@ -44,9 +44,9 @@ ROUNDED = ("pressure", "gap")
 
 
 def key(finger: Finger, indenter: Indenter, mesh_sha256: str, *, half: bool = True) -> str:
-    """Hash of all inputs of an elastic press but its depth.
+    """Hash of all inputs of a table but its depth.
 
-    A whole finger, mirrored from the mesh of its half, has presses of its own.
+    A whole finger, mirrored from the mesh of its half, has tables of its own.
     """
     layers = (finger.skin, finger.subcutaneous)
     parts = [
@@ -62,12 +62,12 @@ def key(finger: Finger, indenter: Indenter, mesh_sha256: str, *, half: bool = Tr
 
 
 def key_on(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> str:
-    """Key of an elastic press on a mesh."""
+    """Key of a table on a mesh."""
     return key(finger, indenter, mesh.source_sha256 or mesh.fingerprint, half=mesh.half)
 
 
 def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple[float, float]:
-    """Largest depth in mm and force in N of the shipped or cached presses; 0, 0 without any."""
+    """Largest depth in mm and force in N of the shipped or cached tables; 0, 0 without any."""
     long = continued(finger, indenter, motion)
     try:
         source = sha256(finger, refinement_location(indenter), continued=long)
@@ -85,22 +85,22 @@ def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple
     return max(deepest)
 
 
-def at_hand(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> ElasticPress | None:
-    """Read the deepest press that is shipped or cached; None where none is, or all are damaged."""
+def at_hand(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> DepthTable | None:
+    """Read the deepest table that is shipped or cached; None where none is, or all are damaged."""
     found = []
     for path in _paths(key_on(finger, indenter, mesh)):
         with suppress(*cache.DAMAGED):
             found.append(read(path).of_modulus(finger.skin.modulus))
-    return max(found, key=lambda press: press.deepest, default=None)
+    return max(found, key=lambda table: table.deepest, default=None)
 
 
 def cached_path(name: str) -> Path:
-    """Path of a press in the user's cache."""
+    """Path of a table in the user's cache."""
     return cache.root() / "elastic" / f"{name[:DIGITS]}.npz"
 
 
 def shipped(name: str) -> Iterator[Path]:
-    """Shipped files of a press: one or none."""
+    """Shipped files of a table: one or none."""
     yield from data_folder().glob(f"{PREFIX}*-{name[:DIGITS]}.npz")
 
 
@@ -112,27 +112,27 @@ def _paths(name: str) -> Iterator[Path]:
         yield place
 
 
-def as_stored(press: ElasticPress) -> ElasticPress:
-    """Round a press as its file does, so that the first answer is that of all later ones."""
-    rounded = {name: getattr(press, name).astype(np.float32).astype(float) for name in ROUNDED}
-    return replace(press, **rounded)
+def as_stored(table: DepthTable) -> DepthTable:
+    """Round a table as its file does, so that the first answer is that of all later ones."""
+    rounded = {name: getattr(table, name).astype(np.float32).astype(float) for name in ROUNDED}
+    return replace(table, **rounded)
 
 
-def write(press: ElasticPress, place: Path) -> None:
-    """Write a press to a file, which appears complete or not at all."""
-    values: dict[str, Any] = {name: getattr(press, name) for name in EXACT}
-    values |= {name: getattr(press, name).astype(np.float32) for name in ROUNDED}
-    values |= {name: getattr(press, name) for name in ("reach", "modulus")}
-    values |= {"amplitudes": press.modes.amplitudes, "shapes": press.modes.shapes}
+def write(table: DepthTable, place: Path) -> None:
+    """Write a table to a file, which appears complete or not at all."""
+    values: dict[str, Any] = {name: getattr(table, name) for name in EXACT}
+    values |= {name: getattr(table, name).astype(np.float32) for name in ROUNDED}
+    values |= {name: getattr(table, name) for name in ("reach", "modulus")}
+    values |= {"amplitudes": table.modes.amplitudes, "shapes": table.modes.shapes}
     place.parent.mkdir(parents=True, exist_ok=True)
     with moved(place) as new:
         np.savez_compressed(new, **values)
 
 
-def read(place: Path) -> ElasticPress:
-    """Read a press from a file; raises one of `cache.DAMAGED` where it cannot be read."""
+def read(place: Path) -> DepthTable:
+    """Read a table from a file; raises one of `cache.DAMAGED` where it cannot be read."""
     values = _read(place)
-    return ElasticPress(
+    return DepthTable(
         **{name: values[name].astype(float) for name in (*EXACT, *ROUNDED)},
         modes=Modes(values["amplitudes"], values["shapes"]),
         reach=float(values["reach"]),

@@ -1,4 +1,4 @@
-"""Record of an elastic press of a relaxed finger, tabulated over the depth.
+"""Table over depth of the elastic contact of a relaxed finger with one object, at finite strain.
 
 The displacements of all depths are stored as a few modes, from which any strain and field is read.
 """
@@ -45,8 +45,8 @@ class Modes:
 
 
 @dataclass(frozen=True)
-class ElasticPress:
-    """Elastic press of a relaxed finger over the depth; the first depth is 0.
+class DepthTable:
+    """Elastic contact of a relaxed finger, a row per depth; the first depth is 0.
 
     depth (n,) mm; force (n,) N of the whole finger; moment (n, 3) mN mm of the meshed part; area
     (n,) mm²; pressure (n, n_candidates) kPa; gap (n, n_seen) mm; modes: displacements (n,
@@ -83,8 +83,8 @@ class ElasticPress:
             at = int(np.flatnonzero(self.depth == REFERENCE_DEPTH)[0])
         return self.unknowns(amplitudes[at], count)
 
-    def of_modulus(self, modulus: float) -> "ElasticPress":
-        """Return the press of a finger whose skin has another modulus in kPa, all else in ratio."""
+    def of_modulus(self, modulus: float) -> "DepthTable":
+        """Return the table of a finger whose moduli are all scaled to this modulus (kPa) of skin."""
         factor = modulus / self.modulus
         return replace(
             self,
@@ -96,7 +96,7 @@ class ElasticPress:
 
     @cached_property
     def nodes(self) -> Array:
-        """Depths (n_nodes,) mm between which a carried press is linear."""
+        """Depths (n_nodes,) mm between which `pressed` interpolates linearly."""
         return radius_nodes(self.deepest, NODES)
 
     @cached_property
