@@ -31,7 +31,7 @@ def cube(law: Law, cells: int = 2) -> Cube:
     places = space.node_points
     fixed = np.flatnonzero((places == 0).ravel())
     at_rest = np.zeros(space.n_unknowns)
-    system = factor(space, body.tangent(at_rest, body.at_rest, whole=False), fixed)
+    system = factor(space, body.tangent(at_rest, body.at_rest, consistent=False), fixed)
     facets = np.asarray(space.scalar.mesh.facets.T)
     top = facets[(space.points[facets][:, :, 2] == 1).all(axis=1)]
     plate = Obstacle(np.array([0.0, 0.0, -1.0]), np.array([0.5, 0.5, 1.0]))

@@ -72,7 +72,7 @@ class Hemisphere:
     def system(self) -> System:
         """The factored body at rest, held at its base, sliding in the planes of symmetry."""
         at_rest = np.zeros(self.space.n_unknowns)
-        matrix = self.body.tangent(at_rest, self.body.at_rest, whole=False)
+        matrix = self.body.tangent(at_rest, self.body.at_rest, consistent=False)
         return factor(self.space, matrix, np.flatnonzero(self.held.ravel()))
 
     @cached_property

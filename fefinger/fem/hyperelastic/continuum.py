@@ -101,12 +101,13 @@ class Continuum:
         return np.sum(outs, axis=0), min(least)
 
     def tangent(
-        self, values: Array, history: HistoryStress, *, whole: bool = True
+        self, values: Array, history: HistoryStress, *, consistent: bool = True
     ) -> sparse.csr_matrix:
         """Return the second derivative of the potential, symmetric.
 
-        Unless `whole`, its displacement block is made positive definite, so that it can be factored
-        in every state: good to iterate with, and no derivative (see `element_kernels.tangent`).
+        Unless `consistent`, its displacement block is made positive definite, so that it can be
+        factored in every state: good to iterate with, and no derivative (see
+        `element_kernels.tangent`).
         """
         data = np.zeros_like(self.pattern.data)
         element_kernels.tangent(
@@ -115,7 +116,7 @@ class Continuum:
             history.gains,
             history.past,
             self.slots,
-            whole,
+            consistent,
             data,
         )
         return sparse.csr_matrix(

@@ -184,12 +184,12 @@ def tangent(
     gains: Array,
     past: Array,
     slots: NDArray[np.int32],
-    whole: bool,
+    consistent: bool,
     data: Array,
 ) -> float:
     """Add the second derivative of the potential to `data` (nnz,); return the smallest J.
 
-    slots (n_cells, 34, 34) are the places of the cell's entries in `data`. Unless `whole`, the
+    slots (n_cells, 34, 34) are the places of the cell's entries in `data`. Unless `consistent`, the
     displacement block is made definite: without what pressure and past add to it, with a stiffness
     against changes of volume, and with the positive parts of the moduli and the stress only. Such a
     matrix is good to iterate with, and no derivative.
@@ -212,13 +212,13 @@ def tangent(
             least = min(least, 1 + state[0])
             if state[0] <= -1.0:
                 return least
-            moduli_of(p if whole else 0.0, laws[e], gains[e], state, work, moduli)
+            moduli_of(p if consistent else 0.0, laws[e], gains[e], state, work, moduli)
             weight = weights[e, q]
             for row in range(6):
                 total[row] = weight * gains[e, 0] * isochoric[row]
-                if whole:
+                if consistent:
                     total[row] += weight * (gains[e, 1] * volumetric[row] + past[e, q, row])
-            if not whole:
+            if not consistent:
                 add_volumetric_stiffness(
                     2 / 3 * gains[e, 0] * laws[e, 0], state[0], work[1], moduli
                 )

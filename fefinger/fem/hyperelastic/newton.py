@@ -126,11 +126,11 @@ class Equilibrium:
         self.descents += 1
         return state
 
-    def _search(self, start: State, target: Target, *, whole: bool = True) -> State:
-        """Iterate with Anderson acceleration; with consistent tangents if `whole`."""
+    def _search(self, start: State, target: Target, *, consistent: bool = True) -> State:
+        """Iterate with Anderson acceleration; with consistent or positive definite tangents."""
         state, sound = start, start
         mixing, retreats, error, renewed = Anderson(MEMORY), 0, np.inf, -SOON
-        best, best_at, stuck = np.inf, 0, STUCK if whole else PATIENCE
+        best, best_at, stuck = np.inf, 0, STUCK if consistent else PATIENCE
         most = self.factors + (SEARCH if target.control == "depth" else ITERATIONS)
         for count in range(ITERATIONS):
             iterate = self._evaluate(state, target)
@@ -155,7 +155,7 @@ class Equilibrium:
             fold = iterate.gap.fold_stiffness
             folds = count - renewed >= SOON and self._folds_too_stiff(fold, target)
             if worn or stalled or folds:
-                self._renew(iterate, target, whole=whole)
+                self._renew(iterate, target, consistent=consistent)
                 mixing, renewed = Anderson(MEMORY), count
             state = self._step(iterate, target, mixing)
         raise self._not_converged(error, count + 1)
@@ -186,7 +186,7 @@ class Equilibrium:
                 break
             if calm >= CALM and iterate.error < sure:
                 with suppress(ConvergenceError):
-                    return self._search(state, target, whole=False)
+                    return self._search(state, target, consistent=False)
                 sure = SURER * iterate.error
             share = self._blend(iterate, target, share)
             state = self._trusted(state, self._step(iterate, target, plain))
@@ -231,14 +231,14 @@ class Equilibrium:
             self.body, self.contact, self.system.free, state, target, residual, gap.gaps, self.load
         )
 
-    def _renew(self, iterate: Iterate, target: Target, *, whole: bool = True) -> None:
+    def _renew(self, iterate: Iterate, target: Target, *, consistent: bool = True) -> None:
         """Factor the tangent of the iterate, with an elastic support where it is in contact.
 
         Without the obstacle, a body under pressure may be close to buckling. Under depth control
         the consistent tangent is therefore factored with an added stiffness against the motion
         that the contact prevents anyway: the least of SUPPORTS with which it is stable. `_step`
-        subtracts the force of this support again. Unless `whole`, the positive definite tangent
-        is factored instead, which needs no support.
+        subtracts the force of this support again. Unless `consistent`, the positive definite
+        tangent is factored instead, which needs no support.
 
         Raises
         ------
@@ -248,17 +248,17 @@ class Equilibrium:
         body, gain = self.body, float(target.history.gains.mean())
         pressed = iterate.state.pressure > 0
         contact, support = iterate.gap.stiffness(), 0.0
-        if whole:
+        if consistent:
             contact += iterate.gap.spreading_stiffness()
-        matrix = body.tangent(iterate.state.values, target.history, whole=whole) + contact
-        if not (whole and target.control == "depth"):
-            renewed = self._rough(matrix)
+        matrix = body.tangent(iterate.state.values, target.history, consistent=consistent) + contact
+        if not (consistent and target.control == "depth"):
+            renewed = self._factor_approximately(matrix)
         else:
             under = iterate.gap.support(pressed)
             unit = gain * body.scale / float(np.sqrt(self.contact.projected.sum()))
             while True:
                 support = SUPPORTS[self._support] * unit
-                renewed = self._rough(matrix + support * under)
+                renewed = self._factor_approximately(matrix + support * under)
                 if renewed.negative <= self._pressures or self._support == len(SUPPORTS) - 1:
                     break
                 self._support += 1
@@ -306,7 +306,7 @@ class Equilibrium:
         body, projected = self.body, self.contact.projected
         gain = float(target.history.gains.mean())
         values = iterate.state.values
-        definite = body.tangent(values, target.history, whole=False)
+        definite = body.tangent(values, target.history, consistent=False)
         difference = body.tangent(values, target.history) - definite
         bends, spreads = iterate.gap.stiffness(), iterate.gap.spreading_stiffness()
         difference += spreads
@@ -315,7 +315,7 @@ class Equilibrium:
         leans = (iterate.state.pressure > 0) & (target.control == "depth")
         support = np.where(leans, SUPPORTS[-1] * unit, 0.0)
         while True:
-            renewed = self._rough(fixed + (1 - share) * difference)
+            renewed = self._factor_approximately(fixed + (1 - share) * difference)
             contact = bends + (1 - share) * spreads
             factored = self._contacting(
                 renewed, iterate.gap, target, np.zeros(len(projected)), contact
@@ -326,7 +326,7 @@ class Equilibrium:
                 return share
             share = min(STRIDE * share, 1.0)
 
-    def _rough(self, matrix: sparse.csr_matrix) -> ApproximateFactor:
+    def _factor_approximately(self, matrix: sparse.csr_matrix) -> ApproximateFactor:
         if self.factors >= self.allowed:
             message = f"equilibrium: not reached within the limit of {self.factors} factorizations"
             raise Exhausted(message)

@@ -438,10 +438,10 @@ def test_the_way_downhill_ends_in_the_closed_form(
 ):
     search = Equilibrium._search
 
-    def fails(self: Equilibrium, start: State, target: Target, *, whole: bool = True) -> State:
-        if whole:
+    def fails(self: Equilibrium, start: State, target: Target, *, consistent: bool = True) -> State:
+        if consistent:
             raise ConvergenceError
-        return search(self, start, target, whole=whole)
+        return search(self, start, target, consistent=consistent)
 
     monkeypatch.setattr(Equilibrium, "_search", fails)
     material = LAWS[name](Elastic(40.0, poisson))
@@ -473,7 +473,9 @@ def test_a_bed_under_the_weighted_gaps_is_that_of_the_matrix_and_takes_its_eigen
     stiff = (tangent + loads @ sparse.diags(support / solver.contact.projected) @ loads.T).tocsr()
     none = np.zeros_like(support)
     alone, whole = (
-        FactoredTangent(solver._rough(matrix), solver.system.free, loads, 1.0, none, none)
+        FactoredTangent(
+            solver._factor_approximately(matrix), solver.system.free, loads, 1.0, none, none
+        )
         for matrix in (tangent, stiff)
     )
     taken = alone.add_support(support, solver.contact.projected)
