@@ -11,7 +11,7 @@ from dataclasses import replace
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import small_strain_cost
 from fefinger.mechanics.evidence.stated_errors import measured
-from fefinger.mechanics.press.notes import RIGID_BONE, yielding
+from fefinger.mechanics.press.notes import RIGID_BONE, elastic_hard_parts_doubts
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -39,7 +39,7 @@ BEYOND = (
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: those of `linear`, an elastic bone, another solver."""
-    unable = [*yielding(case.finger)]
+    unable = [*elastic_hard_parts_doubts(case.finger)]
     if case.ask.solver not in (None, SOLVER):
         reason = f"ask.solver = {case.ask.solver!r}: its operator is made by {SOLVER!r}"
         unable.append(Doubt("ask.solver", reason))

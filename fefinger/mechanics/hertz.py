@@ -17,10 +17,10 @@ from fefinger.mechanics.press.notes import (
     CONVOLVED,
     QUASISTATIC,
     SPHERICAL,
-    apart,
-    normalized,
-    sideways,
-    yielding,
+    elastic_hard_parts_doubts,
+    normalization_notes,
+    separate_relaxation_doubts,
+    tangential_doubts,
 )
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
@@ -162,8 +162,12 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 def lacking(case: Situation) -> list[Doubt]:
     """Return the features of a scene that a contact of spheres cannot represent."""
-    unable = [*yielding(case.finger), *apart(case.finger), *case.too_long]
-    unable += sideways(case.motion, case.indenter)
+    unable = [
+        *elastic_hard_parts_doubts(case.finger),
+        *separate_relaxation_doubts(case.finger),
+        *case.too_long,
+    ]
+    unable += tangential_doubts(case.motion, case.indenter)
     if case.ask.fields:
         reason = "ask.fields: it has no mesh; ask.fields = false leaves them out"
         unable.append(Doubt("ask.fields", reason))
@@ -215,7 +219,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         f"The half-space has {body.modulus:.4g} kPa and Poisson's ratio {body.poisson:.4g}: "
         "the compliances of skin and pulp averaged by thickness."
     )
-    notes = (*NOTES, used, *normalized(scene.finger.prony))
+    notes = (*NOTES, used, *normalization_notes(scene.finger.prony))
     if elliptic(scene.indenter):
         notes = (*notes, ELLIPTIC)
     numbers = {

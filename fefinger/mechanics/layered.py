@@ -12,7 +12,7 @@ from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import small_strain_cost
 from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import axisymmetric
-from fefinger.mechanics.press.notes import CONVOLVED, QUASISTATIC, SPHERICAL, normalized
+from fefinger.mechanics.press.notes import CONVOLVED, QUASISTATIC, SPHERICAL, normalization_notes
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
@@ -119,7 +119,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     plate = tabulate_to(
         stack(scene.finger), scene.finger.pad_radius, depth=REFERENCE_DEPTH, levels=PLATE_LEVELS
     )
-    notes = (*NOTES, *normalized(scene.finger.prony))
+    notes = (*NOTES, *normalization_notes(scene.finger.prony))
     if hertz.elliptic(scene.indenter):
         notes = (*notes, hertz.ELLIPTIC)
     peak = scene.motion.peak

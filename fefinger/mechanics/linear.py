@@ -13,7 +13,12 @@ from fefinger.mechanics.evidence.measured_tissue import largest_exponents
 from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import proximal_cut
 from fefinger.mechanics.press.discretization import refinement_location
-from fefinger.mechanics.press.notes import QUASISTATIC, apart, hard, rocked
+from fefinger.mechanics.press.notes import (
+    QUASISTATIC,
+    hard_parts_notes,
+    separate_relaxation_doubts,
+    turning_doubts,
+)
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -55,8 +60,8 @@ largest of a published set."""
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: it can solve every scene, less accurately at large strain."""
-    turns = rocked(case.motion, case.indenter)
-    unable = (*apart(case.finger), *turns, *case.too_long, *unmeshable(case))
+    turns = turning_doubts(case.motion, case.indenter)
+    unable = (*separate_relaxation_doubts(case.finger), *turns, *case.too_long, *unmeshable(case))
     if unable:
         return refusals(name, "ability", unable)
     doubts = [*too_small(case), *too_soft(case.finger), *unmeasured(case.finger)]
@@ -151,5 +156,5 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Solve the scene with finite elements."""
     from fefinger.mechanics.press import small_strain
 
-    notes = (*NOTES, *hard(scene.finger))
+    notes = (*NOTES, *hard_parts_notes(scene.finger))
     return small_strain.respond(scene, progress, mechanics=name, notes=notes)

@@ -9,7 +9,11 @@ import math
 from fefinger.mechanics.evidence.lumped_law import Law, law
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.press.limits import check_reached
-from fefinger.mechanics.press.notes import apart, sideways, yielding
+from fefinger.mechanics.press.notes import (
+    elastic_hard_parts_doubts,
+    separate_relaxation_doubts,
+    tangential_doubts,
+)
 from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
@@ -63,8 +67,8 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
         for each in ("pressure", "strain", "fields", "spikes")
         if getattr(case.ask, each)
     ]
-    unable += sideways(case.motion, case.indenter)
-    unable += [*yielding(case.finger), *apart(case.finger)]
+    unable += tangential_doubts(case.motion, case.indenter)
+    unable += [*elastic_hard_parts_doubts(case.finger), *separate_relaxation_doubts(case.finger)]
     unable += [Doubt("motion", each) for each in too_long(case.motion, fast=False, most=MOST)]
     if case.indenter.hertzian is None:
         reason = f"indenter.kind = {case.indenter.kind!r}: the law is that of a plate"

@@ -15,9 +15,9 @@ from fefinger.mechanics.press.notes import (
     LOGARITHMIC,
     QUASISTATIC,
     RIGID_BONE,
-    apart,
-    rough,
-    yielding,
+    elastic_hard_parts_doubts,
+    friction_doubts,
+    separate_relaxation_doubts,
 )
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
@@ -42,7 +42,11 @@ NOTES = (
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: different relaxations, and those of `solid`."""
-    unable = [*apart(case.finger), *yielding(case.finger), *rough(case.indenter)]
+    unable = [
+        *separate_relaxation_doubts(case.finger),
+        *elastic_hard_parts_doubts(case.finger),
+        *friction_doubts(case.indenter),
+    ]
     if case.ask.solver is not None:
         reason = f"ask.solver = {case.ask.solver!r}: it solves with the factors of 'solid'"
         unable.append(Doubt("ask.solver", reason))

@@ -10,7 +10,12 @@ from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import small_strain_cost, solid_cost
 from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import proximal_cut
-from fefinger.mechanics.press.notes import LOGARITHMIC, QUASISTATIC, hard, out_of_plane
+from fefinger.mechanics.press.notes import (
+    LOGARITHMIC,
+    QUASISTATIC,
+    finite_sliding_doubts,
+    hard_parts_notes,
+)
 from fefinger.mechanics.refusals import Doubt, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -49,7 +54,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against finite strain for a scene, as refusals of `mechanics`."""
-    sliding = out_of_plane(case.motion, case.indenter)
+    sliding = finite_sliding_doubts(case.motion, case.indenter)
     unable = [*sliding, *case.too_long, *linear.unmeshable(case)]
     if unable:
         return refusals(mechanics, "ability", unable)
@@ -84,5 +89,5 @@ def respond(
     """
     from fefinger.mechanics.press import finite_strain
 
-    notes = (*NOTES, *hard(scene.finger))
+    notes = (*NOTES, *hard_parts_notes(scene.finger))
     return finite_strain.respond(scene, progress, mechanics=name, notes=notes, allowance=allowance)

@@ -7,7 +7,7 @@ import numpy as np
 from fefinger.fem.contact import friction_state, friction_step, step_compiled
 from fefinger.fem.contact import lcp_compiled as contact
 from fefinger.fem.contact.travel import Travel
-from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, Sliding
+from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, SlidingHistory
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
 
@@ -52,7 +52,7 @@ def slide(
         slopes[k] = travel.push(shift[k], s.x, incline)
         progress((k + 1) / len(time))
     count = int(s.counts[contact.SOLVED])
-    return History(depth, pressure, elastic, count, Sliding(shift, slopes))
+    return History(depth, pressure, elastic, count, SlidingHistory(shift, slopes))
 
 
 def slide_with_friction(
@@ -105,7 +105,7 @@ def slide_with_friction(
         progress((k + 1) / count)
     pressure, traction = np.ascontiguousarray(x[:, :n]), x[:, n:].reshape(count, 2, n)
     sticking = sticks(pressure, traction, bounds)
-    sliding = Sliding(shift, slopes, traction, slip, sticking, lost, worst)
+    sliding = SlidingHistory(shift, slopes, traction, slip, sticking, lost, worst)
     return History(depth, pressure, elastic, int(s.counts[friction_state.SOLVED]), sliding)
 
 

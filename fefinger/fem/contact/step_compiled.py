@@ -142,7 +142,7 @@ def advance(
     by_force: bool,
     stiffening: float,
 ) -> int:
-    """Make a step and update the output; return DONE, or a failure with the state unchanged.
+    """Step with output, for real time: DONE, or a failure with the state rolled back.
 
     `stiffening` is t at the end of the step, 1 under force control.
     """
@@ -173,9 +173,10 @@ def reset(s: LcpState, m: PadState) -> None:
 
 @njit(cache=True)
 def step(s: LcpState, m: PadState, dt: float, target: float, by_force: bool) -> int:
-    """Advance by `dt` s to a depth in mm or a force in mN; return DONE or a failure.
+    """Step without output, for whole motions; return DONE or a failure.
 
-    The contact pressure is then in s.x, the elastic one in m.elastic.
+    It lasts `dt` s and ends at a depth in mm or a force in mN. The contact pressure is then in
+    s.x, the elastic one in m.elastic.
     """
     g = load_history(m, dt)
     failed = solve_target(s, m, m.gap, m.moved_past, g, target, by_force)

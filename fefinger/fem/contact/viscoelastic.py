@@ -22,8 +22,8 @@ CORRECTIONS = 60  # Newton or bisection steps on the depth under force control
 
 
 @dataclass(frozen=True)
-class Sliding:
-    """What a contact through time has besides its pressure, where the obstacle moves sideways.
+class SlidingHistory:
+    """Path, tangential force and slip of a contact over time.
 
     shift (n_t, 2) mm of the obstacle across its axis; slopes (n_t, 2) mN: the force on the meshed
     part with which pressure on inclined heights pushes along these two directions. With friction:
@@ -47,14 +47,15 @@ class History:
 
     depth (n_t,) mm, pressure (n_t, n) kPa the contact pressure p, elastic (n_t, n) kPa the elastic
     pressure q, followed by both components of the elastic traction where there is friction
-    (n_t, 3n); exchanges counts the contact solutions; sliding: of an obstacle that moves sideways.
+    (n_t, 3n); exchanges counts the contact solutions; sliding: where the obstacle moves
+    sideways or has friction.
     """
 
     depth: Array
     pressure: Array
     elastic: Array
     exchanges: int
-    sliding: Sliding | None = None
+    sliding: SlidingHistory | None = None
 
 
 def increments(weights: Array, rates: Array, step: float) -> Array:

@@ -194,7 +194,7 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
         ),
         gap=gap,
         moment=moment,
-        lateral=dragged.smooth(press, press.time) if press.slides else None,
+        lateral=dragged.smooth(press, press.time) if press.tangential else None,
     )
 
 

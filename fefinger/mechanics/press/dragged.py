@@ -150,7 +150,7 @@ def lateral(
 
 def notes(press: Press) -> tuple[str, ...]:
     """Return the notes on a press with a path."""
-    if not press.slides:
+    if not press.tangential:
         return ()
     return (IN_PLANE, GROSS) if press.friction else (IN_PLANE,)
 

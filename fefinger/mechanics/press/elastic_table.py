@@ -84,7 +84,7 @@ class DepthTable:
         return self.unknowns(amplitudes[at], count)
 
     def of_modulus(self, modulus: float) -> "DepthTable":
-        """Return the table of a finger whose moduli are all scaled to this modulus (kPa) of skin."""
+        """Return the table of a finger with all moduli scaled, to this one in kPa of the skin."""
         factor = modulus / self.modulus
         return replace(
             self,

@@ -38,7 +38,7 @@ ROCKS = 10.0
 itself across the travel, which moves the tissue no more than friction of that coefficient."""
 
 
-def normalized(prony: Prony) -> tuple[str, ...]:
+def normalization_notes(prony: Prony) -> tuple[str, ...]:
     """Return a note if the published Prony weights do not add up to 1."""
     total = sum(prony.c)
     if abs(total - 1) <= ROUNDED:
@@ -46,7 +46,7 @@ def normalized(prony: Prony) -> tuple[str, ...]:
     return (f"Published Prony weights sum to {total:.4g}; here they are divided by that sum.",)
 
 
-def apart(finger: Finger) -> tuple[Doubt, ...]:
+def separate_relaxation_doubts(finger: Finger) -> tuple[Doubt, ...]:
     """List the options by which the tissues do not share one relaxation function."""
     doubts = []
     if finger.relaxation != "whole":
@@ -60,17 +60,17 @@ def apart(finger: Finger) -> tuple[Doubt, ...]:
     return tuple(doubts)
 
 
-def of_finger(finger: Finger) -> tuple[str, ...]:
+def finger_notes(finger: Finger) -> tuple[str, ...]:
     """Return notes on how the tissue of a finger is held and relaxes."""
     cut = "held" if finger.cut == "fixed" else "free"
-    notes = [f"At its proximal end the tissue is {cut}.", *normalized(finger.prony)]
+    notes = [f"At its proximal end the tissue is {cut}.", *normalization_notes(finger.prony)]
     if finger.relaxation == "deviatoric":
         notes.append("Only the deviatoric stress relaxes; the pressure is elastic.")
     for layer in ("skin", "subcutaneous"):
         prony = getattr(finger, layer).prony
         if prony not in (None, finger.prony):
             notes.append(f"The {layer} relaxes with a series of its own.")
-            notes.extend(normalized(prony))
+            notes.extend(normalization_notes(prony))
     return tuple(notes)
 
 
@@ -85,7 +85,7 @@ def stiffens(finger: Finger) -> bool:
     return any(layer.law in EXPONENTIAL for layer in (finger.skin, finger.subcutaneous))
 
 
-def yielding(finger: Finger) -> tuple[Doubt, ...]:
+def elastic_hard_parts_doubts(finger: Finger) -> tuple[Doubt, ...]:
     """List an elastic bone, and a nail that is not fixed."""
     doubts = []
     if isinstance(finger.bone, Hard):
@@ -97,15 +97,15 @@ def yielding(finger: Finger) -> tuple[Doubt, ...]:
     return tuple(doubts)
 
 
-def sideways(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
+def tangential_doubts(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
     """List the options of a scene beyond a frictionless press along one direction."""
     if not motion.slides:
-        return rough(indenter)
+        return friction_doubts(indenter)
     reason = f"motion.kind = {motion.kind!r}: its indenter does not move sideways"
-    return (Doubt("motion.kind", reason), *rough(indenter))
+    return (Doubt("motion.kind", reason), *friction_doubts(indenter))
 
 
-def rough(indenter: Indenter) -> tuple[Doubt, ...]:
+def friction_doubts(indenter: Indenter) -> tuple[Doubt, ...]:
     """Return the friction of an indenter, if it has any."""
     if indenter.friction == 0:
         return ()
@@ -113,7 +113,7 @@ def rough(indenter: Indenter) -> tuple[Doubt, ...]:
     return (Doubt("indenter.friction", reason),)
 
 
-def out_of_plane(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
+def finite_sliding_doubts(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
     """List the options of sliding and friction that finite strain does not support."""
     doubts = []
     if motion.rocks:
@@ -136,7 +136,7 @@ def out_of_plane(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
     return tuple(doubts)
 
 
-def rocked(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
+def turning_doubts(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
     """Return the doubt that a plate turns more than small strain can represent."""
     if not motion.rocks:
         return ()
@@ -155,9 +155,9 @@ def rocked(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
     return (Doubt("motion.angle", reason),)
 
 
-def hard(finger: Finger) -> tuple[str, ...]:
+def hard_parts_notes(finger: Finger) -> tuple[str, ...]:
     """Return notes on how bone and nail are held, and on their materials."""
-    if not yielding(finger):
+    if not elastic_hard_parts_doubts(finger):
         return (RIGID_BONE,)
     bone, nail = "The bone is rigid.", "The nail is held, as glued in the experiment."
     if isinstance(finger.bone, Hard):

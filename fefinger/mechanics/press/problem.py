@@ -15,7 +15,7 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import placement
 from fefinger.mechanics.press.discretization import FORCE_DEPTH, continued
 from fefinger.mechanics.press.limits import check_depth
-from fefinger.mechanics.press.notes import of_finger
+from fefinger.mechanics.press.notes import finger_notes
 from fefinger.mechanics.press.sites import central_sites, end_organ_sites
 from fefinger.mechanics.press.skin import meshed
 from fefinger.mechanics.press.time_steps import time_grid
@@ -153,7 +153,7 @@ class Press:
             fields=ask.fields,
             notes=(
                 *notes,
-                *of_finger(finger),
+                *finger_notes(finger),
                 *mesh.quality.get("notes", ()),
                 *of_texture(scene, body, obstacle),
             ),
@@ -174,8 +174,8 @@ class Press:
         return mirror.from_half(strain, self.sites.points) if half and self.sites else strain
 
     @property
-    def slides(self) -> bool:
-        """Whether the indenter moves sideways, or there is friction."""
+    def tangential(self) -> bool:
+        """Whether the indenter moves sideways or has friction, so that it may push sideways."""
         return self.motion.slides or self.friction > 0
 
     @property

@@ -47,7 +47,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         if press.sites is not None:
             components = contact.elastic @ history.reduced.strain.T
             strain = press.unfolded(tensors(components.reshape(len(press.time), -1, 6)))
-        lateral = sliding.lateral(press, history, pad, column) if press.slides else None
+        lateral = sliding.lateral(press, history, pad, column) if press.tangential else None
     penetration = deepest_penetration(gap)
     return answered(
         press,
@@ -91,7 +91,9 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         by_force = press.motion.control == "force"
         depth = steps.bounded(history.depth) if by_force else steps.path
         strain = press.unfolded(steps.smooth(history.strain)) if press.sites else None
-        lateral = dragged.lateral(press, history, borne, force, column) if press.slides else None
+        lateral = (
+            dragged.lateral(press, history, borne, force, column) if press.tangential else None
+        )
     penetration = deepest_penetration(history.gap)
     work = {
         "steps": len(history.depth),

@@ -23,10 +23,10 @@ from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-SLIDING = (
-    "Sliding: the pressure acts along the normal of the plate (of the travel), not of the slopes "
-    "of the object; the skin meets the heights that lie ahead of its undeformed points. Stated "
-    "errors are those of a press without sliding."
+TANGENTIAL = (
+    "Sliding or friction: the pressure acts along the normal of the plate (of the travel), not of "
+    "the slopes of the object; the skin meets the heights that lie ahead of its undeformed points. "
+    "Stated errors are those of a press without either."
 )
 """Note on every answer with a path or friction."""
 
@@ -89,7 +89,7 @@ def reduced_to(
     both. What an operator is reduced to for a path is cached: it serves every object on it.
     """
     three = with_tractions(press.body, on, press.obstacle.axis) if press.friction else on
-    if press.slides and isinstance(press.body, Operator):
+    if press.tangential and isinstance(press.body, Operator):
         made = operator.reduced(press.finger, press.body, three, points, lambda: probe)
     else:
         made = press.method.reduce(press.body, three, probe, report)
@@ -174,13 +174,13 @@ def _torque(press: Press, history: SmallStrainHistory) -> Array:
 
 def notes(press: Press) -> tuple[str, ...]:
     """Return the notes on a press with a path or with friction."""
-    if not press.slides:
+    if not press.tangential:
         return ()
     rocking = () if press.inclines is None else (ROCKING,)
     if not press.friction:
-        return (SLIDING, *rocking)
+        return (TANGENTIAL, *rocking)
     weaker = (WEAKER,) if press.kinetic < press.friction else ()
-    return (SLIDING, *rocking, COULOMB, *weaker)
+    return (TANGENTIAL, *rocking, COULOMB, *weaker)
 
 
 def outcome(press: Press, history: SmallStrainHistory) -> str:

@@ -120,7 +120,7 @@ def solve_contact(
 def _candidates(press: Press, reach: float, rings: int) -> Patch:
     """Return the patch of a press, with `rings` of vertices around those within the reach in mm."""
     body, obstacle = press.body, press.obstacle
-    if not press.slides:
+    if not press.tangential:
         return patch(body.space, body.pad, body.normals, obstacle, reach, rings)
     path = press.motion.shift(press.time)
     deepest = reach / problem.REACH
@@ -133,6 +133,6 @@ def quasistatic(
     """Solve the contact of a reduced body at all times, without inertia."""
     prony, on = press.finger.prony, reduced.patch
     relaxation = Relaxation(np.array(prony.weights), np.array(prony.v), len(on.vertices))
-    if press.slides:
+    if press.tangential:
         return sliding.solved(press, reduced, relaxation, prescribed, report)
     return march(reduced.flexibility, on.gap, on.projected, relaxation, prescribed, report)

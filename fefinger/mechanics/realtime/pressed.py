@@ -16,7 +16,7 @@ from fefinger.fem.elements.probe import VOIGT
 from fefinger.mechanics import pressed
 from fefinger.mechanics.press import elastic_press
 from fefinger.mechanics.press.carried import METHOD, CarriedPress
-from fefinger.mechanics.press.notes import apart, yielding
+from fefinger.mechanics.press.notes import elastic_hard_parts_doubts, separate_relaxation_doubts
 from fefinger.mechanics.press.pad import first_moments, on_seen, whole_pad
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.realtime.loop import Step, check_finger, described, units
@@ -71,7 +71,7 @@ class Pressed:
     ) -> None:
         check_finger(finger)
         self.deepest = number("deepest", deepest, above=0, unit="mm")
-        for reason in (*apart(finger), *yielding(finger)):
+        for reason in (*separate_relaxation_doubts(finger), *elastic_hard_parts_doubts(finger)):
             raise InputError(f"{reason}; use the mechanics 'solid'")
         stages, motion = Stages(progress), Ramp(1.0, self.deepest, corner=0.0)
         scene = Scene(finger=finger, indenter=indenter, motion=motion, ask=Ask(spikes=TYPES))
