@@ -20,10 +20,10 @@ from fefinger.support.arrays import Array
 
 @dataclass(frozen=True)
 class Situation:
-    """A scene as its parts, the finger on the mesh that is considered, and what follows from them.
+    """A scene on one candidate mesh, with cached derived quantities that the planner's rules read.
 
-    Every property is computed when it is first read and then kept, so that mechanics which are
-    judged on one mesh share it.
+    Such as depth ratio, times and class of tissue. Each is computed when it is first read, and
+    shared by all mechanics that are rated on that mesh.
     """
 
     finger: Finger
@@ -51,9 +51,9 @@ class Situation:
 
     @cached_property
     def meshes(self) -> "tuple[Situation, ...]":
-        """The situation on each mesh that may be chosen; one where the scene states it.
+        """The situation on each mesh that may be chosen: one if the scene states its mesh.
 
-        Spike counts are checked on the next coarser mesh, so the coarsest is none for them.
+        With spikes the coarsest mesh is left out, as their counts are checked on a coarser one.
         """
         if self.finger.resolution != AUTO:
             return (self,)

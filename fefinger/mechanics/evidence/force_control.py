@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fefinger.mechanics.evidence.pressed_objects import place
+from fefinger.mechanics.evidence.pressed_objects import axis_and_value
 from fefinger.mechanics.evidence.table import Measured
 from fefinger.mechanics.situation import Situation
 
@@ -25,7 +25,9 @@ def steepness(case: Situation) -> float:
 
     It is 1 for a scene without comparable presses: a contact stiffens as it grows.
     """
-    if place(case.indenter) is None or not (case.published_tissue or case.calibrated_tissue):
+    if axis_and_value(case.indenter) is None or not (
+        case.published_tissue or case.calibrated_tissue
+    ):
         return 1.0
     return max(1.0, min(_power(each, case.depth_over_thickness) for each in case.force_curves))
 

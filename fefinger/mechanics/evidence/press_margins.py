@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 
-from fefinger.mechanics.evidence.pressed_objects import objects, place_on
+from fefinger.mechanics.evidence.pressed_objects import objects, value_on_axis
 from fefinger.mechanics.evidence.table import MAIN, PRESS_MESH, Measured, table
 from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.scene import library
@@ -25,7 +25,7 @@ LOCAL = ("pressure", "area")
 """Quantities that depend by chance on which vertices bear the pressure, at any depth."""
 
 DEPTHS = 2.0
-"""Factor of the depth within which deviations count: errors fall steeply from first touch on."""
+"""Factor on the depth within which deviations count: errors fall steeply from first touch on."""
 
 ABOUT = 1.25
 """Factor of the depth over which local errors under edges are taken together: two to four of the
@@ -36,15 +36,15 @@ Excess = tuple[Array, Array]
 
 
 def margin(excess: Excess, part: float | None) -> float:
-    """Quantile QUANTILE of the excess within DEPTHS of a relative depth; of all for None."""
+    """95 % quantile of the excess at depths within a factor 2 of `part` (of all depths if None)."""
     parts, values = excess
     near = values[[part is None or part / DEPTHS < each < part * DEPTHS for each in parts]]
     chosen = near if near.size else values
     return max(float(np.quantile(chosen, QUANTILE)), 0.0) if chosen.size else 0.0
 
 
-def unit(error: float, quantity: str) -> float:
-    """Return the unit of a margin: the error itself, or 1 for LOCAL quantities."""
+def margin_unit(error: float, quantity: str) -> float:
+    """Return what a margin is relative to: the error itself, or 1 for LOCAL quantities."""
     return 1.0 if quantity in LOCAL else error
 
 
@@ -58,7 +58,7 @@ def between_presses(candidate: Candidate, quantity: str, axis: str) -> Excess:
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     rows: dict[str, dict[float, Measured]] = {}
     for press in presses.values():
-        where = place_on(axis, press.object)
+        where = value_on_axis(axis, press.object)
         if where is not None:
             rows.setdefault(press.finger, {})[where] = press
     return _columns([each for row in rows.values() for each in _left_out(row, quantity)])
@@ -72,8 +72,10 @@ def _left_out(row: Mapping[float, Measured], quantity: str) -> Iterator[tuple[fl
         deepest = min(row[low].part[-1], row[high].part[-1])
         for part, value in zip(row[here].part, row[here].values, strict=True):
             if part <= deepest:
-                estimate = (1 - share) * at(row[low], part) + share * at(row[high], part)
-                yield part, (value - estimate) / unit(estimate, quantity)
+                estimate = (1 - share) * error_at(row[low], part) + share * error_at(
+                    row[high], part
+                )
+                yield part, (value - estimate) / margin_unit(estimate, quantity)
 
 
 @cache
@@ -87,7 +89,9 @@ def other_edges(candidate: Candidate, quantity: str, kind: str) -> Excess:
         for press in row:
             others = [other for other in row if other is not press]
             for part, value in zip(press.part, press.values, strict=True):
-                estimate = [about(other, part) for other in others if part <= other.part[-1]]
+                estimate = [
+                    largest_error_near(other, part) for other in others if part <= other.part[-1]
+                ]
                 if estimate:
                     excess.append((part, (value - max(estimate)) / 2))
     return _columns(excess)
@@ -104,8 +108,8 @@ def other_fingers(candidate: Candidate, quantity: str) -> Excess:
             parts = press.part * stiffer(main, exponent_of(press))
             for part, value in zip(parts, press.values, strict=True):
                 if part <= main.part[-1]:
-                    estimate = at(main, part)
-                    more.append((part, (value - estimate) / unit(estimate, quantity)))
+                    estimate = error_at(main, part)
+                    more.append((part, (value - estimate) / margin_unit(estimate, quantity)))
     return _columns(more)
 
 
@@ -114,12 +118,12 @@ def _columns(pairs: list[tuple[float, float]]) -> Excess:
     return parts, values
 
 
-def at(press: Measured, part: float) -> float:
+def error_at(press: Measured, part: float) -> float:
     """Return the error of a press at a relative depth, constant beyond the measured ones."""
     return float(np.interp(part, press.part, press.values))
 
 
-def about(press: Measured, part: float) -> float:
+def largest_error_near(press: Measured, part: float) -> float:
     """Return the largest error of a press within ABOUT of a relative depth.
 
     The vertices that an edge or ridge touches change with the depth, by chance.

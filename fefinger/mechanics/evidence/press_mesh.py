@@ -1,4 +1,4 @@
-"""Errors measured under many objects: of the mesh at finite strain, and of all that is cheaper.
+"""Errors read from presses that were measured under many objects, next to that of a scene.
 
 `reports/press-mesh.json` holds presses of the calibrated fingers and of published tissue. Finite
 strain on each mesh is compared with a finer mesh, every other mechanics with finite strain. The
@@ -16,22 +16,22 @@ import numpy as np
 from fefinger.mechanics.evidence import carrying, measured_tissue, reached_depth
 from fefinger.mechanics.evidence.press_margins import (
     LOCAL,
-    about,
-    at,
     between_presses,
+    error_at,
+    largest_error_near,
     margin,
+    margin_unit,
     other_edges,
     other_fingers,
     stiffer,
-    unit,
 )
 from fefinger.mechanics.evidence.pressed_objects import (
-    around,
-    aside,
-    between,
-    place,
-    place_on,
-    same,
+    axis_and_value,
+    neighbor_presses,
+    neighbors_without_itself,
+    presses_of_same_object,
+    tilted_or_off_center,
+    value_on_axis,
 )
 from fefinger.mechanics.evidence.table import MAIN, PRESS_MESH, Measured, table
 from fefinger.mechanics.situation import Situation
@@ -48,17 +48,17 @@ BEYOND = 1.06
 """Depth over that of the deepest press up to which the errors there count."""
 
 
-class Known(NamedTuple):
-    """An error and its source; not a number where it is not known, and the source says why."""
+class StatedError(NamedTuple):
+    """A relative error and its source; nan where it is not known, and the source says why."""
 
     error: float
     source: str
 
 
-UNKNOWN = Known(math.nan, "not known: it was not measured")
+UNKNOWN = StatedError(math.nan, "not known: it was not measured")
 
 
-def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Known:
+def error(candidate: Candidate, case: Situation, quantity: str = "force") -> StatedError:
     """Return the measured error of a quantity; at finite strain, that of the mesh.
 
     Small strain is wrong by more than the fine mesh differs from the standard one, as which it
@@ -68,7 +68,7 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
         candidate = candidate.measured
     estimate = _estimate(candidate, case, quantity)
     if isinstance(estimate, str):
-        return Known(math.nan, estimate)
+        return StatedError(math.nan, estimate)
     margin, value = math.hypot(*_margins(estimate, candidate, case, quantity)), estimate.value
     carried = carrying.error(case, quantity) if _carried(candidate, case) else 0.0
     if case.published_tissue:  # neither is the larger by far
@@ -79,7 +79,7 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Kno
     source = f"reports/{PRESS_MESH}, {pressed}: {percent(value)}"
     if margin:
         source += f", and {percent(margin)} of margin"
-    return Known(value + margin, source)
+    return StatedError(value + margin, source)
 
 
 class _Estimate(NamedTuple):
@@ -108,12 +108,14 @@ class _Estimate(NamedTuple):
 
 def _estimate(candidate: Candidate, case: Situation, quantity: str) -> _Estimate | str:
     """Estimate an error by the presses next to a scene; a sentence where none is comparable."""
-    names, reason = between(case.indenter)
+    names, reason = neighbor_presses(case.indenter)
     parts = _presses(candidate, case, quantity, names)
-    if len(parts) < len(names) and aside(case.indenter):
+    if len(parts) < len(names) and tilted_or_off_center(case.indenter):
         parts = []  # the missing press is the one that is like it
     if parts and not _deep_enough(parts):
-        parts = _presses(candidate, case, quantity, around(case.indenter)) or parts
+        parts = (
+            _presses(candidate, case, quantity, neighbors_without_itself(case.indenter)) or parts
+        )
     if not parts:
         return f"not known: {reason or 'nothing like it was pressed'}"
     if not _deep_enough(parts):
@@ -122,9 +124,9 @@ def _estimate(candidate: Candidate, case: Situation, quantity: str) -> _Estimate
             f"not known: it goes to {part:.2g} of the finger's thickness, and presses like it were "
             f"measured to {press.part[-1]:.2g}"
         )
-    read = about if case.indenter.sharp and quantity != "force" else at
+    read = largest_error_near if case.indenter.sharp and quantity != "force" else error_at
     values = [_through(case, press, read(press, part), quantity) for press, part in parts]
-    share = _share(place(case.indenter), parts)
+    share = _share(axis_and_value(case.indenter), parts)
     return _Estimate([press for press, _ in parts], parts[0][1], np.array(values), share)
 
 
@@ -134,21 +136,21 @@ def _margins(
     """Return the margins of an estimate: interpolation, other edges, other fingers."""
     # Which vertices bear the pressure is by chance at any depth.
     depth, margins = None if quantity in LOCAL else estimate.depth, []
-    where, object_ = place(case.indenter), case.indenter
+    where, object_ = axis_and_value(case.indenter), case.indenter
     if where is not None and estimate.share is not None:
         # Balls of nearly one curvature touch the same vertices; plates at an angle touch elsewhere.
         alike = where[0] == "curvature" and quantity not in LOCAL
         middle = 4 * estimate.share * (1 - estimate.share) if alike else 1.0
         excess = margin(between_presses(candidate, quantity, where[0]), depth)
-        margins.append(middle * excess * unit(estimate.value, quantity))
-    known = same(object_)
+        margins.append(middle * excess * margin_unit(estimate.value, quantity))
+    known = presses_of_same_object(object_)
     if object_.sharp and quantity != "force" and estimate.presses[0].object not in known:
         margins.append(margin(other_edges(candidate, quantity, object_.kind), depth))
     elsewhere = _measured_elsewhere(estimate, case, quantity)
     if elsewhere:
         other, value = _scatter_of(candidate, case, quantity, estimate.value)
         excess = margin(other_fingers(other, quantity), depth)
-        margins.append(elsewhere * excess * unit(value, quantity))
+        margins.append(elsewhere * excess * margin_unit(value, quantity))
     return margins
 
 
@@ -255,7 +257,7 @@ def _share(where: tuple[str, float] | None, parts: list[tuple[Measured, float]])
     if where is None or len(parts) != 2:
         return None
     axis, here = where
-    low, high = (place_on(axis, press.object) for press, _ in parts)
+    low, high = (value_on_axis(axis, press.object) for press, _ in parts)
     if low is None or high is None:
         return None
     return min(max((here - low) / (high - low), 0.0), 1.0)

@@ -1,4 +1,4 @@
-"""Objects of the presses in `reports/press-mesh.json`, and neighbors of an object among them."""
+"""Objects pressed in `reports/press-mesh.json`, and which of them are neighbors of an object."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -35,8 +35,8 @@ def objects() -> Mapping[str, Indenter]:
     return found
 
 
-def between(indenter: Indenter) -> tuple[tuple[str, ...], str]:
-    """Return the names of the neighboring presses of an object; without any, the reason.
+def neighbor_presses(indenter: Indenter) -> tuple[tuple[str, ...], str]:
+    """Return the names of the measured presses next to an object; without any, the reason.
 
     Neighbors of a plate are plates of the next smaller and larger angle; those of a ball are balls
     of the next curvatures, the 30 degree plate having 0; those of an object with edges are all of
@@ -47,18 +47,18 @@ def between(indenter: Indenter) -> tuple[tuple[str, ...], str]:
     return _edges(indenter) if indenter.sharp else _round(indenter)
 
 
-def same(indenter: Indenter) -> tuple[str, ...]:
-    """Return the names under which the same object was pressed."""
+def presses_of_same_object(indenter: Indenter) -> tuple[str, ...]:
+    """Return the names of the measured presses with the very same object."""
     return tuple(name for name, each in objects().items() if each == indenter)
 
 
-def around(indenter: Indenter) -> tuple[str, ...]:
-    """Return the neighbors of a plate or ball without itself; none for other objects."""
-    where = place(indenter)
+def neighbors_without_itself(indenter: Indenter) -> tuple[str, ...]:
+    """Return the measured presses next to a plate or ball, without its own; none for others."""
+    where = axis_and_value(indenter)
     if where is None:
         return ()
     axis, here = where
-    places = {name: place_on(axis, name) for name in objects()}
+    places = {name: value_on_axis(axis, name) for name in objects()}
     others = {name: there for name, there in places.items() if there is not None and there != here}
     return _beside(others, here)
 
@@ -154,7 +154,7 @@ def _last(known: Mapping[str, float], value: float, side: int) -> str:
     return min(there or known, key=lambda name: abs(known[name] - value))
 
 
-def aside(indenter: Indenter) -> bool:
+def tilted_or_off_center(indenter: Indenter) -> bool:
     """Whether an object is tilted, or away from the middle of the pad."""
     return distance(indenter) > NEAR or bool(indenter.plate is not None and indenter.plate.tilt)
 
@@ -164,12 +164,13 @@ def distance(indenter: Indenter) -> float:
     return float(np.hypot(*(indenter.place or (0.0, 0.0))))
 
 
-def place(indenter: Indenter) -> tuple[str, float] | None:
-    """Return the axis of comparison of an object and its value: "angle" of a plate in degrees.
+def axis_and_value(indenter: Indenter) -> tuple[str, float] | None:
+    """Return the axis on which an object is interpolated, and its value there; None without one.
 
-    "curvature" of a ball in 1/mm, where the 30 degree plate has 0; None for other objects.
+    The axis of a plate is "angle" in degrees, that of a ball "curvature" in 1/mm, on which the 30
+    degree plate has 0. Objects that are tilted or off center, and all others, have none.
     """
-    if aside(indenter):
+    if tilted_or_off_center(indenter):
         return None
     if indenter.flat is not None:
         return "angle", indenter.flat.angle
@@ -178,9 +179,9 @@ def place(indenter: Indenter) -> tuple[str, float] | None:
     return None
 
 
-def place_on(axis: str, name: str) -> float | None:
+def value_on_axis(axis: str, name: str) -> float | None:
     """Return the value of a pressed object on an axis; None if it has none."""
     if (axis, name) == ("curvature", PLATE):
         return 0.0
-    found = place(objects()[name])
+    found = axis_and_value(objects()[name])
     return found[1] if found is not None and found[0] == axis else None

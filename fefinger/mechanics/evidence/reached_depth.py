@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fefinger.mechanics.evidence.pressed_objects import PLATE, between
+from fefinger.mechanics.evidence.pressed_objects import PLATE, neighbor_presses
 from fefinger.mechanics.evidence.table import MAIN, PRESS_MESH, Measured, table
 from fefinger.mechanics.press.notes import stiffens
 from fefinger.results.candidate import Candidate
@@ -21,7 +21,7 @@ def curves(finger: Finger, indenter: Indenter) -> tuple[Measured, ...]:
     """
     forces = table().presses(PRESS_MESH, "force", Candidate("solid"))
     tissue = library.fitted_to(finger.tissue) or (MAIN if stiffens(finger) else library.PUBLISHED)
-    names, _ = between(indenter)
+    names, _ = neighbor_presses(indenter)
     for own in (tissue, MAIN) if stiffens(finger) else (tissue,):
         found = [forces[f"{own}/{name}"] for name in names if f"{own}/{name}" in forces]
         if found:

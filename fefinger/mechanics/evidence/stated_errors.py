@@ -1,7 +1,8 @@
 """The error that a mechanics states of a scene, from the presses that were measured.
 
-At finite strain that of the mesh, else of all that is left out. Added is what shorter time steps
-change (`reports/time-steps.json`).
+Finite strain: error of the mesh. Other mechanics: difference from finite strain. The error of the
+time steps (`reports/time-steps.json`) is added in quadrature. `pressed.error` adds the error of its
+convolution, `modal.error` that of its modes, and `plan` that of neglected inertia.
 """
 
 import math
@@ -10,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from fefinger.mechanics.evidence import measured_tissue, press_mesh
-from fefinger.mechanics.evidence.press_mesh import UNKNOWN, Known
+from fefinger.mechanics.evidence.press_mesh import UNKNOWN, StatedError
 from fefinger.mechanics.evidence.table import TIME_STEPS, table
 from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.situation import Situation
@@ -38,7 +39,7 @@ extrapolated from all three; letters and Braille have wider parts and err less (
 `mesh.py`)."""
 
 
-def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> Known:
+def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> StatedError:
     """Return the measured error of a quantity and its source.
 
     Not a number where nothing comparable was measured; the source then states the reason.
@@ -56,10 +57,10 @@ def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> 
         found = mesh if mesh.error > found.error else found
     paced = table().all(TIME_STEPS, f"error of {quantity}", Candidate(candidate.mechanics))
     steps = sum(each.value for each in paced)  # formulas have none
-    return Known(math.hypot(found.error, steps), found.source)  # independent of the mesh
+    return StatedError(math.hypot(found.error, steps), found.source)  # independent of the mesh
 
 
-def _raised(candidate: Candidate, case: Situation, quantity: str) -> Known:
+def _raised(candidate: Candidate, case: Situation, quantity: str) -> StatedError:
     """Return the error under raised parts: that of the mesh under them, and that under a plate.
 
     They were compared while they slide, by the mean force.
@@ -69,24 +70,26 @@ def _raised(candidate: Candidate, case: Situation, quantity: str) -> Known:
     plate = measured(candidate, replace(case, indenter=Flat(*(case.indenter.plate or ()))))
     mesh = RAISED[candidate.resolution]
     source = f"reports/friction.json: {percent(mesh)} of the mesh under raised parts"
-    return Known(mesh + plate.error, f"{source}; under a plate {plate.source}")
+    return StatedError(mesh + plate.error, f"{source}; under a plate {plate.source}")
 
 
-def _other_tissue(candidate: Candidate, case: Situation, quantity: str) -> Known:
+def _other_tissue(candidate: Candidate, case: Situation, quantity: str) -> StatedError:
     """Return the error of a mesh at small strain on published tissue, for a finger of other tissue.
 
     Tissue that stiffens in another way, and formulas, were not compared there.
     """
     finger = case.finger
     if not MECHANICS[candidate.mechanics].meshed or stiffens(finger):
-        return Known(math.nan, "not known: it was measured on published and calibrated tissue")
+        return StatedError(
+            math.nan, "not known: it was measured on published and calibrated tissue"
+        )
     alike = replace(case, finger=measured_tissue.of_published(finger))
     known = measured(candidate, alike, quantity)
     source = f"{known.source}, on tissue {library.PUBLISHED!r}"
     if not measured_tissue.soft_skin(finger):
-        return Known(known.error, source)
+        return StatedError(known.error, source)
     # Under an edge soft skin bends more than the published one, as it does under a plate.
     plate = replace(alike, indenter=Flat())
     bent = measured(candidate, plate, quantity) if case.indenter.sharp else known
     error = float(np.maximum(known.error, SOFT_SKIN * bent.error))
-    return Known(error, f"{source}, and {SOFT_SKIN:g} times as much for softer skin")
+    return StatedError(error, f"{source}, and {SOFT_SKIN:g} times as much for softer skin")

@@ -103,20 +103,21 @@ def modal_error(case: Situation) -> float:
 
 
 def press_error(case: Situation) -> float:
-    """Return the error of the force of a press by the truncation of modes, over its peak."""
+    """Return the error of the force in a press by leaving modes out, over its peak."""
     return left_out_by_modes(suddenness(case.motion, 1 / _last(case)))
 
 
 def left_out_by_modes(sudden: float) -> float:
-    """Return the error of the force of a press of a suddenness, over its largest."""
+    """Return the error of the force by leaving modes out, over its peak, for a `suddenness`."""
     return float(np.interp(sudden, *_envelope("press")))
 
 
 def suddenness(motion: Motion, cycle: float) -> float:
-    """Largest change of the mean speed from an eighth of a cycle to the next, over peak / cycle.
+    """Dimensionless measure of how suddenly a press changes its speed.
 
-    cycle: that of the last mode in s. The part of the motion that vibrates does not count. In an
-    eighth sharp and rounded presses of the same measure err alike.
+    The largest change of the mean speed from one eighth of a cycle to the next, over peak / cycle,
+    with the cycle in s of the last mode. Vibration of the motion does not count. Over eighths,
+    sharp and rounded presses of the same suddenness have the same error.
     """
     part = cycle / 8
 
@@ -153,7 +154,7 @@ def vibration_error(case: Situation) -> float:
 
 
 def geometric_share(part: float) -> float:
-    """Material over whole stiffness of a finger pressed by a part of its thickness, less 1.
+    """Material over total stiffness, less 1, of a finger preloaded by `part` of its thickness.
 
     The mean of the measured fingers: the stress of the preload lowers the stiffness and, other than
     the material, does not relax.

@@ -100,7 +100,7 @@ def between(
 def test_a_plate_or_ball_has_the_error_between_its_neighbors(
     indenter, names, share, places
 ) -> None:
-    assert set(pressed_objects.between(indenter)[0]) == set(names)
+    assert set(pressed_objects.neighbor_presses(indenter)[0]) == set(names)
     found, source = get("solid").error(case(indenter, 0.71))
     error, margin = between(names, share, places, 0.071)
     middle = 4 * share * (1 - share) if places is BALLS else 1.0
@@ -123,7 +123,7 @@ def test_a_plate_or_ball_has_the_error_between_its_neighbors(
     ids=str,
 )
 def test_any_other_object_has_the_largest_error_of_those_it_lies_between(indenter, names) -> None:
-    assert set(pressed_objects.between(indenter)[0]) == set(names)
+    assert set(pressed_objects.neighbor_presses(indenter)[0]) == set(names)
     found, source = get("solid").error(case(indenter, 0.7))
     known = max(in_press(f"a.h./{name}", "solid standard", 0.07) for name in names)
     assert found == pytest.approx(np.hypot(known, steps()), rel=1e-9)

@@ -12,7 +12,7 @@ from fefinger.mechanics.evidence import (
     press_mesh,
     reached_depth,
 )
-from fefinger.mechanics.evidence.pressed_objects import between
+from fefinger.mechanics.evidence.pressed_objects import neighbor_presses
 from fefinger.mechanics.evidence.table import PRESS_MESH, read
 from fefinger.mechanics.situation import Situation
 
@@ -50,7 +50,7 @@ def test_between_two_objects_the_deeper_press_counts() -> None:
 
 def test_an_object_like_no_press_counts_as_the_plate() -> None:
     steep = ff.Flat(30, tilt=45.0)
-    assert not between(steep)[0]
+    assert not neighbor_presses(steep)[0]
     assert part(1.0, "maeno1998", steep) == part(1.0, "maeno1998")
 
 
