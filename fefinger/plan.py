@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from fefinger import mechanics as ladder
+from fefinger.mechanics import QUICKEST, get, names
 from fefinger.mechanics.evidence import force_control, machine, vibration, wall_time
 from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.situation import Situation
@@ -79,9 +79,9 @@ def choose(scene: Scene | str | Path, mechanics: str | None = None, *, every: bo
     if every or case.ask.seconds is not None:
         machine.seconds()
     if mechanics is not None:
-        choice("mechanics", mechanics, ladder.names())
+        choice("mechanics", mechanics, names())
     elif (mechanics := case.ask.mechanics) is not None:
-        choice("ask.mechanics", mechanics, ladder.names())
+        choice("ask.mechanics", mechanics, names())
     considered = _ladder(case, every=every, named=mechanics)
     chosen = _cheapest(case, considered) if mechanics is None else _named(considered, mechanics)
     settings = _settings(case, chosen)
@@ -113,9 +113,9 @@ def _ladder(case: Situation, *, every: bool, named: str | None) -> tuple[Rung, .
     """Rate the mechanics in turn, on every mesh that the scene leaves open."""
     considered: list[Rung] = []
     inertia = _Inertia(case)
-    for name in ladder.names():
+    for name in names():
         willing = [rung for rung in considered if _willing(rung)]
-        quick = any(rung.seconds < ladder.QUICKEST * machine.slowness({}) for rung in willing)
+        quick = any(rung.seconds < QUICKEST * machine.slowness({}) for rung in willing)
         if quick and MECHANICS[name].meshed and not every and named is None:
             continue
         if named in (None, name) or every:
@@ -137,9 +137,9 @@ class _Inertia:
     @cached_property
     def avoidable(self) -> bool:
         """Whether `modal` can solve the scene; else a motion that is too fast gets a warning."""
-        if MODAL not in ladder.names():
+        if MODAL not in names():
             return False
-        return not _about_ability(ladder.get(MODAL).refuse(self.case.meshes[0]))
+        return not _about_ability(get(MODAL).refuse(self.case.meshes[0]))
 
     def refusals(self, name: str) -> tuple[Refusal, ...]:
         """Refuse where the oscillation without inertia is off by more than what is allowed."""
@@ -164,7 +164,7 @@ def _rungs(name: str, case: Situation, inertia: _Inertia) -> Iterator[Rung]:
     """Yield the rungs of one mechanics, one per mesh; a single one where it is not able."""
     meshed = MECHANICS[name].meshed
     for each in case.meshes if meshed else (case,):
-        refusals = ladder.get(name).refuse(each)
+        refusals = get(name).refuse(each)
         if _about_ability(refusals):
             yield Rung(name, math.nan, math.nan, "not able", refusals)
             return
@@ -176,7 +176,7 @@ def _rung(
 ) -> Rung:
     """Look up cost and error of one candidate, with refusals where they exceed those of `ask`."""
     name = candidate.mechanics
-    mechanics, ask = ladder.get(name), case.ask
+    mechanics, ask = get(name), case.ask
     seconds, (error, evidence) = mechanics.cost(case), mechanics.error(case)
     left_out = () if name == MODAL else inertia.refusals(name)
     whole = error
@@ -311,7 +311,7 @@ def _sentence(
     how = "as named" if named else "the cheapest that does not refuse"
     sentence = f"{chosen.mechanics}, {how}. {_computed(settings)}{_built(case, chosen)}"
     tried = {rung.mechanics for rung in considered}
-    left_out = [name for name in ladder.names() if name not in tried]
+    left_out = [name for name in names() if name not in tried]
     if left_out and not named:
         sentence += f" Not considered, because slower and not needed: {', '.join(left_out)}."
     if chosen.refusals:
@@ -336,6 +336,6 @@ def _built(case: Situation, rung: Rung) -> str:
     if rung.resolution is None:
         return ""
     on_mesh = case.on(rung.resolution)
-    again = rung.seconds - ladder.get(rung.mechanics).once(on_mesh)
+    again = rung.seconds - get(rung.mechanics).once(on_mesh)
     first = rung.wall - wall_time.wall(rung.mechanics, on_mesh, again)
     return f" What is built once and kept takes {duration(first)} of the time." if first else ""

@@ -56,8 +56,8 @@ LADDER = {
 
 @pytest.fixture
 def four(monkeypatch):
-    monkeypatch.setattr(mechanics, "names", lambda: tuple(LADDER))
-    monkeypatch.setattr(mechanics, "get", LADDER.__getitem__)
+    monkeypatch.setattr(plan, "names", lambda: tuple(LADDER))
+    monkeypatch.setattr(plan, "get", LADDER.__getitem__)
     monkeypatch.setattr(wall_time, "threads", lambda: 1)  # their seconds are wall time
 
 
