@@ -1,7 +1,7 @@
 """Hertz contact of a viscoelastic half-space: a scene in milliseconds.
 
-`theory/contact/hertz.py` is the formula, `validation/fem/hertz.py` the proof of the elements.
-`theory/contact/ting.py` makes it right on unloading, loss of contact and touching again.
+`theory/contact/hertz.py` has the formula, with which `validation/fem/hertz.py` compares the finite
+elements. `theory/contact/ting.py` extends it to unloading, loss of contact and renewed contact.
 """
 
 import math

@@ -1,7 +1,7 @@
-"""Contact of relaxing skin and subcutaneous tissue over rigid bone, flat and exact.
+"""Contact with flat viscoelastic layers of skin and subcutaneous tissue on rigid bone, exact.
 
 In `theory/contact/`, `stack.py` and `indentation.py` are the equations, `contact_table.py` the
-contacts solved once per stack, and `ting.py` makes them right on unloading and touching again. The
+contacts solved once per stack, and `ting.py` extends them to unloading and renewed contact. The
 first press of a stack takes a quarter of a second, another one some 30 ms
 (`reports/small-strain-cost.json`).
 """

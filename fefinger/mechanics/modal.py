@@ -30,7 +30,7 @@ INERTIA = (
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return why it should not answer: what `condensed` or `pressed` refuses, or its band."""
+    """Return the reasons against it: those of its statics, friction or a path, too fast motion."""
     base = _base(case.finger)
     shared = tuple(replace(refusal, mechanics=name) for refusal in base.refuse(case))
     if any(refusal.about == "ability" for refusal in shared):

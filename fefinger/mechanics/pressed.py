@@ -1,4 +1,4 @@
-"""Finite strain in a second: the elastic press of `solid`, tabulated by depth, along any motion.
+"""Finite strain by a pre-solved table: elastic solutions over depth, with relaxation convolved.
 
 With one relaxation for the whole stress, contact at finite strain is nearly the elastic contact of
 the same depth, carried by a hereditary integral (`theory/contact/one_spring.py`). The table

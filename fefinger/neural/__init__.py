@@ -4,8 +4,8 @@ A spike is made in `recorded_vectorized.py` (family `recorded`, called by `recor
 or, step by step, by `recorded_streaming_step.py`) or `membranes/` (family `thesis`, called by
 `units.py`).
 
-The room takes arrays and is independent of mesh, finite elements and scene. The public names work
-on the spikes of a run, `ff.run(scene).spikes` and its `times`:
+This package takes arrays and is independent of mesh, finite elements and scene. The public names
+work on the spikes of a run, `ff.run(scene).spikes` and its `times`:
 
     from fefinger.neural import locking, psth
 """

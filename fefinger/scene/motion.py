@@ -96,9 +96,10 @@ class Motion(ABC):
         return np.zeros((*np.shape(t), 2))
 
     def heading(self, t: ArrayLike) -> Array:
-        """Return the direction (..., 2) in which a plate slides, shorter where it is not at speed.
+        """Return the direction (..., 2) in which a plate slides: a unit vector at full speed.
 
-        Where it stops it stays. It is zero without a slide along a line.
+        It is shorter below full speed, stays as it was where the plate stops, and is zero without
+        a slide along a line.
         """
         return np.zeros((*np.shape(t), 2))
 

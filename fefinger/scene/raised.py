@@ -29,7 +29,7 @@ SHORTEST = 4 * FINEST
 
 
 class Room(NamedTuple):
-    """Width in mm that sizes of an object leave to a flank, and the field to change."""
+    """Largest width in mm of a flank that the sizes of an object allow, and the field to change."""
 
     field: str
     sizes: str

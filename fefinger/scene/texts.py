@@ -61,7 +61,7 @@ class Text(Raised):
 
     @property
     def extent(self) -> Extent:
-        """Ranges in mm of x and y on which there is plate."""
+        """Ranges in mm of x and y that the plate under the text covers."""
         length, height = self.box
         across = height / 2 + MARGIN
         return (self.start - MARGIN, self.start + length + MARGIN), (-across, across)

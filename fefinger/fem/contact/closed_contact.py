@@ -47,10 +47,11 @@ class ClosedContact:
         rates: Array,
         inertia: Array | None = None,
     ) -> "ClosedContact":
-        """Hold modes (n,), with shares (n, k) on the k loads in contact and the rest (k, k).
+        """Compute the modes of a body that the indenter holds from those of the free body.
 
-        direction (k,): displacement under the loads per unit of motion; inertia (k, k): the second
-        static term, or none.
+        squares (n,) and shares (n, k): of the free modes, on the k loads in contact; rest (k, k):
+        residual flexibility; direction (k,): displacement under the loads per unit of motion;
+        inertia (k, k): residual inertia, the second static term, or none.
         """
         factor = linalg.cho_factor(rest)
         carried_rest = linalg.cho_solve(factor, direction)

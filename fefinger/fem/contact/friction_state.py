@@ -1,4 +1,4 @@
-"""State of the compiled contact with friction, and which vertices are in question."""
+"""State of the compiled contact solver with friction, and its block of active vertices."""
 
 from typing import NamedTuple
 
@@ -14,10 +14,10 @@ the last matrix, and whether its inverse is at hand."""
 
 
 class FrictionState(NamedTuple):
-    """State of the contact problem with friction: F x + b against both projections.
+    """State of the solver of contact with friction: pressures and tractions x, displacements F x.
 
-    flexibility F (3n, 3n); mu (n,) of the vertices; x and moved = F x (3n,); block (3n, 3n): rows
-    of the vertices `where` (n,) in question, whose position is `place` (n,) or -1; compressed,
+    flexibility F (3n, 3n); mu (n,) of the vertices; x and moved = F x (3n,); block (3n, 3n): F
+    of the active vertices `where` (n,), whose position in it is `place` (n,) or -1; compressed,
     constant and rest (3n,): x, b and F x + b of the block; before and start (3n,): ends of a Newton
     step; vertex and extra (3n,), column and row (3n, 3), code and kept (3n,): its unknowns, and
     those of the last matrix, with its inverse (3n, 3n); counts (5,); residual (1,): of the last

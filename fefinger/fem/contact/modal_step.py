@@ -1,12 +1,13 @@
-"""Compiled contact step of a body of viscoelastic modes, and of the flexibility they leave over.
+"""Compiled contact step of a body of viscoelastic modes with residual flexibility.
 
-The displacement of the pad is u = R y + sum of phi_k a_k: R is the static flexibility less that of
-the modes, y the elastic pressure as in `step_compiled`, a_k the amplitudes of `oscillators`. A step
-ends at u = F p + what the past left, with F = R / g + sum of phi_k b_k phi_k', b_k >= 0: contact is
-the complementarity problem of statics with another F. What touches has no mass of its own but that
-of the modes, so that contact opens and closes without chatter (Khenous, Laborde and Renard, Eur. J.
-Mech. A 27:918, 2008). Pressures that alternate from step to step move no mode that swings: closed
-contact lets no error grow, however long the step.
+The displacement of the pad is u = R y + sum of phi_k a_k: R is the residual flexibility (the static
+one less that of the modes, a static correction for the modes left out), y the elastic pressure as
+in `step_compiled`, a_k the amplitudes of `oscillators`. A step ends at u = F p + what the past
+left, with F = R / g + sum of phi_k b_k phi_k', b_k >= 0: contact is the complementarity problem of
+statics with another F. What touches has no mass of its own but that of the modes, so that contact
+opens and closes without chatter (Khenous, Laborde and Renard, Eur. J. Mech. A 27:918, 2008).
+Pressures that alternate from step to step move no mode that swings: closed contact lets no error
+grow, however long the step.
 
 In a static step (a rest, too long for the modes) they deform as in statics; their own past goes on.
 """
@@ -35,7 +36,8 @@ from fefinger.support.arrays import Array
 class ModalState(NamedTuple):
     """State of the modes and the factors of a step.
 
-    shares (n, n_pad): work of each unit load on each mode; rest R (n_pad, n_pad); residues (n, s);
+    shares (n, n_pad): work of each unit load on each mode; rest (n_pad, n_pad): residual
+    flexibility R; residues (n, s);
     filtered (n, s): the force of each mode, filtered by each of its poles; force, earlier (n,):
     at the end of the last step and of the one before; amplitude, known (n,): at the end, and what
     the past leaves of it; moved (n_pad,): R p; pressed, factor (n_pad,): work, the loaded vertices

@@ -31,7 +31,7 @@ class Rigid(Protocol):
         """Return the distance along the axis (...,) mm and the obstacle's normals (..., 3)."""
 
     def beyond(self, points: Array) -> Flags:
-        """Return whether the shape that is meant has ended at points (..., 3)."""
+        """Return whether points (..., 3) lie beyond the rim of the obstacle's shape."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Obstacle:
         return distance, gradient / np.linalg.norm(gradient, axis=-1, keepdims=True)
 
     def beyond(self, points: Array) -> Flags:
-        """Return whether the shape that is meant has ended at points (..., 3)."""
+        """Return whether points (..., 3) lie beyond the rim of the obstacle's shape."""
         return self.profile.beyond(((points - self.origin) @ self.frame.T)[..., :2])
 
     def implicit(self, points: Array, depth: float = 0.0) -> tuple[Array, Array]:

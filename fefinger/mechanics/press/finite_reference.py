@@ -46,7 +46,10 @@ def reference_state(press: Press, elements: Continuum, plate: Obstacle) -> State
     path = Path("depth", np.linspace(0, 1, STEPS + 1), lambda t: REFERENCE_DEPTH * t)
     follow(equilibrium, StressHistory(elements, {}), path, lambda _, state: states.append(state))
     if (states[-1].pressure[contact.on.border] > 0).any():
-        message = "reference press: contact left its patch; the pad is much flatter than expected"
+        message = (
+            "reference press: expected contact inside its candidate vertices, but it left them, as "
+            "if the pad was much flatter than a fingertip; check the shape of the finger"
+        )
         raise ConvergenceError(message)
     return states[-1]
 

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from fefinger.fem.contact.obstacle import Obstacle
 
 NOTHING_UNDER = (
-    "indenter: expected it over the pad, received one that hardly a vertex of the pad is under; "
-    "move it, or take a larger indenter or a finer mesh (finger.resolution)"
+    "indenter: expected at least 3 vertices of the pad under it, received fewer; move it over the "
+    "pad, or take a larger indenter or a finer mesh (finger.resolution)"
 )
 
 FEWEST = 3
@@ -52,7 +52,10 @@ def unresolved(depth: float) -> str:
 
 def spread_beyond(reach: float) -> str:
     """Error message for contact that spread beyond all candidates, to a gap of `reach` mm."""
-    return f"contact: it spread beyond every patch tried, up to a gap of {reach:.3g} mm"
+    return (
+        "contact: expected it inside the candidate vertices, but it spread beyond all within a gap "
+        f"of {reach:.3g} mm at first touch, the most that are tried; press less"
+    )
 
 
 def check_reached(motion: Motion, pulp: float, deepest: float) -> None:

@@ -1,4 +1,4 @@
-"""A finger on a patch as modes, and the static flexibility that they leave over."""
+"""A finger on a patch as modes with residual flexibility (static correction)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -18,10 +18,11 @@ from fefinger.support.threads import one_thread
 
 @dataclass(frozen=True)
 class ModalBody:
-    """Response of a body to loads on a patch: that of its modes, and the static rest.
+    """Response of a body to loads on a patch: that of its modes, and the static correction.
 
     static: the response without inertia; oscillators: the modes; shares (n, n_pad): work of each
-    unit load on each mode; rest (n_pad, n_pad) the flexibility less that of the modes; strain
+    unit load on each mode; rest (n_pad, n_pad): the residual flexibility, which is that of
+    `static` less that of the modes; strain
     (n_rows, n) and normal_displacement (n_near, n) of each mode, as those of `static`.
     """
 
@@ -34,7 +35,7 @@ class ModalBody:
 
     @property
     def complete(self) -> Reduced:
-        """Response to the elastic pressures of the rest, followed by the amplitudes of modes."""
+        """Response to pressures on the residual flexibility, then to amplitudes of the modes."""
         part = self.shares.T / self.oscillators.squares
         strain = np.hstack([self.static.strain - self.strain @ part.T, self.strain])
         normal = self.static.normal_displacement - self.normal_displacement @ part.T
@@ -42,9 +43,9 @@ class ModalBody:
         return replace(self.static, strain=strain, normal_displacement=moved)
 
     def below(self, glassy: float) -> "ModalBody":
-        """Return the same body with the modes that are below a frequency in Hz in sudden strain.
+        """Return the body with only the modes of glassy frequencies below `glassy` in Hz.
 
-        The others deform as in statics.
+        Those are with the modulus of a sudden strain. The others deform as in statics.
         """
         chosen = np.flatnonzero(self.oscillators.glassy < 2 * np.pi * glassy)
         return self.only(chosen)
@@ -78,7 +79,7 @@ def modal(
     strain: Array,
     normal: Array,
 ) -> ModalBody:
-    """Take the flexibility of the modes from the static one, and keep the rest."""
+    """Make a body from its modes, with the residual flexibility that they leave."""
     rest = static.flexibility - (shares.T / oscillators.squares) @ shares
     return ModalBody(static, oscillators, shares, (rest + rest.T) / 2, strain, normal)
 
@@ -113,9 +114,9 @@ def stiffened(static: Reduced, factor: float) -> Reduced:
 
 @one_thread
 def rest_inertia(finger: Finger, solid: Operator, moved: Array, modes: Array) -> Array:
-    """Second static term (k, k): mass of the displacement that modes leave over.
+    """Residual inertia (k, k), the second static term: mass of the residual displacement.
 
-    The integral of density times the product of the rest's displacements under two unit loads:
+    The integral of density times the product of the residual displacements under two unit loads:
     K^-1 M K^-1 less phi phi' / w^4, in kg mm²/mN². moved (n_unknowns, k): unknowns of the relaxed
     body under each load; modes (n, k): amplitudes of the modes in them.
     """

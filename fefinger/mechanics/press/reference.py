@@ -29,7 +29,10 @@ def reference_press(
     free = reduced.patch.gap - REFERENCE_DEPTH * reduced.patch.projected
     pressure = Complementarity(reduced.flexibility).solve(free)
     if (pressure[reduced.patch.border] > 0).any():
-        message = "reference press: contact left its patch; the pad is much flatter than expected"
+        message = (
+            "reference press: expected contact inside its candidate vertices, but it left them, as "
+            "if the pad was much flatter than a fingertip; check the shape of the finger"
+        )
         raise ConvergenceError(message)
     strain = tensors((reduced.strain @ pressure).reshape(-1, 6))
     return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)
