@@ -41,10 +41,10 @@ def relative_error(
     the contact; gaps (n_candidates,) mm³; load mN: the largest one so far.
     """
     projected, n = contact.projected, body.space.n_displacements
-    load = max(load, target.small)
+    load = max(load, target.force_floor)
     size = max(abs(state.depth), float(np.abs(state.values[:n]).max(initial=0.0)))
-    shallow = target.small / body.scale / float(np.sqrt(projected.sum()))
-    size = max(size, target.shallow, shallow)
+    shallow = target.force_floor / body.scale / float(np.sqrt(projected.sum()))
+    size = max(size, target.depth_floor, shallow)
     forces = float(np.linalg.norm(residual[free[free < n]]))
     volumes = float(np.abs(residual[n:]).sum()) / body.scale
     apart = np.where(state.pressure > 0, np.abs(gaps), np.maximum(-gaps, 0.0)) / projected
@@ -55,7 +55,7 @@ def relative_error(
     ]
     if target.control == "force":
         reached = float(projected @ state.pressure)
-        most = max(target.value, reached, target.small, 1e-300)
+        most = max(target.value, reached, target.force_floor, 1e-300)
         errors.append(abs(reached - target.value) / most)
     worst = max(errors)
     return worst if np.isfinite(worst) else np.inf

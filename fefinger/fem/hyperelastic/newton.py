@@ -118,7 +118,7 @@ class Equilibrium:
         if target.control == "depth":
             start = replace(start, depth=target.value)
         if np.abs(target.drag - self._factored.drag).max() > SAME_DRAG:
-            self._factored.pull(self.contact.at(start), target.drag)
+            self._factored.set_loads(self.contact.at(start), target.drag)
         try:
             return self._search(start, target)
         except ConvergenceError:
@@ -284,11 +284,11 @@ class Equilibrium:
             renewed, self.system.free, gap.loads, gain, support, gap.fold_stiffness
         )
         if target.drag.any():
-            factored.pull(gap, target.drag)
+            factored.set_loads(gap, target.drag)
         if target.control == "force":  # else the obstacle stays where it is
             rigid = np.zeros(self.body.space.n_unknowns)
             rigid[: self.body.space.n_displacements].reshape(-1, 3)[:] = self.contact.obstacle.axis
-            factored.follow(stiffness @ rigid)
+            factored.set_travel_load(stiffness @ rigid)
         return factored
 
     def _blend(self, iterate: Iterate, target: Target, share: float) -> float:

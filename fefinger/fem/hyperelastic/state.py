@@ -46,11 +46,17 @@ class Target:
     drag: Array = field(default_factory=lambda: np.zeros(3))
 
     @property
-    def small(self) -> float:
-        """Smallest force in mN by which a force error is divided; 0 under depth control."""
+    def force_floor(self) -> float:
+        """Floor in mN of the force in the denominator of the relative force error.
+
+        0 under depth control.
+        """
         return SMALL_FORCE * self.peak if self.control == "force" else 0.0
 
     @property
-    def shallow(self) -> float:
-        """Smallest depth in mm by which a gap error is divided; 0 under force control."""
+    def depth_floor(self) -> float:
+        """Floor in mm of the depth in the denominator of the relative gap error.
+
+        0 under force control.
+        """
         return SMALL_FORCE * self.peak if self.control == "depth" else 0.0

@@ -40,14 +40,13 @@ class FactoredTangent:
         self._take(loads, loads)
         self._woodbury: tuple[sparse.csc_matrix, Array, Array] | None = None
 
-    def follow(self, pull: Array) -> None:
-        """Take the load `pull` (n_unknowns,) mN/mm of a contact stiffness that travels.
+    def set_travel_load(self, load: Array) -> None:
+        """Set the displacement per mm of travel, from the load C e (n_unknowns,) mN/mm.
 
         A contact stiffness C in K0 resists motion against the obstacle, not motion with it: over a
-        travel dd its force is C (v - dd e), e being the rigid motion of the obstacle. `pull` is
-        C e.
+        travel dd its force is C (v - dd e), e being the rigid motion of the obstacle.
         """
-        self.following = self.solve(pull)
+        self.following = self.solve(load)
 
     def travel(self, loads: sparse.csc_matrix, projected: Array) -> tuple[Array, Array]:
         """Return displacement (n,) and closing of the gaps (n_candidates,) mm² per mm of travel.
@@ -61,8 +60,8 @@ class FactoredTangent:
             return self.following, closing
         return np.zeros_like(self.following), projected
 
-    def pull(self, gap: DeformedGap, drag: Array) -> None:
-        """Take loads at the present gaps, with friction of the vector `drag` (3,).
+    def set_loads(self, gap: DeformedGap, drag: Array) -> None:
+        """Replace the contact loads by those at the present gaps, with the friction `drag` (3,).
 
         The tangent stays, without the derivative of the friction by the displacements.
         """

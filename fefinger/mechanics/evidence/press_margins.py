@@ -72,9 +72,8 @@ def _left_out(row: Mapping[float, Measured], quantity: str) -> Iterator[tuple[fl
         deepest = min(row[low].part[-1], row[high].part[-1])
         for part, value in zip(row[here].part, row[here].values, strict=True):
             if part <= deepest:
-                estimate = (1 - share) * error_at(row[low], part) + share * error_at(
-                    row[high], part
-                )
+                below, above = error_at(row[low], part), error_at(row[high], part)
+                estimate = (1 - share) * below + share * above
                 yield part, (value - estimate) / margin_unit(estimate, quantity)
 
 

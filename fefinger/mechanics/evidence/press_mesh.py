@@ -113,9 +113,8 @@ def _estimate(candidate: Candidate, case: Situation, quantity: str) -> _Estimate
     if len(parts) < len(names) and tilted_or_off_center(case.indenter):
         parts = []  # the missing press is the one that is like it
     if parts and not _deep_enough(parts):
-        parts = (
-            _presses(candidate, case, quantity, neighbors_without_itself(case.indenter)) or parts
-        )
+        others = neighbors_without_itself(case.indenter)
+        parts = _presses(candidate, case, quantity, others) or parts
     if not parts:
         return f"not known: {reason or 'nothing like it was pressed'}"
     if not _deep_enough(parts):

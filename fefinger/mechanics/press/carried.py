@@ -18,9 +18,9 @@ from fefinger.mechanics.press.fields import finite_strain_fields
 from fefinger.mechanics.press.finite_reference import reference_strain
 from fefinger.mechanics.press.hard_parts import with_nail
 from fefinger.mechanics.press.history import frames_of
-from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
+from fefinger.mechanics.press.pad import centroid, on_neighborhood, whole_moment, whole_pad
 from fefinger.mechanics.press.problem import Press, SolutionMethod
-from fefinger.mechanics.press.response import answered, deepest_penetration, exactness
+from fefinger.mechanics.press.response import deepest_penetration, exactness, make_response
 from fefinger.mechanics.press.small_strain import WHOLE_MESH
 from fefinger.neural.reference import Reference
 from fefinger.results.records import Fields, Response
@@ -161,7 +161,7 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
         if press.pressure:
             seen = carried.contact.neighborhood
             pad, column = whole_pad(press.body, seen)
-            seen_pressure = on_seen(pressure, seen)[:, column]
+            seen_pressure = on_neighborhood(pressure, seen)[:, column]
             area = np.interp(shares.edge, table.nodes, table.bounded(table.area))
             middle = centroid(pad, seen_pressure)
             gap = _gaps(carried, shares)[:, column]
@@ -172,7 +172,7 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
             strain = np.tensordot(shares.strain, carried.strain(press.sites.points), 1)
         reference = carried.reference()
     penetration = deepest_penetration(table.gap)
-    return answered(
+    return make_response(
         press,
         stages,
         len(carried.contact),

@@ -1,4 +1,4 @@
-"""A smooth plate that slides over a finger at finite strain: friction in the direction it moves.
+"""Friction of a smooth sliding plate at finite strain: gross slip only, no stick.
 
 The surface of a plate that moves in its plane stays where it is: only friction makes the finger
 notice. Once the whole contact slips, the traction is the kinetic coefficient times the pressure in
@@ -12,7 +12,7 @@ import numpy as np
 
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press.history import FiniteStrainHistory
-from fefinger.mechanics.press.pad import on_seen
+from fefinger.mechanics.press.pad import on_neighborhood
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Lateral
 from fefinger.support.arrays import Array, Flags, Integers
@@ -60,7 +60,7 @@ class Dragged:
         return cls(
             time=steps.time,
             moved=steps.smooth(history.moved @ across.T),
-            touching=on_seen(pressure, history.contact.neighborhood) > 0,
+            touching=on_neighborhood(pressure, history.contact.neighborhood) > 0,
             heading=press.motion.heading(steps.time),
             shift=press.motion.shift(steps.time),
         )
@@ -129,7 +129,7 @@ def lateral(
     friction, slip = press.kinetic * skin.heading, skin.slip
     signs = np.ones((len(column), 2))
     signs[len(history.contact.neighborhood.vertices) :, 1] = -1.0
-    seen = on_seen(pressure, history.contact.neighborhood)
+    seen = on_neighborhood(pressure, history.contact.neighborhood)
     areas = history.contact.projected
     slid = np.diff(slip, axis=0)[:, : len(areas)]
     for begin, end in skin.passes():  # until all of it slips, it has moved as it was pulled

@@ -48,8 +48,8 @@ def depths(thickness: float, least: float) -> Array:
     return np.concatenate([[0.0], deep * steps**2])
 
 
-def no_deeper(depth: float) -> Array:
-    """Return depths (n,) mm from 0 to the depth in mm that must not be exceeded."""
+def depths_up_to(depth: float) -> Array:
+    """Return depths (n,) mm from 0 to a depth in mm, for a table that goes no deeper."""
     return np.asarray(depth * (np.concatenate([[0.0], np.arange(1.0, FEWEST + 1)]) / FEWEST) ** 2)
 
 
@@ -65,31 +65,31 @@ def solve(
     """
     thickness, wanted = press.finger.thickness, force / NEWTON_PER_MILLINEWTON / press.sides
 
-    def enough(depth: float, borne: float) -> bool:
+    def reached_target(depth: float, borne: float) -> bool:
         return borne >= wanted and (not further or depth >= PART * thickness * (1 - 1e-9))
 
     tried = depths(thickness, FARTHEST * thickness if force else least)
     if press.standard:  # the reference press is one of its depths
         tried = np.union1d(tried, REFERENCE_DEPTH)
     if force:
-        table = _solved(press, tried, stages, enough)
+        table = _solved(press, tried, stages, reached_target)
         if further or len(table.depth) > FEWEST:
             return table
-        return _solved(press, no_deeper(table.deepest), stages)
+        return _solved(press, depths_up_to(table.deepest), stages)
     if further:
         try:
             return _solved(press, tried, stages)
         except (InputError, ConvergenceError):
             if not least:
                 raise
-    return _solved(press, no_deeper(least), stages)
+    return _solved(press, depths_up_to(least), stages)
 
 
 def _solved(
     press: Press,
     wanted: Array,
     stages: Stages,
-    enough: Callable[[float, float], bool] = lambda depth, force: False,
+    reached_target: Callable[[float, float], bool] = lambda depth, force: False,
 ) -> DepthTable:
     """Solve the table at the `wanted` depths (n,) in mm, until it has reached its target."""
     with stages.stage("factor") as report:
@@ -109,7 +109,7 @@ def _solved(
         lambda: StressHistory(elements, {}),
         LoadSteps(times, wanted, np.arange(len(wanted)), times, np.array([0, len(wanted) - 1])),
         frozenset(range(len(wanted))),
-        enough,
+        reached_target,
     )
     history = follow_course(whole, elements, course, stages, BUDGET)
     if history.halt:

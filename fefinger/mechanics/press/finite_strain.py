@@ -149,7 +149,7 @@ class _RimReachedError(Exception):
     """Ends a solution early: contact has reached the rim of its candidates, or of the pad."""
 
 
-class _EnoughError(Exception):
+class _TargetReachedError(Exception):
     """Ends a solution early: the press has reached its target."""
 
 
@@ -184,8 +184,8 @@ class _Recorder:
             self.frames[number] = state.values
         if (state.pressure[self.rim] > 0).any():
             raise _RimReachedError
-        if self.course.enough(state.depth, float(self.contact.projected @ state.pressure)):
-            raise _EnoughError
+        if self.course.reached_target(state.depth, float(self.contact.projected @ state.pressure)):
+            raise _TargetReachedError
 
     def _moment(self, state: State) -> Array:
         """Return the moment (3,) mN mm of the pressure about the origin."""
@@ -199,14 +199,15 @@ class _Recorder:
 class Course:
     """Load path of a press, its stress, the steps of the answer, and those whose state is kept.
 
-    enough: whether the press may end at a depth in mm that bears a force in mN on the meshed part.
+    reached_target: whether the press may end at a depth in mm that bears a force in mN on the
+    meshed part.
     """
 
     path: Path
     stress: Callable[[], StressHistory]
     steps: LoadSteps
     frames: frozenset[int]
-    enough: Callable[[float, float], bool] = lambda depth, force: False
+    reached_target: Callable[[float, float], bool] = lambda depth, force: False
 
 
 def follow_course(
@@ -260,7 +261,7 @@ def _on_candidates(
             follow(equilibrium, course.stress(), course.path, recorder.keep, report, allowance)
         except _RimReachedError:
             pass  # seen again by the caller
-        except _EnoughError:
+        except _TargetReachedError:
             ended = True
         except ConvergenceError as error:
             halt = failure_message(error, elements, recorder.last)

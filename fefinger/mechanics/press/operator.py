@@ -72,7 +72,7 @@ def operator(
 
 
 def build(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
-    """Return one parity of a finger, given the mesh of its half, with a skin of 1 kPa."""
+    """Condense the even or `odd` part of a finger from the mesh of its half, with skin of 1 kPa."""
     ratio = finger.subcutaneous.modulus / finger.skin.modulus
     tissues = {1: Elastic(1.0, finger.skin.poisson), 2: Elastic(ratio, finger.subcutaneous.poisson)}
     body = solid(mesh, tissues)
@@ -156,7 +156,7 @@ def write(compliance: Compliance, place: Path, identity: dict[str, Any]) -> None
 def _compliance(
     finger: Finger, mesh: FingerMesh, identified: dict[str, Any] | None, *, odd: bool
 ) -> Compliance:
-    """Return one parity of a finger, from the cache or built and put there."""
+    """Return the compliance of the even or `odd` part: from the cache, or built and put there."""
     if identified is not None and os.path.isdir(folder(identified)):
         cache.touch(folder(identified))
         try:

@@ -11,8 +11,8 @@ from fefinger.support.arrays import Array, Integers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-def on_seen(pressure: Array, seen: Neighborhood) -> Array:
-    """Pad the pressure (n_t, n) kPa of the candidates with zeros to all vertices (n_seen)."""
+def on_neighborhood(pressure: Array, seen: Neighborhood) -> Array:
+    """Extend the pressure (n_t, n) kPa of the candidates by zeros to their neighborhood."""
     return np.pad(pressure, ((0, 0), (0, len(seen.vertices) - pressure.shape[1])))
 
 
@@ -30,7 +30,7 @@ def centroid(pad: Pad, pressure: Array) -> Array:
 
 
 def first_moments(pad: Pad) -> Array:
-    """Return the integrals (n_pad, 3) mm³ of every hat times the place, over the triangles."""
+    """Return the first moments (n_pad, 3) mm³ of the hat functions of the vertices."""
     corners = pad.points[pad.triangles]
     twelfths = triangle_areas(corners)[:, None, None] / 12
     moments = np.zeros_like(pad.points)

@@ -13,7 +13,7 @@ from fefinger.geometry import mirror
 from fefinger.mechanics.press import dragged, sliding
 from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_fields
 from fefinger.mechanics.press.history import TANGENT_SOLVER, FiniteStrainHistory, SmallStrainHistory
-from fefinger.mechanics.press.pad import centroid, on_seen, whole_moment, whole_pad
+from fefinger.mechanics.press.pad import centroid, on_neighborhood, whole_moment, whole_pad
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Fields, Pad, Response
 from fefinger.support.arrays import Array, Integers
@@ -28,7 +28,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
     with stages.stage("pressure"):
         contact, on_pad, half = history.contact, history.reduced.patch, press.body.half
         pad, column = whole_pad(press.body, on_pad.neighborhood)
-        pressure = on_seen(contact.pressure, on_pad.neighborhood)[:, column]
+        pressure = on_neighborhood(contact.pressure, on_pad.neighborhood)[:, column]
         displacement = contact.elastic @ history.reduced.normal_displacement.T
         if press.motion.slides:
             on_pad = replace(on_pad, distance=sliding.distances(press, on_pad))
@@ -49,7 +49,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
             strain = press.unfolded(tensors(components.reshape(len(press.time), -1, 6)))
         lateral = sliding.lateral(press, history, pad, column) if press.tangential else None
     penetration = deepest_penetration(gap)
-    return answered(
+    return make_response(
         press,
         stages,
         len(on_pad.vertices),
@@ -83,7 +83,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         area = middle = gap = moment = None
         pad, column = whole_pad(press.body, seen)
         if press.pressure:
-            pressure = on_seen(pressure, seen)[:, column]
+            pressure = on_neighborhood(pressure, seen)[:, column]
             area = steps.bounded(areas_of_steps(history, pad, column))
             middle = centroid(pad, pressure)
             gap = steps.smooth(history.gap)[:, column]
@@ -100,7 +100,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         "iterations": history.iterations,
         "downhill": history.descents,
     }
-    answer = answered(
+    answer = make_response(
         press,
         stages,
         len(history.contact),
@@ -125,7 +125,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
     return replace(answer, sources={**answer.sources, "solver": TANGENT_SOLVER})
 
 
-def answered(
+def make_response(
     press: Press,
     stages: Stages,
     candidates: int,
@@ -211,7 +211,7 @@ def areas_of_steps(history: FiniteStrainHistory, pad: Pad, column: Integers) -> 
     obstacle, seen = history.contact.obstacle, history.contact.neighborhood
     sign = np.ones((len(column), 3))
     sign[len(seen.vertices) :] = mirror.SIGNS  # the mirror images follow
-    pressed = on_seen(history.pressure, seen)[:, column] > 0
+    pressed = on_neighborhood(history.pressure, seen)[:, column] > 0
     areas = np.empty(len(history.depth))
     for step, moved in enumerate(history.moved):
         points = pad.points + sign * moved[column]
@@ -221,11 +221,11 @@ def areas_of_steps(history: FiniteStrainHistory, pad: Pad, column: Integers) -> 
 
 
 def _status(history: FiniteStrainHistory, penetration: float) -> str:
-    downhill = (
-        f", {history.descents} of them downhill past unstable ones," if history.descents else ""
+    globalized = (
+        f", {history.descents} of them by a globalized Newton method," if history.descents else ""
     )
     return (
-        f"{'Stopped' if history.halt else 'Solved'}: {len(history.depth)} steps{downhill} in "
+        f"{'Stopped' if history.halt else 'Solved'}: {len(history.depth)} steps{globalized} in "
         f"{history.iterations} iterations on {history.factors + 1} factors, with "
         f"{exactness(penetration)}.{f' Then: {history.halt}' if history.halt else ''}"
     )

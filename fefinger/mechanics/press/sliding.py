@@ -16,7 +16,7 @@ from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press import operator, problem
 from fefinger.mechanics.press.history import SmallStrainHistory
-from fefinger.mechanics.press.pad import on_seen
+from fefinger.mechanics.press.pad import on_neighborhood
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Lateral, Pad
 from fefinger.support.arrays import Array, Flags, Integers
@@ -76,7 +76,7 @@ def with_tractions(body: Solid, on: Patch, axis: Array) -> Patch:
     return replace(on, vertices=np.tile(on.vertices, 3), loads=loads)
 
 
-def reduced_to(
+def reduce_to_patch(
     press: Press,
     on: Patch,
     points: Array,
@@ -96,14 +96,14 @@ def reduced_to(
     return replace(made, patch=replace(on, loads=three.loads))
 
 
-def solved(
+def solve_sliding_contact(
     press: Press,
     reduced: Reduced,
     relaxation: Relaxation,
     prescribed: Prescribed,
     report: Callable[[float], None],
 ) -> History:
-    """Solve the contact along the path of the motion.
+    """Solve the contact along the path of the motion, with or without friction.
 
     InputError if contact reaches the end of the object; ConvergenceError as `small_strain.respond`.
     """
@@ -138,7 +138,10 @@ def lateral(press: Press, history: SmallStrainHistory, pad: Pad, column: Integer
     signs = np.ones((len(column), 2))
     signs[len(on.neighborhood.vertices) :, 1] = -1.0
     traction, slip = (
-        np.stack([on_seen(each[:, k], on.neighborhood)[:, column] for k in (0, 1)], axis=-1) * signs
+        signs
+        * np.stack(
+            [on_neighborhood(each[:, k], on.neighborhood)[:, column] for k in (0, 1)], axis=-1
+        )
         for each in (sliding.traction, sliding.slip)
     )
     areas = np.bincount(column, pad.areas, minlength=len(on.neighborhood.vertices))

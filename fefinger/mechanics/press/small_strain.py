@@ -1,4 +1,4 @@
-"""Contact of a finger as a linear viscoelastic body: one factor, unit loads on the pad, then time.
+"""Small-strain contact: factor once, make the flexibility of candidate vertices, march in time.
 
 Shared by `linear` and `condensed`, which differ in the `SolutionMethod` alone.
 """
@@ -100,7 +100,7 @@ def solve_contact(
         ended = press.obstacle.beyond(body.space.points[candidates.vertices])
         limits.check_under(motion, ended)
         with stages.stage("unit loads") as report:
-            reduced = sliding.reduced_to(press, candidates, where, probe, report)
+            reduced = sliding.reduce_to_patch(press, candidates, where, probe, report)
         with stages.stage("contact") as report:
             history = advance(press, reduced, prescribed, report)
         deepest = float(history.depth.max())
@@ -134,5 +134,5 @@ def quasistatic(
     prony, on = press.finger.prony, reduced.patch
     relaxation = Relaxation(np.array(prony.weights), np.array(prony.v), len(on.vertices))
     if press.tangential:
-        return sliding.solved(press, reduced, relaxation, prescribed, report)
+        return sliding.solve_sliding_contact(press, reduced, relaxation, prescribed, report)
     return march(reduced.flexibility, on.gap, on.projected, relaxation, prescribed, report)

@@ -17,7 +17,7 @@ from fefinger.mechanics import pressed
 from fefinger.mechanics.press import elastic_press
 from fefinger.mechanics.press.carried import METHOD, CarriedPress
 from fefinger.mechanics.press.notes import elastic_hard_parts_doubts, separate_relaxation_doubts
-from fefinger.mechanics.press.pad import first_moments, on_seen, whole_pad
+from fefinger.mechanics.press.pad import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.realtime.loop import Step, check_finger, described, units
 from fefinger.neural.recorded_streaming import RecordedAfferents
@@ -87,7 +87,7 @@ class Pressed:
         self._pressure, self._travel = carried.pressure, carried.contact.projected
         self._area = table.bounded(table.area)
         pad, column = whole_pad(press.body, carried.contact.neighborhood)
-        seen = on_seen(np.eye(len(self._travel)), carried.contact.neighborhood)[:, column]
+        seen = on_neighborhood(np.eye(len(self._travel)), carried.contact.neighborhood)[:, column]
         self._loads = seen @ np.column_stack([pad.areas, first_moments(pad)[:, :2]])
         self._spring = RelaxingSpring(carried.elastic, finger.prony)
         zeros = np.zeros(len(self._travel)), np.zeros((len(self.sites.points), 6))
