@@ -8,6 +8,10 @@ from contextlib import suppress
 from typing import Any
 
 
+PRESS_LESS = "press less deep, more slowly, or on another mesh (finger.resolution)"
+"""Advice of an error that a scene causes where a contact or an equilibrium is not found."""
+
+
 class InputError(ValueError):
     """Invalid input; the message names the field, the expected and the received value."""
 

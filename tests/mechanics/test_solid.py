@@ -235,7 +235,7 @@ def test_a_run_that_has_to_stop_keeps_and_saves_what_it_reached(
 
     def limited(self: Equilibrium, start: State, target: Target) -> State:
         if target.value > 0.155:  # between two steps, so that rounding does not decide
-            message = "take shorter steps"
+            message = "equilibrium: not reached"
             raise ConvergenceError(message)
         return find(self, start, target)
 

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, lu_factor, lu_solve
 
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.checks import ConvergenceError
+from fefinger.support.checks import PRESS_LESS, ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY
 
 
@@ -60,7 +60,7 @@ class Complementarity:
             self.active = self.active ^ wrong
         message = (
             f"contact: expected a consistent contact set, found none in {EXCHANGES} exchanges; "
-            "take shorter steps"
+            f"{PRESS_LESS}"
         )
         raise ConvergenceError(message)
 
@@ -85,7 +85,8 @@ class Complementarity:
         except LinAlgError as error:
             if not self.any_sign:
                 message = (
-                    "contact: expected a positive definite flexibility of the pad, received another"
+                    "contact: expected a positive definite flexibility of the pad, received "
+                    "another; take another mesh (finger.resolution)"
                 )
                 raise ConvergenceError(message) from error
         return partial(lu_solve, lu_factor(block, check_finite=False), check_finite=False)

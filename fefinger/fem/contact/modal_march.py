@@ -17,6 +17,7 @@ from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.contact.step_compiled import PadState, check, pad_state
 from fefinger.fem.contact.viscoelastic import History, Prescribed
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.checks import PRESS_LESS
 from fefinger.support.threads import one_thread
 
 
@@ -108,7 +109,7 @@ def march_modes(
     elastic = np.empty((count, n_pad + n_modes))
     steps, row = np.diff(time, prepend=time[0]).tolist(), 0
     for k, (dt, target) in enumerate(zip(steps, prescribed.value.tolist(), strict=True)):
-        check(contact.step(dt, target, by_force=by_force))
+        check(contact.step(dt, target, by_force=by_force), advice=PRESS_LESS)
         if k == grid.stored[row]:
             depth[row], pressure[row] = contact.pad.depth[0], contact.lcp.x
             elastic[row, :n_pad] = contact.pad.elastic

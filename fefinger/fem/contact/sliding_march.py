@@ -9,7 +9,7 @@ from fefinger.fem.contact import lcp_compiled as contact
 from fefinger.fem.contact.travel import Travel
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, SlidingHistory
 from fefinger.support.arrays import Array, Flags
-from fefinger.support.checks import InputError
+from fefinger.support.checks import PRESS_LESS, InputError
 
 
 def slide(
@@ -46,7 +46,8 @@ def slide(
         dt = float(time[k] - time[k - 1]) if k else 0.0
         incline = None if inclines is None else inclines[k]
         m.gap[:], rim = travel.gap(shift[k], incline)
-        step_compiled.check(step_compiled.step(s, m, dt, float(target), by_force))
+        outcome = step_compiled.step(s, m, dt, float(target), by_force)
+        step_compiled.check(outcome, advice=PRESS_LESS)
         check_ahead(rim, s.x, shift[k], time[k])
         depth[k], pressure[k], elastic[k] = m.depth[0], s.x, m.elastic
         slopes[k] = travel.push(shift[k], s.x, incline)

@@ -30,7 +30,7 @@ from fefinger.fem.contact.viscoelastic import (
     corrected,
 )
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.checks import PRESS_LESS, ConvergenceError, InputError
 from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, SMALL_FORCE
 
 
@@ -284,14 +284,18 @@ def solve_target(
     return MISSED
 
 
-def check(outcome: int, deepest: float = np.inf) -> None:
-    """Raise the error of a failed step; `deepest`: the largest depth in mm of the finger."""
+def check(outcome: int, deepest: float = np.inf, *, advice: str = "take shorter steps") -> None:
+    """Raise the error of a failed step, with what to do; none for DONE.
+
+    deepest: the largest depth in mm of the finger.
+    """
     messages = {
         ENDLESS: "contact: expected a consistent contact set, found none in "
-        f"{EXCHANGES} exchanges; take shorter steps",
-        SINGULAR: "contact: expected a positive definite flexibility of the pad, received another",
+        f"{EXCHANGES} exchanges; {advice}",
+        SINGULAR: "contact: expected a positive definite flexibility of the pad, received another; "
+        "take another mesh (finger.resolution)",
         MISSED: f"force control: expected to reach the force within {CORRECTIONS} corrections, "
-        "did not; take shorter steps",
+        f"did not; {advice}",
     }
     if outcome == BEYOND:
         message = (
@@ -330,7 +334,7 @@ def march(
     depth, pressure, elastic = np.empty(len(time)), np.empty(shape), np.empty(shape)
     for k, target in enumerate(prescribed.value):
         dt = float(time[k] - time[k - 1]) if k else 0.0
-        check(step(s, m, dt, float(target), by_force))
+        check(step(s, m, dt, float(target), by_force), advice=PRESS_LESS)
         depth[k], pressure[k], elastic[k] = m.depth[0], s.x, m.elastic
         progress((k + 1) / len(time))
     return History(depth, pressure, elastic, int(s.counts[contact.SOLVED]))

@@ -14,7 +14,7 @@ from numba import njit
 
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.support.arrays import Array, Flags
-from fefinger.support.checks import ConvergenceError
+from fefinger.support.checks import PRESS_LESS, ConvergenceError
 from fefinger.support.tolerances import FORCE_MATCH, SMALL_FORCE
 
 
@@ -158,6 +158,6 @@ def depth_at(
         depth, low, high = corrected(depth, excess, rise, low, high, first_touch)
     message = (
         f"force control: expected {force:.6g} mN, reached {excess + force:.6g} mN after "
-        f"{CORRECTIONS} corrections; take shorter steps"
+        f"{CORRECTIONS} corrections; {PRESS_LESS}"
     )
     raise ConvergenceError(message)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fefinger.support.arrays import Array
-from fefinger.support.checks import ConvergenceError
+from fefinger.support.checks import PRESS_LESS, ConvergenceError
 
 
 class Anderson:
@@ -32,7 +32,7 @@ class Anderson:
         differences = np.diff(self.changes, axis=0)
         square = differences @ differences.T
         if not np.isfinite(square).all():
-            message = "equilibrium: the iteration diverged; take shorter steps"
+            message = f"equilibrium: the iteration diverged; {PRESS_LESS}"
             raise ConvergenceError(message)
         weights = np.linalg.lstsq(square, differences @ change, rcond=1e-12)[0]
         moved = np.diff(self.points, axis=0) + differences

@@ -35,7 +35,7 @@ from fefinger.fem.hyperelastic.tangent import FactoredTangent
 from fefinger.fem.linalg.multifrontal_single import ApproximateFactor
 from fefinger.fem.linalg.system import System, approximate_factor
 from fefinger.support.arrays import Array
-from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.checks import PRESS_LESS, ConvergenceError, InputError
 from fefinger.support.tolerances import EQUILIBRIUM
 
 
@@ -328,14 +328,17 @@ class Equilibrium:
 
     def _factor_approximately(self, matrix: sparse.csr_matrix) -> ApproximateFactor:
         if self.factors >= self.allowed:
-            message = f"equilibrium: not reached within the limit of {self.factors} factorizations"
+            message = (
+                f"equilibrium: not reached within the limit of {self.factors} factorizations; "
+                f"{PRESS_LESS}"
+            )
             raise Exhausted(message)
         self.factors += 1
         try:
             return approximate_factor(matrix, self.system)
         except InputError as error:
             # The tangent at rest was factored, so the cause is this iterate, not the model.
-            message = "equilibrium: the tangent of an iterate is singular; take shorter steps"
+            message = f"equilibrium: the tangent of an iterate is singular; {PRESS_LESS}"
             raise ConvergenceError(message) from error
 
     def _step(self, iterate: Iterate, target: Target, mixing: "Anderson") -> State:
@@ -384,7 +387,7 @@ class Equilibrium:
     def _not_converged(self, error: float, count: int) -> ConvergenceError:
         message = (
             f"equilibrium: expected a relative residual of at most {self.tolerance:g}, reached "
-            f"{error:.1e} after {count} iterations; take shorter steps"
+            f"{error:.1e} after {count} iterations; {PRESS_LESS}"
         )
         return ConvergenceError(message)
 

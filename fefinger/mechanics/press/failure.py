@@ -33,6 +33,5 @@ def failure_message(error: Exception, elements: Continuum, values: Array | None)
     stretch, (x, y, z), tissue = most_compressed(elements, values)
     return (
         f"{error}. At the last equilibrium the {tissue} at x = {x:.1f}, y = {y:.1f}, z = {z:.1f} "
-        f"mm is pressed to {stretch:.2g} of its length: press less deep, or take another mesh "
-        "(finger.resolution) or tissue"
+        f"mm is pressed to {stretch:.2g} of its length"
     )

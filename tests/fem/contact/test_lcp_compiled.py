@@ -7,7 +7,7 @@ from fefinger.validation.oracles.march import march
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, corrected
-from fefinger.support.checks import ConvergenceError
+from fefinger.support.checks import PRESS_LESS, ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY
 
 
@@ -117,8 +117,10 @@ def test_an_unreachable_force_is_reported(pad: tuple) -> None:
     state = lcp_compiled.lcp_state(matrix)
     memory = step_compiled.pad_state(gap, projected, WEIGHTS[1:] / WEIGHTS[0], RATES)
     assert step_compiled.step(state, memory, 0.0, np.nan, True) == lcp_compiled.MISSED
-    with pytest.raises(ConvergenceError, match="shorter steps"):
+    with pytest.raises(ConvergenceError, match="did not; take shorter steps"):
         step_compiled.check(lcp_compiled.MISSED)
+    with pytest.raises(ConvergenceError, match="did not; press less deep"):
+        step_compiled.check(lcp_compiled.MISSED, advice=PRESS_LESS)
 
 
 def test_a_reset_forgets(pad: tuple) -> None:

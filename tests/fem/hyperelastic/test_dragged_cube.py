@@ -118,5 +118,5 @@ def test_complementarity_without_symmetry_is_that_of_the_definition():
 
 
 def test_a_coefficient_without_a_solution_ends_in_an_error():
-    with pytest.raises(ConvergenceError, match="shorter steps"):
+    with pytest.raises(ConvergenceError, match="press less deep"):
         dragged(50.0, 0.2)
