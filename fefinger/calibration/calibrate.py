@@ -1,9 +1,9 @@
 """Fit a finger to a subject or a record in stages, each of which starts from the one before.
 
-`lumped` identifies stiffness, touch and G of the thesis's own model. `condensed` scales the linear
-finger by the thesis's t(u). `solid` fits modulus and exponent of stiffening tissue, on the coarse
-mesh first and then with presses on the requested mesh, together with the pad radius, for which the
-thesis's fit of simulated frames must agree with that of the measured ones.
+`lumped` identifies stiffness, touch and G of the model of Pawluk (1997). `condensed` scales the
+linear finger by the t(u) of that model. `solid` fits modulus and exponent of stiffening tissue, on
+the coarse mesh first and then with presses on the requested mesh, together with the pad radius, for
+which the thesis's fit of simulated frames must agree with that of the measured ones.
 """
 
 import math
@@ -82,7 +82,7 @@ def calibrate(
     check: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Calibration:
-    """Fit a finger to a subject of the thesis or to the record of a user.
+    """Fit a finger to a subject of Pawluk (1997) or to the record of a user.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def calibrate(
     finger
         Size and initial tissues; by default those of the subject. Required for a record.
     mechanics
-        "condensed" (small strain, times the t(u) of the thesis) or "solid" (finite strain,
+        "condensed" (small strain, times the t(u) of Pawluk 1997) or "solid" (finite strain,
         stiffening tissue).
     resolution
         Final mesh of `solid`: "coarse", "standard" or "fine".

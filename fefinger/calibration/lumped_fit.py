@@ -184,7 +184,7 @@ def record(fit: Fit) -> dict[str, Any]:
 
 
 def summary(fit: Fit) -> str:
-    """Format a fit as text: the joint fit beside the procedure of the thesis."""
+    """Format a fit as text: the joint fit beside the procedure of Pawluk (1997)."""
     ways = {way: record(fit)[way] for way in ("joint", "thesis")}
     spread = "{value:.4g} +- {uncertainty:.2g}"
     rows = [

@@ -1,6 +1,6 @@
-"""Pad radius of a finger by the thesis's fit of measured and simulated frames of the array.
+"""Pad radius of a finger by the fit of Pawluk (1997) to measured and simulated frames.
 
-The thesis fits R, m and c0 b of a half-space to the frames of a slow press (section 3.4.2). A
+Pawluk (1997) fits R, m and c0 b of a half-space to the frames of a slow press (section 3.4.2). A
 finger with a bone has no such parameters, but the same fit can be made of its simulated frames. The
 longitudinal pad radius is the one for which that fit returns the R of the measured frames.
 """

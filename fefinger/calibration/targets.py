@@ -22,7 +22,7 @@ from fefinger.theory.relaxation import Prony
 
 
 SPEED = 60.0
-"""mm/s of the ramps of the thesis."""
+"""mm/s of the ramps of Pawluk (1997)."""
 
 PEAK = 2.5
 """N at the end of these ramps (2 to 3 N, section 2.2.2)."""
@@ -32,7 +32,7 @@ FORCES = 40
 kHz and averaged over 9 samples, has about as many independent values."""
 
 HOLD = 6.0
-"""Length of the holds of the thesis in s (5 to 7 s)."""
+"""Length of the holds of Pawluk (1997) in s (5 to 7 s)."""
 
 LIVELY = 1e-3
 """Smallest relative fall of the force in a hold that counts as relaxation."""

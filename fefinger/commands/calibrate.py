@@ -1,4 +1,4 @@
-"""`fefinger calibrate`: fit a finger to subjects of the thesis or to a record."""
+"""`fefinger calibrate`: fit a finger to subjects of Pawluk (1997) or to a record."""
 
 from typing import Any
 
@@ -18,7 +18,7 @@ NO_TISSUE = "no tissue.toml is written: t(u) scales the force, not a tissue; use
     "subjects",
     multiple=True,
     metavar="NAME",
-    help="Subject of the thesis to fit (repeatable), or whose finger size applies to DATA.csv.",
+    help="Subject of Pawluk (1997) to fit (repeatable), or whose finger size applies to DATA.csv.",
 )
 @click.option("--width", type=float, help="Width of the fingertip in DATA.csv in mm.")
 @click.option("--thickness", type=float, help="Thickness of that fingertip in mm.")
@@ -51,7 +51,7 @@ def calibrate(
     """Fit the tissue of a finger to a ramp and hold.
 
     DATA.csv is your own record, with the columns time (s), position (mm) and force (N). Without it
-    those of the subjects of the thesis are fitted. Solved presses are cached: an interrupted
+    those of the subjects of Pawluk (1997) are fitted. Solved presses are cached: an interrupted
     calibration continues where it stopped.
     """
     from fefinger.calibration import jobs

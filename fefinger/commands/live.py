@@ -7,7 +7,7 @@ import click
 
 @click.command()
 @click.option("-o", "output", metavar="FILE", help="Record to a .gif or .mp4 file instead.")
-@click.option("--subject", default="a.h.", metavar="NAME", help="Subject of the thesis.")
+@click.option("--subject", default="a.h.", metavar="NAME", help="Subject of Pawluk (1997).")
 @click.option("--resolution", default="standard", metavar="MESH", help="Mesh: coarse or standard.")
 def live(output: str | None, subject: str, resolution: str) -> None:
     """Watch a finger being pressed and rolled.

@@ -27,10 +27,10 @@ from fefinger.theory.lumped import spring as theory
 name = "lumped"
 
 ANGLES = (20.0, 40.0)
-"""Angles of the plate in degrees at which the thesis measured (section 2.2.1)."""
+"""Angles of the plate in degrees at which Pawluk (1997) measured (section 2.2.1)."""
 
 FORCE = 3.0
-"""Largest force in N at which the thesis measured (section 2.1)."""
+"""Largest force in N at which Pawluk (1997) measured (section 2.1)."""
 
 STEP_SECONDS = 1.2e-5
 """Wall time of one time step in s, rounded up: an exponential of Eq. 2.3 each takes less."""

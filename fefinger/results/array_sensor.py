@@ -1,4 +1,4 @@
-"""Simulated readings of the thesis's tactile array on the plate, from any response."""
+"""Simulated readings of the tactile array of Pawluk (1997) on the plate, from any response."""
 
 from typing import TYPE_CHECKING
 
@@ -22,8 +22,8 @@ def read(
 ) -> "Reading":
     """Simulate the readings of an array on the plate, centered at the center of pressure.
 
-    The array is aligned at the largest force, as in section 3.2.1 of the thesis; its x axis points
-    distally along the plate, y sideways. `seed` is that of the noise; None simulates no noise.
+    The array is aligned at the largest force, as in section 3.2.1 of Pawluk (1997); its x axis
+    points distally along the plate, y sideways. `seed` is that of the noise; None simulates none.
 
     Raises
     ------

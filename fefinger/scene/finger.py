@@ -40,11 +40,11 @@ class Finger:
     thickness
         Size of the fingertip in mm from pad to nail, along z.
     pad_radius
-        Effective radius R of the pad in mm, as in Table 3.2 of the thesis; by default that of the
-        finger that the tissue was fitted to, in proportion to the width. The transverse radius
+        Effective radius R of the pad in mm, as in Table 3.2 of Pawluk (1997); by default that of
+        the finger that the tissue was fitted to, in proportion to the width. The transverse radius
         follows from width and thickness.
     subject_name
-        Subject of the thesis that the values belong to, or None.
+        Subject of Pawluk (1997) that the values belong to, or None.
     surface
         File with the outer skin of the distal phalanx in mm (STL, OBJ, PLY, VTK; x distal, z
         dorsal), or None for the parametric shape. Width and thickness then scale the bone inside;
@@ -242,7 +242,7 @@ class Finger:
 
     @classmethod
     def subject(cls, name: str, **overrides: Any) -> Self:
-        """Return the finger of a subject of the thesis: Tables 2.1 (w, t), 3.1 (G) and 3.2 (R).
+        """Return the finger of a subject of Pawluk (1997): Tables 2.1 (w, t), 3.1 (G) and 3.2 (R).
 
         `overrides` replace single fields; f.c., who was not measured, needs width and thickness.
         """
@@ -253,8 +253,8 @@ class Finger:
         missing = [key for key in ("width", "thickness") if values.get(key) is None]
         if missing:
             raise InputError(
-                f"finger.{missing[0]}: missing; expected a number in mm, because the thesis gives "
-                f"no size of subject {name!r}: give width and thickness"
+                f"finger.{missing[0]}: missing; expected a number in mm, because Pawluk (1997) "
+                f"gives no size of subject {name!r}: give width and thickness"
             )
         return cls(**(values | {"subject_name": name}))
 

@@ -8,7 +8,7 @@ TEXTS = {
     "motion": "How the object moves: its depth or its force in time",
     "ask.population": "Places of the afferent units; one of each type under first touch without it",
     # finger
-    "subject_name": "Subject of the thesis: sizes, and the tissue fitted to the curves of it",
+    "subject_name": "Subject of Pawluk (1997): sizes, and the tissue fitted to the curves of it",
     "skin": "The skin; keys left out are those of the tissue set",
     "subcutaneous": "The tissue between skin and bone; keys left out are those of the tissue set",
     "c": "Weights c0, c1, ... of G(t) = c0 + c1 exp(-v1 t) + ..., which add up to 1",

@@ -10,7 +10,7 @@ SOURCE = "Pawluk (1997), A Viscoelastic Model of the Human Fingerpad, PhD thesis
 
 
 MEANS = "means"
-"""Row of the tables for whom the thesis did not measure."""
+"""Row of the tables for whom Pawluk (1997) did not measure."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Quasistatic:
 
 @cache
 def bulk() -> dict[str, Lumped]:
-    """Table 2.1 of the thesis: lumped force at 60 mm/s, per subject (confidence high)."""
+    """Table 2.1 of Pawluk (1997): lumped force at 60 mm/s, per subject (confidence high)."""
     rows = {
         "d.p.": (12, 9.5, 3.2, 0.092, (0.22, 0.45, 0.15, 0.18), (253, 14, 0.66), (0.98, 0.99)),
         "d.s.": (14, 11.5, 1.6, 0.28, (0.29, 0.40, 0.19, 0.13), (183, 11, 0.77), (0.97, 0.85)),
@@ -56,7 +56,7 @@ def bulk() -> dict[str, Lumped]:
 
 
 def relaxation() -> dict[str, Prony]:
-    """Table 3.1 of the thesis: relaxation of the pressure, per subject (confidence high)."""
+    """Table 3.1 of Pawluk (1997): relaxation of the pressure, per subject (confidence high)."""
     return {
         "d.p.": Prony((0.33, 0.44, 0.13, 0.10), (163, 2.8, 0.31)),
         "d.s.": Prony((0.33, 0.42, 0.16, 0.08), (256, 9.7, 0.91)),
@@ -68,7 +68,7 @@ def relaxation() -> dict[str, Prony]:
 
 
 def quasistatic() -> dict[str, Quasistatic]:
-    """Table 3.2 of the thesis: quasi-static pressure, per subject (confidence high).
+    """Table 3.2 of Pawluk (1997): quasi-static pressure, per subject (confidence high).
 
     The mean radius is 14.6 mm, the mean of the column; the thesis prints 14.
     """
@@ -83,5 +83,5 @@ def quasistatic() -> dict[str, Quasistatic]:
 
 
 def subjects() -> tuple[str, ...]:
-    """Names of the subjects of the thesis; f.c. has no width and thickness."""
+    """Names of the subjects of Pawluk (1997); f.c. has no width and thickness."""
     return tuple(name for name in relaxation() if name != MEANS)

@@ -60,9 +60,9 @@ class Condensed:
     precision
         "double", or "single" for strains to 1e-5 of the largest in half the time.
     stiffening
-        t(u) of the thesis (3.11) over a constant modulus, at a depth in mm: the contact pressure is
-        then the integral of G(t - s) d(t q)(s), with q that of the linear body. Under depth control
-        and while t > 0.
+        t(u) of Pawluk (1997), Eq. 3.11, over a constant modulus, at a depth in mm: the contact
+        pressure is then the integral of G(t - s) d(t q)(s), with q that of the linear body. Under
+        depth control and while t > 0.
     tolerance
         Penetration, over the largest gap or depth, that counts as none.
     progress

@@ -1,4 +1,4 @@
-"""The thesis's modulus t(u) as a factor on a linear finger, fitted to that finger.
+"""The modulus t(u) of Pawluk (1997) as a factor on a linear finger, fitted to that finger.
 
 t depends on the depth of the whole indenter, so it is no material. As a factor on a linear body it
 reads p = integral of G(t - s) d(t q)(s), q the elastic pressure. The values of Table 3.2 are those

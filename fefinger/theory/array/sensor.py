@@ -1,4 +1,4 @@
-"""Tactile array sensor of the thesis: simulated readings of a pressure on a plane.
+"""Tactile array sensor of Pawluk (1997): simulated readings of a pressure on a plane.
 
 8 x 8 elements 2 mm apart, each a Gaussian of 0.96 mm, scanned one after the other at 200 Hz, with
 noise of 0.5 kPa. Lengths in mm, pressures in kPa, times in s. Source: Pawluk (1997), section 3.2

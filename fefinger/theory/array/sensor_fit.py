@@ -1,4 +1,4 @@
-"""Fit of contact parameters to readings of the tactile array, by the procedure of the thesis.
+"""Fit of contact parameters to readings of the tactile array, by the procedure of Pawluk (1997).
 
 A Hertz pressure is convolved with the response of the elements; a simplex search minimizes the
 squared error over the whole press. Lengths in mm, pressures and moduli in kPa.

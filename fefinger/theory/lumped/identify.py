@@ -1,4 +1,4 @@
-"""Identification of the lumped finger from a ramp and hold: method of the thesis, and unbiased.
+"""Identification of the lumped finger from a ramp and hold: method of Pawluk (1997), and unbiased.
 
 `thesis` treats the ramp as the instantaneous response and the hold as the relaxation after a step
 (Pawluk 1997, section 2.4.1). Both are approximations: during a ramp of 60 mm/s a finger relaxes to
@@ -73,7 +73,7 @@ class Identification:
 def thesis(
     time: ArrayLike, position: ArrayLike, force: ArrayLike, *, terms: int = TERMS
 ) -> Identification:
-    """Identify the lumped finger by the method of the thesis from (n_t,) s, mm and N.
+    """Identify the lumped finger by the method of Pawluk (1997) from (n_t,) s, mm and N.
 
     A 9 point average, the derivative by 5 points, a line through stiffness against force (Eq. 2.4)
     for m and b, x0 by least squares with these, and `terms` exponentials through the hold.
@@ -153,7 +153,7 @@ def joint(
 
 
 def _start(record: RampHold) -> Spring:
-    """Choose the initial spring: from the line of the thesis, or a typical one with that peak."""
+    """Choose the initial spring: from Pawluk's stiffness line, or a typical one with that peak."""
     try:
         m, b, covariance, _ = stiffness_line(record)
         # b of the line is 33 to 43 % too low, see the head of the module.
@@ -311,7 +311,7 @@ def _unpacked(values: Array) -> tuple[Spring, Prony]:
 
 
 def _sorted(first: int, terms: int, values: Array) -> list[int]:
-    """Order of parameters with the fastest term first, as in the tables of the thesis.
+    """Order of parameters with the fastest term first, as in the tables of Pawluk (1997).
 
     values: `first` others, then the logarithms of the weights of the terms and of their rates.
     """
