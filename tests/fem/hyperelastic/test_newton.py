@@ -287,28 +287,45 @@ def test_a_path_under_force_control_takes_few_iterations(poisson: float):
     assert pressed.equilibrium.iterations < 110
 
 
-def test_a_step_of_a_hold_starts_where_creep_as_in_the_step_before_it_would_lead(
-    monkeypatch: pytest.MonkeyPatch,
-):
-    """Not so the first one, before which the plate moved."""
-    pressed = cube(neo_hookean(Elastic(40.0, 0.3)), 1)
-    starts, ends, find = [], [], pressed.equilibrium.find
+def starts_and_ends(
+    solver: Equilibrium, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> tuple[list[State], list[State]]:
+    """Return the states from which the steps of a path start, and those that they find."""
+    starts, ends, find = [], [], solver.find
 
     def seen(start: State, target: Target) -> State:
         starts.append(start)
         ends.append(find(start, target))
         return ends[-1]
 
-    monkeypatch.setattr(pressed.equilibrium, "find", seen)
+    monkeypatch.setattr(solver, "find", seen)
+    follow(solver, StressHistory(solver.body, SERIES), path, lambda *_: None)
+    return starts, ends
+
+
+def test_a_step_of_a_hold_starts_where_creep_as_in_the_step_before_it_would_lead(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    """Not so the first one, before which the plate moved."""
     path = Path("force", np.array([0.0, 0.01, 0.02, 0.04, 0.08]), lambda t: 1000 * min(t, 0.01))
-    follow(pressed.equilibrium, StressHistory(pressed.body, SERIES), path, lambda *_: None)
+    solver = cube(neo_hookean(Elastic(40.0, 0.3)), 1).equilibrium
+    starts, ends = starts_and_ends(solver, path, monkeypatch)
     assert starts[2].depth == ends[1].depth
-    for k in (3, 4):
-        crept = ends[k - 1].depth - ends[k - 2].depth
-        assert crept > 0
-        assert starts[k].depth == pytest.approx(ends[k - 1].depth + crept, rel=1e-12)
-        assert starts[k].values == pytest.approx(2 * ends[k - 1].values - ends[k - 2].values)
-        assert (starts[k].pressure >= 0).all()
+    for start, last, before in zip(starts[3:], ends[2:], ends[1:], strict=False):
+        assert last.depth > before.depth
+        assert start.depth == pytest.approx(2 * last.depth - before.depth, rel=1e-12)
+        assert start.values == pytest.approx(2 * last.values - before.values)
+        assert start.pressure == pytest.approx(2 * last.pressure - before.pressure)
+
+
+def test_no_step_starts_with_tension(monkeypatch: pytest.MonkeyPatch):
+    depths = [0.0, 0.1, 0.3, 0.01]
+    path = Path("depth", np.arange(4) / 10, lambda t: depths[round(10 * t)])
+    solver = cube(law("demiray", Elastic(40.0, 0.3), 2.0), 1).equilibrium
+    starts, ends = starts_and_ends(solver, path, monkeypatch)
+    on = ends[1].toward(ends[2], 1 + (0.01 - 0.3) / 0.2).pressure
+    assert on.min() < 0
+    assert starts[3].pressure == pytest.approx(np.maximum(on, 0.0))
 
 
 def test_the_flexibility_of_columns_that_come_later_is_that_of_all_at_once():
