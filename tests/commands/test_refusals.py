@@ -37,7 +37,7 @@ BAD_SETTINGS = {
     "finger.skin.poisson=0.51": "finger.skin.poisson: expected a finite number at least 0 and at",
     "finger.prony={c=[0.3,0.6],v=[1]}": "finger.prony.c: expected weights that sum to 0.98 to 1.02",
     "finger.prony={c=[0.4,0.6],v=[-1]}": "finger.prony.v: expected rates above 0 1/s",
-    "finger.subject=f.c.": "finger.width: missing; expected a number in mm, because Pawluk (1997) gives no size",
+    "finger.subject=f.c.": "finger.width: missing; expected a number in mm, because Pawluk (1997)",
     "finger.subject=x.y.": "finger.subject: expected one of 'd.p.'",
     "indenter.angle=90": "indenter.angle: expected a finite number in degrees at least 0",
     "motion.sped=3": "sped: unknown key in [motion]. Did you mean 'speed'?",
