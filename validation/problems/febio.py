@@ -23,6 +23,7 @@ from fefinger.validation.provenance import compact, provenance
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic.laws import neo_hookean
 from fefinger.support.arrays import Array
+from fefinger.support.checks import ConvergenceError
 from fefinger.support.threads import one_thread
 from fefinger.support.tolerances import PRESS_EQUILIBRIUM
 
@@ -68,6 +69,9 @@ def run_febio(program: Path, ball: Hemisphere) -> dict[str, Any]:
         used = subprocess.check_output(words, cwd=folder, env=os.environ | single, text=True)
         log = (folder / "ball.log").read_text(encoding="utf-8", errors="replace")
         times, force = read_force((folder / "force.txt").read_text(encoding="utf-8"))
+    if not np.isclose(times[-1], TIMES[-1]):
+        message = f"febio: expected forces up to {TIMES[-1]:g} s, received them to {times[-1]:g} s"
+        raise ConvergenceError(message)
     version = re.search(r"version (\d[\d.]*)", log)
     seconds, kilobytes = map(float, used.split())
     head = {"version": version[1] if version else "", "cpu_s": seconds}

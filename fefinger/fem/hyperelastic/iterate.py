@@ -1,4 +1,4 @@
-"""An iterate on the way to equilibrium, and how far from it the iterate is."""
+"""Iterate of Newton's method for a body in contact, and its relative error."""
 
 from dataclasses import dataclass
 

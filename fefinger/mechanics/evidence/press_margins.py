@@ -44,7 +44,7 @@ def margin(excess: Excess, part: float | None) -> float:
 
 
 def margin_unit(error: float, quantity: str) -> float:
-    """Return what a margin is relative to: the error itself, or 1 for LOCAL quantities."""
+    """Return the unit of a margin: the error itself, or 1 for LOCAL quantities."""
     return 1.0 if quantity in LOCAL else error
 
 
