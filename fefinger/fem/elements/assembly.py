@@ -1,6 +1,6 @@
 """Assembly of sparse matrices: compiled element loop of mixed elasticity into a fixed pattern.
 
-The pattern follows from the numbering alone, so that assembly needs no memory beyond the matrix.
+The pattern follows from the numbering alone: assembly needs little memory beyond the matrix.
 """
 
 import numpy as np
@@ -40,47 +40,17 @@ def scattered(
     return sparse.coo_matrix((block.ravel()[kept], (rows[kept], columns[kept])), shape=shape)
 
 
-@njit(cache=True)
 def pattern(unknowns: Integers, count: int) -> tuple[Places, Places]:
     """Return row starts (count + 1,) and ascending columns of all pairs that share a cell.
 
     unknowns (n_cells, n_local) are the numbers of each cell's unknowns, below `count`.
     """
     n_cells, n_local = unknowns.shape
-    first = np.zeros(count + 1, np.int64)
-    for e in range(n_cells):
-        for k in range(n_local):
-            first[unknowns[e, k] + 1] += 1
-    first = np.cumsum(first)
-    cells, filled = np.empty(first[-1], np.int64), first[:-1].copy()
-    for e in range(n_cells):
-        for k in range(n_local):
-            row = unknowns[e, k]
-            cells[filled[row]] = e
-            filled[row] += 1
-    last_mark = np.full(count, -1, np.int64)
-    starts = np.zeros(count + 1, np.int32)
-    columns = np.empty(0, np.int32)
-    for fill in (False, True):
-        for row in range(count):
-            width = 0
-            # Other marks in the second pass, so that they need not be erased between.
-            mark = row if not fill else count + row
-            for at in range(first[row], first[row + 1]):
-                for k in range(n_local):
-                    column = unknowns[cells[at], k]
-                    if last_mark[column] != mark:
-                        last_mark[column] = mark
-                        if fill:
-                            columns[starts[row] + width] = column
-                        width += 1
-            if fill:
-                columns[starts[row] : starts[row + 1]].sort()
-            else:
-                starts[row + 1] = starts[row] + width
-        if not fill:
-            columns = np.empty(starts[-1], np.int32)
-    return starts, columns
+    ones, starts = np.ones(unknowns.size, np.int32), n_local * np.arange(n_cells + 1)
+    members = sparse.csr_matrix((ones, unknowns.ravel(), starts), shape=(n_cells, count))
+    pairs = members.T.tocsr() @ members
+    pairs.sort_indices()
+    return pairs.indptr, pairs.indices
 
 
 @njit(cache=True)
