@@ -7,6 +7,10 @@ import numpy as np
 from fefinger.support.arrays import Array, Integers
 
 
+NEAREST = 24
+"""Number of simplices in which `inside_weights` looks for a point."""
+
+
 def barycentric(corners: Array, points: Array) -> Array:
     """Return the weights (..., d + 1) of simplex corners (..., d + 1, d) that give points (..., d).
 
@@ -55,3 +59,13 @@ def locate(corners: Array, points: Array, *, nearest: int | None = None) -> tupl
     best = np.argmax(weights.min(axis=-1), axis=1)
     rows = np.arange(len(points))
     return near[rows, best], weights[rows, best]
+
+
+def inside_weights(corners: Array, points: Array) -> tuple[Integers, Array]:
+    """Return the simplex (n,) of each of the points (n, d), as `locate`, with weights of 0 or more.
+
+    A point that no simplex holds gets those of a place of the simplex that comes closest.
+    """
+    simplex, weights = locate(corners, points, nearest=NEAREST)
+    weights = np.maximum(weights, 0.0)
+    return simplex, weights / weights.sum(axis=1, keepdims=True)

@@ -277,7 +277,7 @@ class Tiled(Profile):
 
 def smooth_step(t: Array) -> Array:
     """Return S(t) = t³ (10 - 15 t + 6 t²), from 0 at t = 0 to 1 at t = 1 without a kink."""
-    return np.asarray(t**3 * (10 - 15 * t + 6 * t**2))
+    return np.asarray(t**3 * (10.0 + t * (6.0 * t - 15.0)))
 
 
 STEEPEST_BEND = 10 / 3**0.5

@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.geometry.profiles import smooth_step
 from fefinger.mesh.frame import PLATE
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shell import Shell
@@ -214,5 +215,4 @@ def rounding(x: Array, tip: float, reach: float) -> Array:
 
 def smooth(u: Array) -> Array:
     """Smooth step from 0 to 1 over 0 < u < 1, with two continuous derivatives."""
-    u = np.clip(u, 0.0, 1.0)
-    return np.asarray(u**3 * (10.0 + u * (6.0 * u - 15.0)))
+    return smooth_step(np.clip(u, 0.0, 1.0))

@@ -10,7 +10,7 @@ import numpy as np
 
 from fefinger.geometry import facets, mirror, section
 from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, volumes
-from fefinger.geometry.locate import locate
+from fefinger.geometry.locate import inside_weights
 from fefinger.results.records import Fields
 from fefinger.support.arrays import Array, Flags, Integers
 
@@ -19,8 +19,6 @@ NAMES = {SKIN: "skin", SUBCUTANEOUS: "subcutaneous tissue", BONE: "bone"}
 PAD, FRONT = "pad", "other half"
 SOFT = (NAMES[SKIN], NAMES[SUBCUTANEOUS], PAD, FRONT)
 """Pieces that have the colors of a field."""
-
-NEAREST = 24  # cells that are looked at to find the one around a point
 
 
 @dataclass(frozen=True)
@@ -155,7 +153,5 @@ def follow(fields: Fields, points: Array) -> Followed:
     """
     mirrored = (points[:, 1] < 0) & section.is_half(fields.points)
     place = np.where(mirrored[:, None], mirror.image(points), points)
-    cell, weight = locate(fields.points[fields.cells], place, nearest=NEAREST)
-    weight = np.maximum(weight, 0.0)
-    weight /= weight.sum(axis=1, keepdims=True)
+    cell, weight = inside_weights(fields.points[fields.cells], place)
     return Followed(points, fields.cells[cell], weight, mirrored)

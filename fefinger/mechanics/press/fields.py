@@ -9,14 +9,11 @@ from fefinger.fem.elements.probe import VOIGT, gradient_at_vertices, strain_at_v
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.geometry.locate import locate
+from fefinger.geometry.locate import inside_weights
 from fefinger.mechanics.press.history import SmallStrainHistory, frames_of
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Fields
 from fefinger.support.arrays import Array, Integers
-
-
-NEAREST = 24  # cells that a point is looked for in
 
 
 def small_strain_fields(press: Press, history: SmallStrainHistory) -> Fields:
@@ -81,9 +78,7 @@ def interpolation(space: Space, points: Array) -> sparse.csr_matrix:
 
     Linear within the cells; a point just outside gets the values of the nearest place.
     """
-    cell, weights = locate(space.points[space.vertices], points, nearest=NEAREST)
-    weights = np.maximum(weights, 0.0)
-    weights /= weights.sum(axis=1, keepdims=True)
+    cell, weights = inside_weights(space.points[space.vertices], points)
     rows = np.arange(len(points)).repeat(4)
     where = (rows, space.vertices[cell].ravel())
     return sparse.csr_matrix((weights.ravel(), where), (len(points), len(space.points)))

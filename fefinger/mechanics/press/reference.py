@@ -10,6 +10,7 @@ from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.mechanics.press.problem import REACH, Press, ReferencePlate, SolutionMethod
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.neural.reference import Reference
+from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import ConvergenceError
 
 
@@ -28,14 +29,19 @@ def reference_press(
         reduced = method.reduce(body, candidates, probe)
     free = reduced.patch.gap - REFERENCE_DEPTH * reduced.patch.projected
     pressure = Complementarity(reduced.flexibility).solve(free)
-    if (pressure[reduced.patch.border] > 0).any():
+    check_border(pressure, reduced.patch.border)
+    strain = tensors((reduced.strain @ pressure).reshape(-1, 6))
+    return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)
+
+
+def check_border(pressure: Array, border: Flags) -> None:
+    """Raise ConvergenceError if the plate touches candidate vertices at their `border`."""
+    if (pressure[border] > 0).any():
         message = (
             "reference press: expected contact inside its candidate vertices, but it left them, as "
             "if the pad was much flatter than a fingertip; check the shape of the finger"
         )
         raise ConvergenceError(message)
-    strain = tensors((reduced.strain @ pressure).reshape(-1, 6))
-    return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)
 
 
 def reference_of(press: Press, reduced: Reduced, deepest: float) -> Reference | None:
