@@ -1,7 +1,8 @@
 """Case of a validation suite: one computed number, its expected value and the source of that."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Literal, Self
 
 
@@ -80,3 +81,13 @@ class Outcome:
         if case.printed is not None and abs(case.printed - case.expected.value) > tolerance:
             return "documented"
         return "pass"
+
+
+def joined(*parts: ModuleType) -> Callable[..., Iterator[Case]]:
+    """Return the function `cases` of a suite, which yields the cases of its parts in turn."""
+
+    def cases(*, quick: bool) -> Iterator[Case]:
+        for part in parts:
+            yield from part.cases(quick=quick)
+
+    return cases

@@ -5,9 +5,8 @@ the worst violation of an invariant over the most that is allowed, 0 for a refus
 warning of Python, a number that is not finite and too long a time fail.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any
 
 from fefinger.validation.case import Case, Expected, Noted
 from fefinger.validation.extremes import bodies, drawings, drawn, nerve, scenes, theory
@@ -71,11 +70,5 @@ def _measured(trial: Trial) -> Noted:
     return Noted(end.worst, f"{end.kind}: {end.text}")
 
 
-def figures_of(cases: Sequence[dict[str, Any]]) -> Iterator[tuple[str, Any]]:
-    """Yield caption and matplotlib Figure on the records of cases."""
-    yield from drawings.figures(cases)
-
-
-def finding_of(cases: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Summarize the outcomes of the trials from the records of their cases."""
-    return drawings.finding(cases)
+figures_of = drawings.figures
+finding_of = drawings.finding

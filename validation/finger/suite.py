@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
-from typing import Any
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
@@ -199,11 +198,5 @@ def cases(*, quick: bool) -> Iterator[Case]:
             )
 
 
-def finding() -> dict[str, Any]:
-    """Summarize the effects on a finger that Hertz neglects: sentences and a table."""
-    return finger_figures.finding()
-
-
-def figures() -> Iterator[tuple[str, Any]]:
-    """Yield captions and matplotlib Figures of what Hertz leaves out on a finger."""
-    yield from finger_figures.figures()
+finding = finger_figures.finding
+figures = finger_figures.figures

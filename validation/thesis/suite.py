@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from fefinger.validation.case import Case
+from fefinger.validation.case import joined
 from fefinger.validation.thesis import (
     array,
     ball,
@@ -21,16 +21,10 @@ from fefinger.validation.thesis import (
 from fefinger.validation.thesis import figures as thesis_figures
 
 
-PARTS = (
+cases = joined(
     *(tables, lumped, claims, fit, energy, pressure),
     *(unloading, array, sensor, ball, nerve),
 )
-
-
-def cases(*, quick: bool) -> Iterator[Case]:
-    """Yield the cases of all parts."""
-    for part in PARTS:
-        yield from part.cases(quick=quick)
 
 
 def figures() -> Iterator[tuple[str, Any]]:

@@ -219,9 +219,7 @@ def _preloads() -> Iterator[Case]:
         )
 
 
-def figures() -> Iterator[tuple[str, Any]]:
-    """Yield caption and Figure: impedance, displacement of the skin and modes of a finger."""
-    yield from drawings.figures()
+figures = drawings.figures
 
 
 def finding() -> dict[str, Any]:
