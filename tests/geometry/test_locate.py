@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from fefinger.geometry.locate import around, barycentric, locate
+from fefinger.geometry.locate import around, barycentric, inside_weights, locate
 
 
 RNG = np.random.default_rng(2)
@@ -50,6 +50,13 @@ def test_a_point_outside_gets_the_simplex_that_comes_closest_and_a_weight_below_
     (simplex, beyond), weights = locate(corners, np.array([[-0.1, 0.2], [5.1, 4.8]]))
     assert (simplex, beyond) == (0, 1)
     assert weights.min(axis=1) == pytest.approx([-0.1, -0.2])
+
+
+def test_weights_inside_are_those_of_a_place_of_the_simplex():
+    corners = np.array([[[0, 0], [1, 0], [0, 1]], [[5, 5], [6, 5], [5, 6]]], dtype=float)
+    simplex, weights = inside_weights(corners, np.array([[0.25, 0.5], [-0.1, 0.2]]))
+    assert np.array_equal(simplex, [0, 0])
+    assert weights == pytest.approx(np.array([[0.25, 0.25, 0.5], [9 / 11, 0, 2 / 11]]))
 
 
 def test_a_flat_simplex_holds_nothing_and_does_no_harm():
