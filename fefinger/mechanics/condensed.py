@@ -11,8 +11,8 @@ from dataclasses import replace
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import small_strain_cost
 from fefinger.mechanics.evidence.stated_errors import measured
-from fefinger.mechanics.press.notes import RIGID_BONE, elastic_hard_parts_doubts
-from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.press.notes import RIGID_BONE, elastic_hard_parts_reasons
+from fefinger.mechanics.refusals import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
@@ -39,10 +39,10 @@ BEYOND = (
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: those of `linear`, an elastic bone, another solver."""
-    unable = [*elastic_hard_parts_doubts(case.finger)]
+    unable = [*elastic_hard_parts_reasons(case.finger)]
     if case.ask.solver not in (None, SOLVER):
         reason = f"ask.solver = {case.ask.solver!r}: its operator is made by {SOLVER!r}"
-        unable.append(Doubt("ask.solver", reason))
+        unable.append(Reason("ask.solver", reason))
     shared = tuple(replace(refusal, mechanics=name) for refusal in linear.refuse(case))
     return refusals(name, "ability", unable) + shared
 

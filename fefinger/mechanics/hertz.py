@@ -17,12 +17,12 @@ from fefinger.mechanics.press.notes import (
     CONVOLVED,
     QUASISTATIC,
     SPHERICAL,
-    elastic_hard_parts_doubts,
+    elastic_hard_parts_reasons,
     normalization_notes,
-    separate_relaxation_doubts,
-    tangential_doubts,
+    separate_relaxation_reasons,
+    tangential_reasons,
 )
-from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.refusals import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
@@ -154,28 +154,28 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     depth, radius = case.peak, half_space(case.finger, case.indenter).relative_radius
     if case.motion.control == "depth" and depth > radius:
         reason = f"depth / relative radius = {beyond(depth / radius, 1)}: Hertz ends there"
-        unable.append(Doubt("motion.depth", reason))
+        unable.append(Reason("motion.depth", reason))
     known = not unable and math.isfinite(measured(Candidate(name), case).error)
-    doubts = [] if known else [*_doubts_of_size(case), *doubts_of_place(case)]
-    return refusals(name, "ability", unable) + refusals(name, "accuracy", doubts)
+    reasons = [] if known else [*_reasons_of_size(case), *reasons_of_place(case)]
+    return refusals(name, "ability", unable) + refusals(name, "accuracy", reasons)
 
 
-def lacking(case: Situation) -> list[Doubt]:
+def lacking(case: Situation) -> list[Reason]:
     """Return the features of a scene that a contact of spheres cannot represent."""
     unable = [
-        *elastic_hard_parts_doubts(case.finger),
-        *separate_relaxation_doubts(case.finger),
+        *elastic_hard_parts_reasons(case.finger),
+        *separate_relaxation_reasons(case.finger),
         *case.too_long,
     ]
-    unable += tangential_doubts(case.motion, case.indenter)
+    unable += tangential_reasons(case.motion, case.indenter)
     if case.ask.fields:
         reason = "ask.fields: it has no mesh; ask.fields = false leaves them out"
-        unable.append(Doubt("ask.fields", reason))
+        unable.append(Reason("ask.fields", reason))
     if case.indenter.hertzian is None:
-        unable.append(Doubt("indenter", f"indenter.kind = {case.indenter.kind!r}: {SHAPES}"))
+        unable.append(Reason("indenter", f"indenter.kind = {case.indenter.kind!r}: {SHAPES}"))
     elif axisymmetric.touch(case.finger, case.indenter) is None:
         reason = "indenter.at: it lies beyond the sphere that replaces the pad"
-        unable.append(Doubt("indenter.at", reason))
+        unable.append(Reason("indenter.at", reason))
     return unable
 
 
@@ -249,36 +249,36 @@ def _thinness(case: Situation) -> float:
     return widest(case) / case.finger.pulp
 
 
-def _doubts_of_size(case: Situation) -> list[Doubt]:
-    doubts = []
+def _reasons_of_size(case: Situation) -> list[Reason]:
+    reasons = []
     thin = _thinness(case)
     if thin > THIN:
         reason = (
             f"contact radius / tissue thickness = {beyond(thin, THIN)}: with the bone below it "
             f"takes more than {1 + STIFFENING * thin:.2g} times the force"
         )
-        doubts.append(Doubt("motion", reason))
+        reasons.append(Reason("motion", reason))
     contrast = case.finger.skin.modulus / case.finger.subcutaneous.modulus
     if max(contrast, 1 / contrast) > CONTRAST:
         reason = (
             f"skin modulus / subcutaneous modulus = {contrast:.2g}, not within {CONTRAST:g}: the "
             "half-space has one modulus"
         )
-        doubts.append(Doubt("finger.skin.modulus", reason))
+        reasons.append(Reason("finger.skin.modulus", reason))
     steep = widest(case) / case.indenter.least_radius
     if steep > STEEP:
         reason = f"contact radius / radius of the object = {beyond(steep, STEEP)}: it is no "
-        doubts.append(Doubt("motion", f"{reason}paraboloid"))
-    return doubts
+        reasons.append(Reason("motion", f"{reason}paraboloid"))
+    return reasons
 
 
-def doubts_of_place(case: Situation) -> list[Doubt]:
+def reasons_of_place(case: Situation) -> list[Reason]:
     """Return the reasons why one pad radius is not valid where the pad is touched."""
-    doubts = []
+    reasons = []
     if case.finger.surface is not None:
         radius = f"{case.finger.pad_radius:g} mm"
         reason = f"finger.surface: the scan is left out; a pad of pad_radius = {radius} replaces it"
-        doubts.append(Doubt("finger.surface", reason))
+        reasons.append(Reason("finger.surface", reason))
     flat = case.indenter.flat
     if flat is not None:
         if abs(flat.angle - STANDARD.angle) > ASIDE:
@@ -286,13 +286,13 @@ def doubts_of_place(case: Situation) -> list[Doubt]:
                 f"angle = {flat.angle:g} degrees is not within {ASIDE:g} of "
                 f"{STANDARD.angle:g}: to it the pad is alike at all angles"
             )
-            doubts.append(Doubt("indenter.angle", reason))
+            reasons.append(Reason("indenter.angle", reason))
         if flat.tilt:
             reason = f"tilt = {flat.tilt:g} > 0 degrees: R is that of the middle"
-            doubts.append(Doubt("indenter.tilt", reason))
-        return doubts
+            reasons.append(Reason("indenter.tilt", reason))
+        return reasons
     away = distance(case.indenter)
     if away > NEAR:
         reason = f"distance of indenter.at from the middle = {beyond(away, NEAR)} mm"
-        doubts.append(Doubt("indenter.at", f"{reason}: R is that of the middle"))
-    return doubts
+        reasons.append(Reason("indenter.at", f"{reason}: R is that of the middle"))
+    return reasons

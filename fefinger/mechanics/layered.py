@@ -14,7 +14,7 @@ from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import axisymmetric
 from fefinger.mechanics.press.notes import CONVOLVED, QUASISTATIC, SPHERICAL, normalization_notes
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
-from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.refusals import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
@@ -94,7 +94,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     deepest = max(dict(case.ask.depths).values(), default=0)
     if deepest >= bone:
         reason = f"ask.depths: {deepest:.3g} mm is not above the bone at {bone:.3g} mm"
-        unable.append(Doubt("ask.depths", reason))
+        unable.append(Reason("ask.depths", reason))
     return refusals(name, "ability", unable)
 
 

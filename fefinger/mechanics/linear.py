@@ -16,10 +16,10 @@ from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.notes import (
     QUASISTATIC,
     hard_parts_notes,
-    separate_relaxation_doubts,
-    turning_doubts,
+    separate_relaxation_reasons,
+    turning_reasons,
 )
-from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.refusals import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
@@ -60,47 +60,47 @@ largest of a published set."""
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: it can solve every scene, less accurately at large strain."""
-    turns = turning_doubts(case.motion, case.indenter)
-    unable = (*separate_relaxation_doubts(case.finger), *turns, *case.too_long, *unmeshable(case))
+    turns = turning_reasons(case.motion, case.indenter)
+    unable = (*separate_relaxation_reasons(case.finger), *turns, *case.too_long, *unmeshable(case))
     if unable:
         return refusals(name, "ability", unable)
-    doubts = [*too_small(case), *too_soft(case.finger), *unmeasured(case.finger)]
-    return proximal_cut.reached(name, case) + refusals(name, "accuracy", doubts)
+    reasons = [*too_small(case), *too_soft(case.finger), *unmeasured(case.finger)]
+    return proximal_cut.reached(name, case) + refusals(name, "accuracy", reasons)
 
 
-def unmeshable(case: Situation) -> tuple[Doubt, ...]:
+def unmeshable(case: Situation) -> tuple[Reason, ...]:
     """Return the reason why the finger of a scene cannot be meshed, if there is one."""
     from fefinger.mesh.store import fault
 
     # `case.touch` is rounded: the place of the scene itself has to be on the pad.
     at = case.indenter.place if isinstance(case.touch, tuple) else None
     reason = fault(case.finger, case.touch, at)
-    return (Doubt("finger" if at is None else "", reason),) if reason else ()
+    return (Reason("finger" if at is None else "", reason),) if reason else ()
 
 
-def unmeasured(finger: Finger) -> list[Doubt]:
+def unmeasured(finger: Finger) -> list[Reason]:
     """Return the tissues outside of the range in which mesh errors were measured."""
     layers = (finger.skin, finger.subcutaneous)
     contrast = layers[0].modulus / layers[1].modulus
-    doubts = []
+    reasons = []
     if max(contrast, 1 / contrast) > CONTRAST:
         reason = (
             f"skin modulus / subcutaneous modulus = {contrast:.3g}, not within {CONTRAST:g}: "
             "errors are not measured there"
         )
-        doubts.append(Doubt("finger.skin.modulus", reason))
+        reasons.append(Reason("finger.skin.modulus", reason))
     for (name, most), layer in zip(largest_exponents().items(), layers, strict=True):
         if (layer.exponent or 0.0) > most:
             reason = (
                 f"exponent of {name} = {layer.exponent:.3g} > {most:.3g}: errors are not measured "
                 "there"
             )
-            doubts.append(Doubt(f"finger.{name}", reason))
-    return doubts
+            reasons.append(Reason(f"finger.{name}", reason))
+    return reasons
 
 
-def too_small(case: Situation) -> tuple[Doubt, ...]:
-    """Return the doubt that the contact (its Hertz radius) is too small for the mesh."""
+def too_small(case: Situation) -> tuple[Reason, ...]:
+    """Return the reason against a contact (its Hertz radius) too small for the mesh."""
     if case.indenter.hertzian is None:
         return ()
     facet = FACETS[case.mesh]
@@ -111,12 +111,12 @@ def too_small(case: Situation) -> tuple[Doubt, ...]:
         f"contact radius / facet of the pad = {facets * facet:.2g} / {facet:g} mm = {facets:.2g} < "
         f"{FEWEST:g}: the mesh is too coarse for it"
     )
-    return (Doubt("finger.resolution", reason),)
+    return (Reason("finger.resolution", reason),)
 
 
-def too_soft(finger: Finger) -> list[Doubt]:
+def too_soft(finger: Finger) -> list[Reason]:
     """Return the hard parts soft enough for their relaxation, which is wrong here, to matter."""
-    doubts = []
+    reasons = []
     for part, least in HARD.items():
         material, field = getattr(finger, part), f"finger.{part}.modulus"
         ratio = material.modulus / finger.skin.modulus if isinstance(material, Hard) else least
@@ -125,8 +125,8 @@ def too_soft(finger: Finger) -> list[Doubt]:
                 f"{field} / finger.skin.modulus = {ratio:.3g} < {least:g}: it relaxes with the "
                 "tissue here"
             )
-            doubts.append(Doubt(field, reason))
-    return doubts
+            reasons.append(Reason(field, reason))
+    return reasons
 
 
 cost, once = small_strain_cost.linear_seconds, small_strain_cost.mesh_seconds

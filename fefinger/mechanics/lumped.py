@@ -10,12 +10,12 @@ from fefinger.mechanics.evidence.lumped_law import Law, law
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.notes import (
-    elastic_hard_parts_doubts,
-    separate_relaxation_doubts,
-    tangential_doubts,
+    elastic_hard_parts_reasons,
+    separate_relaxation_reasons,
+    tangential_reasons,
 )
 from fefinger.mechanics.press.time_steps import time_grid, too_long
-from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.refusals import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
@@ -63,19 +63,19 @@ PRINTED = (
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: it gives force alone, as measured under a plate."""
     unable = [
-        Doubt(f"ask.{each}", f"ask.{each}: requested, but it gives only force and depth")
+        Reason(f"ask.{each}", f"ask.{each}: requested, but it gives only force and depth")
         for each in ("pressure", "strain", "fields", "spikes")
         if getattr(case.ask, each)
     ]
-    unable += tangential_doubts(case.motion, case.indenter)
-    unable += [*elastic_hard_parts_doubts(case.finger), *separate_relaxation_doubts(case.finger)]
-    unable += [Doubt("motion", each) for each in too_long(case.motion, fast=False, most=MOST)]
+    unable += tangential_reasons(case.motion, case.indenter)
+    unable += [*elastic_hard_parts_reasons(case.finger), *separate_relaxation_reasons(case.finger)]
+    unable += [Reason("motion", each) for each in too_long(case.motion, fast=False, most=MOST)]
     if case.indenter.hertzian is None:
         reason = f"indenter.kind = {case.indenter.kind!r}: the law is that of a plate"
-        unable.append(Doubt("indenter", reason))
+        unable.append(Reason("indenter", reason))
     if unable:
         return refusals(name, "ability", unable)
-    return refusals(name, "accuracy", _doubts(case))
+    return refusals(name, "accuracy", _reasons(case))
 
 
 def cost(case: Situation) -> float:
@@ -132,31 +132,31 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     )
 
 
-def _doubts(case: Situation) -> list[Doubt]:
+def _reasons(case: Situation) -> list[Reason]:
     """Differences of the scene from the measured conditions, with the numbers."""
     flat, found = case.indenter.flat, law(case)
     too_hard = _too_hard(case, found) if found.printed else []
     if not math.isnan(found.error):
         return too_hard
-    doubts = [Doubt("finger", found.doubt)] if found.doubt else []
+    reasons = [Reason("finger", found.caveat)] if found.caveat else []
     if flat is None:
         reason = f"indenter = {case.indenter.kind}: it was measured with a flat plate"
-        doubts.append(Doubt("indenter", reason))
+        reasons.append(Reason("indenter", reason))
     elif found.printed and not (ANGLES[0] <= flat.angle <= ANGLES[1] and not flat.tilt):
         reason = (
             f"indenter.angle, tilt = {flat.angle:g}, {flat.tilt:g} degrees: it was "
             f"measured at {ANGLES[0]:g} to {ANGLES[1]:g}, 0"
         )
-        doubts.append(Doubt("indenter", reason))
-    return doubts + too_hard
+        reasons.append(Reason("indenter", reason))
+    return reasons + too_hard
 
 
-def _too_hard(case: Situation, found: Law) -> list[Doubt]:
-    """Return the doubt that the (relaxed) force exceeds the largest measured one."""
+def _too_hard(case: Situation, found: Law) -> list[Reason]:
+    """Return the reason against it if the (relaxed) force exceeds the largest measured one."""
     peak, where = case.peak, "force"
     if case.motion.control == "depth":
         where = f"relaxed force at {peak:.3g} mm"
         peak = found.prony.long_time * float(found.spring.force(peak))
     if peak <= FORCE:
         return []
-    return [Doubt("motion", f"{where} = {beyond(peak, FORCE)} N, the largest that was measured")]
+    return [Reason("motion", f"{where} = {beyond(peak, FORCE)} N, the largest that was measured")]

@@ -12,7 +12,7 @@ from types import ModuleType
 
 from fefinger.mechanics import condensed, pressed
 from fefinger.mechanics.evidence import small_strain_cost, vibration
-from fefinger.mechanics.press.notes import QUASISTATIC, stiffens, tangential_doubts
+from fefinger.mechanics.press.notes import QUASISTATIC, stiffens, tangential_reasons
 from fefinger.mechanics.refusals import refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
@@ -35,8 +35,8 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     shared = tuple(replace(refusal, mechanics=name) for refusal in base.refuse(case))
     if any(refusal.about == "ability" for refusal in shared):
         return shared
-    unable = refusals(name, "ability", tangential_doubts(case.motion, case.indenter))
-    return unable + shared + refusals(name, "accuracy", vibration.doubts(case))
+    unable = refusals(name, "ability", tangential_reasons(case.motion, case.indenter))
+    return unable + shared + refusals(name, "accuracy", vibration.reasons(case))
 
 
 def _base(finger: Finger) -> ModuleType:

@@ -15,11 +15,11 @@ from fefinger.mechanics.press.notes import (
     LOGARITHMIC,
     QUASISTATIC,
     RIGID_BONE,
-    elastic_hard_parts_doubts,
-    friction_doubts,
-    separate_relaxation_doubts,
+    elastic_hard_parts_reasons,
+    friction_reasons,
+    separate_relaxation_reasons,
 )
-from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.refusals import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
@@ -43,13 +43,13 @@ NOTES = (
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: different relaxations, and those of `solid`."""
     unable = [
-        *separate_relaxation_doubts(case.finger),
-        *elastic_hard_parts_doubts(case.finger),
-        *friction_doubts(case.indenter),
+        *separate_relaxation_reasons(case.finger),
+        *elastic_hard_parts_reasons(case.finger),
+        *friction_reasons(case.indenter),
     ]
     if case.ask.solver is not None:
         reason = f"ask.solver = {case.ask.solver!r}: it solves with the factors of 'solid'"
-        unable.append(Doubt("ask.solver", reason))
+        unable.append(Reason("ask.solver", reason))
     if unable:
         return refusals(name, "ability", unable)
     return solid.refused(name, case)

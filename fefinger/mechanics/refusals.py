@@ -6,13 +6,13 @@ from typing import NamedTuple
 from fefinger.results.records import Refusal
 
 
-class Doubt(NamedTuple):
+class Reason(NamedTuple):
     """A reason against a mechanics, and the field or part of the scene to change, "" for none."""
 
     field: str
-    reason: str
+    text: str
 
 
-def refusals(mechanics: str, about: str, doubts: Iterable[Doubt]) -> tuple[Refusal, ...]:
+def refusals(mechanics: str, about: str, reasons: Iterable[Reason]) -> tuple[Refusal, ...]:
     """Return the refusals of a mechanics for reasons `about` "ability", "accuracy" or "time"."""
-    return tuple(Refusal(mechanics, about, doubt.reason, doubt.field) for doubt in doubts)
+    return tuple(Refusal(mechanics, about, reason.text, reason.field) for reason in reasons)

@@ -9,7 +9,7 @@ from fefinger.mechanics.evidence import measured_tissue, reached_depth
 from fefinger.mechanics.evidence.table import Measured
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.time_steps import moving, time_grid, too_long
-from fefinger.mechanics.refusals import Doubt
+from fefinger.mechanics.refusals import Reason
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import AUTO, RESOLUTIONS, Finger
 from fefinger.scene.indenter import Indenter
@@ -95,9 +95,9 @@ class Situation:
         return moving(self.motion, self.times)
 
     @cached_property
-    def too_long(self) -> tuple[Doubt, ...]:
-        """Doubts that the time steps of the motion exceed memory; empty if they fit."""
-        return tuple(Doubt("motion", each) for each in too_long(self.motion, fast=self.fast))
+    def too_long(self) -> tuple[Reason, ...]:
+        """Reasons against time steps of the motion that exceed memory; empty if they fit."""
+        return tuple(Reason("motion", each) for each in too_long(self.motion, fast=self.fast))
 
     @cached_property
     def published_tissue(self) -> bool:

@@ -13,10 +13,10 @@ from fefinger.mechanics.press import proximal_cut
 from fefinger.mechanics.press.notes import (
     LOGARITHMIC,
     QUASISTATIC,
-    finite_sliding_doubts,
+    finite_sliding_reasons,
     hard_parts_notes,
 )
-from fefinger.mechanics.refusals import Doubt, refusals
+from fefinger.mechanics.refusals import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
@@ -48,18 +48,18 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: too many steps, or a mesh error that is not measured."""
     if case.ask.solver not in (None, *SOLVERS):
         reason = f"ask.solver = {case.ask.solver!r}: it follows finite strain with its own factors"
-        return refusals(name, "ability", [*case.too_long, Doubt("ask.solver", reason)])
+        return refusals(name, "ability", [*case.too_long, Reason("ask.solver", reason)])
     return refused(name, case)
 
 
 def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against finite strain for a scene, as refusals of `mechanics`."""
-    sliding = finite_sliding_doubts(case.motion, case.indenter)
+    sliding = finite_sliding_reasons(case.motion, case.indenter)
     unable = [*sliding, *case.too_long, *linear.unmeshable(case)]
     if unable:
         return refusals(mechanics, "ability", unable)
-    doubts = [*linear.too_small(case), *linear.unmeasured(case.finger)]
-    return proximal_cut.reached(mechanics, case) + refusals(mechanics, "accuracy", doubts)
+    reasons = [*linear.too_small(case), *linear.unmeasured(case.finger)]
+    return proximal_cut.reached(mechanics, case) + refusals(mechanics, "accuracy", reasons)
 
 
 cost, once, coarser = solid_cost.seconds, small_strain_cost.mesh_seconds, linear.coarser

@@ -254,4 +254,4 @@ def test_the_tissue_of_no_subject_is_beyond_what_was_measured_and_a_stiffer_one_
     assert linear.unmeasured(finger) == []
     most = measured_tissue.largest_exponents()["skin"]
     stiffer = replace(finger, skin=replace(finger.skin, exponent=1.01 * most))
-    assert [doubt.field for doubt in linear.unmeasured(stiffer)] == ["finger.skin"]
+    assert [reason.field for reason in linear.unmeasured(stiffer)] == ["finger.skin"]

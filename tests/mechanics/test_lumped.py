@@ -105,7 +105,7 @@ def test_spikes_are_beyond_it():
 
 OTHER = "finger: of other size or tissue than those whose law was identified; that of Table 2.1, "
 
-DOUBTS = [
+REASONS = [
     ({"indenter": ff.Sphere(radius=0.8)}, "indenter = sphere: it was measured with a flat plate"),
     ({"indenter": ff.Flat(angle=30, tilt=40)}, "indenter.angle, tilt = 30, 40 degrees: it was"),
     ({"finger": ff.Finger(14, 10, pad_radius=13, tissue="maeno1998")}, f"{OTHER}means, is taken"),
@@ -128,7 +128,7 @@ DOUBTS = [
 ]
 
 
-@pytest.mark.parametrize(("parts", "reason"), DOUBTS)
+@pytest.mark.parametrize(("parts", "reason"), REASONS)
 def test_what_was_not_measured_is_refused_for_accuracy_but_answered_when_named(parts, reason):
     asked = scene(**parts)
     (refusal,) = lumped.refuse(Situation.of(asked))

@@ -369,7 +369,7 @@ def test_the_ramp_before_a_vibration_counts_in_the_error_of_statics() -> None:
     assert vibration.statics_error(fast)[0] > 0.5
 
 
-def test_samples_too_coarse_for_their_band_are_doubted() -> None:
+def test_samples_too_coarse_for_their_band_are_refused() -> None:
     time = np.arange(400) / 1000.0
     depth = 0.5 + 0.05 * np.sin(2 * np.pi * 180.0 * time)
     coarse = scene(ff.Sampled(tuple(time.tolist()), tuple(depth.tolist())))

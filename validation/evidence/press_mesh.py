@@ -283,7 +283,7 @@ def _over(difference: NDArray[np.float64], size: NDArray[np.float64]) -> NDArray
 def _lumped(measurement: Measurement, true: Press) -> NDArray[np.float64] | None:
     """Return the errors (n,) of the relaxed force by the law of the finger; None without one."""
     law = lumped_law.law(Situation.of(replace(measurement.scene(None), finger=measurement.finger)))
-    if law.doubt and measurement.tissue is not None:
+    if law.caveat and measurement.tissue is not None:
         return None
     force = law.prony.long_time * np.array([law.spring.force(depth) for depth in true.depth])
     return apart(replace(true, force=force), true)["force"]

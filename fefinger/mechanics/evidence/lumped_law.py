@@ -28,8 +28,8 @@ class Law(NamedTuple):
     """The law of a finger: b in N/mm, m in 1/mm, G, and their source.
 
     printed: whether they are those of Table 2.1. error: relative error of the force against `solid`
-    of the same finger, not a number if unknown; evidence: its source. doubt: reason why the law may
-    not be that of the scene; empty without one.
+    of the same finger, not a number if unknown; evidence: its source. caveat: reason why the law
+    may not be that of the scene; empty without one.
     """
 
     spring: Spring
@@ -38,11 +38,11 @@ class Law(NamedTuple):
     printed: bool
     error: float
     evidence: str
-    doubt: str = ""
+    caveat: str = ""
 
 
 def law(case: Situation) -> Law:
-    """Return the law of the finger of a scene, or that of Table 2.1 with a doubt."""
+    """Return the law of the finger of a scene, or that of Table 2.1 with a caveat."""
     finger = case.finger
     if measured_tissue.subject(finger) is not None:
         error, evidence = press_mesh.error(LUMPED_LAW, case)
@@ -52,25 +52,25 @@ def law(case: Situation) -> Law:
     rows = [each.conditions for each in laws if _same(finger, each.conditions)]
     if not rows:
         other = "of other size or tissue" if finger.surface is None else "from a surface"
-        return _printed(case, doubt=f"finger: {other} than those whose law was identified")
+        return _printed(case, caveat=f"finger: {other} than those whose law was identified")
     flat = case.indenter.flat
     if flat is not None and not flat.tilt:
         interpolated = between(rows, flat.angle)
         if interpolated is not None:
             return _own(case, rows, *interpolated)
     angles = ", ".join(f"{angle:g}" for angle in sorted({row["angle"] for row in rows}))
-    return _printed(case, doubt=f"its law is known under plates at {angles} degrees")
+    return _printed(case, caveat=f"its law is known under plates at {angles} degrees")
 
 
 def _printed(
-    case: Situation, error: float = float("nan"), evidence: str = "not known", doubt: str = ""
+    case: Situation, error: float = float("nan"), evidence: str = "not known", caveat: str = ""
 ) -> Law:
     rows, subject = pawluk1997.bulk(), case.finger.subject_name
     name = subject if subject in rows else pawluk1997.MEANS
     row, source = rows[name], f"Table 2.1, {name} ({pawluk1997.SOURCE})"
-    if doubt:
-        doubt = f"{doubt}; that of Table 2.1, {name}, is taken"
-    return Law(Spring(row.b, row.m), row.prony, source, True, error, evidence, doubt)
+    if caveat:
+        caveat = f"{caveat}; that of Table 2.1, {name}, is taken"
+    return Law(Spring(row.b, row.m), row.prony, source, True, error, evidence, caveat)
 
 
 def _own(case: Situation, rows: Sequence[Mapping[str, Any]], b: float, m: float) -> Law:

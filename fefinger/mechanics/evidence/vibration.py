@@ -22,7 +22,7 @@ from fefinger.mechanics.evidence.table import read
 from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.press.operator_cache import MESH_OF_INERTIA, at_hand, parities
 from fefinger.mechanics.press.time_steps import MODAL_STEP, RESOLVED
-from fefinger.mechanics.refusals import Doubt
+from fefinger.mechanics.refusals import Reason
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
@@ -204,13 +204,13 @@ def notes(case: Situation) -> tuple[str, ...]:
     )
 
 
-def doubts(case: Situation) -> list[Doubt]:
-    """Return the doubts that a motion is faster than what was measured, modes or its samples."""
+def reasons(case: Situation) -> list[Reason]:
+    """Return the reasons against a motion faster than what was measured, modes or its samples."""
     return _too_sudden(case) + _too_high(case) + _too_coarse(case.motion)
 
 
-def _too_sudden(case: Situation) -> list[Doubt]:
-    """Return the doubt that a press changes its speed faster than the modes follow."""
+def _too_sudden(case: Situation) -> list[Reason]:
+    """Return the reason against a press that changes its speed faster than the modes follow."""
     last = _last(case)
     found = suddenness(case.motion, 1 / last)
     if found <= SUDDEN:
@@ -221,11 +221,11 @@ def _too_sudden(case: Situation) -> list[Doubt]:
         f"{found:.2g} > {SUDDEN:g}: the modes do not follow it; press more slowly, or with a "
         "longer motion.corner"
     )
-    return [Doubt(f"motion.{pace}" if hasattr(case.motion, pace) else "motion", reason)]
+    return [Reason(f"motion.{pace}" if hasattr(case.motion, pace) else "motion", reason)]
 
 
-def _too_high(case: Situation) -> list[Doubt]:
-    """Return the doubt that a motion has frequencies which the modes do not reach."""
+def _too_high(case: Situation) -> list[Reason]:
+    """Return the reason against a motion with frequencies which the modes do not reach."""
     frequency = case.motion.highest_frequency
     if frequency is None:
         return []
@@ -236,7 +236,7 @@ def _too_high(case: Situation) -> list[Doubt]:
             f"measured beyond; stay below {_rounded(frequency * measured / reduced)} Hz"
             f"{_damped_set(case.finger)}"
         )
-        return [Doubt("motion.frequency", reason)]
+        return [Reason("motion.frequency", reason)]
     if _ratio(case, frequency) <= BEYOND:
         return []
     highest = frequency * BEYOND / _ratio(case, frequency)
@@ -245,11 +245,11 @@ def _too_high(case: Situation) -> list[Doubt]:
         f"the modes that are computed reach some {_rounded(highest)} Hz; stay below, or take "
         f"stiffer tissue{_damped_set(case.finger)}"
     )
-    return [Doubt("motion.frequency", reason)]
+    return [Reason("motion.frequency", reason)]
 
 
-def _too_coarse(motion: Motion) -> list[Doubt]:
-    """Return the doubt that a vibration has too few samples per cycle."""
+def _too_coarse(motion: Motion) -> list[Reason]:
+    """Return the reason against a vibration with too few samples per cycle."""
     frequency, rate = motion.highest_frequency, motion.sample_rate
     if frequency is None or rate is None or rate >= SAMPLED * frequency:
         return []
@@ -258,7 +258,7 @@ def _too_coarse(motion: Motion) -> list[Doubt]:
         f"{rate / frequency:.2g} < {SAMPLED:g}: straight lines between the samples distort it; "
         "sample the motion more finely, or filter its noise"
     )
-    return [Doubt("motion.time", reason)]
+    return [Reason("motion.time", reason)]
 
 
 def _rounded(value: float) -> str:

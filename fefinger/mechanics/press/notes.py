@@ -1,8 +1,8 @@
-"""Notes and doubts that several mechanics share."""
+"""Notes, and reasons against them, that several mechanics share."""
 
 import numpy as np
 
-from fefinger.mechanics.refusals import Doubt
+from fefinger.mechanics.refusals import Reason
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.motion import Motion
@@ -46,18 +46,18 @@ def normalization_notes(prony: Prony) -> tuple[str, ...]:
     return (f"Published Prony weights sum to {total:.4g}; here they are divided by that sum.",)
 
 
-def separate_relaxation_doubts(finger: Finger) -> tuple[Doubt, ...]:
+def separate_relaxation_reasons(finger: Finger) -> tuple[Reason, ...]:
     """List the options by which the tissues do not share one relaxation function."""
-    doubts = []
+    reasons = []
     if finger.relaxation != "whole":
         reason = f"finger.relaxation = {finger.relaxation!r}: it relaxes the whole stress"
-        doubts.append(Doubt("finger.relaxation", reason))
+        reasons.append(Reason("finger.relaxation", reason))
     for layer in ("skin", "subcutaneous"):
         field = f"finger.{layer}.prony"
         if getattr(finger, layer).prony not in (None, finger.prony):
             reason = f"{field}: set, but it relaxes all tissue with one function"
-            doubts.append(Doubt(field, reason))
-    return tuple(doubts)
+            reasons.append(Reason(field, reason))
+    return tuple(reasons)
 
 
 def finger_notes(finger: Finger) -> tuple[str, ...]:
@@ -85,64 +85,64 @@ def stiffens(finger: Finger) -> bool:
     return any(layer.law in EXPONENTIAL for layer in (finger.skin, finger.subcutaneous))
 
 
-def elastic_hard_parts_doubts(finger: Finger) -> tuple[Doubt, ...]:
+def elastic_hard_parts_reasons(finger: Finger) -> tuple[Reason, ...]:
     """List an elastic bone, and a nail that is not fixed."""
-    doubts = []
+    reasons = []
     if isinstance(finger.bone, Hard):
         reason = f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: its bone is rigid"
-        doubts.append(Doubt("finger.bone", reason))
+        reasons.append(Reason("finger.bone", reason))
     if finger.nail is not None:
         reason = "finger.nail: set, but it takes the nail as held with the bone"
-        doubts.append(Doubt("finger.nail", reason))
-    return tuple(doubts)
+        reasons.append(Reason("finger.nail", reason))
+    return tuple(reasons)
 
 
-def tangential_doubts(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
+def tangential_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
     """List the options of a scene beyond a frictionless press along one direction."""
     if not motion.slides:
-        return friction_doubts(indenter)
+        return friction_reasons(indenter)
     reason = f"motion.kind = {motion.kind!r}: its indenter does not move sideways"
-    return (Doubt("motion.kind", reason), *friction_doubts(indenter))
+    return (Reason("motion.kind", reason), *friction_reasons(indenter))
 
 
-def friction_doubts(indenter: Indenter) -> tuple[Doubt, ...]:
+def friction_reasons(indenter: Indenter) -> tuple[Reason, ...]:
     """Return the friction of an indenter, if it has any."""
     if indenter.friction == 0:
         return ()
     reason = f"indenter.friction = {indenter.friction:g} > 0: its contact is frictionless"
-    return (Doubt("indenter.friction", reason),)
+    return (Reason("indenter.friction", reason),)
 
 
-def finite_sliding_doubts(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
+def finite_sliding_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
     """List the options of sliding and friction that finite strain does not support."""
-    doubts = []
+    reasons = []
     if motion.rocks:
         reason = (
             f"motion.kind = {motion.kind!r}: its plate does not turn, as by motion.angle or tilt"
         )
-        doubts.append(Doubt("motion.angle", reason))
+        reasons.append(Reason("motion.angle", reason))
     if motion.slides and indenter.flat is None:
         reason = (
             f"motion.kind = {motion.kind!r}, indenter.kind = {indenter.kind!r}: a smooth plate "
             "alone slides at finite strain"
         )
-        doubts.append(Doubt("motion.kind", reason))
+        reasons.append(Reason("motion.kind", reason))
     if indenter.friction > 0 and not motion.straight:
         reason = (
             f"indenter.friction = {indenter.friction:g} > 0, motion.kind = {motion.kind!r}: its "
             "friction is that of a plate that slides along a line; stick is left out"
         )
-        doubts.append(Doubt("indenter.friction", reason))
-    return tuple(doubts)
+        reasons.append(Reason("indenter.friction", reason))
+    return tuple(reasons)
 
 
-def turning_doubts(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
-    """Return the doubt that a plate turns more than small strain can represent."""
+def turning_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
+    """Return the reason against a plate that turns more than small strain can represent."""
     if not motion.rocks:
         return ()
     if indenter.flat is None:
         reason = f"indenter.kind = {indenter.kind!r}: a smooth plate alone turns along a path"
-        return (Doubt("motion.angle", reason),)
+        return (Reason("motion.angle", reason),)
     times = np.linspace(0.0, motion.duration, TURNS_READ)
     slopes = motion.inclines(np.union1d(times, motion.breaks), indenter.flat)
     turn = float(np.degrees(np.arctan(np.linalg.norm(slopes, axis=1).max())))
@@ -152,12 +152,12 @@ def turning_doubts(motion: Motion, indenter: Indenter) -> tuple[Doubt, ...]:
         f"motion.angle, motion.tilt: turn of the plate from its travel = {turn:.3g} degrees > "
         f"{ROCKS:g}: pressure acts along the travel; start from an angle in the middle"
     )
-    return (Doubt("motion.angle", reason),)
+    return (Reason("motion.angle", reason),)
 
 
 def hard_parts_notes(finger: Finger) -> tuple[str, ...]:
     """Return notes on how bone and nail are held, and on their materials."""
-    if not elastic_hard_parts_doubts(finger):
+    if not elastic_hard_parts_reasons(finger):
         return (RIGID_BONE,)
     bone, nail = "The bone is rigid.", "The nail is held, as glued in the experiment."
     if isinstance(finger.bone, Hard):

@@ -20,7 +20,7 @@ from fefinger.fem.linalg.dissection import Front
 from fefinger.fem.linalg.multifrontal import Eliminated
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press.hard_parts import fixed_facets
-from fefinger.mechanics.press.notes import elastic_hard_parts_doubts, separate_relaxation_doubts
+from fefinger.mechanics.press.notes import elastic_hard_parts_reasons, separate_relaxation_reasons
 from fefinger.mechanics.press.operator_cache import folder, identity, parities
 from fefinger.mechanics.press.problem import SolutionMethod
 from fefinger.mesh.extend import CONTINUED
@@ -52,8 +52,8 @@ def operator(
     InputError if the tissues of the finger do not relax as one, so that no step of it would be
     right; or the cache holds something else under the hash of this finger.
     """
-    for reason in (*elastic_hard_parts_doubts(finger), *separate_relaxation_doubts(finger)):
-        raise InputError(f"{reason}; use the mechanics 'solid'")
+    for reason in (*elastic_hard_parts_reasons(finger), *separate_relaxation_reasons(finger)):
+        raise InputError(f"{reason.text}; use the mechanics 'solid'")
     mesh = load_or_build(finger, half=True, continued=continued)
     meshed = solid(mesh, (1, 2))
     body = meshed if half else solid(whole(mesh), (1, 2))

@@ -16,7 +16,7 @@ from fefinger.fem.elements.probe import VOIGT
 from fefinger.mechanics import pressed
 from fefinger.mechanics.press import elastic_press
 from fefinger.mechanics.press.carried import METHOD, CarriedPress
-from fefinger.mechanics.press.notes import elastic_hard_parts_doubts, separate_relaxation_doubts
+from fefinger.mechanics.press.notes import elastic_hard_parts_reasons, separate_relaxation_reasons
 from fefinger.mechanics.press.pad import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.realtime.loop import Step, check_finger, described, units
@@ -71,8 +71,8 @@ class Pressed:
     ) -> None:
         check_finger(finger)
         self.deepest = number("deepest", deepest, above=0, unit="mm")
-        for reason in (*separate_relaxation_doubts(finger), *elastic_hard_parts_doubts(finger)):
-            raise InputError(f"{reason}; use the mechanics 'solid'")
+        for reason in (*separate_relaxation_reasons(finger), *elastic_hard_parts_reasons(finger)):
+            raise InputError(f"{reason.text}; use the mechanics 'solid'")
         stages, motion = Stages(progress), Ramp(1.0, self.deepest, corner=0.0)
         scene = Scene(finger=finger, indenter=indenter, motion=motion, ask=Ask(spikes=TYPES))
         press = Press.of(scene, METHOD, stages, mechanics=pressed.name, notes=pressed.NOTES)

@@ -83,9 +83,9 @@ def test_where_the_plate_comes_close_the_continuation_changes_the_force_by_perce
 def test_beyond_the_continuation_the_press_is_refused() -> None:
     end = gap(finger("d.p."), ff.Flat(0.0), continued=True)
     assert proximal_cut.reached("linear", Situation.of(pressed("d.p.", 0.99 * NEAR * end))) == ()
-    (doubt,) = proximal_cut.reached("linear", Situation.of(pressed("d.p.", 1.05 * end)))
-    assert doubt.about == "accuracy"
-    assert "contact may reach the end" in doubt.reason
+    (refusal,) = proximal_cut.reached("linear", Situation.of(pressed("d.p.", 1.05 * end)))
+    assert refusal.about == "accuracy"
+    assert "contact may reach the end" in refusal.reason
     deep = Situation.of(pressed("d.p.", 1.01 * FAR * end))
     (sure,) = proximal_cut.reached("solid", deep)
     assert sure.about == "ability"

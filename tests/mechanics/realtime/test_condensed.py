@@ -265,7 +265,7 @@ def test_what_cannot_be_placed_gets_a_sentence(options: dict, words: str) -> Non
         ({"relaxation": "deviatoric"}, "finger.relaxation = 'deviatoric'.* use the mechanics"),
         (
             {"skin": replace(FINGER.skin, prony=ff.Prony((0.5, 0.5), (1.0,)))},
-            "finger.skin.prony: set.* use the mechanics 'solid'",
+            "^finger.skin.prony: set.* use the mechanics 'solid'",
         ),
     ],
 )
