@@ -10,7 +10,7 @@ fem/                  the contact: time steps in `fem/contact/step_compiled.py`,
                       `lcp_compiled.py`, at small strain; equilibria in `fem/hyperelastic/newton.py`
                       at finite strain. The displacement gradient at the end organs is a linear
                       map of the displacements, made in `fem/elements/recovery.py` and applied in
-                      `mechanics/press/`: response.py, finite_strain.py and carried.py
+                      `mechanics/press/`: response.py, finite_strain.py and tabulated_press.py
 afferents.fire        the spikes of that strain: `neural/recorded_vectorized.py`, which
                       `neural/recorded_simulation.py` calls, or, of the family `thesis`,
                       `neural/membranes/vectorized.py`, which `neural/units.py` calls

@@ -30,7 +30,7 @@ ABOUT = suites.ABOUT | {
     "bench-solid": "Speed and iterations of finite strain.",
     "bench-pressed": "Speed of tabulated finite strain: a table, a scene, a step.",
     "calibrated-means": "The finger calibrated on the mean curves of the subjects.",
-    "carrying": "Errors of tabulated finite strain against `solid`; the planner reads it.",
+    "pressed-error": "Errors of tabulated finite strain against `solid`; the planner reads it.",
     "held-out": "Stated errors against scenes that no rule was fitted to; suite tradeoff.",
     "human-presses": "Presses of the suite human: force, area and pressure of the default finger.",
     "press-mesh": "Error of a press by mesh, object and depth; the planner reads it.",

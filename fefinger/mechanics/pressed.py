@@ -1,16 +1,16 @@
 """Finite strain by a pre-solved table: elastic solutions over depth, with relaxation convolved.
 
 With one relaxation for the whole stress, contact at finite strain is nearly the elastic contact of
-the same depth, carried by a hereditary integral (`theory/contact/one_spring.py`). The table
+the same depth, relaxed by a hereditary integral (`theory/contact/one_spring.py`). The table
 (`press/elastic_press.py`) is solved once per finger and object and kept; those of the calibrated
-fingers under the plate at 30 degrees and a ball of 5 mm are shipped. What the carrying leaves out
-is measured against `solid` on the same mesh (`evidence/carrying.py`).
+fingers under the plate at 30 degrees and a ball of 5 mm are shipped. What the tabulation leaves out
+is measured against `solid` on the same mesh (`evidence/tabulation_error.py`).
 """
 
 import math
 
 from fefinger.mechanics import linear, solid
-from fefinger.mechanics.evidence import carrying
+from fefinger.mechanics.evidence import tabulation_error
 from fefinger.mechanics.press.notes import (
     LOGARITHMIC,
     QUASISTATIC,
@@ -55,7 +55,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     return solid.refused(name, case)
 
 
-cost, once, coarser = carrying.seconds, carrying.once, linear.coarser
+cost, once, coarser = tabulation_error.seconds, tabulation_error.once, linear.coarser
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
@@ -63,14 +63,14 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     error, source = solid.error(case, quantity)
     if math.isnan(error):
         return error, source
-    carried = carrying.error(case, quantity)
+    tabulation = tabulation_error.error(case, quantity)
     # Not their sum: on loading a mesh makes the force too large, the table too small.
-    return math.hypot(error, carried), f"{source}; {carrying.sentence(carried, case)}"
+    return math.hypot(error, tabulation), f"{source}; {tabulation_error.sentence(tabulation, case)}"
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Solve the scene from the elastic press of its finger, which is solved if not cached."""
-    from fefinger.mechanics.press import carried
+    from fefinger.mechanics.press import tabulated_press
 
     notes = (*NOTES, RIGID_BONE)
-    return carried.respond(scene, progress, mechanics=name, notes=notes)
+    return tabulated_press.respond(scene, progress, mechanics=name, notes=notes)

@@ -131,7 +131,7 @@ def extension(points: Array, cells: Integers, moves: Array, held: Flags) -> Arra
     return extended
 
 
-def carried(points: Array, source: Shell, target: Shell, stations: Stations) -> Array:
+def mapped(points: Array, source: Shell, target: Shell, stations: Stations) -> Array:
     """Return points (n, 3) on a shell moved to their stations on another, at the same angle."""
     sizes = source.heights(points[:, 0])
     height = points[:, 2] - source.middle
@@ -171,7 +171,7 @@ def _surface_moves(
     for number, stations in enumerate(_stations(source, target, touch)):
         on = np.flatnonzero(constraints.surface == number)
         foot = source.shells[number].project(points[on], free=free[on])
-        there = carried(foot, source.sections[number], target.sections[number], stations)
+        there = mapped(foot, source.sections[number], target.sections[number], stations)
         there = np.where(free[on], there, foot + moves[on])
         moves[on] = target.shells[number].project(there, free=free[on]) - foot
     moves[np.all(points == 0.0, axis=1)] = 0.0  # first touch

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fefinger.mechanics import pressed, solid
-from fefinger.mechanics.evidence import carrying
+from fefinger.mechanics.evidence import tabulation_error
 from fefinger.mechanics.press import elastic_press, elastic_store
 from fefinger.mechanics.press.elastic_press import depths
 from fefinger.mechanics.press.elastic_table import STEP, DepthTable, Modes
@@ -47,7 +47,7 @@ def scene(motion, finger: Finger = FINGER, **ask) -> Scene:
 
 @pytest.fixture(scope="module")
 def elastic() -> tuple[Response, Response]:
-    """Responses of `solid` and `pressed` where tissue does not relax: nothing is carried."""
+    """Responses of `solid` and `pressed` where tissue does not relax: the table is exact."""
     asked = scene(Ramp(60, 1.2), replace(FINGER, prony=ELASTIC), fields=True, spikes=("SAI", "FAI"))
     return solid.respond(asked), pressed.respond(asked)
 
@@ -94,10 +94,10 @@ def test_relaxation_is_carried_within_the_stated_errors(motion) -> None:
     asked = scene(motion)
     right, wrong = solid.respond(asked), pressed.respond(asked)
     case = Situation.of(asked)
-    assert apart(wrong.force, right.force) < carrying.error(case, "force") < 0.1
+    assert apart(wrong.force, right.force) < tabulation_error.error(case, "force") < 0.1
     peak = int(np.argmax(right.force))
     strain = apart(wrong.strain[[peak]], right.strain[[peak]])
-    assert strain < carrying.error(case, "strain") < 0.1
+    assert strain < tabulation_error.error(case, "strain") < 0.1
     assert wrong.force.min() >= 0.0
     assert (wrong.pressure >= 0.0).all()
 
@@ -229,13 +229,14 @@ def test_it_refuses_what_it_is_not_for(change: dict, reason: str) -> None:
     assert reason in first.reason
 
 
-def test_the_error_of_carrying_is_larger_on_retreat_and_none_without_relaxation() -> None:
+def test_the_error_of_tabulation_is_larger_on_retreat_and_none_without_relaxation() -> None:
     advancing, back = (
         Situation.of(scene(each)) for each in (Ramp(60, 0.55), Trapezoid(60, 0.55, hold=1))
     )
-    assert 0.01 < carrying.error(advancing, "force") < carrying.error(back, "force") < 0.1
+    errors = [tabulation_error.error(case, "force") for case in (advancing, back)]
+    assert 0.01 < errors[0] < errors[1] < 0.1
     none = Situation.of(scene(Ramp(60, 1.0), replace(FINGER, prony=ELASTIC)))
-    assert carrying.error(none, "force") == 0.0
+    assert tabulation_error.error(none, "force") == 0.0
     assert pressed.error(none)[0] == pytest.approx(solid.error(none)[0])
 
 
@@ -249,7 +250,7 @@ def test_the_error_of_carrying_is_larger_on_retreat_and_none_without_relaxation(
     ],
 )
 def test_a_motion_that_goes_back_is_known(motion, back: bool) -> None:
-    assert carrying.retreats(motion) == back
+    assert tabulation_error.retreats(motion) == back
 
 
 def test_a_ball_is_pressed_deeper_than_its_radius() -> None:
@@ -300,8 +301,8 @@ def test_a_whole_finger_takes_no_press_of_its_half(
 
 def _table() -> DepthTable:
     """Return a small table of that finger under the plate, without solving it."""
-    from fefinger.mechanics.press.carried import METHOD
     from fefinger.mechanics.press.problem import Press
+    from fefinger.mechanics.press.tabulated_press import METHOD
     from fefinger.support.progress import Stages
 
     asked = scene(Ramp(60, 1.0))
@@ -309,18 +310,21 @@ def _table() -> DepthTable:
     return elastic_press.load_or_solve(press, Flat(30), 1.0, Stages())
 
 
-def test_the_error_of_carrying_is_the_largest_of_the_scenes_about_as_deep() -> None:
-    errors = [(0.1, 0.02)] * carrying.FEWEST + [(0.11, 0.025), (0.15, 0.03)]
-    assert carrying.largest_about(0.1, errors, "force") == 0.02  # the scene at 0.11 is deeper
-    assert carrying.largest_about(0.1, errors, "area") == 0.025
+def test_the_error_of_tabulation_is_the_largest_of_the_scenes_about_as_deep() -> None:
+    errors = [(0.1, 0.02)] * tabulation_error.FEWEST + [(0.11, 0.025), (0.15, 0.03)]
+    # The scene at 0.11 is deeper.
+    assert tabulation_error.largest_about(0.1, errors, "force") == 0.02
+    assert tabulation_error.largest_about(0.1, errors, "area") == 0.025
 
 
-def test_where_few_scenes_are_as_deep_the_nearest_ones_tell_the_error_of_carrying() -> None:
-    errors = [(0.05 + 0.005 * number, 0.01 * number) for number in range(2 * carrying.FEWEST)]
-    known = 0.01 * (carrying.FEWEST - 1)
+def test_where_few_scenes_are_as_deep_the_nearest_ones_tell_the_error_of_tabulation() -> None:
+    errors = [
+        (0.05 + 0.005 * number, 0.01 * number) for number in range(2 * tabulation_error.FEWEST)
+    ]
+    known = 0.01 * (tabulation_error.FEWEST - 1)
     for part in (0.001, 0.04, 0.05):
-        assert carrying.largest_about(part, errors, "force") == pytest.approx(known)
-    assert carrying.largest_about(0.3, errors, "force") == pytest.approx(errors[-1][1])
+        assert tabulation_error.largest_about(part, errors, "force") == pytest.approx(known)
+    assert tabulation_error.largest_about(0.3, errors, "force") == pytest.approx(errors[-1][1])
 
 
 def test_an_error_that_is_not_known_has_its_reason_alone_as_source() -> None:
@@ -328,14 +332,14 @@ def test_an_error_that_is_not_known_has_its_reason_alone_as_source() -> None:
     error, source = pressed.error(Situation.of(pin))
     assert np.isnan(error)
     assert source.startswith("not known")
-    assert "carrying" not in source
+    assert "pressed-error" not in source
 
 
-def test_deeper_than_carrying_was_measured_its_source_says_so() -> None:
+def test_deeper_than_tabulation_was_measured_its_source_says_so() -> None:
     finger = Finger.subject("a.h.")
     sources = [
-        carrying.sentence(0.04, Situation.of(Scene(finger=finger, motion=Ramp(60, part * 10))))
-        for part in (0.15, 0.275)
+        tabulation_error.sentence(0.04, Situation.of(Scene(finger=finger, motion=Ramp(60, depth))))
+        for depth in (1.5, 2.75)
     ]
     assert "measured to" not in sources[0]
     assert re.search(r"measured to 0\.\d+ of the thickness$", sources[1])

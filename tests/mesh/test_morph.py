@@ -85,7 +85,7 @@ def test_an_ellipsoidal_map_of_a_shell_is_exact() -> None:
         dorsal_ratio=stretched(shell.dorsal_ratio, (c / b) ** 2),
     )
     pad = mesh.points[np.unique(mesh.facets["pad"])]
-    there = morph.carried(pad, shell, other, lambda x, _: a * x)
+    there = morph.mapped(pad, shell, other, lambda x, _: a * x)
     assert there == pytest.approx(factors * pad, abs=1e-6)
 
 

@@ -6,8 +6,8 @@ from fefinger.validation.pressed.scenes import COUNTS, STANDARD, drawn
 
 import fefinger as ff
 from fefinger.mechanics import pressed
-from fefinger.mechanics.evidence.carrying import ABOUT, MARGIN, error
-from fefinger.mechanics.evidence.table import CARRIED, CARRYING, read
+from fefinger.mechanics.evidence.table import TABULATION, TABULATION_SETS, read
+from fefinger.mechanics.evidence.tabulation_error import ABOUT, MARGIN, error
 from fefinger.mechanics.situation import Situation
 from fefinger.scene.ask import Ask
 
@@ -25,7 +25,7 @@ def test_all_sets_are_drawn_the_same_each_time_and_share_no_scene() -> None:
 
 
 def test_the_report_is_of_these_scenes() -> None:
-    for name, rows in ((name, read(CARRYING)[name]) for name in CARRIED):
+    for name, rows in ((name, read(TABULATION)[name]) for name in TABULATION_SETS):
         assert list(rows) == [scene.name for scene in drawn(name)]
         measured = [row for row in rows.values() if "refused" not in row]
         assert len(measured) >= 0.9 * len(rows)

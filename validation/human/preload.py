@@ -16,10 +16,10 @@ from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.laws import Law
 from fefinger.fem.hyperelastic.stress_kernels import PAIRS, moduli_of, stresses
 from fefinger.geometry import mirror
-from fefinger.mechanics.press import carried
-from fefinger.mechanics.press.carried import CarriedPress, table_of
+from fefinger.mechanics.press import tabulated_press
 from fefinger.mechanics.press.constitutive import laws
 from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.tabulated_press import TabulatedPress, table_of
 from fefinger.scene.ask import Ask
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.inertia import DENSITY
@@ -64,9 +64,9 @@ def skin_speeds(name: str, force: float) -> tuple[float, float]:
     subject = finger(name)
     ask = Ask(pressure=True, strain=False, fields=False)
     scene = Scene(finger=subject, indenter=STANDARD, motion=Ramp(1.0, DEEPEST), ask=ask)
-    press = Press.of(scene, carried.METHOD, Stages(None), mechanics="pressed", notes=())
+    press = Press.of(scene, tabulated_press.METHOD, Stages(None), mechanics="pressed", notes=())
     table = table_of(press, STANDARD, Stages(None))
-    placed = CarriedPress.of(press, table)
+    placed = TabulatedPress.of(press, table)
     count = len(table.depth)
     weights = np.array([np.interp(force, table.force, row) for row in np.eye(count)])
     on = placed.contact.on.vertices[weights @ table.pressure > 0]

@@ -17,8 +17,8 @@ from fefinger.validation.provenance import compact, provenance
 from scipy.spatial import cKDTree
 
 from fefinger.mechanics import pressed, solid
-from fefinger.mechanics.evidence.carrying import retreats
-from fefinger.mechanics.evidence.table import CARRIED, CARRYING
+from fefinger.mechanics.evidence.table import TABULATION, TABULATION_SETS
+from fefinger.mechanics.evidence.tabulation_error import retreats
 from fefinger.results.pressure import peaks
 from fefinger.results.records import Response
 from fefinger.scene.scene import Scene
@@ -126,11 +126,11 @@ def _timed(scene: Scene) -> tuple[float, Response]:
 
 def main(folder: Path) -> None:
     """Measure all sets and the costs, and write the report after each scene."""
-    path = folder / CARRYING
+    path = folder / TABULATION
     report: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
     head = provenance(f"python -m fefinger.validation.pressed.measure {folder.name}")
-    report = {**head, **{key: report.get(key, {}) for key in (*CARRIED, "costs")}}
-    for name in CARRIED:
+    report = {**head, **{key: report.get(key, {}) for key in (*TABULATION_SETS, "costs")}}
+    for name in TABULATION_SETS:
         for scene in drawn(name):
             if scene.name not in report[name]:
                 report[name][scene.name] = compared(scene)

@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 
 from fefinger.mechanics.press import elastic_store as store
-from fefinger.mechanics.press.carried import METHOD
 from fefinger.mechanics.press.elastic_press import solve
 from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.tabulated_press import METHOD
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat, Sphere

@@ -10,8 +10,8 @@ from fefinger.validation.pressed import drawings
 from fefinger.validation.pressed.measure import compared
 from fefinger.validation.pressed.scenes import drawn
 
-from fefinger.mechanics.evidence.carrying import MARGIN, largest_about
-from fefinger.mechanics.evidence.table import CARRIED, CARRYING, read
+from fefinger.mechanics.evidence.table import TABULATION, TABULATION_SETS, read
+from fefinger.mechanics.evidence.tabulation_error import MARGIN, largest_about
 
 
 HELD_OUT = "held-out"
@@ -50,12 +50,12 @@ LIVE = (0, 3)
 
 def rows(name: str) -> dict[str, dict[str, Any]]:
     """Return the scenes of a draw that were answered."""
-    return {key: row for key, row in read(CARRYING)[name].items() if "refused" not in row}
+    return {key: row for key, row in read(TABULATION)[name].items() if "refused" not in row}
 
 
 def every() -> dict[str, dict[str, Any]]:
     """Return the scenes of all draws that were answered."""
-    return {key: row for name in CARRIED for key, row in rows(name).items()}
+    return {key: row for name in TABULATION_SETS for key, row in rows(name).items()}
 
 
 def stated(phase: str, quantity: str, part: float, without: str = "") -> float:
@@ -140,7 +140,7 @@ def figures() -> Iterator[tuple[str, Any]]:
         "Errors of `pressed` against `solid` on the same mesh, by depth over thickness: scenes of "
         "three draws, and deep built-in scenes. Dashed: the error that is stated from all of them.",
         drawings.errors(
-            {name: read(CARRYING)[name] for name in CARRIED},
+            {name: read(TABULATION)[name] for name in TABULATION_SETS},
             {key: partial(stated, *key) for key in WANTED},
         ),
     )

@@ -32,9 +32,10 @@ RULES = (
     "strain is carried through the motion, and reached less deep by the root of the exponent. "
     "Highest pressure and area are no better known than the mesh under the same object; under "
     "edges, than at the depths around. Finite strain through time has the errors of "
-    "reports/carrying.json, and what shorter time steps change (reports/time-steps.json) is added. "
-    "Margins of independent causes are added as squares. The scenes that were held out before "
-    f"(seeds {min(scenes.DEVELOPMENT)} to {max(scenes.DEVELOPMENT)}) are those of development."
+    "reports/pressed-error.json, and what shorter time steps change (reports/time-steps.json) is "
+    "added. Margins of independent causes are added as squares. The scenes that were held out "
+    f"before (seeds {min(scenes.DEVELOPMENT)} to {max(scenes.DEVELOPMENT)}) are those of "
+    "development."
 )
 
 

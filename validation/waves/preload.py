@@ -21,8 +21,7 @@ from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress, contin
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.linalg.system import System
-from fefinger.mechanics.press import carried, operator
-from fefinger.mechanics.press.carried import CarriedPress, table_of
+from fefinger.mechanics.press import operator, tabulated_press
 from fefinger.mechanics.press.constitutive import laws
 from fefinger.mechanics.press.finite_strain import FINITE_STRAIN
 from fefinger.mechanics.press.harmonic import Vibrating, about
@@ -31,6 +30,7 @@ from fefinger.mechanics.press.modal_response import stiffening
 from fefinger.mechanics.press.mode_store import PER_CUBIC_METER, finger_modes
 from fefinger.mechanics.press.preload_relaxation import about_preload
 from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.tabulated_press import TabulatedPress, table_of
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import STANDARD
@@ -62,7 +62,7 @@ class Preloaded:
     """
 
     press: Press
-    table: CarriedPress
+    table: TabulatedPress
     depth: float
     equilibrium: Equilibrium
     state: State
@@ -199,13 +199,13 @@ class Preloaded:
 def _press(finger: Finger, depth: float, *, linear: bool) -> Press:
     """Place the finger under the plate, as `modal` and as `pressed` see it."""
     scene = Scene(finger=finger, motion=Ramp(1.0, depth), ask=Ask(fields=False, strain=False))
-    method = operator.METHOD if linear else carried.METHOD
+    method = operator.METHOD if linear else tabulated_press.METHOD
     return Press.of(scene, method, Stages(None), mechanics="modal", notes=())
 
 
-def _pressed(finger: Finger, depth: float) -> tuple[Press, CarriedPress]:
+def _pressed(finger: Finger, depth: float) -> tuple[Press, TabulatedPress]:
     press = _press(finger, depth, linear=False)
-    return press, CarriedPress.of(press, table_of(press, STANDARD, Stages(None)))
+    return press, TabulatedPress.of(press, table_of(press, STANDARD, Stages(None)))
 
 
 def viscous(finger: Finger) -> Finger:

@@ -6,7 +6,7 @@ press_mesh.py                    the measured presses next to it,
 pressed_objects.py               the objects between which it lies,
 press_margins.py                 and margins, from leaving presses out
 measured_tissue.py               what tissue counts as measured
-carrying.py, vibration.py        what time and inertia add
+tabulation_error.py, vibration.py    what time and inertia add
 force_control.py, reached_depth.py    what changes where the force is prescribed
 lumped_law.py                    the force law of `lumped`
 small_strain_cost.py, solid_cost.py    seconds of the mechanics, and of meshes

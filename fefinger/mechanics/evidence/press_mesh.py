@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fefinger.mechanics.evidence import carrying, measured_tissue, reached_depth
+from fefinger.mechanics.evidence import measured_tissue, reached_depth, tabulation_error
 from fefinger.mechanics.evidence.press_margins import (
     LOCAL,
     between_presses,
@@ -70,11 +70,12 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Sta
     if isinstance(estimate, str):
         return StatedError(math.nan, estimate)
     margin, value = math.hypot(*_margins(estimate, candidate, case, quantity)), estimate.value
-    carried = carrying.error(case, quantity) if _carried(candidate, case) else 0.0
+    grows = _grows_through_motion(candidate, case)
+    tabulation = tabulation_error.error(case, quantity) if grows else 0.0
     if case.published_tissue:  # neither is the larger by far
-        margin += math.hypot(value, carried) - value
+        margin += math.hypot(value, tabulation) - value
     else:
-        margin = math.hypot(margin, max(1 - value, 0.0) * carried)
+        margin = math.hypot(margin, max(1 - value, 0.0) * tabulation)
     pressed = " and ".join(press.press for press in estimate.presses)
     source = f"reports/{PRESS_MESH}, {pressed}: {percent(value)}"
     if margin:
@@ -187,7 +188,7 @@ def _scatter_of(
     return mesh, value if isinstance(estimate, str) else estimate.value
 
 
-def _carried(candidate: Candidate, case: Situation) -> bool:
+def _grows_through_motion(candidate: Candidate, case: Situation) -> bool:
     """Whether the error of a candidate grows through the motion: small strain at a given depth.
 
     Not that of the lumped law, whose relaxation is compared with measured presses.
@@ -234,7 +235,7 @@ def _through(case: Situation, press: Measured, error: float, quantity: str) -> f
     the latest growth most, so the hereditary integral is taken of both. Highest pressures follow
     the force. Under force control it is the error at the depth reached.
     """
-    if not _carried(press.candidate, case) or quantity not in ("force", "pressure"):
+    if not _grows_through_motion(press.candidate, case) or quantity not in ("force", "pressure"):
         return error
     force = table().presses(PRESS_MESH, "force", Candidate("solid"))[press.press]
     parts = np.concatenate([[0.0], press.part])

@@ -22,13 +22,13 @@ SMALL_STRAIN_COST = "small-strain-cost.json"
 SOLID_COST = "solid-cost.json"
 LUMPED = "lumped-force.json"
 TIME_STEPS = "time-steps.json"
-CARRYING = "carrying.json"
+TABULATION = "pressed-error.json"
 PRESS_MESH = "press-mesh.json"
 
 MAIN = "a.h."
 """Subject whose finger was pressed by every object."""
 
-CARRIED = ("rules", "held-out", "deep", "built-in")
+TABULATION_SETS = ("rules", "held-out", "deep", "built-in")
 """Sets of scenes in which `pressed` was compared with `solid`: three draws, and built-in ones."""
 
 SECONDS = ("build", "setup", "fields", "step", "area", "reference")
@@ -163,9 +163,9 @@ def _time_steps(name: str) -> Iterator[Measured]:
             yield _entry(name, Candidate(mechanics), f"error of {quantity}", "", error)
 
 
-def _carrying(name: str) -> Iterator[Measured]:
+def _tabulation(name: str) -> Iterator[Measured]:
     candidate = Candidate("pressed")
-    for row in (row for draw in CARRIED for row in read(name)[draw].values()):
+    for row in (row for draw in TABULATION_SETS for row in read(name)[draw].values()):
         if "refused" in row:
             continue
         errors = dict(row["peak"])
@@ -199,7 +199,7 @@ READERS = {
     SOLID_COST: _solid_cost,
     LUMPED: _lumped,
     TIME_STEPS: _time_steps,
-    CARRYING: _carrying,
+    TABULATION: _tabulation,
     PRESS_MESH: _press_mesh,
 }
 """How each report is laid out."""

@@ -3,8 +3,9 @@
 problem.py                       Press: mesh, body, obstacle, end organs, as a solver sees a scene
 small_strain.py                  contact of `linear` and `condensed` through time
 finite_strain.py                 contact of `solid` through load steps
-elastic_press.py, carried.py     `pressed`: its table of elastic solutions over depth (solved, or
-                                 read by elastic_store.py), and that table along a motion
+elastic_press.py                 the table of elastic solutions over depth of `pressed`: solved, or
+                                 read by elastic_store.py
+tabulated_press.py               contact of `pressed`: that table along a motion
 modal_press.py, harmonic.py      contact with inertia of `modal`, in time and by frequency
 sliding.py, dragged.py           contact under a path or with friction, at small and finite strain
 axisymmetric.py                  `hertz` and `layered`: contacts and fields of closed formulas

@@ -2,10 +2,10 @@
 
 Tissue that stiffens with strain is taken as linear about the depth at which the motion vibrates:
 its moduli are multiplied such that the static stiffness there is that of the tabulated press of
-finite strain (`carried`), and it relaxes as motions about that preload do (`preload_relaxation`).
-What inertia changes in that linear finger, the difference of its answers with and without, is added
-to the quasi-static answer at finite strain. It is a part of the answer, and is computed on the next
-coarser mesh, whose modes take a fifth of the time.
+finite strain (`tabulated_press`), and it relaxes as motions about that preload do
+(`preload_relaxation`). What inertia changes in that linear finger, the difference of its answers
+with and without, is added to the quasi-static answer at finite strain. It is a part of the answer,
+and is computed on the next coarser mesh, whose modes take a fifth of the time.
 """
 
 from collections.abc import Callable
@@ -18,8 +18,7 @@ from fefinger.fem.contact.modal_march import Grid
 from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at_vertices, tensors
-from fefinger.mechanics.press import carried, operator, problem
-from fefinger.mechanics.press.carried import CarriedPress, carried_response, table_of
+from fefinger.mechanics.press import operator, problem, tabulated_press
 from fefinger.mechanics.press.fields import interpolation
 from fefinger.mechanics.press.harmonic import Vibrating, about
 from fefinger.mechanics.press.history import SmallStrainHistory
@@ -41,6 +40,7 @@ from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
 from fefinger.mechanics.press.small_strain import quasistatic, solve_contact
+from fefinger.mechanics.press.tabulated_press import TabulatedPress, table_of, tabulated_response
 from fefinger.results.harmonic import Harmonic
 from fefinger.results.records import Fields, Response
 from fefinger.scene.scene import Scene
@@ -103,12 +103,12 @@ def _corrected(
     geometric_share: Callable[[float], float],
 ) -> Response:
     """Answer at finite strain, with what inertia changes in a linear finger of its stiffness."""
-    slow = Press.of(scene, carried.METHOD, stages, mechanics=mechanics, notes=notes)
+    slow = Press.of(scene, tabulated_press.METHOD, stages, mechanics=mechanics, notes=notes)
     slow = at_stored(slow, grid)
-    table = CarriedPress.of(slow, table_of(slow, scene.indenter, stages))
+    table = TabulatedPress.of(slow, table_of(slow, scene.indenter, stages))
     with stages.stage("motion"):
         shares = table.along(slow.time)
-    answer = carried_response(table, shares, stages)
+    answer = tabulated_response(table, shares, stages)
     depth = float(scene.motion.steady_level)  # about which it vibrates, or else its largest
     if scene.motion.control == "depth":
         depth = min(depth, table.table.deepest)
@@ -175,7 +175,7 @@ def _loses(found: Harmonic, scene: Scene) -> tuple[str, ...]:
     )
 
 
-def stiffening(press: Press, table: CarriedPress, depth: float) -> float:
+def stiffening(press: Press, table: TabulatedPress, depth: float) -> float:
     """Ratio of the static stiffness at a depth in mm to that of the small-strain finger."""
     body = press.body
     on_pad = patch(body.space, body.pad, body.normals, press.obstacle, problem.REACH * depth)
@@ -189,7 +189,7 @@ def stiffening(press: Press, table: CarriedPress, depth: float) -> float:
     return float(tangent(table, depth) / linear)
 
 
-def tangent(table: CarriedPress, depth: float) -> float:
+def tangent(table: TabulatedPress, depth: float) -> float:
     """Return the static stiffness in N/mm at a depth in mm, by splines as of displacements."""
     from scipy.interpolate import CubicSpline
 

@@ -3,16 +3,16 @@
 The stiffness k of a pressed finger is that of its material and a smaller, negative one of the
 stress at rest, -s k. The first relaxes with G, the second does not: a small motion x has the force
 k ((1 + s) G * x - s x), G being 1 at long times. So it relaxes as a finger whose decaying weights
-are 1 + s times as large. A carried press relaxes as a whole, with the force G * k x. The difference
-is added here; and that of the stiffness, since the force of a carried press between its depths is
-that of pressures without overshoot, whose slope is off by some percent.
+are 1 + s times as large. A tabulated press relaxes as a whole, with the force G * k x. The
+difference is added here; and that of the stiffness, since the force of a tabulated press between
+its depths is that of pressures without overshoot, whose slope is off by some percent.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fefinger.mechanics.press.carried import CarriedPress
+from fefinger.mechanics.press.tabulated_press import TabulatedPress
 from fefinger.scene.finger import Finger
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array
@@ -20,7 +20,7 @@ from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integra
 
 
 BESIDE = 0.02
-"""Half the interval about the preload, relative to it, of the slope of the carried press.
+"""Half the interval about the preload, relative to it, of the slope of the tabulated press.
 
 A smaller vibration has its own: between two nodes of depth the slope is off by up to a fifth.
 """
@@ -39,12 +39,12 @@ def about_preload(finger: Finger, share: float) -> Finger:
 
 @dataclass(frozen=True)
 class PreloadRelaxation:
-    """Correction of a carried press for the relaxation about a preload, along a vibration.
+    """Correction of a tabulated press for the relaxation about a preload, along a vibration.
 
     table: the press; share: s; preload mm; stiffness N/mm of the relaxed finger there.
     """
 
-    table: CarriedPress
+    table: TabulatedPress
     share: float
     preload: float
     stiffness: float
@@ -56,22 +56,22 @@ class PreloadRelaxation:
         at, slow = (np.interp(x, elastic.nodes, elastic.force) for x in (depth, depth - vibration))
         swing, prony = np.asarray(at - slow), self.table.press.finger.prony
         relaxing = hereditary_integral(prony, time, swing) / prony.long_time
-        whole = self.stiffness / self._carried(float(np.abs(vibration).max()))
+        whole = self.stiffness / self._tabulated_stiffness(float(np.abs(vibration).max()))
         material = (1.0 + self.share) * relaxing - self.share * swing
         return np.asarray(whole * material - relaxing)
 
     def depth(self, motion: Motion, time: Array) -> Array:
         """Change (n_t,) of the depth in mm at prescribed force, at times (n_t,) in s."""
         finger, swing = self.table.press.finger, motion.vibration(time)
-        moved, carried = (
+        moved, tabulated = (
             each.long_time * creep_integral(each, time, swing)
             for each in (about_preload(finger, self.share).prony, finger.prony)
         )
         covered = float(np.abs(swing).max()) / self.stiffness
-        return np.asarray(moved / self.stiffness - carried / self._carried(covered))
+        return np.asarray(moved / self.stiffness - tabulated / self._tabulated_stiffness(covered))
 
-    def _carried(self, covered: float) -> float:
-        """Stiffness in N/mm of the carried press within a vibration of some mm at the preload."""
+    def _tabulated_stiffness(self, covered: float) -> float:
+        """Stiffness in N/mm of the tabulated press within a vibration of some mm at the preload."""
         elastic, widest = self.table.elastic, BESIDE * self.preload
         beside = min(covered, widest) or widest
         low = self.preload - beside

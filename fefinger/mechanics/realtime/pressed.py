@@ -15,10 +15,10 @@ import numpy as np
 from fefinger.fem.elements.probe import VOIGT
 from fefinger.mechanics import pressed
 from fefinger.mechanics.press import elastic_press
-from fefinger.mechanics.press.carried import METHOD, CarriedPress
 from fefinger.mechanics.press.notes import elastic_hard_parts_reasons, separate_relaxation_reasons
 from fefinger.mechanics.press.pad import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.tabulated_press import METHOD, TabulatedPress
 from fefinger.mechanics.realtime.loop import Step, check_finger, described, units
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.reference import Reference
@@ -77,19 +77,19 @@ class Pressed:
         scene = Scene(finger=finger, indenter=indenter, motion=motion, ask=Ask(spikes=TYPES))
         press = Press.of(scene, METHOD, stages, mechanics=pressed.name, notes=pressed.NOTES)
         table = elastic_press.load_or_solve(press, indenter, self.deepest, stages)
-        self._carried = carried = CarriedPress.of(press, table)
+        self._tabulated = tabulated = TabulatedPress.of(press, table)
         self.finger, self.indenter = finger, indenter
         assert press.sites is not None  # as spikes are asked for
         self.sites: Sites = sites or press.sites
         rows, columns = zip(*VOIGT, strict=True)
-        strain = carried.strain(self.sites.points)[..., rows, columns]
+        strain = tabulated.strain(self.sites.points)[..., rows, columns]
         self._strain = np.ascontiguousarray(strain.reshape(len(strain), -1))
-        self._pressure, self._travel = carried.pressure, carried.contact.projected
+        self._pressure, self._travel = tabulated.pressure, tabulated.contact.projected
         self._area = table.bounded(table.area)
-        pad, column = whole_pad(press.body, carried.contact.neighborhood)
-        seen = on_neighborhood(np.eye(len(self._travel)), carried.contact.neighborhood)[:, column]
+        pad, column = whole_pad(press.body, tabulated.contact.neighborhood)
+        seen = on_neighborhood(np.eye(len(self._travel)), tabulated.contact.neighborhood)[:, column]
         self._loads = seen @ np.column_stack([pad.areas, first_moments(pad)[:, :2]])
-        self._spring = RelaxingSpring(carried.elastic, finger.prony)
+        self._spring = RelaxingSpring(tabulated.elastic, finger.prony)
         zeros = np.zeros(len(self._travel)), np.zeros((len(self.sites.points), 6))
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, *zeros)
 
@@ -105,7 +105,7 @@ class Pressed:
         return units(self.sites, self._reference, **options)
 
     def _reference(self) -> Reference:
-        reference = self._carried.reference()
+        reference = self._tabulated.reference()
         assert reference is not None  # as spikes are asked for
         return reference
 
@@ -149,7 +149,7 @@ class Pressed:
         now, spring = self.now, self._spring
         now.depth, now.force = spring.depth, spring.force
         np.maximum(spring.stress @ self._pressure, 0.0, out=now.pressure)
-        unit = self._carried.press.sides * NEWTON_PER_MILLINEWTON
+        unit = self._tabulated.press.sides * NEWTON_PER_MILLINEWTON
         borne = unit * float(now.pressure @ self._travel)
         now.pressure *= spring.force / borne if borne > 0 else 0.0
         load, x, y = (now.pressure @ self._loads).tolist()

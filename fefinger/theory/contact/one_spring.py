@@ -183,8 +183,8 @@ class RelaxingSpring:
 
 
 @dataclass(frozen=True)
-class Carried:
-    """An elastic press carried along a motion.
+class RelaxedPress:
+    """An elastic press relaxed along a motion, by convolution with G.
 
     depth (n_t,) mm of the indenter; force (n_t,); stress and strain (n_t, n): weights of the
     elastic values at the nodes, of the relaxed body, in pressures and moments and in
@@ -198,8 +198,10 @@ class Carried:
     edge: Array
 
 
-def carry(elastic: ElasticForce, prony: Prony, time: Array, value: Array, control: str) -> Carried:
-    """Carry an elastic press along a motion of prescribed "depth" in mm or "force".
+def relax(
+    elastic: ElasticForce, prony: Prony, time: Array, value: Array, control: str
+) -> RelaxedPress:
+    """Relax an elastic press along a motion of prescribed "depth" in mm or "force".
 
     Raises
     ------
@@ -218,4 +220,4 @@ def carry(elastic: ElasticForce, prony: Prony, time: Array, value: Array, contro
         advance(dt, float(value[step]))
         depth[step], force[step], edge[step] = spring.depth, spring.force, spring.edge
         stress[step], strain[step] = spring.stress, elastic.weights(spring.body)
-    return Carried(depth, force, stress, strain, edge)
+    return RelaxedPress(depth, force, stress, strain, edge)

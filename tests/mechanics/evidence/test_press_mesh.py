@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 from fefinger.mechanics import get
-from fefinger.mechanics.evidence import carrying, measured_tissue, press_mesh, pressed_objects
+from fefinger.mechanics.evidence import (
+    measured_tissue,
+    press_mesh,
+    pressed_objects,
+    tabulation_error,
+)
 from fefinger.mechanics.evidence.table import PRESS_MESH, TIME_STEPS, read
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -225,10 +230,10 @@ def test_small_strain_on_a_calibrated_finger_has_the_error_of_its_press(name, qu
     for subject, row in (("a.h.", ROWS["a.h./flat-30"]), ("d.p.", ROWS["d.p./flat-30"])):
         there = case(Flat(30), row["depth_mm"][6], subject=subject)
         known = row["errors"][label][quantity][6]
-        carried = (1 - min(known, 1.0)) * carrying.error(there, quantity)
+        tabulation = (1 - min(known, 1.0)) * tabulation_error.error(there, quantity)
         of_steps = read(TIME_STEPS)["rows"].get(name, {}).get(quantity, 0.0)
         assert get(name).error(there, quantity)[0] == pytest.approx(
-            np.hypot(known + carried, of_steps)
+            np.hypot(known + tabulation, of_steps)
         )
 
 
@@ -251,7 +256,8 @@ def test_of_a_motion_small_strain_leaves_out_what_relaxation_leaves_of_it() -> N
     found = np.sqrt(get("linear").error(there)[0] ** 2 - of_steps**2)
     share = wrong / borne
     assert share > 1.02 * known, "nothing would be seen of it"
-    assert found == pytest.approx(share + (1 - share) * carrying.error(there, "force"), rel=1e-3)
+    through = tabulation_error.error(there, "force")
+    assert found == pytest.approx(share + (1 - share) * through, rel=1e-3)
 
 
 def test_tissue_of_a_larger_exponent_errs_as_much_less_deep() -> None:
@@ -298,10 +304,11 @@ def test_under_a_force_the_depth_is_that_of_the_press() -> None:
 
 
 @pytest.mark.parametrize("quantity", ["force", "pressure", "area", "strain"])
-def test_pressed_adds_what_carrying_errs_by(quantity) -> None:
+def test_pressed_adds_what_tabulation_errs_by(quantity) -> None:
     there = case(Flat(30), 1.5)
-    mesh, carried = get("solid").error(there, quantity)[0], carrying.error(there, quantity)
-    assert get("pressed").error(there, quantity)[0] == pytest.approx(np.hypot(mesh, carried))
+    mesh = get("solid").error(there, quantity)[0]
+    tabulation = tabulation_error.error(there, quantity)
+    assert get("pressed").error(there, quantity)[0] == pytest.approx(np.hypot(mesh, tabulation))
 
 
 @pytest.mark.parametrize("name", ["layered", "condensed", "linear"])
@@ -322,11 +329,11 @@ def test_on_published_tissue_small_strain_has_the_error_of_the_same_object(name,
     edged = object_ != "flat-60"
     about = depth * np.linspace(0.8, 1.25, 9) if edged else np.array([depth])
     known = np.interp(about, parts, curve).max()
-    carried = carrying.error(Situation.of(there), "area")
+    tabulation = tabulation_error.error(Situation.of(there), "area")
     of_steps = read(TIME_STEPS)["rows"].get(name, {}).get("area", 0.0)
     of_mesh = press_mesh.error(Candidate("solid", "standard"), Situation.of(there), "area").error
     least = of_mesh if name != "layered" else 0.0
-    both = max(np.hypot(known, carried), least)
+    both = max(np.hypot(known, tabulation), least)
     assert found == pytest.approx(np.hypot(both, of_steps), rel=1e-2)
 
 

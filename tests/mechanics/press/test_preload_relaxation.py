@@ -9,9 +9,9 @@ import pytest
 
 import fefinger as ff
 from fefinger.fem.contact.oscillators import complex_modulus
-from fefinger.mechanics.press.carried import CarriedPress
 from fefinger.mechanics.press.preload_relaxation import PreloadRelaxation, about_preload
-from fefinger.theory.contact.one_spring import ElasticForce, carry
+from fefinger.mechanics.press.tabulated_press import TabulatedPress
+from fefinger.theory.contact.one_spring import ElasticForce, relax
 
 
 STIFFNESS, SHARE, FREQUENCY = 2.0, 0.15, 20.0
@@ -30,7 +30,7 @@ class Linear:
 def relaxation() -> PreloadRelaxation:
     depth = np.linspace(0.0, 3.0, 4)
     table = Linear(ElasticForce(depth, STIFFNESS * depth), SimpleNamespace(finger=FINGER))
-    return PreloadRelaxation(cast(CarriedPress, table), SHARE, 1.0, STIFFNESS)
+    return PreloadRelaxation(cast(TabulatedPress, table), SHARE, 1.0, STIFFNESS)
 
 
 def amplitude(time: np.ndarray, values: np.ndarray) -> complex:
@@ -54,8 +54,8 @@ def test_a_vibration_has_the_stiffness_of_a_material_that_relaxes_and_a_stress_t
     about, small = relaxation(), 0.01
     motion = ff.RampSinusoid(20, 1.0, amplitude=small, frequency=FREQUENCY, cycles=60, settle=1.0)
     time = np.linspace(0, motion.duration, 40001)
-    carried = carry(about.table.elastic, FINGER.prony, time, motion.value(time), "depth").force
-    ratio = amplitude(time, carried + about.force(motion, time)) / amplitude(
+    relaxed = relax(about.table.elastic, FINGER.prony, time, motion.value(time), "depth").force
+    ratio = amplitude(time, relaxed + about.force(motion, time)) / amplitude(
         time, motion.vibration(time)
     )
     exact = STIFFNESS * ((1 + SHARE) * modulus() - SHARE)
@@ -68,8 +68,8 @@ def test_by_force_the_depth_is_that_of_the_inverse() -> None:
         20, 1.0, amplitude=small, frequency=FREQUENCY, cycles=60, settle=1.0
     )
     time = np.linspace(0, motion.duration, 40001)
-    carried = carry(about.table.elastic, FINGER.prony, time, motion.value(time), "force").depth
-    ratio = amplitude(time, carried + about.depth(motion, time)) / amplitude(
+    relaxed = relax(about.table.elastic, FINGER.prony, time, motion.value(time), "force").depth
+    ratio = amplitude(time, relaxed + about.depth(motion, time)) / amplitude(
         time, motion.vibration(time)
     )
     exact = 1 / (STIFFNESS * ((1 + SHARE) * modulus() - SHARE))

@@ -11,8 +11,8 @@ import pytest
 import fefinger as ff
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.mechanics.press import elastic_store
-from fefinger.mechanics.press.carried import METHOD
 from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.tabulated_press import METHOD
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.progress import Stages
 

@@ -5,7 +5,7 @@ import pytest
 
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
-from fefinger.theory.contact.one_spring import ElasticForce, RelaxingSpring, carry
+from fefinger.theory.contact.one_spring import ElasticForce, RelaxingSpring, relax
 from fefinger.theory.contact.ting import radius_nodes
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 
@@ -39,14 +39,14 @@ def test_on_loading_and_hold_any_value_is_the_hereditary_integral_of_its_elastic
 ) -> None:
     time = np.concatenate([np.linspace(0, 0.75, 301), np.geomspace(0.76, 20, 50)])
     depth = ramp(time)
-    carried = carry(elastic, PRONY, time, depth, "depth")
+    press = relax(elastic, PRONY, time, depth, "depth")
     values = np.cos(3 * NODES) - 1
     expected = relaxed(PRONY, time, np.interp(depth, NODES, values))
-    assert np.allclose(carried.stress @ values, expected, rtol=0, atol=1e-12)
+    assert np.allclose(press.stress @ values, expected, rtol=0, atol=1e-12)
     force = relaxed(PRONY, time, np.interp(depth, NODES, elastic.force))
-    assert np.allclose(carried.force, force, rtol=1e-11, atol=1e-12)
-    assert np.allclose(carried.strain @ NODES, depth, atol=1e-12)
-    assert np.allclose(carried.edge, depth, atol=1e-12)
+    assert np.allclose(press.force, force, rtol=1e-11, atol=1e-12)
+    assert np.allclose(press.strain @ NODES, depth, atol=1e-12)
+    assert np.allclose(press.edge, depth, atol=1e-12)
 
 
 def test_without_relaxation_retreat_goes_back_along_the_elastic_curve(
@@ -54,17 +54,17 @@ def test_without_relaxation_retreat_goes_back_along_the_elastic_curve(
 ) -> None:
     time = np.linspace(0, 1, 101)
     depth = 1.5 * np.sin(np.pi * time)
-    carried = carry(elastic, ELASTIC, time, depth, "depth")
+    press = relax(elastic, ELASTIC, time, depth, "depth")
     expected = np.interp(depth, NODES, elastic.force)
-    assert np.allclose(carried.force, expected, rtol=0, atol=1e-12)
-    assert np.allclose(carried.edge, depth, atol=1e-9)
+    assert np.allclose(press.force, expected, rtol=0, atol=1e-12)
+    assert np.allclose(press.edge, depth, atol=1e-9)
 
 
 def test_a_prescribed_force_gives_the_depth_that_gives_this_force(elastic: ElasticForce) -> None:
     time = np.linspace(0, 3, 601)
     depth = 0.9 - 0.5 * np.cos(2 * np.pi * time) - 0.4 * np.exp(-20 * time)
-    by_depth = carry(elastic, PRONY, time, depth, "depth")
-    by_force = carry(elastic, PRONY, time, by_depth.force, "force")
+    by_depth = relax(elastic, PRONY, time, depth, "depth")
+    by_force = relax(elastic, PRONY, time, by_depth.force, "force")
     in_contact = by_depth.force > 0
     assert in_contact.mean() > 0.5
     assert np.allclose(by_force.depth[in_contact], depth[in_contact], rtol=0, atol=1e-8)
@@ -75,12 +75,12 @@ def test_after_lift_off_a_linear_body_recovers_by_its_creep_function() -> None:
     time = np.concatenate([np.linspace(0, 1, 2001), np.linspace(1.0, 5.0, 4001)[1:]])
     depth = np.where(time <= 1, ramp(time), 0.0)
     depth[time > 1] = np.maximum(1.5 - 50 * (time[time > 1] - 1), 0.0)
-    carried = carry(elastic, PRONY, time, depth, "depth")
-    assert carried.force.min() == 0.0
+    press = relax(elastic, PRONY, time, depth, "depth")
+    assert press.force.min() == 0.0
     # The force is known; the strain of a linear body is its creep integral, in contact and after.
-    expected = creep_integral(PRONY, time, carried.force) * PRONY.long_time
+    expected = creep_integral(PRONY, time, press.force) * PRONY.long_time
     after = time > 1.1
-    body = carried.strain @ NODES
+    body = press.strain @ NODES
     assert np.abs(body - expected)[after].max() < 2e-3 * 1.5
     assert (np.diff(body[after]) <= 1e-12).all()
     assert 0.01 < body[-1] < 0.3 * body[after][0]
@@ -89,14 +89,14 @@ def test_after_lift_off_a_linear_body_recovers_by_its_creep_function() -> None:
 def test_contact_ends_where_the_force_would_pull_and_never_pulls(elastic: ElasticForce) -> None:
     time = np.linspace(0, 2, 2001)
     depth = 0.7 - 0.7 * np.cos(2 * np.pi * 2 * time)
-    carried = carry(elastic, PRONY, time, depth, "depth")
-    assert carried.force.min() == 0.0
-    free = carried.force == 0
-    assert (carried.stress[free] == 0).all()
-    assert (carried.strain @ NODES)[free].min() >= -1e-12
-    assert ((carried.strain @ NODES)[free] >= depth[free] - 1e-12).all()
-    assert (carried.edge[free] == 0).all()
-    assert (carried.edge <= carried.strain @ NODES + 1e-12).all()
+    press = relax(elastic, PRONY, time, depth, "depth")
+    assert press.force.min() == 0.0
+    free = press.force == 0
+    assert (press.stress[free] == 0).all()
+    assert (press.strain @ NODES)[free].min() >= -1e-12
+    assert ((press.strain @ NODES)[free] >= depth[free] - 1e-12).all()
+    assert (press.edge[free] == 0).all()
+    assert (press.edge <= press.strain @ NODES + 1e-12).all()
 
 
 def test_a_step_is_of_second_order_in_its_length() -> None:
@@ -104,7 +104,7 @@ def test_a_step_is_of_second_order_in_its_length() -> None:
 
     def last(count: int) -> float:
         time = np.linspace(0, 0.3, count + 1)
-        return float(carry(elastic, PRONY, time, 1.5 * np.sin(5 * time), "depth").force[-1])
+        return float(relax(elastic, PRONY, time, 1.5 * np.sin(5 * time), "depth").force[-1])
 
     exact = last(12_800)
     errors = [abs(last(count) - exact) for count in (100, 200, 400)]
@@ -145,9 +145,9 @@ def test_an_elastic_press_that_does_not_rise_is_refused(
 def test_a_press_whose_first_touch_is_not_resolved_is_carried_all_the_same() -> None:
     force = np.maximum(NODES - 0.05, 0.0)
     time = np.linspace(0, 1, 201)
-    carried = carry(ElasticForce(NODES, force), ELASTIC, time, 1.2 * np.sin(3 * time), "depth")
+    press = relax(ElasticForce(NODES, force), ELASTIC, time, 1.2 * np.sin(3 * time), "depth")
     expected = np.interp(1.2 * np.sin(3 * time), NODES, force)
-    assert np.allclose(carried.force, expected, rtol=0, atol=1e-12)
+    assert np.allclose(press.force, expected, rtol=0, atol=1e-12)
 
 
 def test_what_lies_beyond_the_deepest_node_is_refused() -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from fefinger.mechanics.evidence import small_strain_cost
 from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.table import CARRYING, Measured, read, table
+from fefinger.mechanics.evidence.table import TABULATION, Measured, read, table
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.scene.motion import Motion
@@ -66,11 +66,11 @@ def error(case: Situation, quantity: str) -> float:
     return MARGIN * largest * min(1.0, (1.0 - case.finger.prony.long_time) / RELAXING)
 
 
-def sentence(carried: float, case: Situation) -> str:
+def sentence(size: float, case: Situation) -> str:
     """Return the source of an error, with the largest measured depth if the scene is deeper."""
     phase = "with retreat" if retreats(case.motion) else "without retreat"
     deepest = max(row.conditions["part"] for row in _rows("area"))
-    source = f"reports/{CARRYING}: {percent(carried)} of the tabulated press through time, {phase}"
+    source = f"reports/{TABULATION}: {percent(size)} of the tabulated press through time, {phase}"
     if case.depth_over_thickness > deepest:
         source += f", measured to {deepest:.2g} of the thickness"
     return source
@@ -90,7 +90,7 @@ def largest_about(part: float, errors: Sequence[tuple[float, float]], quantity: 
 
 
 def _rows(quantity: str) -> list[Measured]:
-    return table().all(CARRYING, f"error of {quantity}", Candidate("pressed"))
+    return table().all(TABULATION, f"error of {quantity}", Candidate("pressed"))
 
 
 def at_hand(case: Situation) -> bool:
@@ -129,7 +129,7 @@ def building(case: Situation) -> float:
 def _seconds(case: Situation, stage: str) -> float:
     """Return the CPU seconds of a stage on this machine."""
     mesh = "standard" if case.mesh == "fine" else case.mesh
-    seconds = table().value(CARRYING, f"{stage} seconds", Candidate("pressed", mesh))
+    seconds = table().value(TABULATION, f"{stage} seconds", Candidate("pressed", mesh))
     bodies = 1.0 if case.half or stage == "step" else small_strain_cost.WHOLE
     larger = small_strain_cost.FINE if case.mesh == "fine" and stage != "step" else 1.0
-    return seconds * bodies * larger * slowness(read(CARRYING))
+    return seconds * bodies * larger * slowness(read(TABULATION))

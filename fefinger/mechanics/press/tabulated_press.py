@@ -30,7 +30,7 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
-from fefinger.theory.contact.one_spring import Carried, ElasticForce, carry
+from fefinger.theory.contact.one_spring import ElasticForce, RelaxedPress, relax
 
 
 METHOD: SolutionMethod = replace(
@@ -41,10 +41,10 @@ METHOD: SolutionMethod = replace(
 
 
 @dataclass(frozen=True)
-class CarriedPress:
+class TabulatedPress:
     """A contact problem (`Press`) and the table of its elastic solutions over depth.
 
-    Its properties are the elastic quantities at the nodes of depth; its methods carry them along
+    Its properties are the elastic quantities at the nodes of depth; its methods relax them along
     the motion. contact: the candidate vertices that the pressures of the table belong to.
     """
 
@@ -53,7 +53,7 @@ class CarriedPress:
     contact: ContactSurface
 
     @classmethod
-    def of(cls, press: Press, table: DepthTable) -> "CarriedPress":
+    def of(cls, press: Press, table: DepthTable) -> "TabulatedPress":
         """Find the candidate vertices of a table on the body of a contact problem."""
         body = press.body
         on = contact_surface(body.space, body.pad, body.normals, press.obstacle, table.reach)
@@ -75,18 +75,18 @@ class CarriedPress:
         """Elastic force in N as a function of depth."""
         return ElasticForce(self.table.nodes, self.force)
 
-    def along(self, time: Array) -> Carried:
+    def along(self, time: Array) -> RelaxedPress:
         """Convolve the elastic force with the relaxation along the motion, at times (n_t,) s."""
         motion = self.press.motion
         value = np.asarray(motion.value(time), dtype=np.float64)
-        return carry(self.elastic, self.press.finger.prony, time, value, motion.control)
+        return relax(self.elastic, self.press.finger.prony, time, value, motion.control)
 
-    def pressures(self, shares: Carried) -> Array:
+    def pressures(self, relaxed: RelaxedPress) -> Array:
         """Pressure (n_t, n_candidates) kPa: cut off at 0 and scaled to the force."""
-        pushing = np.maximum(shares.stress @ self.pressure, 0.0)
+        pushing = np.maximum(relaxed.stress @ self.pressure, 0.0)
         unit = self.press.sides * NEWTON_PER_MILLINEWTON
         borne = unit * pushing @ self.contact.projected
-        factor = np.divide(shares.force, borne, out=np.zeros_like(borne), where=borne > 0)
+        factor = np.divide(relaxed.force, borne, out=np.zeros_like(borne), where=borne > 0)
         return np.asarray(factor[:, None] * pushing)
 
     def strain(self, points: Array) -> Array:
@@ -143,44 +143,46 @@ def respond(
     """
     stages = Stages(progress)
     press = Press.of(scene, METHOD, stages, mechanics=mechanics, notes=notes)
-    carried = CarriedPress.of(press, table_of(press, scene.indenter, stages))
+    tabulated = TabulatedPress.of(press, table_of(press, scene.indenter, stages))
     with stages.stage("motion"):
-        shares = carried.along(press.time)
-    return carried_response(carried, shares, stages)
+        relaxed = tabulated.along(press.time)
+    return tabulated_response(tabulated, relaxed, stages)
 
 
-def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> Response:
+def tabulated_response(
+    tabulated: TabulatedPress, relaxed: RelaxedPress, stages: Stages
+) -> Response:
     """Return the Response of a contact problem whose table is convolved along its motion."""
-    press = carried.press
-    table, half = carried.table, press.body.half
+    press = tabulated.press
+    table, half = tabulated.table, press.body.half
     with stages.stage("fields"):
-        fields = _fields(carried, shares) if press.fields else None
+        fields = _fields(tabulated, relaxed) if press.fields else None
     with stages.stage("pressure"):
-        pressure = carried.pressures(shares)
+        pressure = tabulated.pressures(relaxed)
         pad = area = middle = gap = moment = seen_pressure = None
         if press.pressure:
-            seen = carried.contact.neighborhood
+            seen = tabulated.contact.neighborhood
             pad, column = whole_pad(press.body, seen)
             seen_pressure = on_neighborhood(pressure, seen)[:, column]
-            area = np.interp(shares.edge, table.nodes, table.bounded(table.area))
+            area = np.interp(relaxed.edge, table.nodes, table.bounded(table.area))
             middle = centroid(pad, seen_pressure)
-            gap = _gaps(carried, shares)[:, column]
-            moment = whole_moment(shares.stress @ table.between @ table.moment, half)
+            gap = _gaps(tabulated, relaxed)[:, column]
+            moment = whole_moment(relaxed.stress @ table.between @ table.moment, half)
     with stages.stage("strain"):
         strain = None
         if press.sites is not None:
-            strain = np.tensordot(shares.strain, carried.strain(press.sites.points), 1)
-        reference = carried.reference()
+            strain = np.tensordot(relaxed.strain, tabulated.strain(press.sites.points), 1)
+        reference = tabulated.reference()
     penetration = deepest_penetration(table.gap)
     return make_response(
         press,
         stages,
-        len(carried.contact),
+        len(tabulated.contact),
         penetration,
         notes=dragged.notes(press),
         time=press.time,
-        depth=shares.depth,
-        force=shares.force,
+        depth=relaxed.depth,
+        force=relaxed.force,
         contact_area=area,
         centroid=middle,
         pad=pad,
@@ -198,20 +200,20 @@ def carried_response(carried: CarriedPress, shares: Carried, stages: Stages) -> 
     )
 
 
-def _gaps(carried: CarriedPress, shares: Carried) -> Array:
+def _gaps(tabulated: TabulatedPress, relaxed: RelaxedPress) -> Array:
     """Gaps (n_t, n_seen) mm: those at rest, less the travel, plus the displacement of the skin."""
-    table = carried.table
+    table = tabulated.table
     yielded = table.gap + table.depth[:, None] - table.gap[0]
     return np.asarray(
-        table.gap[0] - shares.depth[:, None] + (shares.strain @ table.between) @ yielded
+        table.gap[0] - relaxed.depth[:, None] + (relaxed.strain @ table.between) @ yielded
     )
 
 
-def _fields(carried: CarriedPress, shares: Carried) -> Fields:
+def _fields(tabulated: TabulatedPress, relaxed: RelaxedPress) -> Fields:
     """Fields on the mesh at some of the times."""
-    press = carried.press
-    frames = frames_of(shares.depth, int(np.argmax(shares.force)))
-    states = carried.displacement(shares.strain[frames])
-    pressure = carried.pressures(shares)[frames]
-    vertices = carried.contact.on.vertices
+    press = tabulated.press
+    frames = frames_of(relaxed.depth, int(np.argmax(relaxed.force)))
+    states = tabulated.displacement(relaxed.strain[frames])
+    pressure = tabulated.pressures(relaxed)[frames]
+    vertices = tabulated.contact.on.vertices
     return finite_strain_fields(press, press.time[frames], states, vertices, pressure)
