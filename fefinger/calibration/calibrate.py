@@ -228,8 +228,10 @@ class Search:
         with work.stage("array"):
             shape = self._array(result) if has_frames else {}
         adapted, ripple = replace(start, pad_radius=radius), trial.curves.ripple
-        told = (*work.ended(result.curve.deepest), *_undetermined(radius, power))
-        return outcome(self.wanted, adapted, result, work.stages, "solid", shape, ripple, told)
+        fit_remarks = (*work.ended(result.curve.deepest), *_undetermined(radius, power))
+        return outcome(
+            self.wanted, adapted, result, work.stages, "solid", shape, ripple, fit_remarks
+        )
 
     def _wide_enough(self, radius: float) -> Family:
         """Make the coarse family, with more exponents where the best one does not suffice.

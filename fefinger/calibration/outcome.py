@@ -103,15 +103,15 @@ def outcome(
     mechanics: str,
     array: dict[str, float],
     ripple: float,
-    told: Sequence[str] = (),
+    fit_remarks: Sequence[str] = (),
 ) -> Calibration:
     """Make the record of a fit on a finger.
 
     array: results of the thesis's fit, by name; ripple: distance of the last press from its curve;
-    told: sentences on presses that ended early, where the curve ends, and on the pad radius.
+    fit_remarks: on presses that ended early, where the curve ends, and on the pad radius.
     """
     solution = result.solution
-    factor, exponent, sentences = 1.0, None, list(told)
+    factor, exponent, sentences = 1.0, None, list(fit_remarks)
     if MECHANICS[mechanics].finite:
         factor = solution.values[MODULUS] / finger.subcutaneous.modulus
         exponent = round(solution.values[SHAPE], 4)

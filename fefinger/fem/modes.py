@@ -131,7 +131,7 @@ def lowest(
     while True:
         newest = slice(used - block, used)
         images = solve(mass @ basis[:, newest])
-        known = basis[:, :used]
+        basis_so_far = basis[:, :used]
         # The last two blocks are all that exact arithmetic needs; then all, against its rounding.
         for first in (max(0, used - 2 * block), 0):
             others = basis[:, first:used]
@@ -146,7 +146,7 @@ def lowest(
             worst = float(left.max()) if len(left) == count else np.inf
             progress(min(1.0, float((left <= TOLERANCE).sum()) / count))
             if worst <= TOLERANCE or used == size:
-                return Modes(1.0 / inverse, known @ vectors, worst)
+                return Modes(1.0 / inverse, basis_so_far @ vectors, worst)
         if full:
             raise ConvergenceError(
                 f"modes: expected {count} with residuals of at most {TOLERANCE:g}, reached "

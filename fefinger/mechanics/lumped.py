@@ -93,11 +93,13 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
 
     Not a number where the law of the scene's finger was not compared under such an object.
     """
-    found = law(case)
-    if quantity != "force" or math.isnan(found.error):
+    identified_law = law(case)
+    if quantity != "force" or math.isnan(identified_law.error):
         return float("nan"), "not known: no press like it was measured"
-    source = f"{found.evidence}; {SINUSOIDS}" if found.printed else found.evidence
-    return found.error + NUMERICAL, source
+    source = identified_law.evidence
+    if identified_law.printed:
+        source = f"{source}; {SINUSOIDS}"
+    return identified_law.error + NUMERICAL, source
 
 
 def coarser(scene: Scene) -> None:
@@ -134,15 +136,15 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 
 def _reasons(case: Situation) -> list[Reason]:
     """Differences of the scene from the measured conditions, with the numbers."""
-    flat, found = case.indenter.flat, law(case)
-    too_hard = _too_hard(case, found) if found.printed else []
-    if not math.isnan(found.error):
+    flat, identified_law = case.indenter.flat, law(case)
+    too_hard = _too_hard(case, identified_law) if identified_law.printed else []
+    if not math.isnan(identified_law.error):
         return too_hard
-    reasons = [Reason("finger", found.caveat)] if found.caveat else []
+    reasons = [Reason("finger", identified_law.caveat)] if identified_law.caveat else []
     if flat is None:
         reason = f"indenter = {case.indenter.kind}: it was measured with a flat plate"
         reasons.append(Reason("indenter", reason))
-    elif found.printed and not (ANGLES[0] <= flat.angle <= ANGLES[1] and not flat.tilt):
+    elif identified_law.printed and not (ANGLES[0] <= flat.angle <= ANGLES[1] and not flat.tilt):
         reason = (
             f"indenter.angle, tilt = {flat.angle:g}, {flat.tilt:g} degrees: it was "
             f"measured at {ANGLES[0]:g} to {ANGLES[1]:g}, 0"
@@ -151,12 +153,12 @@ def _reasons(case: Situation) -> list[Reason]:
     return reasons + too_hard
 
 
-def _too_hard(case: Situation, found: Law) -> list[Reason]:
+def _too_hard(case: Situation, identified_law: Law) -> list[Reason]:
     """Return the reason against it if the (relaxed) force exceeds the largest measured one."""
     peak, where = case.peak, "force"
     if case.motion.control == "depth":
         where = f"relaxed force at {peak:.3g} mm"
-        peak = found.prony.long_time * float(found.spring.force(peak))
+        peak = identified_law.prony.long_time * float(identified_law.spring.force(peak))
     if peak <= FORCE:
         return []
     return [Reason("motion", f"{where} = {beyond(peak, FORCE)} N, the largest that was measured")]

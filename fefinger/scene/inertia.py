@@ -72,9 +72,9 @@ def coarse_samples(motion: Motion) -> tuple[str, ...]:
     frequency, rate = motion.highest_frequency, motion.sample_rate
     if frequency is None or rate is None:
         return ()
-    said: tuple[str, ...] = ()
+    warning: tuple[str, ...] = ()
     if rate < SAMPLED * frequency:
-        said = (
+        warning = (
             f"Warning: the motion has {rate / frequency:.2g} samples per cycle of "
             f"{frequency:.3g} Hz, joined by straight lines; take {SAMPLED:g} or more, or filter "
             "its noise.",
@@ -82,11 +82,11 @@ def coarse_samples(motion: Motion) -> tuple[str, ...]:
     if motion.gaps:
         (start, stop), *more = motion.gaps
         others = f", and in {len(more)} more places" if more else ""
-        said += (
+        warning += (
             f"Warning: the motion vibrates at up to {frequency:.3g} Hz and has no samples from "
             f"{start:.4g} to {stop:.4g} s{others}; a straight line joins them.",
         )
-    return said
+    return warning
 
 
 def noise(motion: Motion) -> tuple[str, ...]:

@@ -80,23 +80,23 @@ def modulation(drive: str, organ: float, period: float) -> float:
     places = np.zeros((12, 2))
     places[:, 0] = period * np.arange(12) / 12
     shape = patterns.heights(Grating(period=period, ridge=period / 2, depth=0.4).profile)
-    found = patterns.driven(shape, 1.0, places, drive=drive, organ=organ)
-    return float(np.ptp(found) / (found.max() + found.min()))
+    drives = patterns.driven(shape, 1.0, places, drive=drive, organ=organ)
+    return float(np.ptp(drives) / (drives.max() + drives.min()))
 
 
 def table() -> dict[str, object]:
     """Return the table of all candidates for the page."""
     rows = []
     for drive, organ in CANDIDATES:
-        found = measured(drive, organ)
+        measures = measured(drive, organ)
         rows.append(
             (
                 drive,
                 f"{organ:g}",
-                f"{100 * found.rising:.2g} %",
-                f"{found.distance:.2f}",
-                f"{found.trough:.2f}",
-                f"{found.suppression:.2f}",
+                f"{100 * measures.rising:.2g} %",
+                f"{measures.distance:.2f}",
+                f"{measures.trough:.2f}",
+                f"{measures.suppression:.2f}",
             )
         )
     return {

@@ -99,9 +99,10 @@ def slope(kind: str, low: float, high: float) -> float:
     """Logarithm, to 2, of the slope of the threshold curve over the recorded one in a range."""
     frequency, amplitude = data.thresholds(kind)
     of = (frequency >= low) & (frequency <= high)
-    own = np.polyfit(np.log(frequency[of]), np.log(probed(kind).thresholds(frequency[of])), 1)[0]
-    theirs = np.polyfit(np.log(frequency[of]), np.log(amplitude[of]), 1)[0]
-    return float(np.log2(own / theirs)) if own / theirs > 0 else np.nan
+    thresholds = probed(kind).thresholds(frequency[of])
+    modeled = np.polyfit(np.log(frequency[of]), np.log(thresholds), 1)[0]
+    recorded = np.polyfit(np.log(frequency[of]), np.log(amplitude[of]), 1)[0]
+    return float(np.log2(modeled / recorded)) if modeled / recorded > 0 else np.nan
 
 
 @cache

@@ -40,15 +40,15 @@ OBJECTS: tuple[tuple[str, Indenter, float], ...] = (
 def figures(progress: Progress) -> list[Figure]:
     """Measure operator, steps and scan."""
     load = os.getloadavg()[0]
-    found = [*_operator()]
+    measured = [*_operator()]
     progress("sliding", 0.3)
     for number, (name, indenter, depth) in enumerate(OBJECTS):
-        found += _steps("standard", name, indenter, depth)
+        measured += _steps("standard", name, indenter, depth)
         if indenter.friction:
-            found += _steps("coarse", name, indenter, depth)
+            measured += _steps("coarse", name, indenter, depth)
         progress("sliding", 0.3 + 0.12 * (number + 1))
-    found += _scan()
-    return [*found, Figure("load average of the minute before", load, "processes")]
+    measured += _scan()
+    return [*measured, Figure("load average of the minute before", load, "processes")]
 
 
 def finger(mesh: str) -> Finger:

@@ -84,18 +84,18 @@ def figures(progress: Progress) -> Iterator[Figure]:
         for name in (
             solver for solver, sizes_of_solver in SIZES.items() if boxes in sizes_of_solver
         ):
-            found = measured(given, name)
-            rows[name].append((unknowns, found))
-            for key, value in found.items():
+            values = measured(given, name)
+            rows[name].append((unknowns, values))
+            for key, value in values.items():
                 unit = {"CPU": "s", "emory": "MB"}.get(key[-5:].split()[-1], "1")
                 yield Figure(f"cube of {unknowns} unknowns, {name}, {key}", value, unit)
         progress("fem", 0.3 + 0.6 * (number + 1) / len(sizes))
     for name, sizes_of_solver in rows.items():
         yield from _exponents(name, sizes_of_solver[-FITTED:])
     for poisson, ratio in CASES:
-        found = measured(cube(HARD, poisson, ratio), "iterative")
+        values = measured(cube(HARD, poisson, ratio), "iterative")
         what = f"nu {poisson:g}" + (f", moduli {ratio:g} apart" if ratio != 1 else "")
-        yield Figure(f"iterative, {what}: iterations", found["one load: iterations"], "1")
+        yield Figure(f"iterative, {what}: iterations", values["one load: iterations"], "1")
 
 
 @one_thread

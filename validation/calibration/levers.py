@@ -142,11 +142,11 @@ def of_finger(name: str, finger: Finger, law: Laws) -> Fitted | None:
     solution, curve, factor = done.solution, done.curve, done.factor
     prony = prony_of(solution.values)
     frames = pad.simulated(curve, factor, prony, heaviest=FORCE)
-    found, last = pad.thesis_fit(frames), frames.pressure[-1]
+    thesis_fit, last = pad.thesis_fit(frames), frames.pressure[-1]
     m, b = _line(targets.subject(finger.subject_name), curve, factor, prony)
     return Fitted(
         name,
-        *(found.radius, found.m, found.c0_b, found.error),
+        *(thesis_fit.radius, thesis_fit.m, thesis_fit.c0_b, thesis_fit.error),
         solution.values["modulus"],
         solution.values["exponent"],
         *(m, b, solution.misfit),

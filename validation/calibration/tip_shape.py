@@ -120,10 +120,10 @@ def law(finger: Finger, exponent: float) -> Finger:
 
 def refitted(finger: Finger, law: levers.Laws) -> Finger:
     """Return the finger with modulus, exponent and relaxation fitted to Table 2.1."""
-    found = levers.fit(finger, law, EXPONENTS)
-    if found is None:
+    fitted = levers.fit(finger, law, EXPONENTS)
+    if fitted is None:
         raise ValueError(f"{finger.resolution}: expected two presses or more, received fewer")
-    values = found.solution.values
+    values = fitted.solution.values
     scale = values["modulus"] / finger.subcutaneous.modulus
     one = law(finger, values["exponent"])
     skin, pulp = (

@@ -103,10 +103,10 @@ def in_scenes(label: str, row: dict[str, float], machine: float) -> dict[str, fl
         return {}
     slower = machine / report["machine_seconds"]
     once, area = (slower * np.linalg.lstsq(np.array(lines), np.array(seconds))[0]).tolist()
-    found = {"area_seconds": round(max(area, row["step_seconds"]), 7)}
+    costs = {"area_seconds": round(max(area, row["step_seconds"]), 7)}
     if "build_seconds" in row:
-        return found | {"build_seconds": round(once - row["setup_seconds"], 3)}
-    return found | {"setup_seconds": round(once, 3)}
+        return costs | {"build_seconds": round(once - row["setup_seconds"], 3)}
+    return costs | {"setup_seconds": round(once, 3)}
 
 
 def main(folder: Path) -> None:

@@ -35,11 +35,11 @@ REFINED = {"linear": 4, "solid": 2}
 
 def row(mechanics: str) -> dict[str, float]:
     """Return the errors of what is stated by the time steps of a mechanics."""
-    found = [
+    errors = [
         changes(respond(mechanics, motion), respond(mechanics, motion, REFINED[mechanics]))
         for motion in MOTIONS
     ]
-    return {name: float(f"{max(each[name] for each in found):.3g}") for name in STATED}
+    return {name: float(f"{max(each[name] for each in errors):.3g}") for name in STATED}
 
 
 def respond(mechanics: str, motion: Motion, refine: int = 1) -> Response:

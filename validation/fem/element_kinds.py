@@ -303,7 +303,7 @@ def report(rows: list[dict[str, Any]]) -> dict[str, Any]:
 if __name__ == "__main__":
     target, named = Path(sys.argv[1]) / REPORT, sys.argv[2:] or PARTS
     hertz_row(OURS, 0.3, 0)  # compiles
-    found = [row for part in named for row in rows_of(part)]
+    new_rows = [row for part in named for row in rows_of(part)]
     old = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else []
     kept = [row for row in old if part_of(row) not in named]
-    target.write_text(compact(report(kept + found)), encoding="utf-8")
+    target.write_text(compact(report(kept + new_rows)), encoding="utf-8")

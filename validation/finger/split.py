@@ -27,20 +27,20 @@ AT = {"flat-30": 6, "sphere-5": 6, "sphere-2": DEPTHS}
 @cache
 def rows() -> dict[str, Any]:
     """Return the rows of the report by subject and press."""
-    found: dict[str, Any] = json.loads(report(SOLID))["rows"]
-    return found
+    report_rows: dict[str, Any] = json.loads(report(SOLID))["rows"]
+    return report_rows
 
 
 def row(subject: str, press: str) -> dict[str, Any]:
     """Return a row of the report."""
-    found: dict[str, Any] = rows()[f"{subject}/{press}"]
-    return found
+    press_row: dict[str, Any] = rows()[f"{subject}/{press}"]
+    return press_row
 
 
 def part(subject: str, press: str) -> Array:
     """Return depth over thickness (DEPTHS,) of a press in the report."""
-    found = row(subject, press)
-    return np.array(found["depth_mm"]) / found["thickness_mm"]
+    press_row = row(subject, press)
+    return np.array(press_row["depth_mm"]) / press_row["thickness_mm"]
 
 
 def force(subject: str, press: str, model: str) -> Array:
@@ -79,8 +79,8 @@ def together(subject: str) -> float:
 
 def last(subject: str) -> int:
     """Return the largest even number of DEPTHS at which finite strain has a force under a plate."""
-    found = np.flatnonzero(np.isfinite(force(subject, "flat-30", "solid"))) + 1
-    return int(found[found % 2 == 0].max())
+    numbers = np.flatnonzero(np.isfinite(force(subject, "flat-30", "solid"))) + 1
+    return int(numbers[numbers % 2 == 0].max())
 
 
 def steepness(subject: str, model: str, press: str = "flat-30") -> float:
@@ -134,7 +134,7 @@ def texts() -> tuple[str, ...]:
     rates = {model: _rate(model) for model in models(press) if model != "level"}
     theirs = _range(lambda s: printed(s)[0], "{:.1f}")
     tissue = row(SUBJECTS[0], "demiray")["exponent"]
-    own = _range(lambda s: steepness(s, "solid", press="demiray"), "{:.2f}")
+    stiffening = _range(lambda s: steepness(s, "solid", press="demiray"), "{:.2f}")
     return (
         f"A plate at 30 degrees, pressed to a tenth of the finger's thickness, meets {whole} times "
         f"the force of Hertz's half-space of the same tissue, on the {len(SUBJECTS)} fingers.",
@@ -152,7 +152,7 @@ def texts() -> tuple[str, ...]:
         "bone and finite strain give part of the exponential stiffening with tissue that itself "
         "does not stiffen (neo-Hookean); the rest may come from tissue that does, or from pads "
         f"thinner or flatter than the shape here: with exp({tissue:g} (I1 - 3)) (Demiray) it is "
-        f"{own} per mm.",
+        f"{stiffening} per mm.",
     )
 
 
@@ -167,14 +167,14 @@ def apart() -> float:
 
     At the depths of AT; under the ball of 2 mm the coarse mesh is too coarse.
     """
-    found = []
+    differences = []
     for name in rows():
         subject, press = name.split("/")
         if press in AT and row(subject, press).get("coarse") is not None:
             k = AT[press] - 1
             coarse = row(subject, press)["coarse"]["solid"][k]
-            found.append(abs(coarse / force(subject, press, "solid")[k] - 1))
-    return max(found)
+            differences.append(abs(coarse / force(subject, press, "solid")[k] - 1))
+    return max(differences)
 
 
 def _rate(model: str) -> str:

@@ -55,8 +55,8 @@ def turned(angle: float = 37.0) -> float:
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     axes = np.kron([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]], np.eye(len(rest) // 3))
     x = solved(matrix, rest, 0.5)
-    found = solved(axes @ matrix @ axes.T, axes @ rest, 0.5)
-    return float(np.abs(found - axes @ x).max() / x.max())
+    turned = solved(axes @ matrix @ axes.T, axes @ rest, 0.5)
+    return float(np.abs(turned - axes @ x).max() / x.max())
 
 
 def against_frictionless() -> float:

@@ -168,20 +168,20 @@ class Comparison:
 
 def strain_against_recorded(scan: Scan, kind: str) -> tuple[float, float]:
     """Return the correlations of mean and deviation of the strain with the recorded rates."""
-    known = np.interp(SPACINGS, *recorded()[kind])
-    mean, deviation = (float(np.corrcoef(known, each)[0, 1]) for each in variation(scan, kind))
+    rates = np.interp(SPACINGS, *recorded()[kind])
+    mean, deviation = (float(np.corrcoef(rates, each)[0, 1]) for each in variation(scan, kind))
     return mean, deviation
 
 
 def against_recorded(scan: Scan, kind: str) -> Comparison:
     """Compare the rates of a type with recorded ones, interpolated over spacing."""
     places, rates = recorded()[kind]
-    known, found = np.interp(SPACINGS, places, rates), computed(scan)[kind]
-    both = np.corrcoef(known, found)[0, 1] if np.ptp(found) > 0 else 0.0
-    ranges = [np.ptp(each) / max(each.mean(), SILENT) for each in (found, known)]
+    recorded_rates, computed_rates = np.interp(SPACINGS, places, rates), computed(scan)[kind]
+    both = np.corrcoef(recorded_rates, computed_rates)[0, 1] if np.ptp(computed_rates) > 0 else 0.0
+    ranges = [np.ptp(each) / max(each.mean(), SILENT) for each in (computed_rates, recorded_rates)]
     return Comparison(
-        ratio=float(np.median(found / known)),
+        ratio=float(np.median(computed_rates / recorded_rates)),
         correlation=float(both),
         modulation=float(ranges[0] / ranges[1]),
-        best=SPACINGS[int(np.argmax(found))],
+        best=SPACINGS[int(np.argmax(computed_rates))],
     )

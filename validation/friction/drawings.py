@@ -66,8 +66,8 @@ def rates() -> Any:
             axis.plot(spacing, rate, color=STEEL, label="recorded, monkey")
             color = COLORS.get(kind, INK)
             for scan, mark, what in SCANS:
-                found = dots.computed(scan)[kind]
-                axis.plot(dots.SPACINGS, found, mark, color=color, label=what)
+                rates = dots.computed(scan)[kind]
+                axis.plot(dots.SPACINGS, rates, mark, color=color, label=what)
             axis.set(title=kind, xlabel="spacing / mm", ylim=(0, None))
         axes[0].set_ylabel("mean rate / Hz")
         axes[0].legend()

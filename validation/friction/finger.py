@@ -39,11 +39,11 @@ def lateral(response: Response) -> Lateral:
     return response.lateral
 
 
-def difference(found: Sequence[Array], expected: Sequence[Array]) -> float:
+def difference(values: Sequence[Array], expected: Sequence[Array]) -> float:
     """Return the largest difference of arrays, each over its largest value."""
     errors = [
         float(np.abs(a - b).max() / max(np.abs(b).max(), 1e-300))
-        for a, b in zip(found, expected, strict=True)
+        for a, b in zip(values, expected, strict=True)
     ]
     return max(errors)
 

@@ -91,18 +91,18 @@ def balance() -> tuple[float, float]:
     along = press.obstacle.axis + MU * proximal
     state = State(values, history.pressure[last], float(history.depth[last]))
     pulled = history.contact.at(state).pulled(MU * proximal) @ state.pressure
-    found = [pulled[:count], -reaction]
-    missing = [each.reshape(-1, 3).sum(axis=0) / borne - along for each in found]
+    forces = [pulled[:count], -reaction]
+    missing = [each.reshape(-1, 3).sum(axis=0) / borne - along for each in forces]
     contact, bone = (float(np.abs(each[[0, 2]]).max()) for each in missing)
     return contact, bone
 
 
 def mirrored() -> float:
     """Return the difference of a slide to the other side from the mirror image."""
-    found: list[list[Array]] = []
+    sides: list[list[Array]] = []
     for direction, sign in ((90.0, 1.0), (270.0, -1.0)):
         with _iterated_far():
             response = solid.respond(scene(0.3, MU, direction))
         one = lateral(response)
-        found.append([response.force, sign * one.force[:, 1], np.asarray(one.work)])
-    return difference(*found)
+        sides.append([response.force, sign * one.force[:, 1], np.asarray(one.work)])
+    return difference(*sides)

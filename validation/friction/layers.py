@@ -69,8 +69,8 @@ def strains(scene: Scene, organs: Sites) -> Array:
         pressure = pad.pressure_by_force(lambda at, s=shift: profile.rise(at - s), force, pressure)
         for z in np.unique(organs.depths):
             deep = organs.depths == z
-            found = pad.strain(pressure, float(z), both[np.tile(deep, 2)])
-            here, there = np.split(found, 2)
+            strain = pad.strain(pressure, float(z), both[np.tile(deep, 2)])
+            here, there = np.split(strain, 2)
             out[k, deep] = here
             out[-k, deep] = there * np.multiply.outer(mirror, mirror)
     return out

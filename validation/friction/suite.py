@@ -101,8 +101,8 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 def _drag(speed: float) -> float:
     """Return the drag over the exact one."""
-    found, exact = waves.drag(speed)
-    return found / exact
+    drag, exact = waves.drag(speed)
+    return drag / exact
 
 
 def sphere(body: Body, size: int, *, quick: bool) -> Iterator[Case]:
@@ -363,9 +363,11 @@ def _deviation(kind: str) -> Noted:
 
 
 def _rate(scan: dots.Scan, kind: str, which: str) -> Noted:
-    found, (spacing, rates) = dots.against_recorded(scan, kind), dots.recorded()[kind]
-    text = f"Most spikes at {found.best:g} mm; recorded at {spacing[int(np.argmax(rates))]:g} mm."
-    return Noted(float(getattr(found, which)), text)
+    comparison, (spacing, rates) = dots.against_recorded(scan, kind), dots.recorded()[kind]
+    text = (
+        f"Most spikes at {comparison.best:g} mm; recorded at {spacing[int(np.argmax(rates))]:g} mm."
+    )
+    return Noted(float(getattr(comparison, which)), text)
 
 
 def _stick(q: float) -> Noted:

@@ -16,9 +16,9 @@ def projected(flexibility: Array, offset: Array, mu: float, tolerance: float = 1
     against the change (O'Donoghue and Candès, Found. Comput. Math. 15:715, 2015).
     """
     n = len(offset) // 3
-    own = np.diag(flexibility).copy()
-    own[n:] = np.tile(np.maximum(own[n : 2 * n], own[2 * n :]), 2)
-    scale = np.sqrt(np.where(own > 0, own, 1.0))
+    diagonal = np.diag(flexibility).copy()
+    diagonal[n:] = np.tile(np.maximum(diagonal[n : 2 * n], diagonal[2 * n :]), 2)
+    scale = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     step = 1 / (np.linalg.eigvalsh(flexibility / np.outer(scale, scale))[-1] * scale**2)
     x, before, momentum = np.zeros(3 * n), np.zeros(3 * n), 1.0
     for _ in range(400_000):

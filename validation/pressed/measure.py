@@ -64,14 +64,14 @@ def errors(true: Response, quick: Response, by_force: bool) -> dict[str, Any]:
     top = int(np.argmax(true.force))
     back = np.flatnonzero(np.diff(true.depth) < 0)
     turn = len(true.time) if not len(back) or by_force else int(back[0]) + 1
-    found: dict[str, Any] = {"peak": {}, "loading": {}, "retreat": {}}
+    errors_by_phase: dict[str, Any] = {"peak": {}, "loading": {}, "retreat": {}}
     for name, (right, wrong) in quantities.items():
         apart, size = _norm(wrong - right), _norm(right)
-        found["peak"][name] = float(apart[top] / size[top])
-        found["loading"][name] = float(apart[:turn].max() / size.max())
+        errors_by_phase["peak"][name] = float(apart[top] / size[top])
+        errors_by_phase["loading"][name] = float(apart[:turn].max() / size.max())
         if turn < len(true.time):
-            found["retreat"][name] = float(apart[turn:].max() / size.max())
-    return found
+            errors_by_phase["retreat"][name] = float(apart[turn:].max() / size.max())
+    return errors_by_phase
 
 
 def _highest(response: Response) -> Array:

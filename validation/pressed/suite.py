@@ -75,11 +75,11 @@ def stated(phase: str, quantity: str, part: float, without: str = "") -> float:
 
 def share_held(phase: str, quantity: str) -> Noted:
     """Return the share of scenes whose error is within what all others state at that depth."""
-    found = {key: row for key, row in every().items() if quantity in row[phase]}
-    values = np.array([row[phase][quantity] for row in found.values()])
-    limits = [stated(phase, quantity, row["part"], key) for key, row in found.items()]
+    compared = {key: row for key, row in every().items() if quantity in row[phase]}
+    values = np.array([row[phase][quantity] for row in compared.values()])
+    limits = [stated(phase, quantity, row["part"], key) for key, row in compared.items()]
     text = (
-        f"{len(found)} scenes: median {100 * np.median(values):.2g} %, 95 % of them within "
+        f"{len(compared)} scenes: median {100 * np.median(values):.2g} %, 95 % of them within "
         f"{100 * np.quantile(values, 0.95):.2g} %, the largest {100 * values.max():.2g} %; stated "
         f"{100 * np.median(limits):.2g} % in the median"
     )
@@ -88,8 +88,8 @@ def share_held(phase: str, quantity: str) -> Noted:
 
 def typical(phase: str, quantity: str) -> float:
     """Return the error within which 95 % of the scenes of the second draw are."""
-    found = [row[phase][quantity] for row in rows(HELD_OUT).values() if quantity in row[phase]]
-    return float(np.quantile(found, 0.95))
+    errors = [row[phase][quantity] for row in rows(HELD_OUT).values() if quantity in row[phase]]
+    return float(np.quantile(errors, 0.95))
 
 
 @cache

@@ -54,8 +54,8 @@ def read_force(text: str) -> tuple[Array, Array]:
 
 def read_counts(log: str) -> dict[str, int]:
     """Return the numbers of steps, iterations, residuals, factors and retries of FEBio's log."""
-    found = {name: re.search(rf"{text} \.* : (\d+)", log) for name, text in COUNTS.items()}
-    counts = {name: int(match[1]) for name, match in found.items() if match}
+    matches = {name: re.search(rf"{text} \.* : (\d+)", log) for name, text in COUNTS.items()}
+    counts = {name: int(match[1]) for name, match in matches.items() if match}
     return counts | {"retries": log.count("Retrying time step")}
 
 

@@ -70,18 +70,18 @@ def front(points: Points) -> list[str]:
 
 def _points(data: dict[str, Any], quantity: str, published: bool | None = None) -> dict[str, Array]:
     """Return CPU seconds and errors (n, 2) by candidate: of all scenes, or by their tissue."""
-    found: dict[str, list[tuple[float, float]]] = {}
+    points: dict[str, list[tuple[float, float]]] = {}
     for scene, rows in data["errors"].items():
         if published is None or ("published" in scene) == published:
             for name, row in rows.items():
                 if quantity in row:
                     point = data["taken"][scene][name], max(row[quantity], LEAST)
-                    found.setdefault(name, []).append(point)
-    return {name: np.array(each) for name, each in found.items()}
+                    points.setdefault(name, []).append(point)
+    return {name: np.array(each) for name, each in points.items()}
 
 
-def _medians(found: dict[str, Array]) -> Points:
-    return {name: tuple(np.median(each, axis=0).tolist()) for name, each in found.items()}
+def _medians(points: dict[str, Array]) -> Points:
+    return {name: tuple(np.median(each, axis=0).tolist()) for name, each in points.items()}
 
 
 def _scatter(axes: Any, points: Points) -> None:
@@ -129,9 +129,9 @@ def _front_caption() -> str:
 def _front(data: dict[str, Any]) -> Any:
     drawn = figure(WIDE, 3.6)
     for axis, published in zip(drawn.subplots(1, 2, sharey=True), (True, False), strict=True):
-        found = _points(data, "force", published)
-        medians = _medians(found)
-        for name, points in found.items():
+        scattered = _points(data, "force", published)
+        medians = _medians(scattered)
+        for name, points in scattered.items():
             low, middle, high = np.quantile(points[:, 1], [0.25, 0.5, 0.75])
             color = COLORS[Candidate.of(name).mechanics]
             axis.errorbar(

@@ -82,14 +82,14 @@ class Answer(NamedTuple):
 
 def answers(scene: Scene) -> dict[str, Answer]:
     """Answers of all candidates that are able to answer."""
-    found = {}
+    answered = {}
     for label in CANDIDATES:
         candidate = Candidate.of(label)
         mesh = candidate.resolution or STANDARD
-        own = replace(scene, finger=replace(scene.finger, resolution=mesh), ask=EVERYTHING)
+        on_mesh = replace(scene, finger=replace(scene.finger, resolution=mesh), ask=EVERYTHING)
         mechanics = get(candidate.mechanics)
-        asked = replace(own, ask=Ask(pressure=False, strain=False, spikes=(), fields=False))
-        able = own if candidate.mechanics != "lumped" else asked
+        asked = replace(on_mesh, ask=Ask(pressure=False, strain=False, spikes=(), fields=False))
+        able = on_mesh if candidate.mechanics != "lumped" else asked
         if any(each.about == "ability" for each in mechanics.refuse(Situation.of(able))):
             continue
         with suppress(InputError, ConvergenceError), only_meshes():
@@ -99,8 +99,8 @@ def answers(scene: Scene) -> dict[str, Answer]:
             counts = None
             if response.strain is not None:
                 counts = np.array([len(train) for train in fire(EVERYTHING, response).times])
-            found[label] = Answer(response, seconds, counts)
-    return found
+            answered[label] = Answer(response, seconds, counts)
+    return answered
 
 
 def actual(answered: Mapping[str, Answer]) -> dict[str, dict[str, float]]:
@@ -112,8 +112,8 @@ def actual(answered: Mapping[str, Answer]) -> dict[str, dict[str, float]]:
     """
     if not {"solid coarse", "solid standard"} <= answered.keys():
         return {}
-    found = {label: each.response for label, each in answered.items()}
-    rough, fine = found["solid coarse"], found["solid standard"]
+    responses = {label: each.response for label, each in answered.items()}
+    rough, fine = responses["solid coarse"], responses["solid standard"]
     spikes = answered["solid standard"].counts
     assert spikes is not None
     size = left_on("coarse", "standard")
@@ -123,9 +123,9 @@ def actual(answered: Mapping[str, Answer]) -> dict[str, dict[str, float]]:
     top = int(np.argmax(fine.force))
     bars = {name: size * _apart(coarse[name][top], quantities[name][top]) for name in STATED[1:]}
     rows = {}
-    for label, response in found.items():
-        own = np.interp(fine.time, response.time, response.force)
-        row = {"force": float(np.abs(own - force).max() / force.max())}
+    for label, response in responses.items():
+        interpolated = np.interp(fine.time, response.time, response.force)
+        row = {"force": float(np.abs(interpolated - force).max() / force.max())}
         for name in STATED[1:]:
             if response.strain is not None:
                 value = curve(response, name)[_nearest(response, fine.time[top])]
@@ -161,11 +161,11 @@ def judge(
         name = rung.candidate.label
         if name not in errors or any(r.about == "ability" for r in rung.refusals):
             continue
-        known = {"force": rung.error, **rung.errors}
+        stated = {"force": rung.error, **rung.errors}
         rows[name] = {
             "seconds": float(f"{rung.seconds:.4g}"),
             "stated": {
-                key: _short(known.get(key, np.inf)) for key in STATED if key in errors[name]
+                key: _short(stated.get(key, np.inf)) for key in STATED if key in errors[name]
             },
             "actual": errors[name],
             "willing": not rung.refusals,
@@ -221,7 +221,7 @@ def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
     picks = [(each, each["candidates"][each["pick"]]) for each in picked]
     ratios = np.array([each["ratio"] for each in picked if each["ratio"] is not None])
     every = [row for each in judged.values() for row in each["candidates"].values()]
-    own = [row for _, row in picks]
+    pick_rows = [row for _, row in picks]
     cheap = [each["candidates"][each["best"]] for each in judged.values() if each["best"]]
     total = sum(each["candidates"][each["pick"]]["seconds"] for each in picked if each["best"])
     least = sum(each["candidates"][each["best"]]["seconds"] for each in picked if each["best"])
@@ -237,7 +237,7 @@ def summary(judged: dict[str, dict[str, Any]]) -> dict[str, Any]:
         "tolerance_met": _share(
             [row["actual"]["force"] <= each["tolerance"] for each, row in picks]
         ),
-        "stated_kept": {name: _kept(own, name) for name in STATED},
+        "stated_kept": {name: _kept(pick_rows, name) for name in STATED},
         "stated_kept_by_all_candidates": {name: _kept(every, name) for name in STATED},
         "stated_over_actual": {name: _over(every, name) for name in STATED},
         "stated_over_actual_of_the_cheapest": _over(cheap, "force"),
@@ -333,11 +333,11 @@ def _share(held: list[Any]) -> float:
 def main(folder: Path) -> None:
     """Run what is missing, judge all, and write the report after every scene."""
     path = folder / REPORT
-    known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    earlier = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     command = "python -m fefinger.validation.tradeoff.held_out reports"
     drawn = scenes.held_out() | scenes.development()
     errors, taken = (
-        {key: known[what][key] for key in drawn if key in known.get(what, {})}
+        {key: earlier[what][key] for key in drawn if key in earlier.get(what, {})}
         for what in ("errors", "taken")
     )
     report: dict[str, Any] = provenance(command) | {"errors": errors, "taken": taken}
@@ -351,8 +351,8 @@ def main(folder: Path) -> None:
 
 def measured(scene: Scene) -> tuple[dict[str, dict[str, float]], dict[str, float]]:
     """Return the errors and the CPU seconds of every candidate in a scene."""
-    found = answers(scene)
-    return actual(found), {name: float(f"{each.seconds:.3g}") for name, each in found.items()}
+    answered = answers(scene)
+    return actual(answered), {name: float(f"{each.seconds:.3g}") for name, each in answered.items()}
 
 
 def judgment(report: Mapping[str, Any]) -> dict[str, Any]:

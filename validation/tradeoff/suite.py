@@ -68,8 +68,8 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
         Expected(float(scenes.N_HELD_OUT), 2.0, "1"),
         "drawn by seed; `solid` answers them",
     )
-    met = float(reported()["summary"]["tolerance_met"])
-    yield _kept("tolerance met by the picks", partial(asked, "tolerance_met"), met, "force")
+    share_met = float(reported()["summary"]["tolerance_met"])
+    yield _kept("tolerance met by the picks", partial(asked, "tolerance_met"), share_met, "force")
     for quantity, name in QUANTITIES.items():
         for whose, key in WHOSE.items():
             yield _kept(
@@ -99,14 +99,14 @@ WHY = {
 """Why errors are not kept as often as wanted."""
 
 
-def _kept(name: str, measure: Callable[[], float], known: float, quantity: str) -> Case:
+def _kept(name: str, measure: Callable[[], float], share: float, quantity: str) -> Case:
     """Return the case of a share in which something holds, which may be short of KEPT."""
-    if known >= KEPT:
+    if share >= KEPT:
         return Case(name, measure, Expected.between(KEPT, 1.0, "1"), "95 % of the scenes")
     return Case(
         name,
         measure,
-        Expected(known, 0.01, "1"),
+        Expected(share, 0.01, "1"),
         "what the report says",
         wanted=KEPT,
         shortfall=WHY.get(quantity, ""),
@@ -118,15 +118,15 @@ WHOSE = {"the picks": "stated_kept", "all candidates": "stated_kept_by_all_candi
 
 def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     """Yield the cases on the cost of the picks, which is beside what is wanted and why."""
-    known = reported()
-    over = known["summary"]["stated_over_actual_of_the_cheapest"]
-    reached = held_out.oracle(known["scenes"], over)
+    report = reported()
+    over = report["summary"]["stated_over_actual_of_the_cheapest"]
+    reached = held_out.oracle(report["scenes"], over)
     curve = ", ".join(
         f"{100 * share:.0f} % at {factor}"
-        for factor, share in known["summary"]["oracle_within_1.2"].items()
+        for factor, share in report["summary"]["oracle_within_1.2"].items()
     )
     share = f"share of the picks within {held_out.ENOUGH:g} times the cheapest that will do"
-    reached_by_planner = float(known["summary"]["within_1.2"])
+    reached_by_planner = float(report["summary"]["within_1.2"])
     enough = reached_by_planner >= held_out.AIM
     yield Case(
         share,
@@ -145,7 +145,7 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
         ),
         reason="times of another machine, in ratios",
     )
-    known_gap = max(0.0, reached - known["summary"]["within_1.2"])
+    known_gap = max(0.0, reached - report["summary"]["within_1.2"])
     short = known_gap > AS_THE_ORACLE
     yield Case(
         f"{share}: how much smaller than that of an oracle",
@@ -168,8 +168,8 @@ def finding() -> dict[str, Any]:
     """Return the text of the report: the verdict on the held-out scenes, and tables."""
     from fefinger.validation.tradeoff import texts
 
-    found = texts.finding(reported())
-    return found | {"texts": [*found["texts"], RULES]}
+    report = texts.finding(reported())
+    return report | {"texts": [*report["texts"], RULES]}
 
 
 def figures() -> Iterator[tuple[str, Any]]:

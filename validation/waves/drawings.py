@@ -73,10 +73,10 @@ def _impedance() -> Any:
         left, right = drawn.subplots(1, 2)
         for tissue, line in ((loops.TISSUE, "-"), (finger.VISCOUS, "--")):
             for force, shade in zip(FORCES, SHADES, strict=True):
-                found = finger.answer(tissue, force)
-                left.loglog(found.frequency, np.abs(found.stiffness), line, color=shade)
-                phase = np.degrees(np.angle(found.impedance))
-                right.semilogx(found.frequency, phase, line, color=shade)
+                harmonic = finger.answer(tissue, force)
+                left.loglog(harmonic.frequency, np.abs(harmonic.stiffness), line, color=shade)
+                phase = np.degrees(np.angle(harmonic.impedance))
+                right.semilogx(harmonic.frequency, phase, line, color=shade)
         left.set(xlabel="frequency / Hz", ylabel="dynamic stiffness / (N/mm)")
         right.set(xlabel="frequency / Hz", ylabel="phase of the impedance / degrees")
     return drawn
@@ -87,9 +87,9 @@ def _lateral() -> Any:
         drawn = figure(8.0, 3.4)
         left, right = drawn.subplots(1, 2)
         for tissue, line in ((loops.TISSUE, "-"), (finger.VISCOUS, "--")):
-            found = lateral.impedance(tissue, lateral.SHOWN)
-            left.loglog(lateral.BAND, np.abs(found), line, color=STEEL)
-            right.semilogx(lateral.BAND, np.degrees(np.angle(found)), line, color=STEEL)
+            impedance = lateral.impedance(tissue, lateral.SHOWN)
+            left.loglog(lateral.BAND, np.abs(impedance), line, color=STEEL)
+            right.semilogx(lateral.BAND, np.degrees(np.angle(impedance)), line, color=STEEL)
         ends = [lateral.measured(lateral.SHOWN, lateral.BAND, mass) for mass in lateral.MASSES]
         left.fill_between(lateral.BAND, *np.abs(ends), color=SHADES[0])
         right.fill_between(lateral.BAND, *np.degrees(np.angle(ends)), color=SHADES[0])
@@ -107,10 +107,10 @@ def _skin() -> Any:
         left, right = drawn.subplots(1, 2)
         for tissue, line in ((loops.TISSUE, "-"), (finger.VISCOUS, "--")):
             for frequency, shade in zip((50.0, 200.0, 350.0), SHADES, strict=True):
-                found = finger.finger(tissue).harmonic([frequency], force=0.5)
-                reach = found.skin_points[:, 0] < 0
-                moved = found.skin[0, reach, 2]
-                away = -found.skin_points[reach, 0]
+                harmonic = finger.finger(tissue).harmonic([frequency], force=0.5)
+                reach = harmonic.skin_points[:, 0] < 0
+                moved = harmonic.skin[0, reach, 2]
+                away = -harmonic.skin_points[reach, 0]
                 left.semilogy(away, np.abs(moved), line, color=shade, label=f"{frequency:g} Hz")
                 order = np.argsort(away)
                 phase = np.degrees(np.unwrap(np.angle(moved[order])))

@@ -74,10 +74,10 @@ def _with_many(loop: Modal, depth: float) -> ClosedContact:
     prepared = loop.vibrating
     finger, solid, static = loop.finger, prepared.solid, prepared.body.static
     light = finger.skin.density * PER_CUBIC_METER
-    found = modes_of(solid.parts[0].compliance, mass(solid.space, {1: 1.0, 2: 1.0}), MANY)
-    squares = found.squares * finger.skin.modulus / light
+    modes = modes_of(solid.parts[0].compliance, mass(solid.space, {1: 1.0, 2: 1.0}), MANY)
+    squares = modes.squares * finger.skin.modulus / light
     loads = static.patch.loads[: solid.space.n_displacements]
-    shares = np.asarray(sparse.csr_matrix(loads.T) @ found.shapes).T / np.sqrt(light)
+    shares = np.asarray(sparse.csr_matrix(loads.T) @ modes.shapes).T / np.sqrt(light)
     active = np.flatnonzero(prepared.preload(depth, None)[1] > 0)
     o, here = prepared.body.oscillators, prepared.body.shares
     # The second static term: that of the modes at hand, less that of the further ones.
@@ -168,8 +168,8 @@ def vibration_through_time() -> Noted:
         stated, errors = vibration.vibration_error(Situation.of(scene)), []
         for mechanics in (modal, pressed):
             answer = mechanics.respond(scene)
-            found = dynamic_stiffness(motion, answer.time, answer.depth, answer.force)
-            errors.append(np.inf if found is None else float(abs((found - exact) / still)))
+            stiffness = dynamic_stiffness(motion, answer.time, answer.depth, answer.force)
+            errors.append(np.inf if stiffness is None else float(abs((stiffness - exact) / still)))
         shares.append(errors[0] / stated)
         parts.append(
             f"{100 * errors[0]:.2g} % of {100 * stated:.2g} % at {frequency:g} Hz "
@@ -205,25 +205,28 @@ def modes_below(frequency: float) -> float:
 
 def slope(tissue: str, force: float) -> Noted:
     """Return the slope in dB per decade of the impedance along the normal from 30 to 200 Hz."""
-    found = answer(tissue, force)
-    chosen = (found.frequency >= 30) & (found.frequency <= 200)
-    decibel = 20 * np.log10(np.abs(found.impedance[chosen]))
-    fall = float(np.polyfit(np.log10(found.frequency[chosen]), decibel, 1)[0])
-    at = {f: np.interp(f, found.frequency, np.abs(found.impedance)) for f in (30.0, 100.0, 200.0)}
+    harmonic = answer(tissue, force)
+    chosen = (harmonic.frequency >= 30) & (harmonic.frequency <= 200)
+    decibel = 20 * np.log10(np.abs(harmonic.impedance[chosen]))
+    fall = float(np.polyfit(np.log10(harmonic.frequency[chosen]), decibel, 1)[0])
+    at = {
+        f: np.interp(f, harmonic.frequency, np.abs(harmonic.impedance))
+        for f in (30.0, 100.0, 200.0)
+    }
     return Noted(fall, ", ".join(f"{value:.3g} N s/m at {f:g} Hz" for f, value in at.items()))
 
 
 def impedance_phase(tissue: str, force: float, frequency: float) -> float:
     """Return the phase in degrees of the impedance, force over velocity."""
-    found = answer(tissue, force)
-    phase = np.degrees(np.angle(found.impedance))
-    return float(np.interp(frequency, found.frequency, phase))
+    harmonic = answer(tissue, force)
+    phase = np.degrees(np.angle(harmonic.impedance))
+    return float(np.interp(frequency, harmonic.frequency, phase))
 
 
 def along_skin(tissue: str, frequency: float) -> tuple[Array, Complex]:
     """Return distance in mm proximal of the contact, and complex displacement of the skin there."""
-    found = finger(tissue).harmonic([frequency], force=0.5)
-    x, moved = found.skin_points[:, 0], found.skin[0, :, 2]
+    harmonic = finger(tissue).harmonic([frequency], force=0.5)
+    x, moved = harmonic.skin_points[:, 0], harmonic.skin[0, :, 2]
     reach = (x < -FREE[0]) & (x > -FREE[1])
     order = np.argsort(-x[reach])
     return -x[reach][order], moved[reach][order]

@@ -103,7 +103,7 @@ def phase(tissue: str, preload: float) -> Noted:
 def _over_published(tissue: str, preload: float) -> Complex:
     """Impedance (n,) over the published one at the frequencies NOTED."""
     frequency = np.array(NOTED)
-    found = impedance(tissue, preload)
-    parts = (np.interp(frequency, BAND, each) for each in (found.real, found.imag))
+    computed = impedance(tissue, preload)
+    parts = (np.interp(frequency, BAND, each) for each in (computed.real, computed.imag))
     real, imaginary = parts
     return np.asarray((real + 1j * imaginary) / measured(preload, frequency))

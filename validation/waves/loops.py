@@ -78,8 +78,8 @@ def amplitude(forces: Array, dt: float, frequency: float, cycles: int) -> comple
     time = dt * np.arange(len(forces) - count + 1.0, len(forces) + 1)
     angle = 2 * np.pi * frequency * time
     basis = np.column_stack([np.sin(angle), np.cos(angle), np.ones(count), time - time[0]])
-    found = np.linalg.lstsq(basis, forces[-count:], rcond=None)[0]
-    return complex(found[0], found[1])
+    parts = np.linalg.lstsq(basis, forces[-count:], rcond=None)[0]
+    return complex(parts[0], parts[1])
 
 
 def one_mode(steps: int) -> complex:

@@ -52,9 +52,9 @@ def half_space_error(edge: float) -> Noted:
     body, load = bodies.half_space(edge)
     frequencies = np.array([300.0, 400.0, 500.0, 600.0, 700.0])
     weights = bodies.LOSSY
-    found = body.receptance(load, frequencies, relaxation=weights) / load.sum()
+    computed = body.receptance(load, frequencies, relaxation=weights) / load.sum()
     exact = np.array([bodies.half_space_exact(f) for f in frequencies])
-    errors = np.abs(found - exact) / np.abs(exact)
+    errors = np.abs(computed - exact) / np.abs(exact)
     each = zip(frequencies, errors, strict=True)
     text = ", ".join(f"{100 * error:.2g} % at {f:g} Hz" for f, error in each)
     return Noted(float(errors.max()), text)

@@ -39,9 +39,9 @@ class ModalState(NamedTuple):
     shares (n, n_pad): work of each unit load on each mode; rest (n_pad, n_pad): residual
     flexibility R; residues (n, s);
     filtered (n, s): the force of each mode, filtered by each of its poles; force, earlier (n,):
-    at the end of the last step and of the one before; amplitude, known (n,): at the end, and what
-    the past leaves of it; moved (n_pad,): R p; pressed, factor (n_pad,): work, the loaded vertices
-    and their pressures.
+    at the end of the last step and of the one before; amplitude, free_amplitude (n,): at the end,
+    and what the past leaves of it; moved (n_pad,): R p; pressed, factor (n_pad,): work, the loaded
+    vertices and their pressures.
     """
 
     shares: Array
@@ -51,7 +51,7 @@ class ModalState(NamedTuple):
     force: Array
     earlier: Array
     amplitude: Array
-    known: Array
+    free_amplitude: Array
     moved: Array
     pressed: NDArray[np.int64]
     factor: Array
@@ -84,7 +84,7 @@ def modal_state(oscillators: Oscillators, shares: Array, rest: Array) -> ModalSt
         force=np.zeros(n),
         earlier=np.zeros(n),
         amplitude=np.zeros(n),
-        known=np.zeros(n),
+        free_amplitude=np.zeros(n),
         moved=np.zeros(n_pad),
         pressed=np.zeros(n_pad, dtype=np.int64),
         factor=np.zeros(n_pad),
@@ -126,12 +126,12 @@ def modal_step(
     """
     active, depth, peak = contact.save(s), m.depth[0], m.peak[0]
     g = load_history(m, dt)
-    _known(m, o, f, g)
+    _free_amplitude(m, o, f, g)
     gap, past = np.empty(len(m.gap)), np.zeros(len(m.gap))  # the gap takes the past into account
     for j in range(len(gap)):
         gap[j] = m.gap[j] - m.moved_past[j] / g
-    for k in range(len(o.known)):
-        a = o.known[k]
+    for k in range(len(o.free_amplitude)):
+        a = o.free_amplitude[k]
         row = o.shares[k]
         for j in range(len(gap)):
             gap[j] += a * row[j]
@@ -164,21 +164,21 @@ def add_strain(out: Output, rows: Floats, amplitude: Floats) -> None:
 
 
 @njit(cache=True)
-def _known(m: PadState, o: ModalState, f: StepFactors, g: float) -> None:
+def _free_amplitude(m: PadState, o: ModalState, f: StepFactors, g: float) -> None:
     """Compute what the past and the pressure at the start leave of the amplitudes."""
-    for k in range(len(o.known)):
+    for k in range(len(o.free_amplitude)):
         if f.static:
             total = 0.0
             for j in range(len(m.past)):
                 total -= o.shares[k, j] * m.past[j]
-            o.known[k] = f.gains[k] * total
+            o.free_amplitude[k] = f.gains[k] * total
         else:
             value = 0.0
             for i in range(o.residues.shape[1]):
                 left = f.decay[k, i] * o.filtered[k, i] + f.before[k, i] * o.force[k]
                 left += f.earlier[k, i] * o.earlier[k]
                 value += (o.residues[k, i] * left).real
-            o.known[k] = value
+            o.free_amplitude[k] = value
 
 
 @njit(cache=True)
@@ -193,6 +193,6 @@ def _store(s: LcpState, m: PadState, o: ModalState, f: StepFactors, dt: float, g
             left = f.decay[k, i] * o.filtered[k, i] + f.before[k, i] * o.force[k]
             left += f.earlier[k, i] * o.earlier[k]
             o.filtered[k, i] = left + f.after[k, i] * force
-        o.amplitude[k] = o.known[k] + f.gains[k] * force
+        o.amplitude[k] = o.free_amplitude[k] + f.gains[k] * force
         o.earlier[k], o.force[k] = o.force[k], force
     store_history(m, s.x, o.moved, dt, g)

@@ -90,11 +90,11 @@ def between(rows: Iterable[Mapping[str, Any]], angle: float) -> tuple[float, flo
 
     None outside of the measured angles.
     """
-    known = sorted(rows, key=lambda row: float(row["angle"]))
-    angles = [row["angle"] for row in known]
+    by_angle = sorted(rows, key=lambda row: float(row["angle"]))
+    angles = [row["angle"] for row in by_angle]
     if not angles[0] <= angle <= angles[-1]:
         return None
-    b, m = (float(np.exp(np.interp(angle, angles, np.log([r[k] for r in known])))) for k in "bm")
+    b, m = (float(np.exp(np.interp(angle, angles, np.log([r[k] for r in by_angle])))) for k in "bm")
     return b, m
 
 
@@ -102,7 +102,7 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
     """Whether a finger is one that was pressed, but for a factor on its moduli and for G."""
     contrast = finger.skin.modulus / finger.subcutaneous.modulus
     skin = finger.skin.thickness or 0.0
-    own = [finger.width, finger.thickness, finger.pad_radius, contrast, skin]
+    sizes = [finger.width, finger.thickness, finger.pad_radius, contrast, skin]
     names = ("width_mm", "thickness_mm", "pad_radius_mm", "skin_over_subcutaneous", "skin_mm")
-    same = np.allclose(own, [row[name] for name in names], rtol=SAME)
+    same = np.allclose(sizes, [row[name] for name in names], rtol=SAME)
     return same and measured_tissue.published(finger)

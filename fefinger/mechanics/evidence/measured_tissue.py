@@ -22,7 +22,7 @@ HELD = ("rigid", None, "fixed")
 
 def published(finger: Finger) -> bool:
     """Whether the tissues of a finger are the published ones, but for a common factor."""
-    known = library.tissue_set(library.PUBLISHED)
+    tissues = library.tissue_set(library.PUBLISHED)
     layers = (finger.skin, finger.subcutaneous)
     thin, thick = _skin_shares()
     share = (finger.skin.thickness or 0.0) / finger.thickness
@@ -34,7 +34,7 @@ def published(finger: Finger) -> bool:
         and max(contrast, 1 / contrast) <= CONTRAST
         and all(
             abs(layer.poisson - measured.poisson) <= POISSON
-            for layer, measured in zip(layers, (known.skin, known.subcutaneous), strict=True)
+            for layer, measured in zip(layers, (tissues.skin, tissues.subcutaneous), strict=True)
         )
         and all(layer.law == PUBLISHED_LAW and layer.prony is None for layer in layers)
         and _as_held(finger)
@@ -51,12 +51,12 @@ def of_published(finger: Finger) -> Finger:
 
     The skin is as thick as its own, within the measured range.
     """
-    known = library.tissue_set(library.PUBLISHED)
-    stiffer = finger.subcutaneous.modulus / known.subcutaneous.modulus
+    tissues = library.tissue_set(library.PUBLISHED)
+    stiffer = finger.subcutaneous.modulus / tissues.subcutaneous.modulus
     thin, thick = (share * finger.thickness for share in _skin_shares())
     skin, below = (
         replace(layer, modulus=stiffer * layer.modulus)
-        for layer in (known.skin, known.subcutaneous)
+        for layer in (tissues.skin, tissues.subcutaneous)
     )
     return Finger(
         finger.width,
@@ -107,8 +107,8 @@ def subject(finger: Finger) -> str | None:
 
 def _contrast(finger: Finger) -> float:
     """Return the modulus of the skin over that below it, over the published ratio."""
-    known = library.tissue_set(library.PUBLISHED)
-    ratio = known.skin.modulus / known.subcutaneous.modulus
+    tissues = library.tissue_set(library.PUBLISHED)
+    ratio = tissues.skin.modulus / tissues.subcutaneous.modulus
     return finger.skin.modulus / finger.subcutaneous.modulus / ratio
 
 

@@ -143,8 +143,8 @@ def _margins(
         middle = 4 * estimate.share * (1 - estimate.share) if alike else 1.0
         excess = margin(between_presses(candidate, quantity, where[0]), depth)
         margins.append(middle * excess * margin_unit(estimate.value, quantity))
-    known = presses_of_same_object(object_)
-    if object_.sharp and quantity != "force" and estimate.presses[0].object not in known:
+    same_object = presses_of_same_object(object_)
+    if object_.sharp and quantity != "force" and estimate.presses[0].object not in same_object:
         margins.append(margin(other_edges(candidate, quantity, object_.kind), depth))
     elsewhere = _measured_elsewhere(estimate, case, quantity)
     if elsewhere:
@@ -161,12 +161,12 @@ def _measured_elsewhere(estimate: _Estimate, case: Situation, quantity: str) -> 
     quantities depend by chance on which vertices bear the pressure, so one such press counts fully.
     """
     known = case.published_tissue or measured_tissue.subject(case.finger)
-    own = case.finger.subject_name if known else None
+    subject = case.finger.subject_name if known else None
     # Published tissue was pressed on the finger of MAIN.
     fingers = [MAIN if x.finger == library.PUBLISHED else x.finger for x in estimate.presses]
-    others = np.array([finger != own for finger in fingers])
+    others = np.array([finger != subject for finger in fingers])
     if quantity != "force":
-        return float(others.any() or (own != MAIN and len(others) > 1))
+        return float(others.any() or (subject != MAIN and len(others) > 1))
     if estimate.share is None:
         return float(others.any())
     return float(estimate.weighted[others].sum() / estimate.value)
@@ -205,15 +205,15 @@ def _presses(
     if case.published_tissue and not finite:
         fingers = [library.PUBLISHED]
     else:  # The error of a mesh depends on the finger, hardly on its tissue.
-        own = (finite and case.finger.subject_name) or library.fitted_to(case.finger.tissue)
-        fingers = [own or MAIN, MAIN]
+        subject = (finite and case.finger.subject_name) or library.fitted_to(case.finger.tissue)
+        fingers = [subject or MAIN, MAIN]
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
-    found, exponent = [], case.finger.subcutaneous.exponent
+    parts, exponent = [], case.finger.subcutaneous.exponent
     for name in names:
         press = next((presses[x] for f in fingers if (x := f"{f}/{name}") in presses), None)
         if press is not None:
-            found.append((press, _reached(press, case) * stiffer(press, exponent)))
-    return found
+            parts.append((press, _reached(press, case) * stiffer(press, exponent)))
+    return parts
 
 
 def _reached(press: Measured, case: Situation) -> float:

@@ -24,15 +24,15 @@ NEAR = 2.0
 @cache
 def objects() -> Mapping[str, Indenter]:
     """Return the objects that were pressed, by name."""
-    found = {}
+    indenters = {}
     for label, row in read(PRESS_MESH)["rows"].items():
         fields = dict(row["indenter"])
         kind = INDENTERS[fields.pop("kind")]
         given: dict[str, Any] = {
             key: tuple(x) if isinstance(x, list) else x for key, x in fields.items()
         }
-        found[label.partition("/")[2]] = kind(**given)
-    return found
+        indenters[label.partition("/")[2]] = kind(**given)
+    return indenters
 
 
 def neighbor_presses(indenter: Indenter) -> tuple[tuple[str, ...], str]:
@@ -65,12 +65,12 @@ def neighbors_without_itself(indenter: Indenter) -> tuple[str, ...]:
 
 def _plates(angle: float, tilt: float) -> tuple[tuple[str, ...], str]:
     plates = {name: each.flat for name, each in objects().items() if each.flat is not None}
-    names = _beside({name: own.angle for name, own in plates.items() if not own.tilt}, angle)
+    names = _beside({name: plate.angle for name, plate in plates.items() if not plate.tilt}, angle)
     if not tilt:
         return names, ""
-    tilted = {name: own.tilt for name, own in plates.items() if own.tilt >= abs(tilt)}
+    tilted = {name: plate.tilt for name, plate in plates.items() if plate.tilt >= abs(tilt)}
     if not tilted:
-        most = max(own.tilt for own in plates.values())
+        most = max(plate.tilt for plate in plates.values())
         return (), f"indenter.tilt is measured to {most:g} degrees"
     return (*names, min(tilted, key=tilted.__getitem__)), ""
 
@@ -86,8 +86,8 @@ def _round(indenter: Indenter) -> tuple[tuple[str, ...], str]:
     curvatures = [1 / radius for radius in indenter.hertzian or (indenter.least_radius,)]
     if max(curvatures) > sharpest * (1 + SAME):
         return (), f"round objects are measured to radii of {1 / sharpest:g} mm"
-    known = balls | {PLATE: 0.0}
-    names = [name for each in curvatures for name in _beside(known, each)]
+    curvature_by_name = balls | {PLATE: 0.0}
+    names = [name for each in curvatures for name in _beside(curvature_by_name, each)]
     if away > NEAR:
         aside = {
             name: distance(each)
@@ -143,15 +143,15 @@ def _as_sharp(one: Indenter, other: Indenter) -> bool:
     return one.least_radius <= radius and one.narrowest <= width
 
 
-def _beside(known: Mapping[str, float], value: float) -> tuple[str, ...]:
+def _beside(values: Mapping[str, float], value: float) -> tuple[str, ...]:
     """Return the names on either side of a value, or at it; beyond all values, the last."""
-    return tuple(dict.fromkeys((_last(known, value, -1), _last(known, value, 1))))
+    return tuple(dict.fromkeys((_last(values, value, -1), _last(values, value, 1))))
 
 
-def _last(known: Mapping[str, float], value: float, side: int) -> str:
+def _last(values: Mapping[str, float], value: float, side: int) -> str:
     """Return the name nearest to a value on one side of it; without any, the nearest of all."""
-    there = [name for name, each in known.items() if side * (each - value) >= -SAME]
-    return min(there or known, key=lambda name: abs(known[name] - value))
+    there = [name for name, each in values.items() if side * (each - value) >= -SAME]
+    return min(there or values, key=lambda name: abs(values[name] - value))
 
 
 def tilted_or_off_center(indenter: Indenter) -> bool:
@@ -183,5 +183,5 @@ def value_on_axis(axis: str, name: str) -> float | None:
     """Return the value of a pressed object on an axis; None if it has none."""
     if (axis, name) == ("curvature", PLATE):
         return 0.0
-    found = axis_and_value(objects()[name])
-    return found[1] if found is not None and found[0] == axis else None
+    place = axis_and_value(objects()[name])
+    return place[1] if place is not None and place[0] == axis else None

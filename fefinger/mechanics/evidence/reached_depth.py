@@ -22,10 +22,10 @@ def curves(finger: Finger, indenter: Indenter) -> tuple[Measured, ...]:
     forces = table().presses(PRESS_MESH, "force", Candidate("solid"))
     tissue = library.fitted_to(finger.tissue) or (MAIN if stiffens(finger) else library.PUBLISHED)
     names, _ = neighbor_presses(indenter)
-    for own in (tissue, MAIN) if stiffens(finger) else (tissue,):
-        found = [forces[f"{own}/{name}"] for name in names if f"{own}/{name}" in forces]
-        if found:
-            return tuple(found)
+    for owner in (tissue, MAIN) if stiffens(finger) else (tissue,):
+        presses = [forces[f"{owner}/{name}"] for name in names if f"{owner}/{name}" in forces]
+        if presses:
+            return tuple(presses)
     return (forces[f"{tissue}/{PLATE}"],)
 
 

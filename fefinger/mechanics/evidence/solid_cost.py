@@ -65,8 +65,8 @@ def cost(mesh: str) -> Cost:
         [table().all(SOLID_COST, f"{stage} seconds", Candidate("solid", name)) for name in MESHES]
         for stage in ("setup", "reference")
     ]
-    known = [[np.median([each.value for each in there]) for there in row] for row in rows]
-    costs = np.array([*known, np.exp(solution[: len(MESHES)])])
+    medians = [[np.median([each.value for each in there]) for there in row] for row in rows]
+    costs = np.array([*medians, np.exp(solution[: len(MESHES)])])
     meshes = [Candidate("linear", name) for name in (*MESHES, mesh)]
     sizes = np.log([table().value(SMALL_STRAIN_COST, "unknowns", each) for each in meshes])
     power = np.diff(np.log(costs))[:, 0] / (sizes[1] - sizes[0])

@@ -49,15 +49,16 @@ def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> 
             return _raised(candidate, case, quantity)
         if not (case.published_tissue or case.calibrated_tissue):
             return _other_tissue(candidate, case, quantity)
-    found = press_mesh.error(candidate, case, quantity)
+    stated_error = press_mesh.error(candidate, case, quantity)
     if quantity != "force" and candidate.resolution is not None:
         # The mesh decides which points bear the pressure, whatever the tissue and the strain, so
         # the comparison of meshes at finite strain applies. The force has evidence of its own.
         mesh = press_mesh.error(Candidate("solid", candidate.resolution), case, quantity)
-        found = mesh if mesh.error > found.error else found
+        stated_error = mesh if mesh.error > stated_error.error else stated_error
     paced = table().all(TIME_STEPS, f"error of {quantity}", Candidate(candidate.mechanics))
     steps = sum(each.value for each in paced)  # formulas have none
-    return StatedError(math.hypot(found.error, steps), found.source)  # independent of the mesh
+    # The error of the steps is independent of the mesh.
+    return StatedError(math.hypot(stated_error.error, steps), stated_error.source)
 
 
 def _raised(candidate: Candidate, case: Situation, quantity: str) -> StatedError:
@@ -84,12 +85,12 @@ def _other_tissue(candidate: Candidate, case: Situation, quantity: str) -> State
             math.nan, "not known: it was measured on published and calibrated tissue"
         )
     alike = replace(case, finger=measured_tissue.of_published(finger))
-    known = measured(candidate, alike, quantity)
-    source = f"{known.source}, on tissue {library.PUBLISHED!r}"
+    on_published = measured(candidate, alike, quantity)
+    source = f"{on_published.source}, on tissue {library.PUBLISHED!r}"
     if not measured_tissue.soft_skin(finger):
-        return StatedError(known.error, source)
+        return StatedError(on_published.error, source)
     # Under an edge soft skin bends more than the published one, as it does under a plate.
     plate = replace(alike, indenter=Flat())
-    bent = measured(candidate, plate, quantity) if case.indenter.sharp else known
-    error = float(np.maximum(known.error, SOFT_SKIN * bent.error))
+    bent = measured(candidate, plate, quantity) if case.indenter.sharp else on_published
+    error = float(np.maximum(on_published.error, SOFT_SKIN * bent.error))
     return StatedError(error, f"{source}, and {SOFT_SKIN:g} times as much for softer skin")

@@ -212,14 +212,14 @@ def reasons(case: Situation) -> list[Reason]:
 def _too_sudden(case: Situation) -> list[Reason]:
     """Return the reason against a press that changes its speed faster than the modes follow."""
     last = _last(case)
-    found = suddenness(case.motion, 1 / last)
-    if found <= SUDDEN:
+    press_suddenness = suddenness(case.motion, 1 / last)
+    if press_suddenness <= SUDDEN:
         return []
     pace = "loading_rate" if case.motion.control == "force" else "speed"
     reason = (
         f"sudden change of the speed / (peak x frequency of the last mode, {last:.3g} Hz) = "
-        f"{found:.2g} > {SUDDEN:g}: the modes do not follow it; press more slowly, or with a "
-        "longer motion.corner"
+        f"{press_suddenness:.2g} > {SUDDEN:g}: the modes do not follow it; press more slowly, or "
+        "with a longer motion.corner"
     )
     return [Reason(f"motion.{pace}" if hasattr(case.motion, pace) else "motion", reason)]
 

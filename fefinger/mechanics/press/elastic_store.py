@@ -87,11 +87,11 @@ def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple
 
 def at_hand(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> DepthTable | None:
     """Read the deepest table that is shipped or cached; None where none is, or all are damaged."""
-    found = []
+    tables = []
     for path in _paths(key_on(finger, indenter, mesh)):
         with suppress(*cache.DAMAGED):
-            found.append(read(path).of_modulus(finger.skin.modulus))
-    return max(found, key=lambda table: table.deepest, default=None)
+            tables.append(read(path).of_modulus(finger.skin.modulus))
+    return max(tables, key=lambda table: table.deepest, default=None)
 
 
 def cached_path(name: str) -> Path:

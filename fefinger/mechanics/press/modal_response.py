@@ -152,26 +152,26 @@ def _swept(
     parts = (press.finger, operator_of(press), history.modes, press.obstacle)
     by_force = depth is None and motion.control == "force"
     with stages.stage("harmonic"):
-        found = about(
+        harmonic = about(
             lambda reach: Vibrating.of(*parts, reach, answer.sites, factor),
             *(deepest, motion.frequencies),
             depth=None if by_force else depth or level,
             force=level if by_force else None,
         )
-    notes = (*answer.notes, *found.notes, *_loses(found, scene))
-    return replace(answer, harmonic=found, notes=notes)
+    notes = (*answer.notes, *harmonic.notes, *_loses(harmonic, scene))
+    return replace(answer, harmonic=harmonic, notes=notes)
 
 
-def _loses(found: Harmonic, scene: Scene) -> tuple[str, ...]:
+def _loses(harmonic: Harmonic, scene: Scene) -> tuple[str, ...]:
     """Return the note that the contact of a preload opens within a cycle, if it does."""
     amplitude = float(getattr(scene.motion, "amplitude", 0.0))
-    lost = amplitude * np.abs(found.stiffness) > found.preload_force
+    lost = amplitude * np.abs(harmonic.stiffness) > harmonic.preload_force
     if scene.motion.control == "force" or not lost.any():
         return ()
     return (
-        f"From {found.frequency[lost].min():.3g} to {found.frequency[lost].max():.3g} Hz the force "
-        f"of {amplitude:g} mm exceeds the preload of {found.preload_force:.3g} N: contact opens in "
-        "mid-cycle, which the answer through time follows and the harmonic one does not.",
+        f"From {harmonic.frequency[lost].min():.3g} to {harmonic.frequency[lost].max():.3g} Hz the "
+        f"force of {amplitude:g} mm exceeds the preload of {harmonic.preload_force:.3g} N: contact "
+        "opens in mid-cycle, which the answer through time follows and the harmonic one does not.",
     )
 
 

@@ -59,8 +59,8 @@ def operator(
     body = meshed if half else solid(whole(mesh), (1, 2))
     parts: list[Part] = []
     wanted = parities(half=half)
-    known = tuple(identity(finger, odd=odd, mesh=mesh) for odd in wanted)
-    for odd, identified in zip(wanted, known, strict=True):
+    identities = tuple(identity(finger, odd=odd, mesh=mesh) for odd in wanted)
+    for odd, identified in zip(wanted, identities, strict=True):
         compliance = _compliance(finger, mesh, identified, odd=odd)
         if half:
             unfold = sparse.eye(meshed.space.n_unknowns, format="csr")
@@ -68,7 +68,9 @@ def operator(
             unfold = mirrored(body.space, meshed.space, odd=odd)
         parts.append(Part(compliance, unfold, 1.0 / (len(wanted) * finger.skin.modulus)))
         progress(len(parts) / len(wanted))
-    return Operator(body.space, body.pad, body.normals, body.original, half, tuple(parts), known)
+    return Operator(
+        body.space, body.pad, body.normals, body.original, half, tuple(parts), identities
+    )
 
 
 def build(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
