@@ -86,15 +86,15 @@ def sheared(body: Body, size: int, path: Array, mu: float = MU) -> Sheared:
     memory = step_compiled.pad_state(
         np.zeros(3 * count), np.zeros(3 * count), np.zeros(0), np.zeros(0)
     )
-    grip = friction_step.grip(on.gap, on.areas, mu, mu)
+    history = friction_step.friction_history(on.gap, on.areas, mu, mu)
     depth, rows, lost = CONTACT**2 / RADIUS, [], []
     for moved in np.diff(path, prepend=0.0).tolist():
-        outcome = friction_step.step(state, memory, grip, 0.0, moved, 0.0, depth, False)
+        outcome = friction_step.step(state, memory, history, 0.0, moved, 0.0, depth, False)
         if outcome != DONE:
             message = f"friction: no solution, outcome {outcome}"
             raise ArithmeticError(message)
         rows.append(state.x.copy())
-        lost.append(float(grip.lost[0]))
+        lost.append(float(history.lost[0]))
     x = np.array(rows)
     pressure, traction = x[:, :count], x[:, count:].reshape(-1, 2, count)
     force = on.sides * float(pressure[0] @ on.areas)

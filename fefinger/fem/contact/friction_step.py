@@ -36,7 +36,7 @@ MATCH = 1e-7
 """Relative error of the force under force control, above what the residual of the cone leaves."""
 
 
-class Grip(NamedTuple):
+class FrictionHistory(NamedTuple):
     """What a pad with friction remembers besides its stress.
 
     gap (n,) mm³ and projected (n,) mm²: of the patch, the first at the present place; slip (2n,)
@@ -55,10 +55,12 @@ class Grip(NamedTuple):
     limits: Integers
 
 
-def grip(gap: Array, projected: Array, static: float, kinetic: float) -> Grip:
+def friction_history(
+    gap: Array, projected: Array, static: float, kinetic: float
+) -> FrictionHistory:
     """Allocate the memory of a pad at rest, with the coefficients of friction."""
     n = len(gap)
-    return Grip(
+    return FrictionHistory(
         gap=np.array(gap, dtype=np.float64),
         projected=np.array(projected, dtype=np.float64),
         slip=np.zeros(2 * n),
@@ -71,7 +73,7 @@ def grip(gap: Array, projected: Array, static: float, kinetic: float) -> Grip:
 
 
 @njit(cache=True)
-def reset(s: FrictionState, m: PadState, c: Grip) -> None:
+def reset(s: FrictionState, m: PadState, c: FrictionHistory) -> None:
     """Reset the pad to rest: no contact and no history."""
     release(s)
     s.mu[:] = c.static[0]
@@ -85,7 +87,7 @@ def reset(s: FrictionState, m: PadState, c: Grip) -> None:
 def step(
     s: FrictionState,
     m: PadState,
-    c: Grip,
+    c: FrictionHistory,
     dt: float,
     x: float,
     y: float,
@@ -121,14 +123,14 @@ def step(
 
 
 @njit(cache=True)
-def _at_depth(s: FrictionState, m: PadState, c: Grip, g: float, depth: float) -> int:
+def _at_depth(s: FrictionState, m: PadState, c: FrictionHistory, g: float, depth: float) -> int:
     for j in range(len(c.gap)):
         m.offset[j] = (c.gap[j] - depth * c.projected[j]) * g - m.moved_past[j]
     return friction.solve(s, m.offset, COMPLEMENTARITY)
 
 
 @njit(cache=True)
-def _at_force(s: FrictionState, m: PadState, c: Grip, g: float, force: float) -> int:
+def _at_force(s: FrictionState, m: PadState, c: FrictionHistory, g: float, force: float) -> int:
     """Find the depth at a force in mN: secants inside a bracket that starts at first touch."""
     touch = np.inf
     for j in range(len(c.gap)):
@@ -161,7 +163,7 @@ def _at_force(s: FrictionState, m: PadState, c: Grip, g: float, force: float) ->
 
 
 @njit(cache=True)
-def _slip(s: FrictionState, m: PadState, c: Grip, g: float) -> None:
+def _slip(s: FrictionState, m: PadState, c: FrictionHistory, g: float) -> None:
     """Update slip, coefficients and lost work from the solution.
 
     The slip times g is F x + b: b, the history and the path, is still in `offset`.

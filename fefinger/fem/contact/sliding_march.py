@@ -81,7 +81,7 @@ def slide_with_friction(
     m = step_compiled.pad_state(
         np.zeros(3 * n), np.zeros(3 * n), relaxation.weights, relaxation.rates
     )
-    grip = friction_step.grip(np.zeros(n), projected, *mu)
+    history = friction_step.friction_history(np.zeros(n), projected, *mu)
     time, by_force = prescribed.time, prescribed.control == "force"
     m.peak[0] = prescribed.value.max(initial=0.0)
     count = len(time)
@@ -92,16 +92,16 @@ def slide_with_friction(
         dt = float(time[k] - time[k - 1]) if k else 0.0
         moved = shift[k] - shift[k - 1] if k else np.zeros(2)
         incline = None if inclines is None else inclines[k]
-        grip.gap[:], rim = travel.gap(shift[k], incline)
+        history.gap[:], rim = travel.gap(shift[k], incline)
         bounds[k] = s.mu
         outcome = friction_step.step(
-            s, m, grip, dt, float(moved[0]), float(moved[1]), float(target), by_force
+            s, m, history, dt, float(moved[0]), float(moved[1]), float(target), by_force
         )
         friction_step.check(outcome, mu[0], f"at {time[k]:.4g} s")
         check_ahead(rim, s.x[:n], shift[k], time[k])
-        depth[k], x[k], elastic[k], lost[k] = m.depth[0], s.x, m.elastic, grip.lost[0]
+        depth[k], x[k], elastic[k], lost[k] = m.depth[0], s.x, m.elastic, history.lost[0]
         slopes[k] = travel.push(shift[k], s.x[:n], incline)
-        slip[k] = grip.slip.reshape(2, n) / projected
+        slip[k] = history.slip.reshape(2, n) / projected
         worst = max(worst, float(s.residual[0]))
         progress((k + 1) / count)
     pressure, traction = np.ascontiguousarray(x[:, :n]), x[:, n:].reshape(count, 2, n)

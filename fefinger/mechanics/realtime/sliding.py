@@ -118,12 +118,14 @@ class Sliding:
         size = len(reduced.flexibility)
         areas = on.projected if not mu else np.zeros(size)
         self._memory = step_compiled.pad_state(np.zeros(size), areas, *finger.prony.branches)
-        self._grip = friction_step.grip(np.zeros(count), on.projected, mu, indenter.kinetic)
+        self._friction_history = friction_step.friction_history(
+            np.zeros(count), on.projected, mu, indenter.kinetic
+        )
         self._state = lcp_compiled.lcp_state(np.zeros((0, 0)) if mu else reduced.flexibility)
-        self._gripping = friction_state.friction_state(
+        self._friction_state = friction_state.friction_state(
             reduced.flexibility if mu else np.zeros((0, 0)), mu
         )
-        self._bounds = self._gripping.mu.copy()
+        self._bounds = self._friction_state.mu.copy()
         self._chosen = np.zeros(size, dtype=np.int64)
         self._factor = np.zeros(size, dtype=self._output.rows.dtype)
         across = frame(obstacle.axis)[:2]
@@ -174,7 +176,7 @@ class Sliding:
         """Lift the object off at its first place, and clear the stress history."""
         self._shift = np.zeros(2)
         if self.indenter.friction:
-            friction_step.reset(self._gripping, self._memory, self._grip)
+            friction_step.reset(self._friction_state, self._memory, self._friction_history)
         else:
             step_compiled.reset(self._state, self._memory)
         self._output.strain[:] = 0.0
@@ -219,11 +221,11 @@ class Sliding:
         limits_here = np.where(rim, lcp_compiled.TURNED, self._limits)
         memory, output, mu = self._memory, self._output, self.indenter.friction
         if mu:
-            grip, state = self._grip, self._gripping
+            history, state = self._friction_history, self._friction_state
             bounds = state.mu.copy()
-            grip.gap[:], grip.limits[:] = gap, limits_here
+            history.gap[:], history.limits[:] = gap, limits_here
             x, y = (place - self._shift).tolist()
-            outcome = friction_step.step(state, memory, grip, dt, x, y, target, by_force)
+            outcome = friction_step.step(state, memory, history, dt, x, y, target, by_force)
             if outcome == lcp_compiled.DONE:
                 self._bounds = bounds
                 lcp_compiled.combine(
@@ -246,7 +248,7 @@ class Sliding:
     def _read(self) -> SlidingStep:
         """Update what a step returns."""
         now, on, mu = self.now, self.patch, self.indenter.friction
-        now.pressure[:] = self._gripping.x[: len(now.pressure)] if mu else self._state.x
+        now.pressure[:] = self._friction_state.x[: len(now.pressure)] if mu else self._state.x
         weights, areas = now.pressure * on.projected, self._output.areas
         force = float(weights.sum())
         now.depth, now.force = float(self._memory.depth[0]), force * NEWTON_PER_MILLINEWTON
@@ -263,10 +265,13 @@ class Sliding:
 
     def _read_friction(self, weights: Array, force: float) -> None:
         now, on, count = self.now, self.patch, len(self.patch.vertices)
-        traction = self._gripping.x[count:].reshape(2, count)
+        traction = self._friction_state.x[count:].reshape(2, count)
         now.lateral += traction @ on.projected * NEWTON_PER_MILLINEWTON
         sticking = sticks(now.pressure, traction, self._bounds)
-        now.stick, now.lost = float(self._output.areas[sticking].sum()), 1e-3 * self._grip.lost[0]
+        now.stick, now.lost = (
+            float(self._output.areas[sticking].sum()),
+            1e-3 * self._friction_history.lost[0],
+        )
         if force > 0:
             x, y = (self._places - weights @ self._places / force).T
             turning = (x * traction[1] - y * traction[0]) @ on.projected
