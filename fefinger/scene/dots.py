@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.scene.raised import SAMPLES, Raised, Room
+from fefinger.scene.raised import SAMPLES, FlankLimit, Raised
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, whole
 
@@ -55,12 +55,12 @@ class Dots(Raised):
             _ = self.centers
 
     @property
-    def rooms(self) -> tuple[Room, ...]:
+    def flank_limits(self) -> tuple[FlankLimit, ...]:
         """The diameter, and the gap between dots of a grid."""
         sizes = f"spacing = {self.spacing:g}, diameter = {self.diameter:g}"
         return (
-            Room("diameter", f"diameter = {self.diameter:g}", self.diameter),
-            Room("spacing", sizes, self.spacing - self.diameter),
+            FlankLimit("diameter", f"diameter = {self.diameter:g}", self.diameter),
+            FlankLimit("spacing", sizes, self.spacing - self.diameter),
         )
 
     @property

@@ -28,7 +28,7 @@ SHORTEST = 4 * FINEST
 """Least length in mm of a flank: in four samples its crest has the stated radius within 15 %."""
 
 
-class Room(NamedTuple):
+class FlankLimit(NamedTuple):
     """Largest width in mm of a flank that the sizes of an object allow, and the field to change."""
 
     field: str
@@ -41,14 +41,14 @@ def radius_of(flank: float, height: float) -> float:
     return flank**2 / flank_of(1.0, height) ** 2
 
 
-def fitting(usual: float, height: float, rooms: tuple[Room, ...]) -> float:
-    """Return the usual radius in mm, or the largest that fits; of `rooms` the narrowest counts."""
-    return min(usual, radius_of(min(each.width for each in rooms), height))
+def fitting(usual: float, height: float, limits: tuple[FlankLimit, ...]) -> float:
+    """Return the usual radius in mm, or the largest that fits; of `limits` the narrowest counts."""
+    return min(usual, radius_of(min(each.width for each in limits), height))
 
 
-def check_rooms(rooms: tuple[Room, ...]) -> None:
+def check_flank_limits(limits: tuple[FlankLimit, ...]) -> None:
     """Raise InputError for a part, or a gap between parts, that is too narrow for any flank."""
-    field, sizes, width = min(rooms, key=lambda each: each.width)
+    field, sizes, width = min(limits, key=lambda each: each.width)
     if width < SHORTEST:
         raise InputError(
             f"indenter.{field}: expected sizes that leave the sides of raised parts at least "
@@ -57,10 +57,10 @@ def check_rooms(rooms: tuple[Room, ...]) -> None:
 
 
 def check_edge(
-    edge: float, height: float, rooms: tuple[Room, ...], least: float = SHORTEST
+    edge: float, height: float, limits: tuple[FlankLimit, ...], least: float = SHORTEST
 ) -> None:
     """Raise InputError for an edge whose flank does not fit, or is shorter than `least` mm."""
-    _, sizes, width = min(rooms, key=lambda each: each.width)
+    _, sizes, width = min(limits, key=lambda each: each.width)
     if flank_of(edge, height) > width * (1 + 1e-12):
         raise InputError(
             f"indenter.edge: expected at most {radius_of(width, height):.3g} mm, which makes its "
@@ -90,20 +90,20 @@ class Raised(PlateLike):
     def __post_init__(self) -> None:
         """Check the edge, and what is between raised parts, besides."""
         super().__post_init__()
-        check_rooms(self.rooms)
+        check_flank_limits(self.flank_limits)
         if self.edge is not None:
             self._set("edge", above=0, unit="mm")
-            check_edge(self.edge, self.height, self.rooms)
+            check_edge(self.edge, self.height, self.flank_limits)
 
     @property
-    def rooms(self) -> tuple[Room, ...]:
+    def flank_limits(self) -> tuple[FlankLimit, ...]:
         """Widths that the sizes leave to the sides of raised parts."""
         raise NotImplementedError
 
     @property
     def crest(self) -> float:
         """The radius of the crests in mm."""
-        return self.edge or fitting(self.usual_edge, self.height, self.rooms)
+        return self.edge or fitting(self.usual_edge, self.height, self.flank_limits)
 
     @property
     def flank(self) -> float:

@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.scene.raised import Raised, Room
+from fefinger.scene.raised import FlankLimit, Raised
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
@@ -108,21 +108,21 @@ class Braille(Text):
         _ = self.centers
 
     @property
-    def rooms(self) -> tuple[Room, ...]:
+    def flank_limits(self) -> tuple[FlankLimit, ...]:
         """The diameter, and the gaps between dots within a cell and between cells."""
         dot = f"diameter = {self.diameter:g}"
         within = f"spacing = {self.spacing:g}, {dot}"
         between = f"cell = {self.cell:g}, {within}"
         return (
-            Room("diameter", dot, self.diameter),
-            Room("spacing", within, self.spacing - self.diameter),
-            Room("cell", between, self.cell - self.spacing - self.diameter),
+            FlankLimit("diameter", dot, self.diameter),
+            FlankLimit("spacing", within, self.spacing - self.diameter),
+            FlankLimit("cell", between, self.cell - self.spacing - self.diameter),
         )
 
     @property
     def feature(self) -> float:
         """The diameter in mm, or the narrowest gap between dots."""
-        return min(each.width for each in self.rooms)
+        return min(each.width for each in self.flank_limits)
 
     @cached_property
     def centers(self) -> Array:
@@ -176,9 +176,9 @@ class Letters(Text):
     roll: float = 0.0
 
     @property
-    def rooms(self) -> tuple[Room, ...]:
+    def flank_limits(self) -> tuple[FlankLimit, ...]:
         """The width of a stroke."""
-        return (Room("size", f"size = {self.size:g}", self.feature),)
+        return (FlankLimit("size", f"size = {self.size:g}", self.feature),)
 
     @property
     def feature(self) -> float:

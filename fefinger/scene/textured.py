@@ -11,7 +11,7 @@ import numpy as np
 
 from fefinger.geometry import profiles
 from fefinger.scene.indenter import PlateLike, turned
-from fefinger.scene.raised import Room, check_edge
+from fefinger.scene.raised import FlankLimit, check_edge
 from fefinger.scene.relief_file import read_relief
 from fefinger.support.checks import InputError, number, numbers
 
@@ -56,8 +56,8 @@ class Grating(PlateLike):
             self._set("edge", above=0, unit="mm")
             groove = self.period - self.ridge
             sizes = f"period = {self.period:g}, ridge = {self.ridge:g}"
-            room = Room("ridge", sizes, min(self.ridge, groove))
-            check_edge(self.edge, self.depth, (room,), least=0.0)
+            limit = FlankLimit("ridge", sizes, min(self.ridge, groove))
+            check_edge(self.edge, self.depth, (limit,), least=0.0)
 
     @property
     def profile(self) -> profiles.Grating:
