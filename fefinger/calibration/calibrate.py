@@ -22,7 +22,7 @@ from fefinger.calibration.outcome import AGREES, FitResult, checked, outcome, re
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import PART
-from fefinger.calibration.targets import Bulk, Frames, Record
+from fefinger.calibration.targets import Frames, RecordTarget, SubjectTarget
 from fefinger.scene import pawluk1997
 from fefinger.scene.finger import RESOLUTIONS, Finger
 from fefinger.support.checks import InputError, choice
@@ -115,7 +115,7 @@ def calibrate(
     start = finger or targets.finger_of(_named(source))
     work = Work(replace(start, resolution=resolution), progress)
     wanted = _target(work, source)
-    if check is not None and isinstance(wanted, Bulk):
+    if check is not None and isinstance(wanted, SubjectTarget):
         raise InputError(
             "check: expected the record of a user (DATA.csv) to fit, whose touch the prediction "
             f"needs, received the subject {wanted.name!r}; subjects are checked on sinusoids "
@@ -131,7 +131,7 @@ def calibrate(
 
 def _named(source: str | Path) -> str:
     """Return the subject that a source names; InputError for a record without a finger."""
-    names = list(pawluk1997.bulk())
+    names = list(pawluk1997.lumped())
     if isinstance(source, str) and source in names:
         return source
     msg = (
@@ -144,9 +144,9 @@ def _named(source: str | Path) -> str:
     raise InputError(msg)
 
 
-def _target(work: Work, source: str | Path) -> Bulk | Record:
+def _target(work: Work, source: str | Path) -> SubjectTarget | RecordTarget:
     """Load the target: a subject, or a record with its lumped fit."""
-    if isinstance(source, str) and source in pawluk1997.bulk():
+    if isinstance(source, str) and source in pawluk1997.lumped():
         return targets.subject(source)
     with work.stage("lumped") as misfit:
         record = targets.record(source, work.finger.resolution)
@@ -173,7 +173,7 @@ class Search:
     """Fit of a target, with frames of the array or None, by presses of one finger."""
 
     work: Work
-    wanted: Bulk | Record
+    wanted: SubjectTarget | RecordTarget
     frames: Frames | None
 
     def condensed(self) -> Calibration:
@@ -204,7 +204,7 @@ class Search:
         """Fit stiffening tissue, at the pad radius that agrees with the frames."""
         work, start, power = self.work, self.work.finger, None
         first = radius = start.pad_radius
-        has_frames = self.frames is not None or isinstance(self.wanted, Bulk)
+        has_frames = self.frames is not None or isinstance(self.wanted, SubjectTarget)
         with work.stage("solid, coarse") as misfit:
             coarse = self._wide_enough(first)
             part = coarse.deepest / start.thickness

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.calibration.curve import Curve, Family
 from fefinger.calibration.inverse import Unknown, Values
-from fefinger.calibration.targets import Bulk, Record
+from fefinger.calibration.targets import RecordTarget, SubjectTarget
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.theory.contact.ting import press_by_depth, radius_nodes
@@ -80,7 +80,7 @@ class Forces:
     radius mm, and its standard deviation where frames gave it, which adds to all others.
     """
 
-    target: Bulk | Record
+    target: SubjectTarget | RecordTarget
     family: Family
     modulus: float
     ratio: float
@@ -91,7 +91,7 @@ class Forces:
     def unknowns(self) -> tuple[Unknown, ...]:
         """Unknowns of the target."""
         unknowns = self._elastic_unknowns
-        if isinstance(self.target, Record):
+        if isinstance(self.target, RecordTarget):
             x0 = self.target.lumped.spring.x0
             touch = "bounds about the touch of the lumped fit"
             unknowns += (Unknown(TOUCH, x0 - 0.2, x0 - 2.0, x0 + 0.5, "mm", touch, log=False),)
@@ -141,7 +141,7 @@ class Forces:
         """Compute the residuals in standard deviations of the data."""
         curve, factor = self.curve(values)
         prony = prony_of(values)
-        if isinstance(self.target, Record):
+        if isinstance(self.target, RecordTarget):
             force = loading(
                 curve, factor, prony, self.target.time, self.target.position - values[TOUCH]
             )
@@ -156,7 +156,7 @@ class Forces:
         solid = len(self.family.shapes) > 1
         values = {SHAPE: shape, MODULUS: self.modulus} if solid else {GROWTH: shape, GAIN: 1.0}
         curve, _ = self.curve(values)
-        if isinstance(self.target, Record):
+        if isinstance(self.target, RecordTarget):
             spring, prony = self.target.lumped.spring, self.target.lumped.prony
             top = float(spring.force(self.target.position).max())
         else:

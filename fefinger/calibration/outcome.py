@@ -21,7 +21,7 @@ from fefinger.calibration.force import (
 )
 from fefinger.calibration.inverse import Solution
 from fefinger.calibration.record import LENGTHS, Calibration, Stage, parameters_of, tissue
-from fefinger.calibration.targets import Bulk, Record
+from fefinger.calibration.targets import RecordTarget, SubjectTarget
 from fefinger.results.candidate import MECHANICS
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
@@ -96,7 +96,7 @@ def stiffening(finger: Finger, exponent: float | None, factor: float = 1.0) -> F
 
 
 def outcome(
-    wanted: Bulk | Record,
+    wanted: SubjectTarget | RecordTarget,
     finger: Finger,
     result: FitResult,
     stages: Sequence[Stage],
@@ -115,7 +115,8 @@ def outcome(
     if MECHANICS[mechanics].finite:
         factor = solution.values[MODULUS] / finger.subcutaneous.modulus
         exponent = round(solution.values[SHAPE], 4)
-        sentences += [f"exponent, c0, c1, v1 ...: {ONE_G}"] if isinstance(wanted, Record) else []
+        if isinstance(wanted, RecordTarget):
+            sentences.append(f"exponent, c0, c1, v1 ...: {ONE_G}")
     fitted = stiffening(finger, exponent, factor)
     parameters, correlations = parameters_of(solution)
     residuals = {"misfit": solution.misfit, **_misfits(wanted, result), **array}
@@ -137,7 +138,7 @@ def outcome(
         q=tuple((result.curve.q + math.log(result.factor)).tolist()),
         shares=tuple(tuple(row) for row in np.round(result.curve.shares, 9).tolist()),
         growth=result.curve.growth,
-        checks=sinusoids(wanted, result) if isinstance(wanted, Bulk) else {},
+        checks=sinusoids(wanted, result) if isinstance(wanted, SubjectTarget) else {},
     )
 
 
@@ -175,7 +176,7 @@ def errors(measured: Array, model: Array) -> dict[str, float]:
     return {"mse": float(np.sum((model - measured) ** 2)) / about, "peak": float(peak)}
 
 
-def sinusoids(wanted: Bulk, result: FitResult) -> dict[str, dict[str, float]]:
+def sinusoids(wanted: SubjectTarget, result: FitResult) -> dict[str, dict[str, float]]:
     """Errors of the prediction of the subject's sinusoids, by frequency.
 
     The subject is represented by the lumped model, which can lose contact. Its touch is set for
@@ -203,9 +204,9 @@ def line(force: ArrayLike, stiffness: ArrayLike) -> tuple[float, float]:
     return float(slope), float(start)
 
 
-def _misfits(wanted: Bulk | Record, result: FitResult) -> dict[str, float]:
+def _misfits(wanted: SubjectTarget | RecordTarget, result: FitResult) -> dict[str, float]:
     prony = result.prony
-    if isinstance(wanted, Record):
+    if isinstance(wanted, RecordTarget):
         depth = wanted.position - result.solution.values[TOUCH]
         model = loading(result.curve, result.factor, prony, wanted.time, depth)
         return {"force rms in N": float(np.sqrt(np.mean((model - wanted.force) ** 2)))} | errors(
@@ -224,16 +225,16 @@ def _misfits(wanted: Bulk | Record, result: FitResult) -> dict[str, float]:
     }
 
 
-def reach(wanted: Bulk | Record, result: FitResult) -> float:
+def reach(wanted: SubjectTarget | RecordTarget, result: FitResult) -> float:
     """Largest depth in mm of the target."""
-    if isinstance(wanted, Record):
+    if isinstance(wanted, RecordTarget):
         return float(wanted.position.max() - result.solution.values[TOUCH])
     relaxed = result.prony.long_time * wanted.force[-1]
     return float(result.curve.depth(relaxed / result.factor))
 
 
 def _unidentified(
-    wanted: Bulk | Record, result: FitResult, array: dict[str, float]
+    wanted: SubjectTarget | RecordTarget, result: FitResult, array: dict[str, float]
 ) -> tuple[str, ...]:
     sentences = list(result.solution.weak)
     sentences += [
@@ -246,7 +247,7 @@ def _unidentified(
             f"the presses reach {result.curve.deepest:.3g} mm, the target {deep:.3g} mm: beyond "
             "the presses the logarithm of the force is extrapolated linearly"
         )
-    if isinstance(wanted, Record):
+    if isinstance(wanted, RecordTarget):
         lumped = wanted.lumped
         sentences += confidence.bias(
             wanted.record, lumped.prony, lumped.spring.x0, lumped.uncertainty
@@ -277,10 +278,13 @@ def _unidentified(
 
 
 def _status(
-    wanted: Bulk | Record, solution: Solution, residuals: dict[str, float], stages: Sequence[Stage]
+    wanted: SubjectTarget | RecordTarget,
+    solution: Solution,
+    residuals: dict[str, float],
+    stages: Sequence[Stage],
 ) -> str:
     """Summarize the quality and the cost of the fit in one sentence."""
-    if isinstance(wanted, Record):
+    if isinstance(wanted, RecordTarget):
         good = f"squared error {100 * residuals['mse']:.2g} % of the variance"
     else:
         good = (

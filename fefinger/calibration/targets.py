@@ -51,7 +51,7 @@ PRESSURE = (1.0, 500.0)
 
 
 @dataclass(frozen=True)
-class Bulk:
+class SubjectTarget:
     """Target of a subject of Table 2.1: elastic stiffness against force, and relaxation.
 
     force (n,) N of the instantaneous response; stiffness (n,) N/mm and stiffness_sd N/mm, the
@@ -70,7 +70,7 @@ class Bulk:
 
 
 @dataclass(frozen=True)
-class Record:
+class RecordTarget:
     """Target of a user: averaged ramp and hold, with time s, position mm, force N and its sd N.
 
     All (n,). The standard deviation is that of the noise; mesh: the resolution of the fitted model.
@@ -151,7 +151,7 @@ def finger_of(name: str | None, **values: Any) -> Finger:
     Its shape is that of the calibrated finger of the subject, or in proportion to that of the
     means. Its pulp is that of Maeno (1998) and does not stiffen; its skin keeps its ratios to it.
     """
-    row = pawluk1997.bulk().get(name or "")
+    row = pawluk1997.lumped().get(name or "")
     size = {} if row is None else {"width": row.width, "thickness": row.thickness}
     tissue = library.calibrated_name(name if name and row else pawluk1997.MEANS)
     pulp = library.tissue_set(library.PUBLISHED).subcutaneous
@@ -162,7 +162,7 @@ def finger_of(name: str | None, **values: Any) -> Finger:
     return Finger.subject(name, **given)
 
 
-def subject(name: str) -> Bulk:
+def subject(name: str) -> SubjectTarget:
     """Make the target of a subject of Table 2.1, or of its means, from the lumped model.
 
     Raises
@@ -170,7 +170,7 @@ def subject(name: str) -> Bulk:
     InputError
         For a name that Table 2.1 does not have.
     """
-    rows = pawluk1997.bulk()
+    rows = pawluk1997.lumped()
     choice("subject", name, rows)
     row = rows[name]
     stiffness_vaf, hold_vaf = row.vaf
@@ -183,7 +183,7 @@ def subject(name: str) -> Bulk:
     time = np.geomspace(1e-3, HOLD, 100)
     even = row.prony.relaxation(np.linspace(1e-3, HOLD, 10000))
     stiffness = spring.stiffness(force)
-    return Bulk(
+    return SubjectTarget(
         name=name,
         spring=spring,
         prony=row.prony,
@@ -196,7 +196,7 @@ def subject(name: str) -> Bulk:
     )
 
 
-def record(file: str | Path, mesh: str) -> Record:
+def record(file: str | Path, mesh: str) -> RecordTarget:
     """Read and check the target in a CSV file of time (s), position (mm) and force (N).
 
     `mesh` is the resolution of the model to be fitted.
@@ -209,7 +209,7 @@ def record(file: str | Path, mesh: str) -> Record:
     return made(str(file), *lumped_fit.read(file), mesh)
 
 
-def made(name: str, time: Array, position: Array, force: Array, mesh: str) -> Record:
+def made(name: str, time: Array, position: Array, force: Array, mesh: str) -> RecordTarget:
     """Make the target of a record (n_t,) s, mm, N, called `name` in messages."""
     try:
         parts = split(time, position, force)
@@ -225,10 +225,10 @@ def made(name: str, time: Array, position: Array, force: Array, mesh: str) -> Re
     _check_finger(name, parts, lumped)
     t, x, f, _ = averages(parts)
     sd = deviation_of(parts, lumped.spring, lumped.prony)
-    return Record(name, parts, lumped, t, x, f, sd, mesh)
+    return RecordTarget(name, parts, lumped, t, x, f, sd, mesh)
 
 
-def check_depth(wanted: Record, finger: Finger) -> None:
+def check_depth(wanted: RecordTarget, finger: Finger) -> None:
     """Raise InputError for a record that is deeper than the soft tissue of the finger."""
     deep = float(wanted.position.max()) - wanted.lumped.spring.x0
     if deep >= finger.pulp:

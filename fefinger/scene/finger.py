@@ -247,7 +247,7 @@ class Finger:
         `overrides` replace single fields; f.c., who was not measured, needs width and thickness.
         """
         choice("finger.subject", name, pawluk1997.subjects())
-        row = pawluk1997.bulk().get(name)
+        row = pawluk1997.lumped().get(name)
         size = {} if row is None else {"width": row.width, "thickness": row.thickness}
         values = size | overrides
         missing = [key for key in ("width", "thickness") if values.get(key) is None]
@@ -278,7 +278,7 @@ def origin_notes(finger: Finger) -> tuple[str, ...]:
 
 def _resized(finger: Finger) -> tuple[str, ...]:
     """Note on sizes and relaxation that differ from those of the named subject."""
-    row = pawluk1997.bulk().get(str(finger.subject_name))
+    row = pawluk1997.lumped().get(str(finger.subject_name))
     if row is None or finger.surface is not None:
         return ()
     size = {"width": finger.width, "thickness": finger.thickness}

@@ -191,7 +191,7 @@ def _calibrated(subject: str) -> TissueSet:
     """
     modulus, exponent, radius, c, v = _FITTED[subject]
     report = CALIBRATED if subject != MEANS else "calibrated-means.json"
-    size, (tip_radius, tip_tissue) = pawluk1997.bulk()[subject], _TIPS[subject]
+    size, (tip_radius, tip_tissue) = pawluk1997.lumped()[subject], _TIPS[subject]
     return TissueSet(
         skin=prior_skin(Tissue(modulus, 0.48, law="demiray", exponent=exponent)),
         subcutaneous=Tissue(modulus, 0.48, law="demiray", exponent=exponent),

@@ -43,7 +43,7 @@ class Quasistatic:
 
 
 @cache
-def bulk() -> dict[str, Lumped]:
+def lumped() -> dict[str, Lumped]:
     """Table 2.1 of Pawluk (1997): lumped force at 60 mm/s, per subject (confidence high)."""
     rows = {
         "d.p.": (12, 9.5, 3.2, 0.092, (0.22, 0.45, 0.15, 0.18), (253, 14, 0.66), (0.98, 0.99)),

@@ -16,7 +16,7 @@ from fefinger.theory.lumped import identify
 from fefinger.theory.lumped.spring import Spring
 
 
-ROW = pawluk1997.bulk()["a.h."]
+ROW = pawluk1997.lumped()["a.h."]
 HEAD = "time,position,force"
 
 

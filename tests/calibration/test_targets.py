@@ -20,7 +20,7 @@ from fefinger.theory.lumped.spring import Spring, force
 from fefinger.theory.relaxation import Prony
 
 
-ROW = pawluk1997.bulk()["a.h."]
+ROW = pawluk1997.lumped()["a.h."]
 PRONY = Prony((0.3, 0.42, 0.16, 0.12), (220.0, 9.0, 0.6))
 
 

@@ -15,10 +15,10 @@ def columns(rows):
     return subjects, np.array(rows["means"], float)
 
 
-def test_means_of_the_bulk_table_are_the_means_of_its_columns():
+def test_means_of_the_lumped_table_are_the_means_of_its_columns():
     rows = {
         name: (row.width, row.thickness, row.m, row.b, *row.prony.c, *row.prony.v)
-        for name, row in pawluk1997.bulk().items()
+        for name, row in pawluk1997.lumped().items()
     }
     subjects, means = columns(rows)
     printed = [0.5, 0.5, 0.05, 0.005, *[0.0051] * 4, 0.5, 0.5, 0.0051]  # half of the last digit
@@ -42,14 +42,14 @@ def test_relaxation_of_both_chapters_belongs_to_the_same_subjects():
     sums = {name: sum(prony.c) for name, prony in pawluk1997.relaxation().items()}
     assert sums["d.p."] == pytest.approx(1.0)
     assert [sums[name] for name in sums if name != "d.p."] == pytest.approx([0.99] * 5)
-    assert sum(pawluk1997.bulk()["d.s."].prony.c) == pytest.approx(1.01)
+    assert sum(pawluk1997.lumped()["d.s."].prony.c) == pytest.approx(1.01)
 
 
 @pytest.mark.parametrize("name", [name for name in pawluk1997.subjects() if name != "f.c."])
 def test_a_subject_has_size_and_relaxation_and_radius_of_the_three_tables(name):
     finger = Finger.subject(name, tissue="maeno1998")
-    bulk = pawluk1997.bulk()[name]
-    assert (finger.width, finger.thickness) == (bulk.width, bulk.thickness)
+    row = pawluk1997.lumped()[name]
+    assert (finger.width, finger.thickness) == (row.width, row.thickness)
     assert finger.prony == pawluk1997.relaxation()[name]
     assert finger.pad_radius == pawluk1997.quasistatic()[name].radius
 
@@ -92,4 +92,4 @@ def test_end_organs_lie_inside_their_published_range_in_every_subject():
     for receptor in receptors.values():
         low, high = receptor.published
         assert low <= receptor.depth <= high
-        assert receptor.depth < min(row.thickness for row in pawluk1997.bulk().values()) / 2
+        assert receptor.depth < min(row.thickness for row in pawluk1997.lumped().values()) / 2

@@ -75,7 +75,7 @@ def test_why_a_run_stopped_is_told_where_what_it_reached_cannot_be_kept(
 @pytest.fixture
 def press(tmp_path):
     """Return the file of a trial with the noise of the thesis."""
-    row = pawluk1997.bulk()["a.h."]
+    row = pawluk1997.lumped()["a.h."]
     made = ramp_and_hold(Spring(row.b, row.m, 0.5), row.prony, seed=0, hold=2)
     table = np.column_stack([made.time, made.position, made.force])
     file = tmp_path / "press.csv"

@@ -56,7 +56,7 @@ def test_a_shipped_set_is_what_was_calibrated_and_says_so(subject):
 def test_the_parts_of_the_stiffening_add_up_to_table_2_1(subject):
     split = rows()[subject]["split"]
     total = sum(split[part] for part in calibration_split.PARTS)
-    assert total == pytest.approx(pawluk1997.bulk()[subject].m)
+    assert total == pytest.approx(pawluk1997.lumped()[subject].m)
     assert sum(split["shares"].values()) == pytest.approx(1.0)
     found = calibrated(subject)
     own = calibration_split.steepness(found.curve.force, split["depth"])

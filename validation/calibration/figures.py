@@ -48,7 +48,7 @@ def _split() -> Any:
             value = rows()[name]["split"][part]
             axes.barh(place, value, left=left, color=color, label=part if place == 0 else None)
             left += value
-        axes.plot([pawluk1997.bulk()[name].m] * 2, [place - 0.45, place + 0.45], color=INK)
+        axes.plot([pawluk1997.lumped()[name].m] * 2, [place - 0.45, place + 0.45], color=INK)
     axes.set_yticks(range(len(names)), names)
     axes.invert_yaxis()
     axes.set_xlabel("m / 1/mm (line: Table 2.1)")

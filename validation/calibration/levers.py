@@ -20,7 +20,7 @@ from fefinger.calibration.outcome import FitResult, layer, line, stiffening
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import Press, press
-from fefinger.calibration.targets import Bulk, Frames, aligned
+from fefinger.calibration.targets import Frames, SubjectTarget, aligned
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard
@@ -186,7 +186,7 @@ def _pressed(
             yield exponent, pressed
 
 
-def _line(wanted: Bulk, curve: Curve, factor: float, prony: Prony) -> tuple[float, float]:
+def _line(wanted: SubjectTarget, curve: Curve, factor: float, prony: Prony) -> tuple[float, float]:
     from fefinger.calibration.force import stiffness
 
     return line(wanted.force, stiffness(curve, factor, prony, wanted.force))
@@ -225,14 +225,14 @@ def of_reading(calibration: Calibration) -> list[Found]:
 def of_force(calibration: Calibration) -> list[Found]:
     """Apply the thesis's fit to contacts of Hertz's shape and the printed R, by their force."""
     subject, curve, prony = calibration.target, calibration.curve, calibration.prony
-    radius, bulk = pad.printed(subject).radius, pawluk1997.bulk()[subject]
+    radius, row = pad.printed(subject).radius, pawluk1997.lumped()[subject]
     depth = pad.slow_press(curve, 1.0, prony)
-    relaxed = bulk.prony.long_time * bulk.b / bulk.m
-    top = float(np.log1p(pad.HEAVIEST / relaxed) / bulk.m)
+    relaxed = row.prony.long_time * row.b / row.m
+    top = float(np.log1p(pad.HEAVIEST / relaxed) / row.m)
     made = {"force of the calibrated finger": (depth, pad.slow(prony, depth, curve.force(depth)))}
     for early in (0.0, EARLY):
         deep = np.linspace(0.0, top + early, len(depth))
-        force = relaxed * np.expm1(bulk.m * np.maximum(deep - early, 0.0))
+        force = relaxed * np.expm1(row.m * np.maximum(deep - early, 0.0))
         note = f", touched {early:g} mm before its zero" if early else ""
         made[f"relaxed force of Table 2.1{note}"] = deep, force
     fits = [_fit(name, hertzian(radius, *each)) for name, each in made.items()]

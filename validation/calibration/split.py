@@ -45,7 +45,7 @@ def split(calibration: Calibration) -> dict[str, float]:
         steepness(linear.force, deep),
         steepness(finite.force, deep),
         steepness(calibration.curve.force, deep),
-        pawluk1997.bulk()[calibration.target].m,
+        pawluk1997.lumped()[calibration.target].m,
     ]
     parts = np.diff(chain, prepend=0.0).tolist()
     return dict(zip(PARTS, parts, strict=True)) | {"depth": deep}
@@ -63,5 +63,5 @@ def steepness(force: Callable[[Array], Array], deepest: float) -> float:
 def table(calibration: Calibration) -> dict[str, Any]:
     """Return the split and the share of every part in m of Table 2.1."""
     parts = split(calibration)
-    whole = pawluk1997.bulk()[calibration.target].m
+    whole = pawluk1997.lumped()[calibration.target].m
     return parts | {"shares": {name: parts[name] / whole for name in PARTS}}

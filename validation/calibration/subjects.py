@@ -20,7 +20,7 @@ from fefinger.calibration.curve import Curve, curve
 from fefinger.calibration.force import stiffness
 from fefinger.calibration.outcome import FREQUENCIES, line, stiffening
 from fefinger.calibration.slow_press import press
-from fefinger.calibration.targets import Bulk
+from fefinger.calibration.targets import SubjectTarget
 from fefinger.scene import library, pawluk1997
 from fefinger.support.arrays import Array
 
@@ -66,12 +66,12 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
 
 
 def _force(subject: str) -> Iterator[Case]:
-    calibration, bulk = calibrated(subject), pawluk1997.bulk()[subject]
+    calibration, row = calibrated(subject), pawluk1997.lumped()[subject]
     sd, _ = line_sd(targets.subject(subject))
     yield Case(
         f"{subject}: m of stiffness against force of the calibrated finger",
         lambda: calibration.residuals["m"],
-        Expected(bulk.m, 3 * sd, "1/mm"),
+        Expected(row.m, 3 * sd, "1/mm"),
         "Table 2.1",
         reason="three standard deviations that VAF_k leaves over these forces",
     )
@@ -101,7 +101,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         partial(first_stiffness, subject),
         Expected(calibration.residuals["b"], 3 * line_sd(targets.subject(subject))[1], "N/mm"),
         f"{kept_curve}; wanted is Table 2.1",
-        wanted=pawluk1997.bulk()[subject].b,
+        wanted=pawluk1997.lumped()[subject].b,
         shortfall=STIFFER,
         reason="three standard deviations that VAF_k leaves over these forces",
     )
@@ -164,7 +164,7 @@ def radius_again(subject: str) -> Noted:
     return Noted(calibration.residuals["array radius"] * new / old, note)
 
 
-def line_sd(wanted: Bulk) -> tuple[float, float]:
+def line_sd(wanted: SubjectTarget) -> tuple[float, float]:
     """Return the standard deviations of m in 1/mm and b in N/mm that VAF_k leaves."""
     line = np.column_stack([wanted.force, np.ones_like(wanted.force)])
     variance = np.linalg.inv(line.T @ line).diagonal() * wanted.stiffness_sd**2

@@ -96,7 +96,7 @@ def steepness(subject: str, model: str, press: str = "flat-30") -> float:
 
 def printed(subject: str) -> tuple[float, float]:
     """Return m in 1/mm of Tables 2.1 and 3.2 of the thesis."""
-    return pawluk1997.bulk()[subject].m, pawluk1997.quasistatic()[subject].m
+    return pawluk1997.lumped()[subject].m, pawluk1997.quasistatic()[subject].m
 
 
 def unexplained(subject: str, press: str, model: str) -> float:

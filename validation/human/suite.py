@@ -53,7 +53,7 @@ def pressed(subject: str) -> Response:
 
 def law(subject: str) -> tuple[Array, Array]:
     """Return depth (n,) mm and force (n,) N of Table 2.1 in the same motion."""
-    row, response = pawluk1997.bulk()[subject], pressed(subject)
+    row, response = pawluk1997.lumped()[subject], pressed(subject)
     force = contact_force(Spring(row.b, row.m), row.prony, response.time, response.depth)
     return response.depth, np.asarray(force)
 

@@ -56,7 +56,7 @@ def raised_mean(offset: float) -> float:
 
 def rounded(offset: float, sign: int) -> float:
     """Return c0 T in N at the offset with b, m and c0 of a.h. half a digit off."""
-    row = pawluk1997.bulk()["a.h."]
+    row = pawluk1997.lumped()["a.h."]
     b, m = row.b + sign * HALF_DIGIT["b"], row.m + sign * HALF_DIGIT["m"]
     return (row.prony.c[0] + sign * HALF_DIGIT["c0"]) * float(Spring(b, m).force(offset))
 
@@ -138,7 +138,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 
 def _stiffness() -> Iterator[Case]:
-    for subject, row in pawluk1997.bulk().items():
+    for subject, row in pawluk1997.lumped().items():
         for index, (name, expected, unit) in enumerate(
             (("m", row.m, "1/mm"), ("b", row.b, "N/mm"))
         ):

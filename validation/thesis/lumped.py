@@ -39,7 +39,7 @@ PEAKS = (2.32, 2.18, 2.14, 2.10, 2.07)
 
 def finger(subject: str) -> tuple[Spring, Prony]:
     """Return the elastic response and the relaxation of a row of Table 2.1."""
-    row = pawluk1997.bulk()[subject]
+    row = pawluk1997.lumped()[subject]
     return Spring(row.b, row.m), row.prony
 
 
@@ -97,7 +97,7 @@ def ratio(subject: str, speed: float, depth: float = 2.0) -> float:
 
 def exponential_ratio(subject: str, speed: float) -> float:
     """Return P / T of a purely exponential T at constant speed."""
-    row = pawluk1997.bulk()[subject]
+    row = pawluk1997.lumped()[subject]
     growth = row.m * speed
     rates = (0.0, *row.prony.v)
     return sum(c * growth / (growth + v) for c, v in zip(row.prony.weights, rates, strict=True))
@@ -141,7 +141,7 @@ def _velocity() -> Iterator[Case]:
             ),
             reason=DIGITS,
         )
-    for subject in pawluk1997.bulk():
+    for subject in pawluk1997.lumped():
         yield Case(
             f"2.3: force at 0.2 mm/s above c0 T, {subject}",
             lambda s=subject: 100 * (ratio(s, 0.2, DEEP) / finger(s)[1].long_time - 1),

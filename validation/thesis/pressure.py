@@ -91,7 +91,7 @@ def lumped_ratio(subject: str, reading: Reading, depth: float) -> float:
     It would be 1 if both chapters described the same finger; T of Eq. 3.16 starts as x^(5/2), and
     its m differs from that of Eq. 3.4.
     """
-    row = pawluk1997.bulk()[subject]
+    row = pawluk1997.lumped()[subject]
     lumped = 1e3 * row.b / row.m * np.expm1(row.m * depth)
     return float(lumped / pad(subject, reading).force(depth))
 

@@ -65,15 +65,15 @@ GROWTH = {
 @cache
 def columns(table: str) -> dict[str, tuple[float, ...]]:
     """Return the columns of a table, one value per subject, without the row of means."""
-    bulk = [row for name, row in pawluk1997.bulk().items() if name != "means"]
+    lumped = [row for name, row in pawluk1997.lumped().items() if name != "means"]
     if table == "2.1":
         values = {
-            "w": tuple(row.width for row in bulk),
-            "t": tuple(row.thickness for row in bulk),
-            "m": tuple(row.m for row in bulk),
-            "b": tuple(row.b for row in bulk),
+            "w": tuple(row.width for row in lumped),
+            "t": tuple(row.thickness for row in lumped),
+            "m": tuple(row.m for row in lumped),
+            "b": tuple(row.b for row in lumped),
         }
-        return values | _prony_columns([row.prony for row in bulk])
+        return values | _prony_columns([row.prony for row in lumped])
     if table == "3.1":
         rows = [prony for name, prony in pawluk1997.relaxation().items() if name != "means"]
         return _prony_columns(rows)
@@ -101,7 +101,9 @@ def correlation(first: str, second: str) -> tuple[float, float]:
 def prony(source: str) -> Prony:
     """Return the relaxation of "Table 2.1 a.h." and the like."""
     _, table, subject = source.split()
-    return pawluk1997.bulk()[subject].prony if table == "2.1" else pawluk1997.relaxation()[subject]
+    return (
+        pawluk1997.lumped()[subject].prony if table == "2.1" else pawluk1997.relaxation()[subject]
+    )
 
 
 def cases(*, quick: bool) -> Iterator[Case]:

@@ -65,7 +65,7 @@ def law(case: Situation) -> Law:
 def _printed(
     case: Situation, error: float = float("nan"), evidence: str = "not known", caveat: str = ""
 ) -> Law:
-    rows, subject = pawluk1997.bulk(), case.finger.subject_name
+    rows, subject = pawluk1997.lumped(), case.finger.subject_name
     name = subject if subject in rows else pawluk1997.MEANS
     row, source = rows[name], f"Table 2.1, {name} ({pawluk1997.SOURCE})"
     if caveat:

@@ -115,7 +115,7 @@ def _contrast(finger: Finger) -> float:
 def _skin_shares() -> tuple[float, float]:
     """Return the smallest and the largest thickness of the skin over that of a pressed finger."""
     skin = library.tissue_set(library.PUBLISHED).skin.thickness or 0.0
-    thicknesses = [size.thickness for size in pawluk1997.bulk().values()]
+    thicknesses = [size.thickness for size in pawluk1997.lumped().values()]
     return skin / max(thicknesses), skin / min(thicknesses)
 
 

@@ -50,7 +50,7 @@ def test_a_search_that_is_cut_short_is_refused(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_it_fits_the_lumped_finger_of_the_same_subject() -> None:
-    lumped = pawluk1997.bulk()["a.h."]
+    lumped = pawluk1997.lumped()["a.h."]
     forces = lumped.prony.long_time * lumped.b / lumped.m * np.expm1(lumped.m * DEPTHS)
     fitted = Stiffening.fitted(FINGER, DEPTHS, forces)
     elastic = replace(FINGER, prony=ff.Prony((1.0,), ()))

@@ -12,7 +12,9 @@ from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
-SUBJECTS = {name: (Spring(row.b, row.m, 0.5), row.prony) for name, row in pawluk1997.bulk().items()}
+SUBJECTS = {
+    name: (Spring(row.b, row.m, 0.5), row.prony) for name, row in pawluk1997.lumped().items()
+}
 AH = SUBJECTS["a.h."]
 BIASED_B = {"d.p.": 0.052, "d.s.": 0.189, "a.h.": 0.113, "p.w.": 0.136}
 

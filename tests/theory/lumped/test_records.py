@@ -15,7 +15,9 @@ from fefinger.theory.lumped.spring import Spring
 
 Samples = tuple[Array, Array, Array]
 
-SUBJECTS = {name: (Spring(row.b, row.m, 0.5), row.prony) for name, row in pawluk1997.bulk().items()}
+SUBJECTS = {
+    name: (Spring(row.b, row.m, 0.5), row.prony) for name, row in pawluk1997.lumped().items()
+}
 
 
 def trial(name: str = "a.h.", *, seed: int | None = 3, **options: float) -> Samples:

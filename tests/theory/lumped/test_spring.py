@@ -9,7 +9,7 @@ from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
-ROWS = pawluk1997.bulk()
+ROWS = pawluk1997.lumped()
 SUBJECTS = {name: (Spring(row.b, row.m), row.prony) for name, row in ROWS.items()}
 AH = SUBJECTS["a.h."]
 EVERY = pytest.mark.parametrize(("spring", "prony"), SUBJECTS.values(), ids=SUBJECTS)

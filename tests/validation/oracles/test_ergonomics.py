@@ -11,7 +11,7 @@ from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
 
-ROW = pawluk1997.bulk()["a.h."]
+ROW = pawluk1997.lumped()["a.h."]
 AH = (Spring(ROW.b, ROW.m), ROW.prony)
 CASES = [(1.5, 0.28), (3.0, 0.28), (1.5, 0.14), (3.0, 0.14)]
 

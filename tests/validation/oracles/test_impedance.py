@@ -8,7 +8,7 @@ from fefinger.scene import pawluk1997
 from fefinger.theory.lumped.spring import Spring
 
 
-SUBJECTS = {name: (Spring(row.b, row.m), row.prony) for name, row in pawluk1997.bulk().items()}
+SUBJECTS = {name: (Spring(row.b, row.m), row.prony) for name, row in pawluk1997.lumped().items()}
 MEANS = SUBJECTS["means"]
 EVERY = pytest.mark.parametrize(("spring", "prony"), SUBJECTS.values(), ids=SUBJECTS)
 
