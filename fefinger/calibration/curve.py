@@ -16,7 +16,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 
-from fefinger.calibration.slow_press import Press
+from fefinger.calibration.slow_press import SlowPress
 from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import exprel
 
@@ -120,7 +120,7 @@ class Curve:
         return np.asarray(slope + 1 / (depth * exprel(-self.growth * depth)))
 
 
-def curve(press: Press) -> tuple[Curve, float]:
+def curve(press: SlowPress) -> tuple[Curve, float]:
     """Fit the curve of a press; also return the largest relative distance of its steps from it."""
     x, force = press.depth, press.force
     power, deepest = np.log(force / x**1.5), float(x[-1])
@@ -182,7 +182,7 @@ class Family:
         growth = None if len(self.shapes) > 1 else shape
         return Curve(q, self.deepest, shares, growth).until(self.reached)
 
-    def corrected(self, press: Press, shape: float, radius: float) -> "Family":
+    def corrected(self, press: SlowPress, shape: float, radius: float) -> "Family":
         """Shift the family to agree with a press on a better mesh at a shape and radius."""
         whole = replace(self, reached=math.inf)
         present, (better, ripple) = whole.at(shape, radius), curve(press)
@@ -194,7 +194,7 @@ class Family:
             shares_correction=self.shares_correction + self._shares_difference(present, better),
         )
 
-    def with_ratio(self, press: Press, shape: float, factor: float) -> "Family":
+    def with_ratio(self, press: SlowPress, shape: float, factor: float) -> "Family":
         """Add the effect of the ratio of the moduli, from a press at `factor` times the ratio.
 
         The other press is at the same subcutaneous modulus.
@@ -202,7 +202,7 @@ class Family:
         shift = self._difference(self.at(shape, self.radius), curve(press)[0])
         return replace(self, by_ratio=shift / np.log(factor))
 
-    def with_radius(self, press: Press, shape: float, radius: float) -> "Family":
+    def with_radius(self, press: SlowPress, shape: float, radius: float) -> "Family":
         """Add the effect of the pad radius, from a press at another one."""
         present, other = self.at(shape, self.radius), curve(press)[0]
         wider = np.log(radius / self.radius)
@@ -225,7 +225,7 @@ class Family:
         return second - first
 
 
-def family(shapes: Sequence[float], radius: float, press: Callable[[float], Press]) -> Family:
+def family(shapes: Sequence[float], radius: float, press: Callable[[float], SlowPress]) -> Family:
     """Make the family of presses at shapes that rise; `press` gives the one at a shape."""
     curves = [curve(press(shape)) for shape in shapes]
     q, shares = np.zeros(NODES), np.zeros_like(curves[0][0].shares)

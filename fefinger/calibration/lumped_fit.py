@@ -46,7 +46,7 @@ LIKELY = {
 
 
 @dataclass(frozen=True)
-class Fit:
+class LumpedFit:
     """A record, (n_t,) each, and its two identifications."""
 
     time: Array
@@ -56,7 +56,7 @@ class Fit:
     joint: Identification
 
 
-def fit(file: str | Path, *, terms: int = identify.TERMS) -> Fit:
+def fit(file: str | Path, *, terms: int = identify.TERMS) -> LumpedFit:
     """Identify the lumped model in both ways from a CSV file, with `terms` exponentials.
 
     Raises
@@ -75,7 +75,7 @@ def fit(file: str | Path, *, terms: int = identify.TERMS) -> Fit:
         raise InputError(f"{file}: {error}") from None
     except RuntimeError as error:
         raise ConvergenceError(f"{file}: {error}") from None
-    return Fit(time, position, force, *fits)
+    return LumpedFit(time, position, force, *fits)
 
 
 def read(
@@ -161,7 +161,7 @@ def _check_signs(file: str, position: Array, force: Array) -> None:
         )
 
 
-def record(fit: Fit) -> dict[str, Any]:
+def record(fit: LumpedFit) -> dict[str, Any]:
     """Record a fit as plain values: value and one standard deviation of every parameter."""
     ways = {way: getattr(fit, way) for way in WAYS}
     return {"samples": len(fit.time)} | {
@@ -183,7 +183,7 @@ def record(fit: Fit) -> dict[str, Any]:
     }
 
 
-def summary(fit: Fit) -> str:
+def summary(fit: LumpedFit) -> str:
     """Format a fit as text: the joint fit beside the procedure of Pawluk (1997)."""
     ways = {way: record(fit)[way] for way in ("joint", "thesis")}
     spread = "{value:.4g} +- {uncertainty:.2g}"
@@ -206,7 +206,7 @@ ADVICE = (
 )
 
 
-def save(fit: Fit, folder: Path) -> list[str]:
+def save(fit: LumpedFit, folder: Path) -> list[str]:
     """Write `fit.json` and `fit.csv` into an existing folder.
 
     The table has the record up to the end of the hold, with the smoothed position that is the

@@ -173,7 +173,7 @@ def printed(subject: str) -> PadFit:
 
 
 @dataclass(frozen=True)
-class Profile:
+class PressureProfile:
     """Pressure in kPa on the array against the `distance` in mm, at one force in N.
 
     `finger` is the calibrated one, `thesis` the half-space of Table 3.2; `force` is the force that
@@ -186,7 +186,9 @@ class Profile:
     thesis: Array
 
 
-def profile(curve: Curve, factor: float, prony: Prony, subject: str, force: float) -> Profile:
+def profile(
+    curve: Curve, factor: float, prony: Prony, subject: str, force: float
+) -> PressureProfile:
     """Compute the pressure profiles of finger and thesis at a force in N of a slow press.
 
     If the curve ends before that force, both are at the force where it ends.
@@ -204,4 +206,4 @@ def profile(curve: Curve, factor: float, prony: Prony, subject: str, force: floa
     )
     signed = frames.distance * np.where(sensor.positions[:, 0] < 0, -1.0, 1.0)
     order = np.argsort(signed)
-    return Profile(reached, signed[order], readings[order], theirs[order])
+    return PressureProfile(reached, signed[order], readings[order], theirs[order])

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from fefinger.calibration.outcome import stiffening
 from fefinger.calibration.record import Stage
-from fefinger.calibration.slow_press import LATER, SPARE, Press, press, shapable, small
+from fefinger.calibration.slow_press import LATER, SPARE, SlowPress, press, shapable, small
 from fefinger.results.candidate import MECHANICS
 from fefinger.scene.finger import Finger
 from fefinger.support.progress import Progress
@@ -24,7 +24,7 @@ class Work:
     def __init__(self, finger: Finger, progress: Progress | None) -> None:
         self.finger, self.progress = finger, progress
         self.stages: list[Stage] = []
-        self._presses: dict[tuple[Finger, str], Press] = {}
+        self._presses: dict[tuple[Finger, str], SlowPress] = {}
         self._early: dict[tuple[float, str], None] = {}
         self._buckling = set[str]()  # meshes on which a press ended early
 
@@ -51,7 +51,7 @@ class Work:
         exponent: float | None = None,
         ratio: float = 1.0,
         part: float | None = None,
-    ) -> Press:
+    ) -> SlowPress:
         """Press the finger with another radius, exponent and skin; `part` as in `slow_press`."""
         finger = stiffening(self.finger, exponent)
         finger = replace(
@@ -74,7 +74,7 @@ class Work:
         """Reasons of presses that ended early at `depth` mm, which limits the fit."""
         return tuple(text for at, text in self._early if math.isclose(at, depth, rel_tol=1e-9))
 
-    def _note(self, finger: Finger, press: Press) -> None:
+    def _note(self, finger: Finger, press: SlowPress) -> None:
         """Record a press that ended before its depth."""
         if press.halt:
             at = float(press.depth[-1])

@@ -50,7 +50,7 @@ RELAXED = Prony((1.0,), ())
 
 
 @dataclass(frozen=True)
-class Press:
+class SlowPress:
     """A slow press of relaxed tissue.
 
     depth (n,) mm and force (n,) N of solved steps, without the first touch; array_pressure (n, 64)
@@ -66,7 +66,9 @@ class Press:
     halt: str = ""
 
 
-def press(finger: Finger, mechanics: str, part: float | None = None, spare: float = SPARE) -> Press:
+def press(
+    finger: Finger, mechanics: str, part: float | None = None, spare: float = SPARE
+) -> SlowPress:
     """Load the press of a finger by "condensed" or "solid" from the cache, or solve it.
 
     `part` is its depth over the thickness of the finger, by default that of PART; `spare`: the
@@ -83,7 +85,7 @@ def press(finger: Finger, mechanics: str, part: float | None = None, spare: floa
     place = cache.root() / "presses" / f"{key(scene, mechanics, spare)}.npz"
     with suppress(*cache.DAMAGED), place.open("rb") as opened, np.load(opened) as stored:
         depth, force, read, area = (stored[name] for name in ("depth", "force", "felt", "area"))
-        return Press(depth, force, read, area, float(stored["seconds"]), str(stored["halt"]))
+        return SlowPress(depth, force, read, area, float(stored["seconds"]), str(stored["halt"]))
     solved = _solved(scene, mechanics, spare)
     with suppress(OSError):  # on a full disk it is solved again the next time
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -94,7 +96,7 @@ def press(finger: Finger, mechanics: str, part: float | None = None, spare: floa
     return solved
 
 
-def small(finger: Finger) -> Press:
+def small(finger: Finger) -> SlowPress:
     """Press at small strain: by `condensed` or, where contact leaves its operator, by `linear`.
 
     The operator of `condensed` ends at the sides of the finger, where a flat pad has contact
@@ -142,7 +144,7 @@ def key(scene: Scene, mechanics: str, spare: float = SPARE) -> str:
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
 
 
-def _solved(scene: Scene, mechanics: str, spare: float) -> Press:
+def _solved(scene: Scene, mechanics: str, spare: float) -> SlowPress:
     from fefinger.fem.hyperelastic.load_path import FactorizationBudget
     from fefinger.mechanics import get, solid
 
@@ -162,7 +164,7 @@ def _solved(scene: Scene, mechanics: str, spare: float) -> Press:
             f"steps on the finger of {scene.finger.thickness:g} mm{f' ({halt})' if halt else ''}"
         )
     assert response.contact_area is not None
-    return Press(
+    return SlowPress(
         response.depth[steps],
         force,
         array_pressure(scene, response)[steps],

@@ -27,7 +27,7 @@ from fefinger.theory.contact.stack import Layer, Stack
 
 
 if TYPE_CHECKING:
-    from fefinger.theory.contact.contact_table import Table
+    from fefinger.theory.contact.contact_table import ContactTable
 
 
 name = "layered"
@@ -67,7 +67,7 @@ def stack(finger: Finger) -> Stack:
     )
 
 
-def contact(scene: Scene) -> "Table":
+def contact(scene: Scene) -> "ContactTable":
     """Return the elastic contacts of the relaxed finger that the motion passes through.
 
     InputError if the contact becomes wider than its relative radius.

@@ -6,7 +6,7 @@ in `evidence/lumped_law.py`.
 
 import math
 
-from fefinger.mechanics.evidence.lumped_law import Law, law
+from fefinger.mechanics.evidence.lumped_law import LumpedLaw, law
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.notes import (
@@ -153,7 +153,7 @@ def _reasons(case: Situation) -> list[Reason]:
     return reasons + too_hard
 
 
-def _too_hard(case: Situation, identified_law: Law) -> list[Reason]:
+def _too_hard(case: Situation, identified_law: LumpedLaw) -> list[Reason]:
     """Return the reason against it if the (relaxed) force exceeds the largest measured one."""
     peak, where = case.peak, "force"
     if case.motion.control == "depth":

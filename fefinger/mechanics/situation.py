@@ -80,14 +80,14 @@ class Situation:
         return self.motion.peak
 
     @cached_property
-    def fast(self) -> bool:
+    def resolves_faii(self) -> bool:
         """Whether time steps resolve what FAII responds to."""
         return "FAII" in self.ask.spikes
 
     @cached_property
     def times(self) -> Array:
         """Times (n_t,) s of the answer, without the limit on their number (`too_long`)."""
-        return time_grid(self.motion, fast=self.fast, most=sys.maxsize)
+        return time_grid(self.motion, fast=self.resolves_faii, most=sys.maxsize)
 
     @cached_property
     def changes(self) -> int:
@@ -97,7 +97,9 @@ class Situation:
     @cached_property
     def too_long(self) -> tuple[Reason, ...]:
         """Reasons against time steps of the motion that exceed memory; empty if they fit."""
-        return tuple(Reason("motion", each) for each in too_long(self.motion, fast=self.fast))
+        return tuple(
+            Reason("motion", each) for each in too_long(self.motion, fast=self.resolves_faii)
+        )
 
     @cached_property
     def published_tissue(self) -> bool:

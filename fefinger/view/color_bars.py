@@ -1,10 +1,10 @@
-"""Color bars of all stages of a plotter, in a separate column on the right."""
+"""Color bars of all actors of a plotter, in a separate column on the right."""
 
 from collections.abc import Sequence
 from typing import Any
 
 from fefinger.view import figures
-from fefinger.view.plot3d import Prop, Stage
+from fefinger.view.plot3d import FingerActor, Prop
 
 
 WIDTH = 220  # pixels of the column
@@ -23,15 +23,15 @@ PLACES = (0.655, 0.345, 0.035)  # of their lower ends: at most a field, the pres
 LONG = 23  # letters of a title in one line
 
 
-def add_bars(plotter: Any, stages: Sequence[Stage]) -> None:
-    """Add one bar for each thing that any stage is colored by; the last stage keeps them."""
-    keys = {label: key for stage in reversed(stages) for label, key in stage.keys.items()}
-    plotter.subplot(0, len(stages))
-    for place, label in zip(PLACES, stages[0].keys | keys, strict=False):
+def add_bars(plotter: Any, actors: Sequence[FingerActor]) -> None:
+    """Add one bar for each thing that any actor is colored by; the last actor keeps them."""
+    keys = {label: key for actor in reversed(actors) for label, key in actor.keys.items()}
+    plotter.subplot(0, len(actors))
+    for place, label in zip(PLACES, actors[0].keys | keys, strict=False):
         title = (label if len(label) <= LONG else label.replace(" / ", "\n/ ")) + "\n"
         mapper, needs = keys[label]
         bar = plotter.add_scalar_bar(
             title=title, mapper=mapper, position_y=place, **LOOK, render=False
         )
-        stages[-1].props.append(Prop(bar, needs))
-    stages[-1].refresh()
+        actors[-1].props.append(Prop(bar, needs))
+    actors[-1].refresh()

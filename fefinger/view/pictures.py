@@ -15,7 +15,7 @@ from fefinger.view import color_bars, figures, film, frames, quantities, rendere
 from fefinger.view.color_bars import add_bars
 from fefinger.view.drawing import colors, drawing
 from fefinger.view.markers import highest_rate
-from fefinger.view.plot3d import Scales, Stage
+from fefinger.view.plot3d import FingerActor, Scales
 from fefinger.view.quantities import round_up
 from fefinger.view.titles import titles
 
@@ -35,7 +35,7 @@ def compose(
     field: str,
     limits: tuple[float, float] | None = None,
     folders: Sequence[str] = (),
-) -> list[Stage]:
+) -> list[FingerActor]:
     """Put results side by side into a plotter, one scale for all in its last column.
 
     Raises InputError if the field is unknown or a result has no fields.
@@ -47,19 +47,19 @@ def compose(
         pressure=round_up(max(float(each.fields.pressure.max()) for each in drawings) or 1.0),
         rate=round_up(max(highest_rate(result) for result in results) or 1.0),
     )
-    stages = []
+    actors = []
     for column, shown in enumerate(drawings):
         plotter.subplot(0, column)
-        stages.append(Stage(plotter, shown, field, scales))
-        stages[-1].look()
-    plotter.link_views(range(len(stages)))
-    add_bars(plotter, stages)
-    return stages
+        actors.append(FingerActor(plotter, shown, field, scales))
+        actors[-1].look()
+    plotter.link_views(range(len(actors)))
+    add_bars(plotter, actors)
+    return actors
 
 
-def stored_times(stages: Sequence[Stage]) -> Array:
-    """Return the stored times of all stages in s, ascending."""
-    return np.unique(np.concatenate([stage.shown.fields.times for stage in stages]))
+def stored_times(actors: Sequence[FingerActor]) -> Array:
+    """Return the stored times of all actors in s, ascending."""
+    return np.unique(np.concatenate([actor.shown.fields.times for actor in actors]))
 
 
 def size(columns: int) -> tuple[int, int]:
@@ -84,9 +84,9 @@ def screenshot(
     no fields, the field is unknown or the time is after the end.
     """
     shown = frames.requested(results, field, time)
-    plotter, stages = _stages(shown, field, limits, folders)
-    for stage in stages:
-        stage.at(frames.peak_time(stage.shown.result) if time is None else time)
+    plotter, actors = _actors(shown, field, limits, folders)
+    for actor in actors:
+        actor.at(frames.peak_time(actor.shown.result) if time is None else time)
     _finish(plotter, path)
 
 
@@ -102,12 +102,12 @@ def movie(
     Otherwise as `screenshot`. Times are not evenly spaced; every picture shows its time.
     """
     film.check(path, "--movie")
-    plotter, stages = _stages(frames.requested(results, field), field, limits, folders)
+    plotter, actors = _actors(frames.requested(results, field), field, limits, folders)
 
     def pictures() -> Iterator[film.Picture]:
-        for time in stored_times(stages):
-            for stage in stages:
-                stage.at(float(time))
+        for time in stored_times(actors):
+            for actor in actors:
+                actor.at(float(time))
             plotter.render()
             picture = np.array(plotter.screenshot(return_img=True))
             yield picture
@@ -119,12 +119,12 @@ def movie(
         plotter.close()
 
 
-def _stages(
+def _actors(
     results: Sequence[ResultRecord],
     field: str,
     limits: tuple[float, float] | None,
     folders: Sequence[str],
-) -> tuple[Any, list[Stage]]:
+) -> tuple[Any, list[FingerActor]]:
     """Return an off-screen plotter, and the results in it."""
     renderer.require()
     plotter = renderer.plotter(size(len(results)), len(results), aside=color_bars.WIDTH)

@@ -47,7 +47,7 @@ class Scales(NamedTuple):
     rate: float
 
 
-class Stage:
+class FingerActor:
     """A finger in the active part of a plotter, which `at` and `show` change.
 
     `keys`: of every color bar by its title, the field first: the mapper, and the parts that it

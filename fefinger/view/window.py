@@ -9,7 +9,7 @@ import numpy as np
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.checks import InputError
 from fefinger.view import color_bars, figures, frames, pictures, quantities, renderer
-from fefinger.view.plot3d import Stage
+from fefinger.view.plot3d import FingerActor
 
 
 SIZE, MORE = (1300, 900), 500  # pixels, and more of them per result beside the first
@@ -25,7 +25,7 @@ SLIDER: dict[str, Any] = {
 
 
 class Controls:
-    """The stages in a plotter, and what its sliders and boxes do to all of them."""
+    """The actors in a plotter, and what its sliders and boxes do to all of them."""
 
     def __init__(
         self,
@@ -38,15 +38,15 @@ class Controls:
         folders: Sequence[str] = (),
     ) -> None:
         self.plotter, self.results, self.limits, self.folders = plotter, results, limits, folders
-        self.stages: list[Stage] = pictures.compose(plotter, results, field, limits, folders)
-        self.times = pictures.stored_times(self.stages)
+        self.actors: list[FingerActor] = pictures.compose(plotter, results, field, limits, folders)
+        self.times = pictures.stored_times(self.actors)
         self.move(frames.peak_time(results[0]) if time is None else time)
 
     def move(self, time: float) -> None:
         """Show the stored frames next to a time in s."""
         self.time = time
-        for stage in self.stages:
-            stage.at(time)
+        for actor in self.actors:
+            actor.at(time)
 
     def step(self, number: float) -> None:
         """Show a stored time by its number, from 1; they are not evenly spaced."""
@@ -54,21 +54,21 @@ class Controls:
 
     def toggle(self, part: str, on: bool) -> None:
         """Show or hide a part of every finger."""
-        for stage in self.stages:
-            stage.show(part, on)
+        for actor in self.actors:
+            actor.show(part, on)
 
     def color(self, field: str) -> None:
         """Color the fingers by another field; the camera stays while the cut does."""
-        before = self.stages
+        before = self.actors
         if field == before[0].field:
             return
         camera = self.plotter.renderers[0].camera
         for title in list(self.plotter.scalar_bars.keys()):
             self.plotter.remove_scalar_bar(title)
-        for stage in before:
-            stage.remove()
-        self.stages = pictures.compose(self.plotter, self.results, field, self.limits, self.folders)
-        if self.stages[0].shown.whole == before[0].shown.whole:
+        for actor in before:
+            actor.remove()
+        self.actors = pictures.compose(self.plotter, self.results, field, self.limits, self.folders)
+        if self.actors[0].shown.whole == before[0].shown.whole:
             for column in range(len(before)):
                 self.plotter.renderers[column].camera = camera
         self.move(self.time)
@@ -78,7 +78,7 @@ class Controls:
     def add_widgets(self) -> None:
         """Add the sliders below and the boxes on the left."""
         times = self.times
-        for column in range(len(self.stages)):
+        for column in range(len(self.actors)):
             self.plotter.renderers[column].camera.SetWindowCenter(*ABOVE)
         self.plotter.subplot(0, 0)
         if len(times) > 1:
@@ -90,14 +90,14 @@ class Controls:
             )  # fmt: skip
         slider = self.plotter.add_text_slider_widget(
             self.color, list(quantities.FIELDS),
-            value=quantities.FIELDS.index(self.stages[0].field),
+            value=quantities.FIELDS.index(self.actors[0].field),
             pointa=(0.54, 0.08), pointb=(0.82, 0.08), color=figures.INK, style="modern",
         )  # fmt: skip
         shape = slider.GetSliderRepresentation()
         shape.SetTubeWidth(SLIDER["tube_width"])
         shape.SetSliderWidth(SLIDER["slider_width"])
         shape.SetTitleHeight(SLIDER["title_height"])
-        for row, part in enumerate(reversed(self.stages[0].parts)):
+        for row, part in enumerate(reversed(self.actors[0].parts)):
             at = 20.0 + row * (BOX + 10)
             self.plotter.add_checkbox_button_widget(
                 partial(self.toggle, part), value=True, position=(14.0, at), size=BOX,

@@ -7,7 +7,7 @@ import pytest
 
 from fefinger.calibration import pad_radius, press_store
 from fefinger.calibration.curve import family
-from fefinger.calibration.slow_press import Press
+from fefinger.calibration.slow_press import SlowPress
 from fefinger.scene import library
 from fefinger.theory.array.sensor import ArraySensor, blurred
 
@@ -18,7 +18,7 @@ def made(exponent=1.0, radius=14.0, ratio=1.0, count=24, deepest=1.8):
     force = 0.2 * np.sqrt(radius * ratio) * x**1.5 * np.exp((0.2 + 0.25 * exponent) * x)
     few, share = shares(radius, deepest)
     share = np.stack([np.interp(x, few, column) for column in share.T], axis=1)
-    return Press(x, force, force[:, None] * share, np.pi * radius * x, 1.0)
+    return SlowPress(x, force, force[:, None] * share, np.pi * radius * x, 1.0)
 
 
 @lru_cache

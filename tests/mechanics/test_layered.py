@@ -126,7 +126,7 @@ def test_the_contacts_of_a_stack_are_solved_once(monkeypatch):
     layered.respond(scene())
     with monkeypatch.context() as patch:
         patch.setattr("fefinger.theory.contact.contact_table.subsurface_field", None)
-        patch.setattr("fefinger.theory.contact.contact_table.Table", None)
+        patch.setattr("fefinger.theory.contact.contact_table.ContactTable", None)
         again = layered.respond(scene(motion=ff.RampHold(40, 0.49, hold=0.5)))
     want = elastic(again, again.depth)
     assert again.strain == pytest.approx(want, abs=3e-4 * np.abs(want).max())

@@ -11,7 +11,7 @@ from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.evidence import tabulation_error
 from fefinger.mechanics.press import elastic_press, elastic_store
 from fefinger.mechanics.press.elastic_press import depths
-from fefinger.mechanics.press.elastic_table import STEP, DepthTable, Modes
+from fefinger.mechanics.press.elastic_table import STEP, DepthTable, DisplacementBasis
 from fefinger.mechanics.realtime.pressed import Pressed
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
@@ -152,7 +152,7 @@ def test_in_a_loop_it_gives_what_the_scene_gives() -> None:
 def test_modes_give_back_the_fields_to_their_rounding() -> None:
     rng = np.random.default_rng(3)
     fields = rng.random((9, 4)) @ rng.uniform(-1, 1, (4, 700))
-    modes = Modes.of(fields)
+    modes = DisplacementBasis.of(fields)
     assert modes.shapes.shape == (4, 700)
     back = modes.amplitudes @ modes.shapes
     largest = np.abs(np.linalg.svd(fields, full_matrices=False)[0]).max()

@@ -134,8 +134,8 @@ def test_compared_results_have_one_scale(synthetic: Result, weaker: Result, tmp_
     assert weak.high < 0.6 * strong.high
     assert colors(both, "tensile strain") == strong
     plotter = renderer.plotter((400, 200), 2, aside=60)
-    stages = pictures.compose(plotter, [synthetic, weaker], "tensile strain")
-    assert [each.scales.field for each in stages] == [strong, strong]
+    actors = pictures.compose(plotter, [synthetic, weaker], "tensile strain")
+    assert [each.scales.field for each in actors] == [strong, strong]
     assert next(iter(plotter.scalar_bars.keys())).split() == ["tensile", "strain", "/", "%"]
     plotter.close()
     view.screenshot([synthetic, weaker], tmp_path / "a.png", "tensile strain", limits=(0, 3))
@@ -146,14 +146,14 @@ def test_compared_results_have_one_scale(synthetic: Result, weaker: Result, tmp_
 def test_bars_of_all_panels_stand_beside_them_once(synthetic: Result, tmp_path: Path) -> None:
     silent = dataclasses.replace(synthetic, spikes=None)
     plotter = renderer.plotter((600, 200), 2, aside=100)
-    stages = pictures.compose(plotter, [synthetic, silent], "tensile strain")
+    actors = pictures.compose(plotter, [synthetic, silent], "tensile strain")
     named = [" ".join(title.split()) for title in plotter.scalar_bars.keys()]
     assert named == ["tensile strain / %", "pressure / kPa", "rate / Hz"]
     drawn = plotter.renderers[2].actors.values()
     assert all(bar in drawn for bar in plotter.scalar_bars.values())
-    highest = [each.scales for each in stages]
+    highest = [each.scales for each in actors]
     assert highest[0] == highest[1]
-    for each in stages:
+    for each in actors:
         each.show("rates", False)
     assert [bar.GetVisibility() for bar in plotter.scalar_bars.values()] == [1, 1, 0]
     plotter.close()
@@ -163,7 +163,7 @@ def test_bars_of_all_panels_stand_beside_them_once(synthetic: Result, tmp_path: 
 def test_labels_of_end_organs_stand_clear_of_the_finger_and_each_other(
     controls: window.Controls,
 ) -> None:
-    (shown,) = controls.stages
+    (shown,) = controls.actors
     lines = next(
         prop.actor.mapper.dataset
         for prop in shown.props
@@ -184,12 +184,12 @@ def turned(result: Result, angle: float) -> Result:
 def test_every_panel_says_which_scene_it_is(synthetic: Result) -> None:
     plotter = renderer.plotter((600, 200), 2, aside=100)
     both = [synthetic, turned(synthetic, 21.0)]
-    stages = pictures.compose(plotter, both, "pressure", folders=("first", "second"))
-    heads = [stage.words().split("\n")[0] for stage in stages]
+    actors = pictures.compose(plotter, both, "pressure", folders=("first", "second"))
+    heads = [each.words().split("\n")[0] for each in actors]
     assert heads[0].startswith("first: ")
     assert heads[1].startswith("second: ")
     assert heads[1].endswith("indenter.angle 21")
-    for one in stages:
+    for one in actors:
         column = one.where[1]
         one.at(0.1)
         written = plotter.renderers[column].actors[f"words {column}"].input
@@ -218,7 +218,7 @@ def controls(synthetic: Result) -> Iterator[window.Controls]:
 
 def surface(controls: window.Controls, part: str) -> Any:
     """Return the first actor that needs a part."""
-    return next(prop.actor for prop in controls.stages[0].props if part in prop.needs)
+    return next(prop.actor for prop in controls.actors[0].props if part in prop.needs)
 
 
 @needs_renderer
@@ -235,9 +235,9 @@ def test_the_slider_moves_the_finger_its_colors_and_the_indenter(
         mesh = surface(controls, "subcutaneous tissue").mapper.dataset
         seen.append((mesh.points.copy(), mesh["field"].copy()))
         assert controls.time == fields.times[number - 1]
-        assert f"t = {controls.time:.4g} s" in controls.stages[0].words()
+        assert f"t = {controls.time:.4g} s" in controls.actors[0].words()
         assert surface(controls, "indenter").position == pytest.approx(depth * axis)
-    piece = next(p for p in controls.stages[0].shown.surfaces if p.name == "subcutaneous tissue")
+    piece = next(p for p in controls.actors[0].shown.surfaces if p.name == "subcutaneous tissue")
     for frame, (points, values) in enumerate(seen):
         moved = fields.points + fields.displacement[frame]
         np.testing.assert_allclose(points, piece.at(moved), atol=1e-5)
@@ -249,7 +249,7 @@ def test_the_slider_moves_the_finger_its_colors_and_the_indenter(
 
 @needs_renderer
 def test_every_box_hides_its_part_and_brings_it_back(controls: window.Controls) -> None:
-    first = controls.stages[0]
+    first = controls.actors[0]
     assert first.parts == [part for part in stage.PARTS if part != "bone"]
     for part in first.parts:
         controls.toggle(part, False)
@@ -264,7 +264,7 @@ def test_every_box_hides_its_part_and_brings_it_back(controls: window.Controls) 
 
 @needs_renderer
 def test_pad_and_end_organs_are_colored_by_one_thing_at_a_time(controls: window.Controls) -> None:
-    instead = [prop for prop in controls.stages[0].props if prop.without is not None]
+    instead = [prop for prop in controls.actors[0].props if prop.without is not None]
     assert {prop.without for prop in instead} == {"pressure", "rates"}
     assert not any(prop.actor.GetVisibility() for prop in instead)
     controls.toggle("pressure", False)
@@ -277,8 +277,8 @@ def test_end_organs_have_the_rate_of_their_units(
     synthetic: Result, controls: window.Controls
 ) -> None:
     controls.move(2.5)
-    time = float(controls.stages[0].shown.fields.times[controls.stages[0].frame])
-    actor = next(p.actor for p in controls.stages[0].props if p.needs == ("end organs", "rates"))
+    time = float(controls.actors[0].shown.fields.times[controls.actors[0].frame])
+    actor = next(p.actor for p in controls.actors[0].props if p.needs == ("end organs", "rates"))
     rates = actor.mapper.dataset["rate"].reshape(4, -1)
     assert synthetic.spikes is not None
     expected = [float(synthetic.spikes.rate(unit, time)) for unit in range(4)]
@@ -291,12 +291,12 @@ def test_another_field_keeps_time_and_hidden_parts(controls: window.Controls) ->
     controls.step(1)
     controls.toggle("indenter", False)
     controls.color("strain xz")
-    (now,) = controls.stages
+    (now,) = controls.actors
     assert (now.field, now.frame) == ("strain xz", 0)
     assert not surface(controls, "indenter").GetVisibility()
     assert next(title.split()[1] for title in controls.plotter.scalar_bars.keys()) == "xz"
     controls.color("pressure")
-    assert controls.stages[0].shown.whole
+    assert controls.actors[0].shown.whole
     controls.add_widgets()
 
 

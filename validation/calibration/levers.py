@@ -19,7 +19,7 @@ from fefinger.calibration.inverse import solve
 from fefinger.calibration.outcome import FitResult, layer, line, stiffening
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
-from fefinger.calibration.slow_press import Press, press
+from fefinger.calibration.slow_press import SlowPress, press
 from fefinger.calibration.targets import Frames, SubjectTarget, aligned
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.finger import Finger
@@ -175,7 +175,7 @@ def fit(finger: Finger, law: Laws, exponents: tuple[float, ...] = EXPONENTS) -> 
 
 def _pressed(
     finger: Finger, law: Laws, exponents: tuple[float, ...]
-) -> Iterator[tuple[float, Press]]:
+) -> Iterator[tuple[float, SlowPress]]:
     """Yield exponents and presses that are solved to SOLVED at least."""
     for exponent in exponents:
         try:

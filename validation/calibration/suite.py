@@ -21,7 +21,7 @@ from fefinger.calibration.curve import curve, family
 from fefinger.calibration.force import Forces
 from fefinger.calibration.outcome import ONE_G
 from fefinger.calibration.press_store import Work
-from fefinger.calibration.slow_press import Press, press
+from fefinger.calibration.slow_press import SlowPress, press
 from fefinger.mechanics import solid
 from fefinger.scene import library
 from fefinger.scene.ask import Ask
@@ -65,7 +65,7 @@ def left_out(subject: str) -> float:
     work = Work(targets.finger_of(subject, resolution="coarse"), None)
     radius = work.finger.pad_radius
 
-    def pressed(exponent: float) -> Press:
+    def pressed(exponent: float) -> SlowPress:
         return work.press("solid", "coarse", radius, exponent)
 
     missed = []

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.support.arrays import Array
 from fefinger.theory.array.sensor import ArraySensor, blurred
-from fefinger.theory.array.sensor_fit import BlurredCap, Fit, search
+from fefinger.theory.array.sensor_fit import BlurredCap, SensorFit, search
 from fefinger.theory.contact.curvature import series_modulus
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import Contact, paraboloid_at
@@ -63,7 +63,7 @@ def fitted(cover: str) -> dict[str, float]:
     return fit_ball(*press(cover)).parameters
 
 
-def fit_ball(depth: ArrayLike, pressure: ArrayLike, distance: ArrayLike) -> Fit:
+def fit_ball(depth: ArrayLike, pressure: ArrayLike, distance: ArrayLike) -> SensorFit:
     """Fit radius mm and modulus kPa of an incompressible ball on the array (A.2 to A.4).
 
     The array is an incompressible half-space of modulus SENSOR, as in the thesis; a 2 mm cover

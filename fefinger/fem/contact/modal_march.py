@@ -74,7 +74,7 @@ class ModalContact:
 
 
 @dataclass(frozen=True)
-class Grid:
+class TimeGrid:
     """Times (n_t,) s of the steps, and the numbers (n_out,) of those that are stored.
 
     longest: length in s of the longest step in which the modes have inertia.
@@ -88,7 +88,7 @@ class Grid:
 @one_thread
 def march_modes(
     contact: ModalContact,
-    grid: Grid,
+    grid: TimeGrid,
     prescribed: Prescribed,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> History:

@@ -17,7 +17,7 @@ from fefinger.fem.contact.step_compiled import PadState, load_history, store_his
 from fefinger.support.arrays import Array, Integers
 
 
-class Plate(NamedTuple):
+class RollingPlate(NamedTuple):
     """The plate, and the flexibility of the pad under tractions in the plane of rolling.
 
     Vectors of 2n have the x components first. forms (3, n, n): F_xx, F_xz + F_zx and F_zz; columns
@@ -38,11 +38,11 @@ class Plate(NamedTuple):
     factor: Array
 
 
-def plate(flexibility: Array, moments: Array, weights: Array, rim: Integers) -> Plate:
+def plate(flexibility: Array, moments: Array, weights: Array, rim: Integers) -> RollingPlate:
     """Allocate a plate without contact; `flexibility` is (2, n, 2, n)."""
     n = len(weights)
     (xx, xz), (zx, zz) = flexibility.transpose(0, 2, 1, 3)
-    return Plate(
+    return RollingPlate(
         forms=np.array([xx, xz + zx, zz]),
         columns=np.ascontiguousarray(flexibility.reshape(2 * n, 2 * n)),
         moments=np.ascontiguousarray(moments),
@@ -57,7 +57,9 @@ def plate(flexibility: Array, moments: Array, weights: Array, rim: Integers) -> 
 
 
 @njit(cache=True)
-def step(s: LcpState, m: PadState, p: Plate, dt: float, x: float, z: float, travel: float) -> int:
+def step(
+    s: LcpState, m: PadState, p: RollingPlate, dt: float, x: float, z: float, travel: float
+) -> int:
     """Advance by `dt` s to a plate with the normal (x, z), displaced `travel` mm along it.
 
     Return DONE, with the contact pressure in s.x and the elastic traction in m.elastic; or a
@@ -86,7 +88,7 @@ def step(s: LcpState, m: PadState, p: Plate, dt: float, x: float, z: float, trav
 
 
 @njit(cache=True, fastmath={"contract"})
-def _set_normal(s: LcpState, p: Plate, x: float, z: float) -> None:
+def _set_normal(s: LcpState, p: RollingPlate, x: float, z: float) -> None:
     """Set the normal (x, z): project the flexibility on it, and update F x of the last pressure."""
     if x == p.normal[0] and z == p.normal[1]:
         return

@@ -24,7 +24,7 @@ SAME = 1e-3
 """Relative difference below which sizes and ratios of moduli count as equal."""
 
 
-class Law(NamedTuple):
+class LumpedLaw(NamedTuple):
     """The law of a finger: b in N/mm, m in 1/mm, G, and their source.
 
     printed: whether they are those of Table 2.1. error: relative error of the force against `solid`
@@ -41,7 +41,7 @@ class Law(NamedTuple):
     caveat: str = ""
 
 
-def law(case: Situation) -> Law:
+def law(case: Situation) -> LumpedLaw:
     """Return the law of the finger of a scene, or that of Table 2.1 with a caveat."""
     finger = case.finger
     if measured_tissue.subject(finger) is not None:
@@ -64,16 +64,16 @@ def law(case: Situation) -> Law:
 
 def _printed(
     case: Situation, error: float = float("nan"), evidence: str = "not known", caveat: str = ""
-) -> Law:
+) -> LumpedLaw:
     rows, subject = pawluk1997.lumped(), case.finger.subject_name
     name = subject if subject in rows else pawluk1997.MEANS
     row, source = rows[name], f"Table 2.1, {name} ({pawluk1997.SOURCE})"
     if caveat:
         caveat = f"{caveat}; that of Table 2.1, {name}, is taken"
-    return Law(Spring(row.b, row.m), row.prony, source, True, error, evidence, caveat)
+    return LumpedLaw(Spring(row.b, row.m), row.prony, source, True, error, evidence, caveat)
 
 
-def _own(case: Situation, rows: Sequence[Mapping[str, Any]], b: float, m: float) -> Law:
+def _own(case: Situation, rows: Sequence[Mapping[str, Any]], b: float, m: float) -> LumpedLaw:
     """Return the identified law of a finger, scaled to the moduli of the scene."""
     finger = case.finger
     stiffer = finger.subcutaneous.modulus / rows[0]["subcutaneous_kPa"]
@@ -82,7 +82,7 @@ def _own(case: Situation, rows: Sequence[Mapping[str, Any]], b: float, m: float)
     source = f"reports/{LUMPED}: identified from {' and '.join(row['source'] for row in rows)}"
     error, evidence = press_mesh.error(LUMPED_LAW, case)
     evidence = f"{evidence}, identified from presses of the same finger (reports/{LUMPED})"
-    return Law(spring, finger.prony, source, False, error, evidence)
+    return LumpedLaw(spring, finger.prony, source, False, error, evidence)
 
 
 def between(rows: Iterable[Mapping[str, Any]], angle: float) -> tuple[float, float] | None:

@@ -91,7 +91,7 @@ def seconds(case: Situation) -> float:
     """Return the expected CPU time in s."""
     spent, finger = cost(case.mesh), case.finger
     relaxing, friction = tissue_relaxations(finger), case.indenter.kinetic
-    steps = _steps(case.motion, relaxing, friction, fast=case.fast)
+    steps = _steps(case.motion, relaxing, friction, fast=case.resolves_faii)
     deep = min(case.depth_over_thickness, spent.deepest)
     harder = spent.growth * deep + spent.sharp * case.indenter.sharp
     layers = (finger.skin, finger.subcutaneous)

@@ -14,7 +14,7 @@ from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.load_path import Path, StressHistory
 from fefinger.mechanics.press import elastic_store, placement
 from fefinger.mechanics.press.constitutive import laws
-from fefinger.mechanics.press.elastic_table import DepthTable, Modes
+from fefinger.mechanics.press.elastic_table import DepthTable, DisplacementBasis
 from fefinger.mechanics.press.finite_reference import reference_state
 from fefinger.mechanics.press.finite_strain import BUDGET, FINITE_STRAIN, Course, follow_course
 from fefinger.mechanics.press.load_steps import LoadSteps
@@ -130,7 +130,7 @@ def _solved(
         area=areas_of_steps(history, pad, column),
         pressure=pressure,
         gap=history.gap,
-        modes=Modes.of(np.array(fields)[:, : body.space.n_displacements]),
+        modes=DisplacementBasis.of(np.array(fields)[:, : body.space.n_displacements]),
         reach=history.contact.reach,
         modulus=press.finger.skin.modulus,
     )

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fefinger.mechanics.press.discretization import continued, refinement_location
-from fefinger.mechanics.press.elastic_table import DepthTable, Modes
+from fefinger.mechanics.press.elastic_table import DepthTable, DisplacementBasis
 from fefinger.mesh.shipped import data_folder
 from fefinger.mesh.store import sha256
 from fefinger.scene.finger import Finger
@@ -134,7 +134,7 @@ def read(place: Path) -> DepthTable:
     values = _read(place)
     return DepthTable(
         **{name: values[name].astype(float) for name in (*EXACT, *ROUNDED)},
-        modes=Modes(values["amplitudes"], values["shapes"]),
+        modes=DisplacementBasis(values["amplitudes"], values["shapes"]),
         reach=float(values["reach"]),
         modulus=float(values["modulus"]),
     )

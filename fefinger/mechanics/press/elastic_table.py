@@ -24,7 +24,7 @@ STEP, LEVELS = 3e-5, 32767
 
 
 @dataclass(frozen=True)
-class Modes:
+class DisplacementBasis:
     """Displacements as a few modes: fields (n, m) = amplitudes (n, r) @ shapes (r, m).
 
     The shapes are whole numbers of steps, which files hold in few bits.
@@ -60,7 +60,7 @@ class DepthTable:
     area: Array
     pressure: Array
     gap: Array
-    modes: Modes
+    modes: DisplacementBasis
     reach: float
     modulus: float
 

@@ -9,7 +9,7 @@ from scipy import sparse
 
 from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Operator, displaced
-from fefinger.fem.contact.modal_march import Grid, ModalContact, march_modes
+from fefinger.fem.contact.modal_march import ModalContact, TimeGrid, march_modes
 from fefinger.fem.contact.viscoelastic import History, Prescribed
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.mechanics.press.fields import fields_of
@@ -37,7 +37,9 @@ class ModalHistory:
     contact: History
 
 
-def solve_modal(press: Press, grid: Grid, stages: Stages, stiffening: float = 1.0) -> ModalHistory:
+def solve_modal(
+    press: Press, grid: TimeGrid, stages: Stages, stiffening: float = 1.0
+) -> ModalHistory:
     """Solve the contact with inertia at the times of a grid.
 
     `stiffening` multiplies the moduli of the finger.
@@ -107,6 +109,6 @@ def modal_fields(press: Press, history: ModalHistory) -> Fields:
     return fields_of(press, frames, unknowns, on_pad.vertices, contact.pressure[frames])
 
 
-def at_stored(press: Press, grid: Grid) -> Press:
+def at_stored(press: Press, grid: TimeGrid) -> Press:
     """Return the press at the stored times of a grid."""
     return replace(press, time=grid.time[grid.stored])

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.modal_march import Grid
+from fefinger.fem.contact.modal_march import TimeGrid
 from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at_vertices, tensors
@@ -96,7 +96,7 @@ def respond(
 
 def _corrected(
     scene: Scene,
-    grid: Grid,
+    grid: TimeGrid,
     stages: Stages,
     mechanics: str,
     notes: tuple[str, ...],
@@ -214,7 +214,7 @@ def _added(
     press: Press,
     history: ModalHistory,
     still: SmallStrainHistory,
-    grid: Grid,
+    grid: TimeGrid,
     factor: float,
     depth: float,
     relaxation: PreloadRelaxation,
@@ -309,7 +309,7 @@ def _fields(
     return replace(fields, displacement=moved, strain=strain, pressure=pressure)
 
 
-def _with_modes(answer: Response, history: ModalHistory, grid: Grid) -> Response:
+def _with_modes(answer: Response, history: ModalHistory, grid: TimeGrid) -> Response:
     """Add to an answer which modes had inertia, and whether contact was lost on the way."""
     oscillators = history.body.oscillators
     count = len(oscillators.squares)

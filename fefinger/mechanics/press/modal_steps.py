@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fefinger.fem.contact.modal_march import Grid
+from fefinger.fem.contact.modal_march import TimeGrid
 from fefinger.mechanics.press.time_steps import FAST_STEP, MODAL_STEP, MOST, time_grid
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array, Flags
@@ -23,7 +23,7 @@ RECORDED = 1e-3
 """Longest time in s between stored states while the finger rings; FAST_STEP for FAII."""
 
 
-def modal_grid(motion: Motion, *, fast: bool) -> Grid:
+def modal_grid(motion: Motion, *, fast: bool) -> TimeGrid:
     """Return the steps of a motion; stored are those of statics, and more while it rings.
 
     InputError if the motion takes more steps than memory holds.
@@ -58,7 +58,7 @@ def modal_grid(motion: Motion, *, fast: bool) -> Grid:
         done += int(count)
     times = np.concatenate(time)
     times[np.cumsum(parts)] = outer[1:]  # exactly those of statics
-    return Grid(times, np.concatenate(stored), longest * (1 + 1e-6))
+    return TimeGrid(times, np.concatenate(stored), longest * (1 + 1e-6))
 
 
 def _moving(motion: Motion, time: Array) -> Flags:

@@ -20,7 +20,7 @@ TABLE = 120  # number of contact radii, and of distances, in the table of the bl
 
 
 @dataclass(frozen=True)
-class Fit:
+class SensorFit:
     """Fitted parameters by name, and the error of Eq. 2.5 as a fraction."""
 
     parameters: dict[str, float]
@@ -50,7 +50,7 @@ def _cap(a: float) -> Callable[[Array], Array]:
     return lambda s: np.sqrt(np.maximum(a**2 - s**2, 0.0))
 
 
-def fit_fingerpad(depth: ArrayLike, pressure: ArrayLike, distance: ArrayLike) -> Fit:
+def fit_fingerpad(depth: ArrayLike, pressure: ArrayLike, distance: ArrayLike) -> SensorFit:
     """Fit R mm, the relaxed b ("c0_b", kPa/mm) and m 1/mm to a slow press (Eq. 3.17, 3.18).
 
     Parameters
@@ -79,7 +79,7 @@ def search(
     depth: ArrayLike,
     pressure: ArrayLike,
     distance: ArrayLike,
-) -> Fit:
+) -> SensorFit:
     """Minimize the squared error of `predict` over the logarithms of the parameters (simplex).
 
     guess: by name, that of the radius in mm first; other arguments and errors as `fit_fingerpad`.
@@ -109,4 +109,4 @@ def search(
         msg = f"fit: expected a minimum, the search ended at {values.round(4).tolist()} without one"
         raise ValueError(msg)
     spread = float(np.sum((pressure - pressure.mean()) ** 2))
-    return Fit(dict(zip(guess, values.tolist(), strict=True)), float(minimum.fun) / spread)
+    return SensorFit(dict(zip(guess, values.tolist(), strict=True)), float(minimum.fun) / spread)

@@ -33,7 +33,7 @@ STEP = 2**0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class ContactTable:
     """Contacts (n,) of a rigid paraboloid of `radius` mm with `stack`, of growing contact radius.
 
     Made by `tabulate`.
@@ -150,7 +150,9 @@ class Table:
 
 
 @lru_cache(maxsize=8)
-def _strain_per_force(table: Table, r: tuple[float, ...], z: tuple[float, ...]) -> CubicSpline:
+def _strain_per_force(
+    table: ContactTable, r: tuple[float, ...], z: tuple[float, ...]
+) -> CubicSpline:
     """Spline of the strain (4, n_p) at points r, z mm per unit force, over the contact radius a.
 
     It tends to that of a point force with zero slope in a.
@@ -162,7 +164,7 @@ def _strain_per_force(table: Table, r: tuple[float, ...], z: tuple[float, ...]) 
 
 
 @lru_cache(maxsize=16)
-def tabulate(stack: Stack, radius: float, *, widest: float, levels: int = LEVELS) -> Table:
+def tabulate(stack: Stack, radius: float, *, widest: float, levels: int = LEVELS) -> ContactTable:
     """Tabulate contacts of a paraboloid of `radius` mm up to a contact radius of `widest` mm.
 
     The last tables are cached: scenes of one finger share them. ValueError as in
@@ -175,7 +177,7 @@ def tabulate(stack: Stack, radius: float, *, widest: float, levels: int = LEVELS
     # thin.
     wide = widest * (np.arange(1, levels + 1) / levels) ** 2
     solved = [paraboloid(stack, radius, contact_radius=float(a)) for a in wide]
-    return Table(stack, radius, tuple(solved))
+    return ContactTable(stack, radius, tuple(solved))
 
 
 def tabulate_to(
@@ -185,7 +187,7 @@ def tabulate_to(
     depth: float | None = None,
     force: float | None = None,
     levels: int = LEVELS,
-) -> Table:
+) -> ContactTable:
     """Tabulate contacts up to `depth` mm, or else up to `force` mN.
 
     The widest contact is the smallest power of STEP mm that suffices, or `radius`.
