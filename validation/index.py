@@ -18,7 +18,9 @@ from fefinger.pages import page
 
 ABOUT = suites.ABOUT | {
     "calibrated": "Calibrated subjects: parameters, curves, parts of the stiffening, profiles.",
-    "calibration_levers": "Effect of assumptions on R, m and c0 b of the fit to simulated frames.",
+    "calibration_sensitivity": (
+        "Effect of assumptions on R, m and c0 b of the fit to simulated frames."
+    ),
     "round-tip": "From the flat pad of a.h. to a finger with a round tip, step by step.",
     "contact-angle": "Effect of the angle of a plate on contact, asymmetry, strain and spikes.",
     "bench-condensed": "Speed and memory of building and stepping condensed fingers.",

@@ -8,9 +8,9 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 from fefinger.validation.calibration import (
-    lever_figures,
-    levers,
     report,
+    sensitivity,
+    sensitivity_figures,
     subjects,
     suite,
     tip_shape,
@@ -80,14 +80,14 @@ def test_the_figures_of_the_quick_cases_are_drawn():
 @pytest.mark.parametrize("subject", SUBJECTS)
 def test_table_3_2_comes_back_from_its_own_frames(subject):
     row = pawluk1997.quasistatic()[subject]
-    found = pad_radius.thesis_fit(levers.half_space(subject))
+    found = pad_radius.thesis_fit(sensitivity.half_space(subject))
     assert (found.radius, found.m, found.c0_b) == pytest.approx((row.radius, row.m, row.b), 1e-3)
 
 
 def test_frames_of_a_contact_of_hertz_carry_its_force_and_have_its_radius():
     depth = np.linspace(0.0, 1.5, 41)
     force = 0.4 * depth**2.1
-    frames = levers.hertzian(13.0, depth, force)
+    frames = sensitivity.hertzian(13.0, depth, force)
     assert 4e-3 * frames.pressure[-1].sum() == pytest.approx(force[-1], rel=0.01)
     assert pad_radius.thesis_fit(frames).radius == pytest.approx(13.0, rel=0.01)
 
@@ -128,18 +128,18 @@ def test_the_speed_of_surface_waves_is_the_root_of_the_cubic_of_rayleigh():
     assert tip_shape.speed(3.3, 1100.0) == pytest.approx(np.sqrt(x), rel=1e-4)
 
 
-def test_levers_in_the_finger_are_drawn_and_a_table_tells_what_each_would_change(monkeypatch):
-    plain = levers.Fitted(
+def test_assumptions_on_the_finger_are_drawn_and_a_table_tells_what_each_would_change(monkeypatch):
+    plain = sensitivity.Fitted(
         *("the finger as it is", 10.0, 1.0, 11.0, 0.06, 7.0, 3.6, 2.1, 0.2, 0.01, 1.1, 1.7, 3.0)
     )
     other = replace(plain, lever="nail free (held)", radius=11.0, stiffness_b=0.25)
     unable = replace(plain, lever="skin alone stiffens", misfit=5.0, stiffness_b=1.2)
     rows = [asdict(each) for each in (plain, other, unable)]
-    tried = report.levers() | {"finger": rows}
-    monkeypatch.setattr(lever_figures, "levers", lambda: tried)
-    ((_, drawn),) = lever_figures.figures()
+    tried = report.sensitivity() | {"finger": rows}
+    monkeypatch.setattr(sensitivity_figures, "sensitivity", lambda: tried)
+    ((_, drawn),) = sensitivity_figures.figures()
     assert "<svg" in figures.svg(drawn)
-    told, sessions = lever_figures.tables()
+    told, sessions = sensitivity_figures.tables()
     assert "b of 0.2 to 0.25 N/mm and R of 10 to 11 mm" in told["caption"]
     assert [row[0] for row in told["rows"]] == [each["lever"] for each in rows]
     assert told["rows"][1][5] == "11 (+10 %)"

@@ -1,4 +1,4 @@
-"""Read `reports/calibrated.json`, `calibration_levers.json` and `round-tip.json`."""
+"""Read `reports/calibrated.json`, `calibration_sensitivity.json` and `round-tip.json`."""
 
 import json
 from functools import cache
@@ -9,7 +9,7 @@ from fefinger.scene.library import CALIBRATED
 from fefinger.support.package_data import report
 
 
-LEVERS = "calibration_levers.json"
+SENSITIVITY = "calibration_sensitivity.json"
 ROUND_TIP = "round-tip.json"
 
 
@@ -27,9 +27,9 @@ def calibrated(subject: str) -> Calibration:
 
 
 @cache
-def levers() -> dict[str, Any]:
-    """Read the causes of differences in R, m and c0 b, as `evidence.levers` measured them."""
-    record: dict[str, Any] = json.loads(report(LEVERS))
+def sensitivity() -> dict[str, Any]:
+    """Read the causes of differences in R, m and c0 b, as `evidence.sensitivity` measured them."""
+    record: dict[str, Any] = json.loads(report(SENSITIVITY))
     return record
 
 

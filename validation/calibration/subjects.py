@@ -10,7 +10,7 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from fefinger.validation.calibration import levers
+from fefinger.validation.calibration import sensitivity
 from fefinger.validation.calibration.report import calibrated, rows
 from fefinger.validation.case import Case, Expected, Noted
 
@@ -49,7 +49,7 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
     yield from _force(subject)
     yield Case(
         f"{subject}: R, m and c0 b of Table 3.2 through the array and back, the largest miss",
-        partial(levers.oracle, subject),
+        partial(sensitivity.oracle, subject),
         Expected(0.0, 0.02, "1"),
         "Table 3.2: its half-space to 2.3 N, with the noise of the array",
         reason="half a unit of the last printed digit of m and b is 1 to 5 %",

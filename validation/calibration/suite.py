@@ -9,7 +9,13 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.calibration import figures as calibration_figures
-from fefinger.validation.calibration import lever_figures, solid_twin, subjects, tip_shape, twin
+from fefinger.validation.calibration import (
+    sensitivity_figures,
+    solid_twin,
+    subjects,
+    tip_shape,
+    twin,
+)
 from fefinger.validation.calibration.report import calibrated, rows
 from fefinger.validation.calibration.subjects import PRINTED
 from fefinger.validation.case import Case, Expected
@@ -181,11 +187,13 @@ def finding() -> dict[str, Any]:
     """Return the tables of the calibrated subjects and of what moves what is found."""
     if not rows():
         return {}
-    return {"tables": [calibration_figures.table(), *lever_figures.tables(), tip_shape.table()]}
+    return {
+        "tables": [calibration_figures.table(), *sensitivity_figures.tables(), tip_shape.table()]
+    }
 
 
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield captions and matplotlib Figures of the calibrated subjects."""
     if rows():
         yield from calibration_figures.figures()
-        yield from lever_figures.figures()
+        yield from sensitivity_figures.figures()

@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from fefinger.validation.calibration import levers
+from fefinger.validation.calibration import sensitivity
 from fefinger.validation.calibration.report import ROUND_TIP, round_tip
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.human.suite import MANFREDI, RAYLEIGH
@@ -118,9 +118,9 @@ def law(finger: Finger, exponent: float) -> Finger:
     return stiffening(finger, exponent)
 
 
-def refitted(finger: Finger, law: levers.Laws) -> Finger:
+def refitted(finger: Finger, law: sensitivity.Laws) -> Finger:
     """Return the finger with modulus, exponent and relaxation fitted to Table 2.1."""
-    fitted = levers.fit(finger, law, EXPONENTS)
+    fitted = sensitivity.fit(finger, law, EXPONENTS)
     if fitted is None:
         raise ValueError(f"{finger.resolution}: expected two presses or more, received fewer")
     values = fitted.solution.values
@@ -182,10 +182,10 @@ def measured() -> list[dict[str, Any]]:
 
     Then the shipped fingers, on both.
     """
-    trials = [(name, finger, levers.both) for name, finger in steps()]
+    trials = [(name, finger, sensitivity.both) for name, finger in steps()]
     (_, first, _), (_, last, _) = trials[0], trials[-1]
     trials.append((f"and {library.SKIN_EXPONENT_RATIO:g} times its exponent", last, law))
-    trials.append((FIRST, replace(first, resolution="standard"), levers.both))
+    trials.append((FIRST, replace(first, resolution="standard"), sensitivity.both))
     trials.append((ALL, replace(last, resolution="standard"), law))
     rows = [figures(step, refitted(finger, of)) for step, finger, of in trials]
     meshes = ("coarse", "standard")

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from fefinger.validation.calibration.report import calibrated, levers
+from fefinger.validation.calibration.report import calibrated, sensitivity
 
 from fefinger.calibration import pad_radius
 from fefinger.view.figures import INK, STEEL, WIDE, figure, style
@@ -20,21 +20,21 @@ ROUNDING = 1e-9
 
 
 def figures() -> Iterator[tuple[str, Any]]:
-    """Yield caption and Figure: the levers."""
+    """Yield caption and Figure: effect of assumptions."""
     with style():
-        yield _caption(), _levers()
+        yield _caption(), _sensitivity()
 
 
 def tables() -> Iterator[dict[str, Any]]:
     """Yield the table of the assumptions, if they were tried, and that of the two sessions."""
-    if levers()["finger"]:
+    if sensitivity()["finger"]:
         yield _assumptions()
     yield _sessions()
 
 
 def _caption() -> str:
-    subject, tried = levers()["subject"], levers()["finger"]
-    read = levers()["reading"][subject]
+    subject, tried = sensitivity()["subject"], sensitivity()["finger"]
+    read = sensitivity()["reading"][subject]
     small = max(
         abs(row["radius"] - read[0]["radius"])
         for row in read
@@ -54,9 +54,9 @@ def _caption() -> str:
     )
 
 
-def _levers() -> Any:
-    subject = levers()["subject"]
-    blocks = [each for each in (levers()["finger"], levers()["reading"][subject]) if each]
+def _sensitivity() -> Any:
+    subject = sensitivity()["subject"]
+    blocks = [each for each in (sensitivity()["finger"], sensitivity()["reading"][subject]) if each]
     count = sum(len(block) for block in blocks)
     made = figure(WIDE, 0.8 + 0.21 * count)
     axes = made.subplots(1, len(NAMES), sharey=True)
@@ -93,23 +93,23 @@ def _block(ax: Any, block: list[dict[str, Any]], name: str, first: int) -> None:
 
 
 def _assumptions_caption() -> str:
-    rows = levers()["finger"]
+    rows = sensitivity()["finger"]
     fitted = [row for row in rows if row["misfit"] < MISSES]
     ends = [
         f"{min(r[k] for r in fitted):.2g} to {max(r[k] for r in fitted):.2g}" for k in OF_FORCE[1:]
     ]
     return (
-        f"Effect of assumptions, subject {levers()['subject']}: fingers of the coarse mesh with "
-        "modulus and exponent refitted to the force of Table 2.1, and the change relative to the "
-        "first row. m and b are those of the line of stiffness against force, R is the result of "
-        "the thesis's fit to frames up to 1.1 N. Fingers that reproduce the force of the subject "
+        f"Effect of assumptions, subject {sensitivity()['subject']}: fingers of the coarse mesh "
+        "with modulus and exponent refitted to the force of Table 2.1, and the change relative to "
+        "the first row. m and b are those of the line of stiffness against force, R is the result "
+        "of the thesis's fit to frames up to 1.1 N. Fingers that reproduce the force of the subject "
         f"have b of {ends[0]} N/mm and R of {ends[1]} mm; with a misfit of {MISSES:g} or more the "
         "finger cannot reproduce that force."
     )
 
 
 def _assumptions() -> dict[str, Any]:
-    rows = levers()["finger"]
+    rows = sensitivity()["finger"]
     heads = ("assumption", "E in kPa", "exponent", "m in 1/mm", "b in N/mm", "R in mm", "misfit")
     cells = [
         [
@@ -140,14 +140,14 @@ def _sessions_caption() -> str:
 
 
 def _sessions() -> dict[str, Any]:
-    cells = [row for name in levers()["force"] for row in ([name], *_rows(name))]
+    cells = [row for name in sensitivity()["force"] for row in ([name], *_rows(name))]
     heads = ("frames of", *HEADS, "squared error")
     return {"caption": _sessions_caption(), "heading": heads, "rows": cells}
 
 
 def _rows(subject: str) -> list[list[str]]:
     printed = pad_radius.printed(subject)
-    force = {each["lever"]: each for each in levers()["force"][subject]}
+    force = {each["lever"]: each for each in sensitivity()["force"][subject]}
     at_zero, early = (each for name, each in force.items() if name.startswith("relaxed force"))
     residuals = calibrated(subject).residuals
     rows = {
@@ -157,7 +157,7 @@ def _rows(subject: str) -> list[list[str]]:
         "touched 0.3 mm before": _fitted(early),
         "calibrated finger": (
             *(residuals[f"array {name}"] for name in NAMES),
-            levers()["reading"][subject][0]["error"],
+            sensitivity()["reading"][subject][0]["error"],
         ),
     }
     return [

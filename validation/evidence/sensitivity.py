@@ -1,7 +1,7 @@
 """Measure causes of differences in R, m and c0 b; write the report of suite `calibration`.
 
-Run as `python -m fefinger.validation.evidence.levers reports [finger]`, after
-`evidence_calibration`. Levers in the finger itself are tried where "finger" is said, some 10
+Run as `python -m fefinger.validation.evidence.sensitivity reports [finger]`, after
+`evidence_calibration`. Changes of the finger itself are tried where "finger" is said, some 10
 minutes of presses; otherwise those in the report are kept.
 """
 
@@ -11,21 +11,21 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from fefinger.validation.calibration import levers
-from fefinger.validation.calibration.report import LEVERS, calibrated, rows
+from fefinger.validation.calibration import sensitivity
+from fefinger.validation.calibration.report import SENSITIVITY, calibrated, rows
 from fefinger.validation.provenance import compact, provenance
 
 
 SUBJECT = "a.h."
-"""Whose finger the levers are tried in."""
+"""Whose finger is changed."""
 
 
 def report(finger: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the report, with the levers in the finger."""
+    """Return the report, with the changes of the finger."""
     calibrations = {name: calibrated(name) for name in rows()}
-    reading, force = levers.of_reading, levers.of_force
+    reading, force = sensitivity.of_reading, sensitivity.of_force
     return {
-        **provenance("python -m fefinger.validation.evidence.levers reports"),
+        **provenance("python -m fefinger.validation.evidence.sensitivity reports"),
         "subject": SUBJECT,
         "finger": finger,
         "reading": {
@@ -36,9 +36,9 @@ def report(finger: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) / LEVERS
+    target = Path(sys.argv[1]) / SENSITIVITY
     if sys.argv[2:] == ["finger"]:
-        tried = levers.of_fingers(SUBJECT)
+        tried = sensitivity.of_fingers(SUBJECT)
     else:
         tried = json.loads(target.read_text(encoding="utf-8"))["finger"] if target.exists() else []
     target.write_text(compact(report(tried)), encoding="utf-8")

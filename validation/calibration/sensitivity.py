@@ -1,6 +1,6 @@
 """Causes of differences in R, m and c0 b of the thesis's fit of the frames of a slow press.
 
-One lever at a time: in the finger (its modulus and exponent are fitted to the force again), in the
+One change at a time: in the finger (its modulus and exponent are fitted to the force again), in the
 array and its reading, and in the force that the fit has to share with Table 2.1.
 """
 
@@ -193,14 +193,14 @@ def _line(wanted: SubjectTarget, curve: Curve, factor: float, prony: Prony) -> t
 
 
 def of_fingers(subject: str) -> list[dict[str, float | str]]:
-    """Return the levers in the finger of a subject, on the coarse mesh."""
+    """Return the changes of the finger of a subject, on the coarse mesh."""
     start = Work(targets.finger_of(subject, resolution="coarse"), None).finger
     tried = (of_finger(*each) for each in fingers(start))
     return [asdict(each) for each in tried if each is not None]
 
 
 def of_reading(calibration: Calibration) -> list[Found]:
-    """Return the levers in the array and in how it is read, for a calibrated finger."""
+    """Return the changes of the array and of how it is read, for a calibrated finger."""
     sensor, curve, prony = ArraySensor(), calibration.curve, calibration.prony
     plain = pad.simulated(curve, 1.0, prony)
     inner = plain.distance < 6.0
