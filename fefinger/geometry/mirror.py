@@ -17,7 +17,7 @@ SIGNS = np.array([1.0, -1.0, 1.0])
 TENSOR_SIGNS = np.outer(SIGNS, SIGNS)
 """Factors of a reflection on the components (3, 3) of a tensor."""
 
-SIX_SIGNS = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
+VOIGT_SIGNS = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
 """Factors of a reflection on the components xx, yy, zz, xy, yz, xz of a symmetric tensor."""
 
 ROUNDING = 1e-9
@@ -79,9 +79,9 @@ class Halves:
         """Return points or vectors (..., n, 3) of the whole."""
         return np.concatenate([vectors, image(vectors[..., self.aside, :])], axis=-2)
 
-    def six(self, tensors: Array) -> Array:
+    def voigt(self, tensors: Array) -> Array:
         """Return symmetric tensors (..., n, 6) of the whole."""
-        return np.concatenate([tensors, tensors[..., self.aside, :] * SIX_SIGNS], axis=-2)
+        return np.concatenate([tensors, tensors[..., self.aside, :] * VOIGT_SIGNS], axis=-2)
 
     def shares(self, shares: Array) -> Array:
         """Return shares of points in a sum over the whole, as areas (n,): doubled on the plane."""

@@ -8,6 +8,7 @@ functions of the present strain, so that relaxation at constant strain changes n
 import numpy as np
 
 from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS, volumes
+from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.results.records import Fields
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
@@ -50,18 +51,13 @@ def split(strain: Array, tissue: Tissue, *, finite: bool) -> tuple[Array, Array]
     if not finite:
         squares = (deviator**2) @ np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
         return shear * squares, bulk / 2 * trace**2
-    logs = np.linalg.eigvalsh(tensors(deviator))
+    logs = np.linalg.eigvalsh(tensor_from_voigt(deviator))
     first, second = (np.expm1(sign * 2 * logs).sum(axis=1) for sign in (1, -1))
     share = SHARES[tissue.law] if tissue.share is None else tissue.share
     if tissue.exponent is not None:
         first = np.expm1(tissue.exponent * first) / tissue.exponent
     distortion = shear / 2 * (share * first + (1 - share) * second)
     return distortion, bulk / 2 * np.expm1(trace) ** 2
-
-
-def tensors(six: Array) -> Array:
-    """Return the symmetric tensors (n, 3, 3) of components xx yy zz xy yz xz (n, 6)."""
-    return six[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
 
 
 def shares(fields: Fields) -> tuple[Array, Array]:

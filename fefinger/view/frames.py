@@ -80,7 +80,7 @@ def whole(fields: Fields) -> Fields:
         cells=halves.cells(fields.cells),
         region=np.concatenate([fields.region, fields.region]),
         displacement=halves.vectors(fields.displacement),
-        strain=halves.six(fields.strain),
+        strain=halves.voigt(fields.strain),
         pressure=halves.values(fields.pressure, axis=1),
     )
 

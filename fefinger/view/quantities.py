@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.results import energy
 from fefinger.results.records import Fields
 from fefinger.results.result_record import ResultRecord
@@ -145,7 +146,7 @@ def values(result: ResultRecord, field: str, frame: int) -> Array:
     strain = 100.0 * fields.strain[frame]
     if field.removeprefix("strain ") in COMPONENTS:
         return np.asarray(strain[:, COMPONENTS.index(field.removeprefix("strain "))])
-    principal = np.asarray(np.linalg.eigvalsh(energy.tensors(strain)), np.float64)  # ascending
+    principal = np.asarray(np.linalg.eigvalsh(tensor_from_voigt(strain)), np.float64)  # ascending
     if field in PRINCIPAL:
         return np.asarray(principal[:, 2 - PRINCIPAL.index(field)])
     if field == "compressive strain":

@@ -50,7 +50,7 @@ def test_tensors_of_the_half_are_those_of_the_whole_at_the_places_themselves():
 
 
 def test_the_signs_of_six_components_are_those_of_the_tensor():
-    assert np.array_equal(mirror.SIX_SIGNS, [mirror.TENSOR_SIGNS[pair] for pair in PAIRS])
+    assert np.array_equal(mirror.VOIGT_SIGNS, [mirror.TENSOR_SIGNS[pair] for pair in PAIRS])
 
 
 def test_a_whole_shares_the_points_of_the_plane():
@@ -78,7 +78,7 @@ def test_fields_of_the_whole_are_those_of_the_half_on_either_side():
     halves, points = Halves.of(POINTS), Halves.of(POINTS).vectors(POINTS)
     shift = np.stack([POINTS, 2 * POINTS])  # a field (n_t, n, 3) that is the place itself
     assert halves.vectors(shift) == pytest.approx(np.stack([points, 2 * points]))
-    assert halves.six(six(gradient(POINTS))) == pytest.approx(six(gradient(points)))
+    assert halves.voigt(six(gradient(POINTS))) == pytest.approx(six(gradient(points)))
     pressure = np.stack([POINTS[:, 1] ** 2, POINTS[:, 0]])
     assert np.array_equal(halves.values(pressure, axis=1), [points[:, 1] ** 2, points[:, 0]])
 

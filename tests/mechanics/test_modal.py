@@ -11,7 +11,7 @@ from fefinger.validation.waves.measure import pressed_force
 from fefinger.validation.waves.preload import Preloaded
 
 import fefinger as ff
-from fefinger.fem.elements.probe import tensors
+from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics import condensed, modal, pressed
 from fefinger.mechanics.evidence import vibration
 from fefinger.mechanics.press.modal_steps import RINGING, modal_grid
@@ -197,7 +197,7 @@ def test_a_slow_oscillation_strains_as_the_relaxed_finger_does_between_two_depth
     middle, apart, relaxed = 0.8, 1e-5, []  # mm; too close for a vertex to come into contact
     for depth in (middle - apart, middle + apart):
         still.reset()
-        relaxed.append(tensors(still.step(depth, 1e6).strain))
+        relaxed.append(tensor_from_voigt(still.step(depth, 1e6).strain))
     slope = (relaxed[1] - relaxed[0]) / (2 * apart)
     strain = loop.harmonic([1e-4], depth=middle).strain[0]
     assert strain.real == pytest.approx(slope, abs=2e-3 * np.abs(slope).max())

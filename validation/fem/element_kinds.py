@@ -22,10 +22,11 @@ from scipy import sparse
 
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.elements.probe import strain_at, tensors
+from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.dissection import dissect
+from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.threads import one_thread
 from fefinger.theory.contact.stack import Stack
@@ -249,7 +250,7 @@ def _row(kind: Kind, body: Quarter, exact: Exact, points: Array, strain: Array) 
     pressed, displacement, seconds, unknowns = solved(kind, body, exact.depth)
     full = np.zeros(body.space.n_unknowns)
     full[: len(displacement)] = displacement
-    computed = tensors((strain_at(body.space, points) @ full).reshape(-1, 6))
+    computed = tensor_from_voigt((strain_at(body.space, points) @ full).reshape(-1, 6))
     departure = np.linalg.norm(computed - strain, axis=(1, 2))
     size = np.linalg.norm(strain, axis=(1, 2)).max()
     peak = float(exact.pressure(np.array(0.0), np.array(0.0)))

@@ -11,9 +11,10 @@ from fefinger.validation.problems.grids import box
 from scipy.linalg import eigh
 
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.probe import strain_at, tensors
+from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.elements.spaces import Space, trace
 from fefinger.fem.linalg.system import factor
+from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.support.arrays import Array
 
 
@@ -61,7 +62,7 @@ def patch_error(poisson: float) -> float:
     prescribed = (places @ GRADIENT.T).ravel()[fixed]
     answer = system.solve(np.zeros(space.n_unknowns), prescribed)
     points = np.random.default_rng(0).uniform(0.05, 0.95, (20, 3))
-    computed = tensors((strain_at(space, points) @ answer).reshape(-1, 6))
+    computed = tensor_from_voigt((strain_at(space, points) @ answer).reshape(-1, 6))
     return float(np.abs(computed - (GRADIENT + GRADIENT.T) / 2).max())
 
 

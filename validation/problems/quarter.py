@@ -14,10 +14,11 @@ from fefinger.validation.oracles.point_force import point_displacement
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.probe import strain_at, tensors
+from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import System, factor
+from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.support.arrays import Array, Flags, Integers
 
 
@@ -146,12 +147,12 @@ class Pressed:
     def strain(self, points: Array) -> Array:
         """Return the strain (n_points, 3, 3) at points (n_points, 3) mm."""
         rows = strain_at(self.body.space, points) @ self.unknowns
-        return tensors(rows.reshape(-1, 6))
+        return tensor_from_voigt(rows.reshape(-1, 6))
 
     def recovered_strain(self, points: Array) -> Array:
         """Return the strain (n_points, 3, 3) recovered from the displacements around the points."""
         rows = recovered_strain_at(self.body.space, points, planes=(0, 1)) @ self.unknowns
-        return tensors(rows.reshape(-1, 6))
+        return tensor_from_voigt(rows.reshape(-1, 6))
 
     def pressure_error(self, exact: Exact, within: float) -> float:
         """Return the L2 error of the pressure over that of the exact one.

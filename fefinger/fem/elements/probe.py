@@ -8,13 +8,10 @@ from scipy import sparse
 from fefinger.fem.elements.assembly import scattered
 from fefinger.fem.elements.spaces import Space
 from fefinger.geometry.locate import around
+from fefinger.geometry.voigt import VOIGT
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.tolerances import INSIDE, SHARED
-
-
-VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
-"""Order of the six strain components: xx yy zz xy yz xz, tensor (not engineering) shear."""
 
 
 def symmetric_part(count: int) -> sparse.csr_matrix:
@@ -92,14 +89,6 @@ def gradient_at_vertices(space: Space) -> sparse.csr_matrix:
         vertex = space.vertices[:, corner]
         mean = mean + _mean(vertex, volumes / total[vertex], len(space.points)) @ rows
     return mean.tocsr()
-
-
-def tensors(components: Array) -> Array:
-    """Return symmetric tensors (..., 3, 3) from components (..., 6) in the order of VOIGT."""
-    full = np.empty((*components.shape[:-1], 3, 3))
-    for k, (i, j) in enumerate(VOIGT):
-        full[..., i, j] = full[..., j, i] = components[..., k]
-    return full
 
 
 def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:

@@ -5,11 +5,12 @@ from collections.abc import Iterable
 import numpy as np
 from scipy import sparse
 
-from fefinger.fem.elements.probe import VOIGT, gradient_at_vertices, strain_at_vertices
+from fefinger.fem.elements.probe import gradient_at_vertices, strain_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.geometry.locate import inside_weights
+from fefinger.geometry.voigt import VOIGT
 from fefinger.mechanics.press.history import SmallStrainHistory, frames_of
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Fields

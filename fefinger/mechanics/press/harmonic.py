@@ -18,9 +18,9 @@ from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.obstacle import Rigid
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.contact.viscoelastic import depth_at
-from fefinger.fem.elements.probe import tensors
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
+from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import limits, problem
 from fefinger.mechanics.press.modal_body import ModalBody, body_of_modes, rest_inertia, stiffened
 from fefinger.mechanics.press.mode_store import FingerModes
@@ -208,7 +208,7 @@ class Vibrating:
         rows = pressure @ static.rows.T + amplitude @ self.body.strain.T
         n_sites = 0 if sites is None else len(sites.points)
         flat = rows[:, : 6 * n_sites].reshape(len(frequency), n_sites, 6)
-        strain = tensors(flat.real) + 1j * tensors(flat.imag)
+        strain = tensor_from_voigt(flat.real) + 1j * tensor_from_voigt(flat.imag)
         if self.solid.half and sites is not None:
             strain = mirror.from_half(strain, sites.points)
         return strain, rows[:, 6 * n_sites :].reshape(len(frequency), -1, 3)

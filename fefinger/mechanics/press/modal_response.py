@@ -17,7 +17,8 @@ from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.modal_march import TimeGrid
 from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.elements.probe import strain_at_vertices, tensors
+from fefinger.fem.elements.probe import strain_at_vertices
+from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import operator, problem, tabulated_press
 from fefinger.mechanics.press.fields import interpolation
 from fefinger.mechanics.press.harmonic import Vibrating, about
@@ -265,7 +266,7 @@ def _strain(
         return answer.strain
     change = history.contact.elastic @ history.body.complete.strain.T
     change -= still.contact.elastic @ still.reduced.strain.T
-    return answer.strain + press.unfolded(tensors(change.reshape(len(change), -1, 6)))
+    return answer.strain + press.unfolded(tensor_from_voigt(change.reshape(len(change), -1, 6)))
 
 
 def _open(values: Array | None, force: Array, empty: float = 0.0) -> Array | None:

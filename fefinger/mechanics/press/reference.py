@@ -5,8 +5,8 @@ import numpy as np
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.elements.probe import tensors
 from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press.problem import REACH, Press, ReferencePlate, SolutionMethod
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.neural.reference import Reference
@@ -30,7 +30,7 @@ def reference_press(
     free = reduced.patch.gap - REFERENCE_DEPTH * reduced.patch.projected
     pressure = Complementarity(reduced.flexibility).solve(free)
     check_border(pressure, reduced.patch.border)
-    strain = tensors((reduced.strain @ pressure).reshape(-1, 6))
+    strain = tensor_from_voigt((reduced.strain @ pressure).reshape(-1, 6))
     return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)
 
 

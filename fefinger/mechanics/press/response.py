@@ -8,8 +8,8 @@ import numpy as np
 
 from fefinger.fem.body import Body, Solid
 from fefinger.fem.contact.contact_area import CandidateSurface
-from fefinger.fem.elements.probe import tensors
 from fefinger.geometry import mirror
+from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import dragged, sliding
 from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_fields
 from fefinger.mechanics.press.history import TANGENT_SOLVER, FiniteStrainHistory, SmallStrainHistory
@@ -46,7 +46,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         strain = None
         if press.sites is not None:
             components = contact.elastic @ history.reduced.strain.T
-            strain = press.unfolded(tensors(components.reshape(len(press.time), -1, 6)))
+            strain = press.unfolded(tensor_from_voigt(components.reshape(len(press.time), -1, 6)))
         lateral = sliding.lateral(press, history, pad, column) if press.tangential else None
     penetration = deepest_penetration(gap)
     return make_response(

@@ -284,7 +284,7 @@ def unfolded(solid: Solid, points: Array, strain: Array) -> Array:
     """Return strain (6 n, ...) at points (n, 3), given that at their places in the half body."""
     if not solid.half:
         return strain
-    signs = np.where(points[:, 1:2] < 0, mirror.SIX_SIGNS, 1.0)
+    signs = np.where(points[:, 1:2] < 0, mirror.VOIGT_SIGNS, 1.0)
     return signs.reshape(-1, 1) * strain
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.fem.elements.probe import VOIGT
+from fefinger.geometry.voigt import VOIGT
 from fefinger.mechanics import pressed
 from fefinger.mechanics.press import elastic_press
 from fefinger.mechanics.press.notes import elastic_hard_parts_reasons, separate_relaxation_reasons

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fefinger.fem.body import Solid
-from fefinger.fem.elements.probe import inside, tensors
+from fefinger.fem.elements.probe import inside
+from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import operator
 from fefinger.mechanics.realtime.condensed import reference
 from fefinger.mechanics.realtime.loop import units
@@ -121,7 +122,7 @@ def end_organs(solid: Solid) -> Sites:
 
 def compressive(strain: Array) -> Array:
     """Return max(0, -smallest principal strain) of (n, 6)."""
-    return np.maximum(0.0, -np.linalg.eigvalsh(tensors(strain))[:, 0])
+    return np.maximum(0.0, -np.linalg.eigvalsh(tensor_from_voigt(strain))[:, 0])
 
 
 def status_line(frame: Frame) -> str:

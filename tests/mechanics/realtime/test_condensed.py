@@ -12,8 +12,8 @@ from numba.core.runtime import _nrt_python, rtsys
 
 import fefinger as ff
 from fefinger.fem.contact.obstacle import Obstacle
-from fefinger.fem.elements.probe import tensors
 from fefinger.geometry.profiles import Ellipsoid
+from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics import condensed
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.neural.membranes import HodgkinHuxley
@@ -56,7 +56,7 @@ def along(finger: Condensed, motion: ff.Ramp, time: np.ndarray) -> dict[str, np.
     take = finger.step if motion.control == "depth" else finger.step_force
     steps = zip(motion.value(time).tolist(), np.diff(time, prepend=0.0).tolist(), strict=True)
     rows = [
-        (s.depth, s.force, (s.x, s.y), tensors(np.array(s.strain)))
+        (s.depth, s.force, (s.x, s.y), tensor_from_voigt(np.array(s.strain)))
         for s in (take(value, dt) for value, dt in steps)
     ]
     names = ("depth", "force", "centroid", "strain")
