@@ -9,9 +9,9 @@ import pytest
 
 from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.evidence import tabulation_error
-from fefinger.mechanics.press import elastic_press, elastic_store
+from fefinger.mechanics.press import depth_table_store, elastic_press
+from fefinger.mechanics.press.depth_table import STEP, DepthTable, DisplacementBasis
 from fefinger.mechanics.press.elastic_press import depths
-from fefinger.mechanics.press.elastic_table import STEP, DepthTable, DisplacementBasis
 from fefinger.mechanics.realtime.pressed import Pressed
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
@@ -170,13 +170,15 @@ def test_depths_reach_what_is_needed_on_one_grid(least: float, count: int) -> No
 
 def test_a_press_is_the_same_after_it_was_written_and_read(tmp_path: Path) -> None:
     table = _table()
-    elastic_store.write(table, tmp_path / "press.npz")
-    back = elastic_store.read(tmp_path / "press.npz")
+    depth_table_store.write(table, tmp_path / "press.npz")
+    back = depth_table_store.read(tmp_path / "press.npz")
     assert np.array_equal(back.force, table.force)
     assert np.array_equal(back.modes.shapes, table.modes.shapes)
     assert np.allclose(back.pressure, table.pressure, rtol=1e-6)
-    for name in elastic_store.ROUNDED:
-        assert np.array_equal(getattr(back, name), getattr(elastic_store.as_stored(table), name))
+    for name in depth_table_store.ROUNDED:
+        assert np.array_equal(
+            getattr(back, name), getattr(depth_table_store.as_stored(table), name)
+        )
     stiffer = back.of_modulus(2 * back.modulus)
     assert np.allclose(stiffer.force, 2 * back.force)
     assert np.array_equal(stiffer.modes.amplitudes, back.modes.amplitudes)
@@ -278,7 +280,7 @@ def test_shipped_presses_are_found_and_are_of_the_candidates_of_today(
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     for mesh in ("coarse", "standard"):
         finger = Finger.subject(subject, resolution=mesh)
-        depth, force = elastic_store.deepest_at_hand(finger, indenter, Ramp(1.0, 0.5))
+        depth, force = depth_table_store.deepest_at_hand(finger, indenter, Ramp(1.0, 0.5))
         assert depth > 0.1 * finger.thickness
         assert force > 0.1
     asked = scene(Ramp(60, 0.5), Finger.subject(subject, resolution="coarse"))
@@ -293,10 +295,10 @@ def test_a_whole_finger_takes_no_press_of_its_half(
     """Both are of one mesh file, but a table holds the displacements of one of them."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     half = load_or_build(FINGER, half=True)
-    assert elastic_store.at_hand(FINGER, Flat(30), half) is not None
-    assert elastic_store.at_hand(FINGER, Flat(30), whole(half)) is None
+    assert depth_table_store.at_hand(FINGER, Flat(30), half) is not None
+    assert depth_table_store.at_hand(FINGER, Flat(30), whole(half)) is None
     aside = Slide(20, 0.5, distance=1, direction=90)
-    assert elastic_store.deepest_at_hand(FINGER, Flat(30), aside) == (0.0, 0.0)
+    assert depth_table_store.deepest_at_hand(FINGER, Flat(30), aside) == (0.0, 0.0)
 
 
 def _table() -> DepthTable:

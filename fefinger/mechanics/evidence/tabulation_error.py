@@ -96,7 +96,7 @@ def _rows(quantity: str) -> list[Measured]:
 def at_hand(case: Situation) -> bool:
     """Return whether the press of a scene is shipped or cached, to its depth or force."""
     # Imported here, because errors are also read for scenes without a mesh.
-    from fefinger.mechanics.press.elastic_store import deepest_at_hand
+    from fefinger.mechanics.press.depth_table_store import deepest_at_hand
 
     depth, force = deepest_at_hand(case.finger, case.indenter, case.motion)
     reached = depth if case.motion.control == "depth" else force

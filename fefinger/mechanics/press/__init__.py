@@ -4,7 +4,7 @@ problem.py                       Press: mesh, body, obstacle, end organs, as a s
 small_strain.py                  contact of `linear` and `condensed` through time
 finite_strain.py                 contact of `solid` through load steps
 elastic_press.py                 the table of elastic solutions over depth of `pressed`: solved, or
-                                 read by elastic_store.py
+                                 read by depth_table_store.py
 tabulated_press.py               contact of `pressed`: that table along a motion
 modal_press.py, harmonic.py      contact with inertia of `modal`, in time and by frequency
 sliding.py, dragged.py           contact under a path or with friction, at small and finite strain

@@ -12,9 +12,9 @@ import numpy as np
 
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.load_path import Path, StressHistory
-from fefinger.mechanics.press import elastic_store, placement
+from fefinger.mechanics.press import depth_table_store, placement
 from fefinger.mechanics.press.constitutive import laws
-from fefinger.mechanics.press.elastic_table import DepthTable, DisplacementBasis
+from fefinger.mechanics.press.depth_table import DepthTable, DisplacementBasis
 from fefinger.mechanics.press.finite_reference import reference_state
 from fefinger.mechanics.press.finite_strain import BUDGET, FINITE_STRAIN, Course, follow_course
 from fefinger.mechanics.press.load_steps import LoadSteps
@@ -149,7 +149,7 @@ def load_or_solve(
     """
 
     def stored() -> DepthTable | None:
-        table = elastic_store.at_hand(press.finger, indenter, press.mesh)
+        table = depth_table_store.at_hand(press.finger, indenter, press.mesh)
         if table is None or table.deepest < least * (1 - 1e-9) or table.force[-1] < force:
             return None
         return table
@@ -157,15 +157,17 @@ def load_or_solve(
     table = stored()
     if table is not None:
         return table
-    place = elastic_store.cached_path(elastic_store.key_on(press.finger, indenter, press.mesh))
+    place = depth_table_store.cached_path(
+        depth_table_store.key_on(press.finger, indenter, press.mesh)
+    )
     with cache.alone(place):
         table = stored()  # another process may have solved it meanwhile
         if table is None:
             # A plate ends nowhere; contact with any other object may reach its rim.
             further = indenter.flat is not None
             solved = solve(press, least, stages, force=force, further=further)
-            table = elastic_store.as_stored(solved)
+            table = depth_table_store.as_stored(solved)
             with suppress(OSError):  # without room for it, it is solved again the next time
-                elastic_store.write(table, place)
+                depth_table_store.write(table, place)
                 cache.limit("elastic")
     return table

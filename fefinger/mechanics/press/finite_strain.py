@@ -21,7 +21,7 @@ from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import dragged, elastic_store, limits, placement, problem
+from fefinger.mechanics.press import depth_table_store, dragged, limits, placement, problem
 from fefinger.mechanics.press.constitutive import laws, relaxations
 from fefinger.mechanics.press.failure import failure_message
 from fefinger.mechanics.press.finite_reference import finite_reference_press, reference_strain
@@ -133,7 +133,7 @@ def _reference(press: Press, elements: Continuum, halt: str) -> Reference | None
     """Return the reference press of afferents; None if it fails after a halt."""
     if press.reference is None:
         return None
-    at_hand = elastic_store.at_hand(press.finger, STANDARD, press.mesh)
+    at_hand = depth_table_store.at_hand(press.finger, STANDARD, press.mesh)
     if at_hand is not None:  # that press is one of its depths
         unknowns = at_hand.reference(press.body.space.n_unknowns)
         return reference_strain(press.body, press.reference.sites, unknowns)

@@ -12,8 +12,8 @@ from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.geometry import mirror
 from fefinger.mechanics.press import dragged, elastic_press
 from fefinger.mechanics.press.constitutive import tissues
+from fefinger.mechanics.press.depth_table import DepthTable
 from fefinger.mechanics.press.elastic_press import FARTHEST
-from fefinger.mechanics.press.elastic_table import DepthTable
 from fefinger.mechanics.press.fields import finite_strain_fields
 from fefinger.mechanics.press.finite_reference import reference_strain
 from fefinger.mechanics.press.hard_parts import with_nail

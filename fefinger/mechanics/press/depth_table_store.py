@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fefinger.mechanics.press.depth_table import DepthTable, DisplacementBasis
 from fefinger.mechanics.press.discretization import continued, refinement_location
-from fefinger.mechanics.press.elastic_table import DepthTable, DisplacementBasis
 from fefinger.mesh.shipped import data_folder
 from fefinger.mesh.store import sha256
 from fefinger.scene.finger import Finger
