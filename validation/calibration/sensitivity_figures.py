@@ -103,8 +103,8 @@ def _assumptions_caption() -> str:
         "with modulus and exponent refitted to the force of Table 2.1, and the change relative to "
         "the first row. m and b are those of the line of stiffness against force, R is the result "
         "of the thesis's fit to frames up to 1.1 N. Fingers that reproduce the force of the "
-        f"subject have b of {ends[0]} N/mm and R of {ends[1]} mm; with a misfit of {MISSES:g} or more the "
-        "finger cannot reproduce that force."
+        f"subject have b of {ends[0]} N/mm and R of {ends[1]} mm; with a misfit of {MISSES:g} or "
+        "more the finger cannot reproduce that force."
     )
 
 
