@@ -53,11 +53,11 @@ def membrane(y: NDArray[np.float64], e: float, transient: float) -> tuple[float,
 
 
 @njit(cache=True)
-def _relax(y: NDArray[np.float64], e: float, step: float, thaw: float) -> None:
+def _relax(y: NDArray[np.float64], e: float, step: float, m_rate_factor: float) -> None:
     """Relax the five gates exactly for `step` ms at a fixed e."""
     r_n, n, r_m, m, r_h, h, r_a, a, r_b, b = kinetics(e)
     y[1] += (y[1] - n) * math.expm1(-step * r_n)
-    y[2] += (y[2] - m) * math.expm1(-step * thaw * r_m)
+    y[2] += (y[2] - m) * math.expm1(-step * m_rate_factor * r_m)
     y[3] += (y[3] - h) * math.expm1(-step * r_h)
     y[4] += (y[4] - a) * math.expm1(-step * r_a)
     y[5] += (y[5] - b) * math.expm1(-step * r_b)
@@ -81,7 +81,7 @@ def integrate(
     number, the highest potential above rest, the ms in block and the final state (6,).
     """
     transient, speed, block_after = numbers
-    thaw, y, e0 = 0.0 if frozen else 1.0, rest.copy(), rest[0]
+    m_rate_factor, y, e0 = 0.0 if frozen else 1.0, rest.copy(), rest[0]
     armed, count, peak, block, above = True, 0, 0.0, 0.0, 0.0
     for k in range(len(time) - 1):
         interval = time[k + 1] - time[k]
@@ -91,12 +91,12 @@ def integrate(
             dt = interval / steps
             middle = current[k] + (current[k + 1] - current[k]) * ((j + 0.5) / steps)
             before = y[0]
-            _relax(y, before, 0.5 * speed * dt, thaw)
+            _relax(y, before, 0.5 * speed * dt, m_rate_factor)
             g, drive = membrane(y, before, transient)
             d0 = drive + middle - g * before
             y[0] = before + d0 / g * -math.expm1(-g * dt)
             d1 = drive + middle - g * y[0]
-            _relax(y, y[0], 0.5 * speed * dt, thaw)
+            _relax(y, y[0], 0.5 * speed * dt, m_rate_factor)
             new = y[0] - e0
             above = above + dt if new > REARM_MV else 0.0
             if armed and new >= SPIKE_MV:

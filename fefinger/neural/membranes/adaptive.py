@@ -35,7 +35,7 @@ def integrate(
     The solver restarts at every kink of the current; peak and block are read at the ends of steps.
     InputError for MOST straight pieces or more, ConvergenceError where the solver gives up.
     """
-    thaw = 0.0 if frozen else 1.0
+    m_rate_factor = 0.0 if frozen else 1.0
     y, step, armed, above, peak, blocked = rest, None, True, 0.0, float(rest[0]), 0.0
     spikes: list[float] = []
     for t0, t1, i0, i1 in _straight(time, current[:, 0]):
@@ -44,7 +44,7 @@ def integrate(
         def rise(
             t: float, y: Array, t0: float = t0, i0: float = i0, rate: float = rate
         ) -> tuple[float, float, float, float]:
-            return slope(y[0], y[1], y[2], y[3], i0 + rate * (t - t0), slow, thaw)
+            return slope(y[0], y[1], y[2], y[3], i0 + rate * (t - t0), slow, m_rate_factor)
 
         first = None if step is None else min(step, t1 - t0)
         solver = DOP853(rise, t0, y, t1, first_step=first, max_step=5.0, rtol=_RTOL, atol=_ATOL)

@@ -36,14 +36,17 @@ def rates(v: float) -> tuple[float, float, float, float, float, float]:
 
 @njit(cache=True)
 def slope(
-    v: float, n: float, m: float, h: float, current: float, slow: float, thaw: float
+    v: float, n: float, m: float, h: float, current: float, slow: float, m_rate_factor: float
 ) -> tuple[float, float, float, float]:
-    """Time derivative of (v, n, m, h) per ms; `slow` scales the rates and `thaw` 0 freezes m."""
+    """Time derivative of (v, n, m, h) per ms.
+
+    `slow` scales the rates of all gates, `m_rate_factor` that of m: 0 holds m constant.
+    """
     a_n, b_n, a_m, b_m, a_h, b_h = rates(v)
     n2 = n * n
     ionic = G_K * n2 * n2 * (v - V_K) + G_NA * m * m * m * h * (v - V_NA) + G_LEAK * (v - V_LEAK)
     dn = slow * (a_n * (1.0 - n) - b_n * n)
-    dm = slow * thaw * (a_m * (1.0 - m) - b_m * m)
+    dm = slow * m_rate_factor * (a_m * (1.0 - m) - b_m * m)
     dh = slow * (a_h * (1.0 - h) - b_h * h)
     return (current - ionic) / CAPACITANCE, dn, dm, dh
 
@@ -56,15 +59,15 @@ def step(
     middle: float,
     end: float,
     slow: float,
-    thaw: float,
+    m_rate_factor: float,
 ) -> tuple[float, float, float, float]:
     """Take one classical Runge-Kutta step; k1 is the slope at its start."""
     v, n, m, h = y
     a, b, c, d = k1
     s = 0.5 * dt
-    e, f, g, i = slope(v + s * a, n + s * b, m + s * c, h + s * d, middle, slow, thaw)
-    p, q, r, u = slope(v + s * e, n + s * f, m + s * g, h + s * i, middle, slow, thaw)
-    w, x, j, z = slope(v + dt * p, n + dt * q, m + dt * r, h + dt * u, end, slow, thaw)
+    e, f, g, i = slope(v + s * a, n + s * b, m + s * c, h + s * d, middle, slow, m_rate_factor)
+    p, q, r, u = slope(v + s * e, n + s * f, m + s * g, h + s * i, middle, slow, m_rate_factor)
+    w, x, j, z = slope(v + dt * p, n + dt * q, m + dt * r, h + dt * u, end, slow, m_rate_factor)
     s = dt / 6.0
     return (
         v + s * (a + 2.0 * (e + p) + w),

@@ -75,9 +75,12 @@ def _linoid(v: float, threshold: float, e: float) -> tuple[float, float]:
 
 @njit(cache=True, forceinline=True, fastmath=_FAST, error_model="numpy")
 def _slope(
-    v: float, n: float, m: float, h: float, current: float, slow: float, melt: float
+    v: float, n: float, m: float, h: float, current: float, slow: float, m_rate_scale: float
 ) -> tuple[float, float, float, float]:
-    """Time derivative as `equations.slope`, by one division, no exponential; melt = slow * thaw."""
+    """Time derivative as `equations.slope`, by one division, without an exponential.
+
+    m_rate_scale: slow * m_rate_factor.
+    """
     inside = min(max(v, _LOW), _HIGH)
     e80, e20, e18, e10 = _powers(inside)
     # exp((10 - v) / 10), exp((25 - v) / 10) and exp((30 - v) / 10) from one power: the constants
@@ -91,7 +94,7 @@ def _slope(
     n2 = n * n
     ionic = G_K * n2 * n2 * (v - V_K) + G_NA * m * m * m * h * (v - V_NA) + G_LEAK * (v - V_LEAK)
     dn = slow * (a_n - (a_n + 0.125 * e80) * n)
-    dm = melt * (a_m - (a_m + 4.0 * e18) * m)
+    dm = m_rate_scale * (a_m - (a_m + 4.0 * e18) * m)
     dh = slow * (0.07 * e20 - (0.07 * e20 + b_h) * h)
     return (current - ionic) * (1.0 / CAPACITANCE), dn, dm, dh
 
@@ -121,7 +124,7 @@ def _runge_kutta(
     part: float,
     dt: float,
     slow: float,
-    thaw: float,
+    m_rate_factor: float,
     block: tuple[float, float, float],
 ) -> int:
     """Advance `lanes` units (8 or 16) by a classical Runge-Kutta step of dt ms; return spikes.
@@ -129,21 +132,21 @@ def _runge_kutta(
     The step begins at the fraction `at` between two samples of the current and is `part` long.
     """
     hits = 0
-    melt = slow * thaw
+    m_rate_scale = slow * m_rate_factor
     half, sixth = 0.5 * dt, dt / 6.0
     for i in range(lanes):
         v, n, m, h = s[_V + i], s[_N + i], s[_M + i], s[_H + i]
         rise = s[_END + i] - s[_START + i]
         start = s[_START + i] + at * rise
         middle, end = start + 0.5 * part * rise, start + part * rise
-        a, b, c, d = _slope(v, n, m, h, start, slow, melt)
+        a, b, c, d = _slope(v, n, m, h, start, slow, m_rate_scale)
         e, f, g, j = _slope(
-            v + half * a, n + half * b, m + half * c, h + half * d, middle, slow, melt
+            v + half * a, n + half * b, m + half * c, h + half * d, middle, slow, m_rate_scale
         )
         p, q, r, u = _slope(
-            v + half * e, n + half * f, m + half * g, h + half * j, middle, slow, melt
+            v + half * e, n + half * f, m + half * g, h + half * j, middle, slow, m_rate_scale
         )
-        w, x, y, z = _slope(v + dt * p, n + dt * q, m + dt * r, h + dt * u, end, slow, melt)
+        w, x, y, z = _slope(v + dt * p, n + dt * q, m + dt * r, h + dt * u, end, slow, m_rate_scale)
         new = v + sixth * (a + 2.0 * (e + p) + w)
         s[_RISE + i], s[_BEFORE + i], s[_V + i] = a, v, new
         s[_N + i] = n + sixth * (b + 2.0 * (f + q) + x)
@@ -170,7 +173,7 @@ def _split(
     gate_step: float,
     dt: float,
     slow: float,
-    thaw: float,
+    m_rate_factor: float,
     block: tuple[float, float, float],
 ) -> int:
     """Advance the gates by `gate_step` ms, then the potential by dt ms; return the spikes.
@@ -180,7 +183,8 @@ def _split(
     fraction between two samples of the current.
     """
     hits = 0
-    step, melt, charge = slow * gate_step, slow * gate_step * thaw, dt / CAPACITANCE
+    step, charge = slow * gate_step, dt / CAPACITANCE
+    m_rate_scale = step * m_rate_factor
     for i in range(LANES):
         v = s[_V + i]
         inside = min(max(v, _LOW), _HIGH)
@@ -188,7 +192,7 @@ def _split(
         x, d = _linoid(inside, 10.0, 2.718281828459045 * e10)
         n = _relaxed(s[_N + i], step * 0.1 * x, step * (0.1 * x + 0.125 * e80 * d), d)
         x, d = _linoid(inside, 25.0, 12.182493960703473 * e10)
-        m = _relaxed(s[_M + i], melt * x, melt * (x + 4.0 * e18 * d), d)
+        m = _relaxed(s[_M + i], m_rate_scale * x, m_rate_scale * (x + 4.0 * e18 * d), d)
         d = 20.085536923187668 * e10 + 1.0
         x = 0.07 * e20 * d
         h = _relaxed(s[_H + i], step * x, step * (x + 1.0), d)
@@ -204,7 +208,13 @@ def _split(
 
 @njit(cache=True)
 def _spiked(
-    s: NDArray[np.float64], i: int, slow: float, thaw: float, dt: float, current: float, split: bool
+    s: NDArray[np.float64],
+    i: int,
+    slow: float,
+    m_rate_factor: float,
+    dt: float,
+    current: float,
+    split: bool,
 ) -> float:
     """Fraction of the last step at which lane i spiked.
 
@@ -214,12 +224,12 @@ def _spiked(
     v0, v1 = s[_BEFORE + i], s[_V + i]
     n, m, h = s[_N + i], s[_M + i], s[_H + i]
     d0 = s[_RISE + i]
-    d1, dn, dm, dh = slope(v1, n, m, h, current, slow, thaw)
+    d1, dn, dm, dh = slope(v1, n, m, h, current, slow, m_rate_factor)
     if split:
         b = 0.5 * dt
-        d1 = slope(v1, n + b * dn, m + b * dm, h + b * dh, current, slow, thaw)[0]
-        _, dn, dm, dh = slope(v0, n, m, h, current, slow, thaw)
-        d0 = slope(v0, n - b * dn, m - b * dm, h - b * dh, current, slow, thaw)[0]
+        d1 = slope(v1, n + b * dn, m + b * dm, h + b * dh, current, slow, m_rate_factor)[0]
+        _, dn, dm, dh = slope(v0, n, m, h, current, slow, m_rate_factor)
+        d0 = slope(v0, n - b * dn, m - b * dm, h - b * dh, current, slow, m_rate_factor)[0]
     return crossing(v0, v1, d0, d1, dt)
 
 
@@ -266,7 +276,7 @@ def interval(
     on all rates, and 0 for frozen sodium (else 1). last: the previous step in ms. Returns the last
     step of this interval. Other arguments as in `integrate`.
     """
-    dt_max, split, slow, thaw = how
+    dt_max, split, slow, m_rate_factor = how
     units = len(before)
     lanes = LANES // 2 if units <= LANES // 2 else LANES
     # 1e-9: rounding must not add a step to an interval that is a multiple of the step.
@@ -278,9 +288,9 @@ def interval(
     dt = length / steps
     for j in range(steps):
         if split:
-            hits = _split(s, (j + 0.5) / steps, 0.5 * (last + dt), dt, slow, thaw, block)
+            hits = _split(s, (j + 0.5) / steps, 0.5 * (last + dt), dt, slow, m_rate_factor, block)
         else:
-            hits = _runge_kutta(s, lanes, j / steps, 1.0 / steps, dt, slow, thaw, block)
+            hits = _runge_kutta(s, lanes, j / steps, 1.0 / steps, dt, slow, m_rate_factor, block)
         last = dt
         if hits > 0:
             at = (j + (0.5 if split else 1.0)) / steps
@@ -288,7 +298,7 @@ def interval(
                 if s[_HIT + i] > 0.5:
                     if counts[i] < spikes.shape[1]:
                         level = s[_START + i] + at * (s[_END + i] - s[_START + i])
-                        where = _spiked(s, i, slow, thaw, dt, level, split)
+                        where = _spiked(s, i, slow, m_rate_factor, dt, level, split)
                         spikes[i, counts[i]] = begin + dt * (j + where)
                     counts[i] += 1
     return last
@@ -317,9 +327,9 @@ def integrate(
         last = interval(
             s, current[k], current[k + 1], time[k], length, last, how, rest, block, spikes, counts
         )
-    _, split, slow, thaw = how
+    _, split, slow, m_rate_factor = how
     if split:  # the gates still lack their last half step
-        _split(s, 0.0, 0.5 * last, 0.0, slow, thaw, block)
+        _split(s, 0.0, 0.5 * last, 0.0, slow, m_rate_factor, block)
     units = len(counts)
     ends = np.empty((units, 6))
     for i in range(units):
