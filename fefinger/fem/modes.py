@@ -24,7 +24,7 @@ from fefinger.support.threads import one_thread
 BLOCK = 24  # vectors per block: two solutions in the time of 24 on the standard finger are 8 single
 TOLERANCE = 1e-6
 """Of the residual of a mode, over its share 1 / w² of the flexibility: the frequency errs by its
-square, and the static rest makes up for the shape."""
+square, and the residual flexibility makes up for the shape."""
 
 CHECK = 2  # blocks between looks at the residuals
 SLACK = 10.0  # longest basis over the number of modes wanted
@@ -40,19 +40,19 @@ Solves = Callable[[Array], Array]
 class Modes:
     """Modes of a body, lowest first.
 
-    squares (n,) of the angular frequencies, 1/s² for a stiffness in mN/mm and a mass in kg; shapes
-    (n_displacements, n) with unit modal mass, zero where the body is held; residual: the largest
-    residual of K^-1 M phi = phi / w², over 1 / w².
+    omega_squared (n,) of the angular frequencies, 1/s² for a stiffness in mN/mm and a mass in kg;
+    shapes (n_displacements, n) with unit modal mass, zero where the body is held; residual: the
+    largest residual of K^-1 M phi = phi / w², over 1 / w².
     """
 
-    squares: Array
+    omega_squared: Array
     shapes: Array
     residual: float
 
     @property
     def frequencies(self) -> Array:
         """Frequencies (n,) in Hz."""
-        return np.asarray(np.sqrt(self.squares) / (2 * np.pi))
+        return np.asarray(np.sqrt(self.omega_squared) / (2 * np.pi))
 
 
 def static(compliance: Compliance, free: Integers) -> Solves:
@@ -94,7 +94,7 @@ def modes_of(
     lowest_modes = lowest(static(compliance, free), inner, count, progress)
     shapes = np.zeros((size, lowest_modes.shapes.shape[1]))
     shapes[free] = lowest_modes.shapes
-    return Modes(lowest_modes.squares, shapes, lowest_modes.residual)
+    return Modes(lowest_modes.omega_squared, shapes, lowest_modes.residual)
 
 
 @one_thread

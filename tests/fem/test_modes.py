@@ -26,7 +26,7 @@ def test_modes_are_those_of_a_dense_solver(count: int) -> None:
     inverse = np.linalg.inv(k.toarray())
     found = lowest(lambda loads: inverse @ loads, m, count)
     expected, _ = linalg.eigh(k.toarray(), m.toarray())
-    np.testing.assert_allclose(found.squares, expected[:count], rtol=1e-10)
+    np.testing.assert_allclose(found.omega_squared, expected[:count], rtol=1e-10)
     np.testing.assert_allclose(found.shapes.T @ m @ found.shapes, np.eye(count), atol=1e-10)
 
 
@@ -34,8 +34,8 @@ def test_modes_solve_the_eigenproblem_itself() -> None:
     k, m = chain(400, seed=1)
     inverse = np.linalg.inv(k.toarray())
     found = lowest(lambda loads: inverse @ loads, m, 30)
-    left = k @ found.shapes - m @ found.shapes * found.squares
-    assert np.abs(left).max() < 1e-8 * found.squares[-1]
+    left = k @ found.shapes - m @ found.shapes * found.omega_squared
+    assert np.abs(left).max() < 1e-8 * found.omega_squared[-1]
 
 
 def test_more_modes_than_unknowns_are_refused() -> None:

@@ -340,7 +340,9 @@ def test_the_error_of_a_press_by_few_modes_is_within_what_is_stated(
     few = ball.body.only(np.arange(60))
     motion = ff.RampHold(120.0, 0.8, hold=0.01, corner=corner)
     whole, rough = (pressed_force(body, motion, 2e-5) for body in (ball.body, few))
-    sudden = vibration.suddenness(motion, float(2 * np.pi / few.oscillators.squares[-1] ** 0.5))
+    sudden = vibration.suddenness(
+        motion, float(2 * np.pi / few.oscillators.omega_squared[-1] ** 0.5)
+    )
     error = np.abs(rough - whole).max() / whole.max()
     assert 0.005 < error < vibration.left_out_by_modes(sudden)
 

@@ -62,7 +62,9 @@ def _modes() -> list[Figure]:
     seconds = time.process_time() - started
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
     return [
-        Figure(f"{len(modes.squares)} modes of half the finger", seconds, "CPU s", AIMS["modes"]),
+        Figure(
+            f"{len(modes.omega_squared)} modes of half the finger", seconds, "CPU s", AIMS["modes"]
+        ),
         Figure("frequency of the last of them, relaxed", modes.complete, "Hz", BAND),
         Figure("peak memory until then", peak, "GB", AIMS["memory"]),
     ]
@@ -96,7 +98,7 @@ def _steps(sites: Sites, dt: float) -> list[Figure]:
         started = time.thread_time()
         loop.step(max(depth, 0.0), dt)
         spent.append(1e3 * (time.thread_time() - started))
-    modes, nodes = loop.body.shares.shape
+    modes, nodes = loop.body.participation.shape
     what = f"{1e3 * dt:g} ms, {modes} modes, {nodes} contact nodes, {COUNT} end organs"
     return [
         Figure(f"step of {what}: median", float(np.median(spent)), "ms", AIMS["step"]),

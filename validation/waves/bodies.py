@@ -49,14 +49,14 @@ class Vibrating:
         Two static terms stand for the modes that are left out. relaxation: weights and rates of the
         Prony terms, WEIGHTS and RATES by default.
         """
-        work, squares = self.modes.shapes.T @ load, self.modes.squares
+        work, omega_squared = self.modes.shapes.T @ load, self.modes.omega_squared
         moved = self.static(load[:, None])[:, 0]
-        first = load @ moved - work**2 @ (1 / squares)
-        second = moved @ (self.mass @ moved) - work**2 @ (1 / squares**2)
+        first = load @ moved - work**2 @ (1 / omega_squared)
+        second = moved @ (self.mass @ moved) - work**2 @ (1 / omega_squared**2)
         weights, rates = relaxation or (WEIGHTS, RATES)
         modulus = complex_modulus(weights, rates, frequency)
         omega = 2 * np.pi * frequency
-        swing = 1 / (np.multiply.outer(modulus, squares) - omega[:, None] ** 2)
+        swing = 1 / (np.multiply.outer(modulus, omega_squared) - omega[:, None] ** 2)
         rest = first / modulus + second * omega**2 / modulus**2
         return np.asarray(swing @ work**2 + rest)
 
@@ -106,10 +106,11 @@ def on_moving_base(cells: int, frequency: Array, count: int = 12) -> Array:
     where = space.node_points[body.free // 3, 2]
     top = (where > HEIGHT - 1e-9) / np.count_nonzero(where > HEIGHT - 1e-9)
     moved = body.static(load[:, None])[:, 0]
-    shapes, squares, omega = body.modes.shapes, body.modes.squares, 2 * np.pi * frequency
+    shapes, omega_squared = body.modes.shapes, body.modes.omega_squared
+    omega = 2 * np.pi * frequency
     parts = (top @ shapes) * (load @ shapes)
-    swing = 1 / (np.multiply.outer(modulus, squares) - omega[:, None] ** 2)
-    rest = (top @ moved - parts @ (1 / squares)) / modulus
+    swing = 1 / (np.multiply.outer(modulus, omega_squared) - omega[:, None] ** 2)
+    rest = (top @ moved - parts @ (1 / omega_squared)) / modulus
     return np.asarray(1 + omega**2 * (swing @ parts + rest))
 
 

@@ -74,19 +74,19 @@ def _with_many(loop: Modal, depth: float) -> ClosedContact:
     prepared = loop.vibrating
     finger, solid, static = loop.finger, prepared.solid, prepared.body.static
     light = finger.skin.density * PER_CUBIC_METER
-    modes = modes_of(solid.parts[0].compliance, mass(solid.space, {1: 1.0, 2: 1.0}), MANY)
-    squares = modes.squares * finger.skin.modulus / light
+    found = modes_of(solid.parts[0].compliance, mass(solid.space, {1: 1.0, 2: 1.0}), MANY)
+    omega_squared = found.omega_squared * finger.skin.modulus / light
     loads = static.patch.loads[: solid.space.n_displacements]
-    shares = np.asarray(sparse.csr_matrix(loads.T) @ modes.shapes).T / np.sqrt(light)
+    participation = np.asarray(sparse.csr_matrix(loads.T) @ found.shapes).T / np.sqrt(light)
     active = np.flatnonzero(prepared.preload(depth, None)[1] > 0)
-    o, here = prepared.body.oscillators, prepared.body.shares
+    o, here = prepared.body.oscillators, prepared.body.participation
     # The second static term: that of the modes at hand, less that of the further ones.
-    total = prepared.static(np.arange(here.shape[1])).inertia + (here.T / o.squares**2) @ here
-    rest = static.flexibility - (shares.T / squares) @ shares
-    inertia = total - (shares.T / squares**2) @ shares
+    total = prepared.static(np.arange(here.shape[1])).inertia + (here.T / o.omega_squared**2) @ here
+    residual = static.flexibility - (participation.T / omega_squared) @ participation
+    inertia = total - (participation.T / omega_squared**2) @ participation
     block = np.ix_(active, active)
     return ClosedContact.of(
-        *(squares, shares[:, active], rest[block], static.patch.projected[active]),
+        *(omega_squared, participation[:, active], residual[block], static.patch.projected[active]),
         *(o.weights, o.rates, inertia[block]),
     )
 

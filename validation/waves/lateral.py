@@ -18,7 +18,7 @@ from fefinger.fem.condensation import displaced, reduce
 from fefinger.fem.contact.closed_contact import ClosedContact
 from fefinger.mechanics.press import placement
 from fefinger.mechanics.press.harmonic import RimError
-from fefinger.mechanics.press.modal_body import body_of_modes, rest_inertia
+from fefinger.mechanics.press.modal_body import body_of_modes, residual_inertia
 from fefinger.mechanics.press.sliding import with_tractions
 from fefinger.mechanics.realtime.modal import Modal
 from fefinger.results.harmonic import PER_METER, Complex
@@ -78,8 +78,11 @@ def impedance(tissue: str, preload: float) -> Complex:
     along: Array = np.concatenate([np.zeros_like(on.areas), on.areas, np.zeros_like(on.areas)])
     o = body.oscillators
     held = ClosedContact.of(
-        *(o.squares, body.shares, body.rest, along[loaded], o.weights, o.rates),
-        rest_inertia(finger, solid, displaced(solid, loads), body.shares / o.squares[:, None]),
+        *(o.omega_squared, body.participation, body.residual_flexibility),
+        *(along[loaded], o.weights, o.rates),
+        residual_inertia(
+            finger, solid, displaced(solid, loads), body.participation / o.omega_squared[:, None]
+        ),
     )
     sides = 2.0 if solid.half else 1.0
     stiffness = sides * NEWTON_PER_MILLINEWTON * held.stiffness(BAND)

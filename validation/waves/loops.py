@@ -42,7 +42,8 @@ def contact(body: Modal, longest: float) -> ModalContact:
     """Return the contact of a finger with all its modes, at rest."""
     parts, on_pad = body.body, body.body.static.patch
     return ModalContact(
-        *(parts.oscillators, parts.shares, parts.rest, on_pad.gap, on_pad.projected), longest
+        *(parts.oscillators, parts.participation, parts.residual_flexibility),
+        *(on_pad.gap, on_pad.projected, longest),
     )
 
 
@@ -83,17 +84,22 @@ def amplitude(forces: Array, dt: float, frequency: float, cycles: int) -> comple
 
 
 def one_mode(steps: int) -> complex:
-    """Relative error of the force on one mode and a static rest in `steps` per cycle, complex."""
-    frequency, shares = 80.0, np.array([[1.2]])
+    """Relative complex error of the force on one mode and a residual flexibility.
+
+    `steps` per cycle.
+    """
+    frequency, participation = 80.0, np.array([[1.2]])
     oscillators = Oscillators.of(np.array([(2 * np.pi * 100.0) ** 2]), WEIGHTS, RATES)
-    rest = np.array([[2e-6]])
+    residual = np.array([[2e-6]])
     dt = 1 / (frequency * steps)
-    body = ModalContact(oscillators, shares, rest, np.zeros(1), np.ones(1), 1.001 * dt)
+    body = ModalContact(oscillators, participation, residual, np.zeros(1), np.ones(1), 1.001 * dt)
     small, cycles = 1e-6, 40
     forces = driven(
         body, dt, cycles * steps, lambda t: 1e-3 + small * np.sin(2 * np.pi * frequency * t)
     )
-    held = ClosedContact.of(oscillators.squares, shares, rest, np.ones(1), WEIGHTS, RATES)
+    held = ClosedContact.of(
+        oscillators.omega_squared, participation, residual, np.ones(1), WEIGHTS, RATES
+    )
     exact = held.stiffness(np.array([frequency]))[0]
     return complex(amplitude(forces, dt, frequency, 4) / small / exact - 1)
 
@@ -131,7 +137,8 @@ def _held(body: Modal) -> ClosedContact:
     active = np.flatnonzero(pressure > 0)
     o = parts.oscillators
     return ClosedContact.of(
-        *(o.squares, parts.shares[:, active], parts.rest[np.ix_(active, active)]),
+        *(o.omega_squared, parts.participation[:, active]),
+        parts.residual_flexibility[np.ix_(active, active)],
         *(parts.static.patch.projected[active], o.weights, o.rates),
     )
 
@@ -140,7 +147,7 @@ def energy_difference() -> float:
     """Return work less stored, kinetic and lost energy of a fast press, over the work."""
     dt, speed = 2e-5, 200.0
     body = contact(loop(), 1.001 * dt)
-    o, rest = loop().body.oscillators, loop().body.rest
+    o, residual = loop().body.oscillators, loop().body.residual_flexibility
     work = lost = last_force = last_loss = last_depth = 0.0
     top = DEPTH / speed
     for k in range(1, int(4 * top / dt) + 1):
@@ -150,7 +157,7 @@ def energy_difference() -> float:
         force = float(body.pad.projected @ body.lcp.x)
         work += (force + last_force) / 2 * (depth - last_depth)
         stored, kinetic, power = energies(o, body.modes.filtered)
-        elastic, loss = _of_rest(body, rest)
+        elastic, loss = _of_residual(body, residual)
         lost += dt * (power + loss + last_loss) / 2
         last_force, last_depth, last_loss = force, depth, power + loss
     return abs(work - stored - kinetic - elastic - lost) / work
@@ -164,20 +171,20 @@ def energies(modes: Oscillators, filtered: Complex) -> tuple[float, float, float
     each = modes.residues * filtered
     amplitude = each.sum(axis=1).real
     speed = (each * modes.poles).sum(axis=1).real
-    stored, lost = float(modes.squares @ amplitude**2) / 2, 0.0
+    stored, lost = float(modes.omega_squared @ amplitude**2) / 2, 0.0
     for weight, rate in zip(modes.weights, modes.rates, strict=True):
         held = (each * modes.poles / (modes.poles + rate)).sum(axis=1).real
-        share = weight * float(modes.squares @ held**2)
+        share = weight * float(modes.omega_squared @ held**2)
         stored, lost = stored + share / 2, lost + rate * share
     return stored, float(speed @ speed) / 2, lost
 
 
-def _of_rest(body: ModalContact, rest: Array) -> tuple[float, float]:
-    """Return stored energy in nJ and lost power in nW of the static rest."""
+def _of_residual(body: ModalContact, residual: Array) -> tuple[float, float]:
+    """Return stored energy in nJ and lost power in nW of the residual flexibility."""
     pad, lost = body.pad, 0.0
-    stored = float(pad.elastic @ rest @ pad.elastic) / 2
+    stored = float(pad.elastic @ residual @ pad.elastic) / 2
     for weight, rate, term in zip(pad.weights, pad.rates, pad.terms, strict=True):
-        held = float(term @ rest @ term) / weight
+        held = float(term @ residual @ term) / weight
         stored, lost = stored + held / 2, lost + rate * held
     return stored, lost
 

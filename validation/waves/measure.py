@@ -105,7 +105,12 @@ def ramps(finger: Finger) -> Iterator[dict[str, float]]:
         forces = []
         for longest in (dt * 1.001, 0.0):
             contact = ModalContact(
-                body.oscillators, body.shares, body.rest, on_pad.gap, on_pad.projected, longest
+                body.oscillators,
+                body.participation,
+                body.residual_flexibility,
+                on_pad.gap,
+                on_pad.projected,
+                longest,
             )
             force = []
             for t in np.arange(1, int(motion.duration / dt) + 1) * dt:
@@ -123,13 +128,13 @@ def presses(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
     """
     depth, dt = 0.1 * finger.thickness, 2e-5
     loop = Modal(finger, Flat(30), deepest=1.1 * depth, dt=dt)
-    count = len(loop.body.oscillators.squares)
+    count = len(loop.body.oscillators.omega_squared)
     bodies = [loop.body, *(loop.body.only(np.arange(int(p * count))) for p in PARTS_OF_MODES)]
     for speed, corner in product(SUDDEN, ({}, {"corner": 0.0})):
         motion = RampHold(speed, depth, hold=0.01, **corner)
         whole, *others = (pressed_force(body, motion, dt) for body in bodies)
         for body, force in zip(bodies[1:], others, strict=True):
-            cycle = 2 * np.pi / float(np.sqrt(body.oscillators.squares[-1]))
+            cycle = 2 * np.pi / float(np.sqrt(body.oscillators.omega_squared[-1]))
             error = float(np.abs(force - whole).max() / whole.max())
             yield {
                 "relaxation": relaxation,
@@ -214,9 +219,11 @@ def truncation(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
     weights = full.static.patch.projected[active]
     for ratio, f, wanted, scale in zip(reduced, chosen, reference, still, strict=True):
         g = full.oscillators.modulus(np.array([f]))[0]
-        receptance = 1.0 / (full.oscillators.squares * g - (2 * np.pi * f) ** 2)
-        shares = full.shares[:, active]
-        flexibility = full.rest[np.ix_(active, active)] / g + (shares.T * receptance) @ shares
+        receptance = 1.0 / (full.oscillators.omega_squared * g - (2 * np.pi * f) ** 2)
+        part = full.participation[:, active]
+        flexibility = (
+            full.residual_flexibility[np.ix_(active, active)] / g + (part.T * receptance) @ part
+        )
         sides = 2.0 if solid.half else 1.0
         stiffness = sides * 1e-3 * weights @ np.linalg.solve(flexibility, weights)
         yield {

@@ -28,16 +28,17 @@ CACHED = 64  # lengths of steps whose factors are stored
 class ModalContact:
     """A body of modes with a pad, stepped through time from rest.
 
-    shares (n, n_pad) and rest (n_pad, n_pad) as in `modal_step`; gap (n_pad,) mm³ and projected
-    (n_pad,) mm² of the patch; longest: length in s of a step beyond which modes deform as in
-    statics; limits (n_pad,): outcome of contact at a vertex, DONE by default.
+    participation (n, n_pad) and residual_flexibility (n_pad, n_pad) as in `modal_step`; gap
+    (n_pad,) mm³ and projected (n_pad,) mm² of the patch; longest: length in s of a step beyond
+    which modes deform as in statics; limits (n_pad,): outcome of contact at a vertex, DONE by
+    default.
     """
 
     def __init__(
         self,
         oscillators: Oscillators,
-        shares: Array,
-        rest: Array,
+        participation: Array,
+        residual_flexibility: Array,
         gap: Array,
         projected: Array,
         longest: float,
@@ -45,9 +46,9 @@ class ModalContact:
     ) -> None:
         self.oscillators, self.longest = oscillators, longest
         self.limits = np.zeros(len(gap), dtype=np.int64) if limits is None else limits
-        self.lcp = lcp_compiled.lcp_state(rest)
+        self.lcp = lcp_compiled.lcp_state(residual_flexibility)
         self.pad: PadState = pad_state(gap, projected, oscillators.weights, oscillators.rates)
-        self.modes: ModalState = modal_state(oscillators, shares, rest)
+        self.modes: ModalState = modal_state(oscillators, participation, residual_flexibility)
         self._factors: dict[float, StepFactors] = {}
         self._dt = -1.0
 
@@ -58,9 +59,9 @@ class ModalContact:
             if len(self._factors) >= CACHED:
                 self._factors.clear()
             static = not 0 < key <= self.longest
-            self._factors[key] = step_factors(
-                self.oscillators, self.modes.shares, self.modes.rest, key, static=static
-            )
+            modes = self.modes
+            parts = self.oscillators, modes.participation, modes.residual_flexibility
+            self._factors[key] = step_factors(*parts, key, static=static)
         if key != self._dt:
             self.lcp.flexibility[:] = self._factors[key].flexibility
             self._dt = key
@@ -95,7 +96,7 @@ def march_modes(
     """Compute the contact history of a body at rest before the first time.
 
     `prescribed` has the times of the grid. The `elastic` of the history holds the elastic pressures
-    of the rest, and after them the amplitudes of the modes.
+    on the residual flexibility, and after them the amplitudes of the modes.
 
     Raises
     ------

@@ -36,16 +36,15 @@ from fefinger.support.arrays import Array
 class ModalState(NamedTuple):
     """State of the modes and the factors of a step.
 
-    shares (n, n_pad): work of each unit load on each mode; rest (n_pad, n_pad): residual
-    flexibility R; residues (n, s);
-    filtered (n, s): the force of each mode, filtered by each of its poles; force, earlier (n,):
-    at the end of the last step and of the one before; amplitude, free_amplitude (n,): at the end,
-    and what the past leaves of it; moved (n_pad,): R p; pressed, factor (n_pad,): work, the loaded
-    vertices and their pressures.
+    participation (n, n_pad): work of each unit load on each mode; residual_flexibility (n_pad,
+    n_pad): R, which the modes leave of that of statics; residues (n, s); filtered (n, s): the force
+    of each mode, filtered by each of its poles; force, earlier (n,): at the end of the last step
+    and of the one before; amplitude, free_amplitude (n,): at the end, and what the past leaves of it; moved
+    (n_pad,): R p; pressed, factor (n_pad,): work, the loaded vertices and their pressures.
     """
 
-    shares: Array
-    rest: Array
+    participation: Array
+    residual_flexibility: Array
     residues: Complex
     filtered: Complex
     force: Array
@@ -73,12 +72,14 @@ class StepFactors(NamedTuple):
     static: bool
 
 
-def modal_state(oscillators: Oscillators, shares: Array, rest: Array) -> ModalState:
-    """Allocate the modes at rest; shares (n, n_pad) and rest (n_pad, n_pad) as in the state."""
-    n, n_pad = shares.shape
+def modal_state(
+    oscillators: Oscillators, participation: Array, residual_flexibility: Array
+) -> ModalState:
+    """Allocate the modes at rest; participation and residual_flexibility as in the state."""
+    n, n_pad = participation.shape
     return ModalState(
-        shares=np.ascontiguousarray(shares, dtype=np.float64),
-        rest=np.ascontiguousarray(rest, dtype=np.float64),
+        participation=np.ascontiguousarray(participation, dtype=np.float64),
+        residual_flexibility=np.ascontiguousarray(residual_flexibility, dtype=np.float64),
         residues=oscillators.residues.copy(),
         filtered=np.zeros_like(oscillators.poles),
         force=np.zeros(n),
@@ -92,14 +93,19 @@ def modal_state(oscillators: Oscillators, shares: Array, rest: Array) -> ModalSt
 
 
 def step_factors(
-    oscillators: Oscillators, shares: Array, rest: Array, dt: float, *, static: bool
+    oscillators: Oscillators,
+    participation: Array,
+    residual_flexibility: Array,
+    dt: float,
+    *,
+    static: bool,
 ) -> StepFactors:
     """Compute the factors of a step of `dt` s; `static`: the modes deform as in statics."""
     g = 1.0 + float(increments(oscillators.weights, oscillators.rates, dt).sum())
     decay, earlier, before, after = oscillators.filters(dt, swing=not static)
     dynamic = (oscillators.residues * after).sum(axis=1).real
-    gains = 1.0 / (oscillators.squares * g) if static else dynamic
-    flexibility = rest / g + (shares.T * gains) @ shares
+    gains = 1.0 / (oscillators.omega_squared * g) if static else dynamic
+    flexibility = residual_flexibility / g + (participation.T * gains) @ participation
     return StepFactors(
         *(decay, earlier, before, after, gains),
         np.ascontiguousarray((flexibility + flexibility.T) / 2),
@@ -132,7 +138,7 @@ def modal_step(
         gap[j] = m.gap[j] - m.moved_past[j] / g
     for k in range(len(o.free_amplitude)):
         a = o.free_amplitude[k]
-        row = o.shares[k]
+        row = o.participation[k]
         for j in range(len(gap)):
             gap[j] += a * row[j]
     failed = solve_target(s, m, gap, past, 1.0, target, by_force)
@@ -170,7 +176,7 @@ def _free_amplitude(m: PadState, o: ModalState, f: StepFactors, g: float) -> Non
         if f.static:
             total = 0.0
             for j in range(len(m.past)):
-                total -= o.shares[k, j] * m.past[j]
+                total -= o.participation[k, j] * m.past[j]
             o.free_amplitude[k] = f.gains[k] * total
         else:
             value = 0.0
@@ -184,11 +190,11 @@ def _free_amplitude(m: PadState, o: ModalState, f: StepFactors, g: float) -> Non
 @njit(cache=True)
 def _store(s: LcpState, m: PadState, o: ModalState, f: StepFactors, dt: float, g: float) -> None:
     """Update the history of the pad and of the modes with the pressure at the end of a step."""
-    count = contact.combine(o.moved, o.rest, s.x, o.pressed, o.factor)
+    count = contact.combine(o.moved, o.residual_flexibility, s.x, o.pressed, o.factor)
     for k in range(len(o.force)):
         force = 0.0
         for i in range(count):
-            force += o.shares[k, o.pressed[i]] * o.factor[i]
+            force += o.participation[k, o.pressed[i]] * o.factor[i]
         for i in range(o.residues.shape[1]):
             left = f.decay[k, i] * o.filtered[k, i] + f.before[k, i] * o.force[k]
             left += f.earlier[k, i] * o.earlier[k]

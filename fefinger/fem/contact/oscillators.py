@@ -33,11 +33,11 @@ MISSED = 1e-6  # largest error of the sum rules of the residues
 class Oscillators:
     """Modes of a body with one relaxation function.
 
-    squares (n,) of the relaxed angular frequencies in 1/s²; weights and rates (m,) of the Prony
-    terms, over the long-time modulus; poles and residues (n, m + 2) of each mode.
+    omega_squared (n,) of the relaxed angular frequencies in 1/s²; weights and rates (m,) of the
+    Prony terms, over the long-time modulus; poles and residues (n, m + 2) of each mode.
     """
 
-    squares: Array
+    omega_squared: Array
     weights: Array
     rates: Array
     poles: Complex
@@ -47,13 +47,13 @@ class Oscillators:
         """Return some of the modes."""
         return replace(
             self,
-            squares=self.squares[chosen],
+            omega_squared=self.omega_squared[chosen],
             poles=self.poles[chosen],
             residues=self.residues[chosen],
         )
 
     @classmethod
-    def of(cls, squares: Array, weights: Array, rates: Array) -> "Oscillators":
+    def of(cls, omega_squared: Array, weights: Array, rates: Array) -> "Oscillators":
         """Compute the poles of modes under a relaxation function.
 
         Raises
@@ -61,10 +61,10 @@ class Oscillators:
         ConvergenceError
             If two poles of a mode coincide, so that its answer is no sum of exponentials.
         """
-        poles = np.linalg.eigvals(_systems(squares, weights, rates)).astype(np.complex128)
+        poles = np.linalg.eigvals(_systems(omega_squared, weights, rates)).astype(np.complex128)
         near = poles[..., None] + rates
         near = np.where(near == 0, 1e-300, near)
-        slope = 2 * poles + squares[:, None] * (weights * rates / near**2).sum(axis=-1)
+        slope = 2 * poles + omega_squared[:, None] * (weights * rates / near**2).sum(axis=-1)
         residues = 1.0 / slope
         error = np.abs((residues * poles).sum(axis=1) - 1.0)
         if len(error) and not error.max() <= MISSED:
@@ -74,12 +74,12 @@ class Oscillators:
                 f"{error[worst]:.1e}; change a rate of the relaxation in its fourth digit"
             )
             raise ConvergenceError(message)
-        return cls(squares, weights, rates, poles, residues)
+        return cls(omega_squared, weights, rates, poles, residues)
 
     @property
     def glassy(self) -> Array:
         """Angular frequencies (n,) in 1/s with the modulus of a sudden strain."""
-        return np.asarray(np.sqrt(self.squares * (1.0 + self.weights.sum())))
+        return np.asarray(np.sqrt(self.omega_squared * (1.0 + self.weights.sum())))
 
     def modulus(self, frequency: Array) -> Complex:
         """Complex modulus (n_f,) over the long-time one at frequencies (n_f,) in Hz."""
@@ -108,10 +108,10 @@ def complex_modulus(weights: Array, rates: Array, frequency: Array) -> Complex:
     return np.asarray(1.0 + (weights * omega / (omega + rates)).sum(axis=1))
 
 
-def _systems(squares: Array, weights: Array, rates: Array) -> Array:
+def _systems(omega_squared: Array, weights: Array, rates: Array) -> Array:
     """State matrices (n, m + 2, m + 2) of (w a, a', w sqrt(g) z): damped, else skew-symmetric."""
-    frequency, m = np.sqrt(squares), len(rates)
-    systems = np.zeros((len(squares), m + 2, m + 2))
+    frequency, m = np.sqrt(omega_squared), len(rates)
+    systems = np.zeros((len(omega_squared), m + 2, m + 2))
     systems[:, 0, 1], systems[:, 1, 0] = frequency, -frequency
     coupling = frequency[:, None] * np.sqrt(weights)
     systems[:, 2:, 1], systems[:, 1, 2:] = coupling, -coupling

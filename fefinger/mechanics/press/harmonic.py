@@ -22,7 +22,12 @@ from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import limits, problem
-from fefinger.mechanics.press.modal_body import ModalBody, body_of_modes, rest_inertia, stiffened
+from fefinger.mechanics.press.modal_body import (
+    ModalBody,
+    body_of_modes,
+    residual_inertia,
+    stiffened,
+)
 from fefinger.mechanics.press.mode_store import FingerModes
 from fefinger.results.harmonic import Complex, Harmonic, apart
 from fefinger.results.records import Sites
@@ -124,7 +129,7 @@ class Vibrating:
         time, and for all of them where others are wanted later.
         """
         if self._static is None or not np.isin(candidates, self._static.candidates).all():
-            everywhere = np.arange(self.body.shares.shape[1])
+            everywhere = np.arange(self.body.participation.shape[1])
             self._static = self._respond(candidates if self._static is None else everywhere)
         return self._static.at(candidates)
 
@@ -132,9 +137,9 @@ class Vibrating:
         """Compute the static response to unit loads at some of the candidates."""
         body = self.body
         moved = displaced(self.solid, body.static.patch.loads[:, candidates]) / self.stiffening
-        work = body.shares[:, candidates] / body.oscillators.squares[:, None]
+        work = body.participation[:, candidates] / body.oscillators.omega_squared[:, None]
         rows = _rows(self.solid, self.sites, self.line) @ moved - body.strain @ work
-        return Static(candidates, rows, rest_inertia(self.finger, self.solid, moved, work))
+        return Static(candidates, rows, residual_inertia(self.finger, self.solid, moved, work))
 
     def harmonic(
         self, frequency: Array, *, depth: float | None = None, force: float | None = None
@@ -152,7 +157,7 @@ class Vibrating:
         held, first = self._held(static)
         stiffness, rough = held.stiffness(frequency), first.stiffness(frequency)
         ratio = (2 * np.pi * frequency) ** 2 / np.abs(
-            held.modulus(frequency) * body.oscillators.squares[-1]
+            held.modulus(frequency) * body.oscillators.omega_squared[-1]
         )
         strain, skin = self._read(held, static, frequency)
         sides, unit = 2.0 if self.solid.half else 1.0, self._unit
@@ -194,9 +199,10 @@ class Vibrating:
     def _held(self, static: Static) -> tuple[ClosedContact, ClosedContact]:
         """Return the body held at its contact, with two static terms and with the first alone."""
         body, o, active = self.body, self.body.oscillators, static.candidates
-        shares, rest = body.shares[:, active], body.rest[np.ix_(active, active)]
+        participation = body.participation[:, active]
+        residual = body.residual_flexibility[np.ix_(active, active)]
         projected = body.static.patch.projected[active]
-        parts = o.squares, shares, rest, projected, o.weights, o.rates
+        parts = o.omega_squared, participation, residual, projected, o.weights, o.rates
         return ClosedContact.of(*parts, static.inertia), ClosedContact.of(*parts)
 
     def _read(
@@ -224,7 +230,7 @@ class Vibrating:
         if beyond.any():
             raise InputError(
                 f"frequency: expected at most {reached[beyond].min():.4g} Hz, {HIGHEST:g} of "
-                f"the frequency of the last of {len(o.squares)} modes, received "
+                f"the frequency of the last of {len(o.omega_squared)} modes, received "
                 f"{frequency[beyond].max():g} Hz; lower it, or take stiffer tissue"
             )
 

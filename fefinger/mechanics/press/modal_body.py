@@ -20,23 +20,23 @@ from fefinger.support.threads import one_thread
 class ModalBody:
     """Response of a body to loads on a patch: that of its modes, and the static correction.
 
-    static: the response without inertia; oscillators: the modes; shares (n, n_pad): work of each
-    unit load on each mode; rest (n_pad, n_pad): the residual flexibility, which is that of
-    `static` less that of the modes; strain
-    (n_rows, n) and normal_displacement (n_near, n) of each mode, as those of `static`.
+    static: the response without inertia; oscillators: the modes; participation (n, n_pad): work
+    of each unit load on each mode; residual_flexibility (n_pad, n_pad): that of `static` less that
+    of the modes (static correction); strain (n_rows, n) and normal_displacement (n_near, n) of each
+    mode, as those of `static`.
     """
 
     static: Reduced
     oscillators: Oscillators
-    shares: Array
-    rest: Array
+    participation: Array
+    residual_flexibility: Array
     strain: Array
     normal_displacement: Array
 
     @property
     def complete(self) -> Reduced:
         """Response to pressures on the residual flexibility, then to amplitudes of the modes."""
-        part = self.shares.T / self.oscillators.squares
+        part = self.participation.T / self.oscillators.omega_squared
         strain = np.hstack([self.static.strain - self.strain @ part.T, self.strain])
         normal = self.static.normal_displacement - self.normal_displacement @ part.T
         moved = np.hstack([normal, self.normal_displacement])
@@ -55,7 +55,7 @@ class ModalBody:
         return modal(
             self.static,
             self.oscillators.only(chosen),
-            self.shares[chosen],
+            self.participation[chosen],
             self.strain[:, chosen],
             self.normal_displacement[:, chosen],
         )
@@ -66,22 +66,26 @@ class ModalBody:
         elastic (n_t, n_pad + n): as for `complete`. The displacement is that of statics under its
         pressures, and of the modes of these amplitudes.
         """
-        count = self.shares.shape[1]
-        rest, amplitude = elastic[:, :count], elastic[:, count:]
-        return np.asarray(amplitude - rest @ self.shares.T / self.oscillators.squares)
+        count = self.participation.shape[1]
+        pressure, amplitude = elastic[:, :count], elastic[:, count:]
+        return np.asarray(
+            amplitude - pressure @ self.participation.T / self.oscillators.omega_squared
+        )
 
 
 @one_thread
 def modal(
     static: Reduced,
     oscillators: Oscillators,
-    shares: Array,
+    participation: Array,
     strain: Array,
     normal: Array,
 ) -> ModalBody:
     """Make a body from its modes, with the residual flexibility that they leave."""
-    rest = static.flexibility - (shares.T / oscillators.squares) @ shares
-    return ModalBody(static, oscillators, shares, (rest + rest.T) / 2, strain, normal)
+    residual = static.flexibility - (participation.T / oscillators.omega_squared) @ participation
+    return ModalBody(
+        static, oscillators, participation, (residual + residual.T) / 2, strain, normal
+    )
 
 
 def body_of_modes(
@@ -96,10 +100,12 @@ def body_of_modes(
     probe: the strain at the points of `static`; stiffening: factor on the moduli, which `static`
     includes.
     """
-    oscillators = Oscillators.of(modes.squares * stiffening, *finger.prony.branches)
-    shares = modes.read(static.patch.loads.T.tocsr()).T
+    oscillators = Oscillators.of(modes.omega_squared * stiffening, *finger.prony.branches)
+    participation = modes.read(static.patch.loads.T.tocsr()).T
     normal = modes.read(static.patch.places.T.tocsr())
-    return modal(static, oscillators, np.ascontiguousarray(shares), modes.read(probe()), normal)
+    return modal(
+        static, oscillators, np.ascontiguousarray(participation), modes.read(probe()), normal
+    )
 
 
 def stiffened(static: Reduced, factor: float) -> Reduced:
@@ -113,7 +119,7 @@ def stiffened(static: Reduced, factor: float) -> Reduced:
 
 
 @one_thread
-def rest_inertia(finger: Finger, solid: Operator, moved: Array, modes: Array) -> Array:
+def residual_inertia(finger: Finger, solid: Operator, moved: Array, modes: Array) -> Array:
     """Residual inertia (k, k), the second static term: mass of the residual displacement.
 
     The integral of density times the product of the residual displacements under two unit loads:

@@ -29,7 +29,7 @@ class ModalHistory:
     """A press with inertia through time, at the stored times of its grid.
 
     modes: of the finger; body: on the candidates, with the modes that had inertia; contact: its
-    history, elastic pressures of the rest followed by the amplitudes of the modes.
+    history, elastic pressures on the residual flexibility followed by the amplitudes of the modes.
     """
 
     modes: FingerModes
@@ -75,7 +75,12 @@ def contact_of(body: ModalBody, longest: float) -> ModalContact:
     """Return the contact of a body at rest."""
     on_pad = body.static.patch
     return ModalContact(
-        body.oscillators, body.shares, body.rest, on_pad.gap, on_pad.projected, longest
+        body.oscillators,
+        body.participation,
+        body.residual_flexibility,
+        on_pad.gap,
+        on_pad.projected,
+        longest,
     )
 
 

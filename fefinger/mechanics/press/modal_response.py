@@ -313,7 +313,7 @@ def _fields(
 def _with_modes(answer: Response, history: ModalHistory, grid: TimeGrid) -> Response:
     """Add to an answer which modes had inertia, and whether contact was lost on the way."""
     oscillators = history.body.oscillators
-    count = len(oscillators.squares)
+    count = len(oscillators.omega_squared)
     highest = float(oscillators.glassy.max(initial=0.0) / (2 * np.pi))
     notes = (
         *answer.notes,

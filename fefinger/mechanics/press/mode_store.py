@@ -26,29 +26,31 @@ PER_CUBIC_METER = 1e-9
 """kg/m³ in kg/mm³."""
 
 NAMES = ("squares", "shapes", "residual")
+"""Names of the files of stored modes."""
 
 
 @dataclass(frozen=True)
 class FingerModes:
     """Modes of a finger or of half of it, lowest first, with unit modal mass of what is meshed.
 
-    squares (n,) of the relaxed angular frequencies in 1/s²; parts: for each parity the numbers of
-    its modes here and their shapes (n_displacements of the half, n) in mm/sqrt(kg); unfold: from a
-    field of the half to one of the body; complete: the frequency in Hz below which no mode lacks.
+    omega_squared (n,) of the relaxed angular frequencies in 1/s²; parts: for each parity the
+    numbers of its modes here and their shapes (n_displacements of the half, n) in mm/sqrt(kg);
+    unfold: from a field of the half to one of the body; complete: the frequency in Hz below which
+    no mode lacks.
     """
 
-    squares: Array
+    omega_squared: Array
     parts: tuple[tuple[Integers, Array, sparse.csr_matrix], ...]
     complete: float
 
     @property
     def frequencies(self) -> Array:
         """Relaxed frequencies (n,) in Hz."""
-        return np.asarray(np.sqrt(self.squares) / (2 * np.pi))
+        return np.asarray(np.sqrt(self.omega_squared) / (2 * np.pi))
 
     def read(self, rows: sparse.csr_matrix) -> Array:
         """`rows` (n_rows, n_unknowns) @ the displacement of each mode: (n_rows, n)."""
-        values = np.empty((rows.shape[0], len(self.squares)))
+        values = np.empty((rows.shape[0], len(self.omega_squared)))
         for numbers, shapes, unfold in self.parts:
             there = (rows @ unfold).tocsr()[:, : shapes.shape[0]]
             values[:, numbers] = there @ shapes
@@ -84,18 +86,18 @@ def finger_modes(
         sets.append(_part(finger, solid, number, report))
     light = finger.skin.density * PER_CUBIC_METER
     scale = finger.skin.modulus / light
-    squares = np.concatenate([each.squares for each in sets]) * scale
-    order = np.argsort(squares, kind="stable")
+    omega_squared = np.concatenate([each.omega_squared for each in sets]) * scale
+    order = np.argsort(omega_squared, kind="stable")
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
-    split = np.split(place, np.cumsum([len(each.squares) for each in sets])[:-1])
+    split = np.split(place, np.cumsum([len(each.omega_squared) for each in sets])[:-1])
     norm = 1.0 / np.sqrt(light * len(sets))
     parts = tuple(
         (numbers, each.shapes * np.float32(norm), part.unfold)
         for numbers, each, part in zip(split, sets, solid.parts, strict=True)
     )
-    highest = min(float(each.squares[-1]) for each in sets) * scale
-    return FingerModes(squares[order], parts, float(np.sqrt(highest) / (2 * np.pi)))
+    highest = min(float(each.omega_squared[-1]) for each in sets) * scale
+    return FingerModes(omega_squared[order], parts, float(np.sqrt(highest) / (2 * np.pi)))
 
 
 def _part(finger: Finger, solid: Operator, number: int, progress: Callable[[float], None]) -> Modes:
@@ -105,28 +107,29 @@ def _part(finger: Finger, solid: Operator, number: int, progress: Callable[[floa
     if place is not None:
         cache.touch(place)
         with suppress(OSError, ValueError, EOFError):
-            squares, shapes, residual = (
+            omega_squared, shapes, residual = (
                 np.load(place / f"{name}.npy", mmap_mode="r") for name in NAMES
             )
-            if shapes.shape[1] == len(squares):
-                return Modes(np.array(squares), shapes, float(residual))
+            if shapes.shape[1] == len(omega_squared):
+                return Modes(np.array(omega_squared), shapes, float(residual))
     heavy = mass(solid.space, {1: 1.0, 2: finger.subcutaneous.density / finger.skin.density})
     unfold = part.unfold[: heavy.shape[0]]
     unfold = unfold[:, np.flatnonzero(unfold.getnnz(axis=0))]
     heavy = (unfold.T @ heavy @ unfold).tocsr() / len(solid.parts)
     computed = modes_of(part.compliance, heavy, min(MODES, heavy.shape[0] // 8), progress)
-    if not computed.squares[0] > 0:
+    if not computed.omega_squared[0] > 0:
         raise ConvergenceError(
-            f"modes: expected frequencies above 0, received a square of {computed.squares[0]:g}; "
-            "check the held facets of the finger"
+            "modes: expected frequencies above 0, received a square of "
+            f"{computed.omega_squared[0]:g}; check the held facets of the finger"
         )
     # Single precision for shapes: the flexibility that modes leave over makes up for its rounding.
-    kept = Modes(computed.squares, computed.shapes.astype(np.float32), computed.residual)
+    kept = Modes(computed.omega_squared, computed.shapes.astype(np.float32), computed.residual)
     if place is not None and identity is not None:
         with suppress(OSError), cache.appearing(place) as new:
             about = json.dumps(modes_identity(finger, identity), indent=1)
             (new / "identity.json").write_text(about, encoding="utf-8")
-            for name in NAMES:
-                np.save(new / f"{name}.npy", getattr(kept, name))
+            values = kept.omega_squared, kept.shapes, kept.residual
+            for name, value in zip(NAMES, values, strict=True):
+                np.save(new / f"{name}.npy", np.asarray(value))
         cache.limit("modes")
     return kept

@@ -98,7 +98,7 @@ class Modal:
         self.body = body.below(RESOLVED / self.dt)
         on_pad = still.patch
         self._contact = ModalContact(
-            *(self.body.oscillators, self.body.shares, self.body.rest),
+            *(self.body.oscillators, self.body.participation, self.body.residual_flexibility),
             *(on_pad.gap, on_pad.projected),
             self.dt * (1 + 1e-9),
             still.output.limits,
@@ -206,7 +206,7 @@ class Modal:
         InputError
             If there is no such mode, or a cycle has no frames.
         """
-        last = len(self.modes.squares) - 1
+        last = len(self.modes.omega_squared) - 1
         if which not in range(last + 1):
             raise InputError(f"mode: expected a number from 0 to {last}, received {which!r}")
         frames = int(number("frames", frames, at_least=1))

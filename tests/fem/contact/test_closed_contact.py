@@ -37,13 +37,19 @@ def whole(system, frequency: float, weights=WEIGHTS) -> complex:
 
 def held(system, *, inertia: bool, weights=WEIGHTS) -> ClosedContact:
     stiffness, mass, loads, direction = system
-    squares, shapes = linalg.eigh(stiffness, mass)
-    squares, shares = squares[:MODES], shapes[:, :MODES].T @ loads
+    omega_squared, shapes = linalg.eigh(stiffness, mass)
+    omega_squared, participation = omega_squared[:MODES], shapes[:, :MODES].T @ loads
     moved = np.linalg.solve(stiffness, loads)
-    rest = loads.T @ moved - (shares.T / squares) @ shares
-    second = moved.T @ mass @ moved - (shares.T / squares**2) @ shares
+    residual = loads.T @ moved - (participation.T / omega_squared) @ participation
+    second = moved.T @ mass @ moved - (participation.T / omega_squared**2) @ participation
     return ClosedContact.of(
-        squares, shares, rest, direction, weights, RATES, second if inertia else None
+        omega_squared,
+        participation,
+        residual,
+        direction,
+        weights,
+        RATES,
+        second if inertia else None,
     )
 
 
@@ -75,9 +81,14 @@ def test_the_pressures_bear_the_force_and_the_loads_move_as_prescribed(system) -
     body, frequency = held(system, inertia=False), np.array([15.0])
     _, _, loads, direction = system
     pressure, amplitude = body.amplitudes(frequency)
-    squares, shapes = linalg.eigh(*system[:2])
-    shares = shapes[:, :MODES].T @ loads
-    rest = loads.T @ np.linalg.solve(system[0], loads) - (shares.T / squares[:MODES]) @ shares
-    np.testing.assert_allclose(pressure[0] @ rest + amplitude[0] @ shares, direction, rtol=1e-9)
+    omega_squared, shapes = linalg.eigh(*system[:2])
+    participation = shapes[:, :MODES].T @ loads
+    residual = (
+        loads.T @ np.linalg.solve(system[0], loads)
+        - (participation.T / omega_squared[:MODES]) @ participation
+    )
+    np.testing.assert_allclose(
+        pressure[0] @ residual + amplitude[0] @ participation, direction, rtol=1e-9
+    )
     force = body.modulus(frequency)[0] * pressure[0] @ direction
     assert force == pytest.approx(body.stiffness(frequency)[0], rel=1e-9)
