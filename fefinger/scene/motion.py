@@ -84,7 +84,7 @@ class Motion(ABC):
         return int(value)
 
     @property
-    def rocks(self) -> bool:
+    def turns_plate(self) -> bool:
         """Whether a plate turns on its path."""
         return False
 
@@ -145,7 +145,7 @@ class Motion(ABC):
         return self.peak
 
     @property
-    def swing(self) -> float:
+    def oscillation_amplitude(self) -> float:
         """Amplitude in mm or N of what vibrates, or else the whole motion."""
         return float(getattr(self, "amplitude", self.peak))
 
@@ -165,9 +165,9 @@ class Motion(ABC):
         return self.trajectory.peak
 
     @property
-    def breaks(self) -> tuple[float, ...]:
+    def breakpoints(self) -> tuple[float, ...]:
         """Times in s at which a derivative jumps, the start and the end among them."""
-        every = sorted(t for each in (self.trajectory, *self.paths) for t in each.breaks)
+        every = sorted(t for each in (self.trajectory, *self.paths) for t in each.breakpoints)
         apart = np.diff(every, prepend=-np.inf) > (SAME if self.paths else 0.0) * self.duration
         return tuple(np.array(every)[apart].tolist())
 

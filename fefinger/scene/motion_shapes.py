@@ -42,7 +42,7 @@ class RampMotion(Motion):
         return self.level
 
     @property
-    def top(self) -> float:
+    def ramp_duration(self) -> float:
         """Length of the ramp in s, with sharp corners."""
         pace = getattr(self, "loading_rate" if self.control == "force" else "speed")
         return float(self.level / pace)
@@ -50,7 +50,7 @@ class RampMotion(Motion):
     @property
     def corner_limits(self) -> tuple[float, ...]:
         """Lengths in s that a corner should not exceed: the ramp, and what follows it."""
-        return (self.top,)
+        return (self.ramp_duration,)
 
     def _checked(self, name: str) -> Any:
         if name == "corner" and self.corner is AS_LONG_AS_FITS:  # the last field
@@ -60,12 +60,14 @@ class RampMotion(Motion):
     @cached_property
     def trajectory(self) -> Trajectory:
         """The ramp."""
-        return Trajectory.through([0, self.top], [0, self.level], corner=self.corner, stop=False)
+        times = [0, self.ramp_duration]
+        return Trajectory.through(times, [0, self.level], corner=self.corner, stop=False)
 
     def ramp_and_rest(self, hold: float) -> Trajectory:
         """Return the ramp, and a rest of `hold` s after its corner."""
         rest = hold + self.corner / 2
-        times, levels = [0, self.top, self.top + rest], [0, self.level, self.level]
+        ramp = self.ramp_duration
+        times, levels = [0, ramp, ramp + rest], [0, self.level, self.level]
         if rest == 0:
             times, levels = times[:2], levels[:2]
         return Trajectory.through(times, levels, corner=self.corner, stop=False)
@@ -84,7 +86,7 @@ class RampHoldMotion(RampMotion):
     @property
     def corner_limits(self) -> tuple[float, ...]:
         """The length of the ramp in s, and twice that of the rest."""
-        return self.top, *rest_limit(self.hold)
+        return self.ramp_duration, *rest_limit(self.hold)
 
     @cached_property
     def trajectory(self) -> Trajectory:
@@ -100,10 +102,10 @@ class TrapezoidMotion(RampMotion):
     @cached_property
     def trajectory(self) -> Trajectory:
         """Both ramps and the rest."""
-        top, rest = self.top, self.hold + self.corner
-        times, levels = [0, top, top + rest, 2 * top + rest], [0, self.level, self.level, 0]
+        ramp, rest = self.ramp_duration, self.hold + self.corner
+        times, levels = [0, ramp, ramp + rest, 2 * ramp + rest], [0, self.level, self.level, 0]
         if rest == 0:
-            times, levels = [0, top, 2 * top], [0, self.level, 0]
+            times, levels = [0, ramp, 2 * ramp], [0, self.level, 0]
         return Trajectory.through(times, levels, corner=self.corner, stop=True)
 
 
@@ -116,24 +118,24 @@ class RampSinusoidMotion(RampMotion):
     settle: float
 
     @property
-    def rest(self) -> float:
+    def settle_duration(self) -> float:
         """Length of the rest in s."""
         return self.settle
 
     @property
-    def periods(self) -> int:
+    def n_cycles(self) -> int:
         """Number of cycles of the sine."""
         return self.cycles
 
     @property
     def corner_limits(self) -> tuple[float, ...]:
         """The lengths in s of the ramp and of the sine, and twice that of the rest."""
-        return self.top, *rest_limit(self.rest), self.periods / self.frequency
+        return self.ramp_duration, *rest_limit(self.settle_duration), self.n_cycles / self.frequency
 
     @cached_property
     def trajectory(self) -> Trajectory:
         """Ramp, rest and sine; InputError for a force that would pull."""
-        longest = self.periods / self.frequency
+        longest = self.n_cycles / self.frequency
         if self.corner > longest:
             raise InputError(
                 f"motion.corner: expected at most the length of the sinusoid, {longest:g} s, "
@@ -144,9 +146,9 @@ class RampSinusoidMotion(RampMotion):
                 f"motion.amplitude: expected less than the mean force of {self.level:g} N, "
                 f"received {self.amplitude:g}; a contact cannot pull"
             )
-        base = self.ramp_and_rest(self.rest)
+        base = self.ramp_and_rest(self.settle_duration)
         wave = Wave(base.duration, self.amplitude, self.frequency, self.corner)
-        return base.followed_by(wave, self.periods)
+        return base.followed_by(wave, self.n_cycles)
 
 
 class SweepMotion(RampMotion):
@@ -161,7 +163,7 @@ class SweepMotion(RampMotion):
     @property
     def corner_limits(self) -> tuple[float, ...]:
         """The lengths in s of the ramp and of the sine, and twice that of the rest."""
-        return self.top, *rest_limit(self.settle), self.seconds
+        return self.ramp_duration, *rest_limit(self.settle), self.seconds
 
     @property
     def frequencies(self) -> Array:

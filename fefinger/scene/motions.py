@@ -137,17 +137,17 @@ class Vibration(RampSinusoidMotion):
         return self.preload
 
     @property
-    def top(self) -> float:
+    def ramp_duration(self) -> float:
         """Length of the approach in s."""
         return self.preload / APPROACH
 
     @property
-    def rest(self) -> float:
+    def settle_duration(self) -> float:
         """Length of the hold in s."""
         return self.held
 
     @property
-    def periods(self) -> int:
+    def n_cycles(self) -> int:
         """Number of cycles: whole ones, nearest to `seconds`."""
         cycles = self.seconds * self.frequency
         if cycles > MOST_CYCLES:

@@ -78,7 +78,7 @@ class SampledMotion(Motion):
         return None if self.noise else self._band
 
     @property
-    def swing(self) -> float:
+    def oscillation_amplitude(self) -> float:
         """Largest distance of the samples from their mean over two cycles."""
         return float(np.abs(self._vibrating).max()) if self.highest_frequency else self.peak
 
@@ -101,7 +101,8 @@ class SampledMotion(Motion):
             return ()
         time, values = np.array(self.time), np.array(getattr(self, self.control))
         longest = max(GAP / self.sample_rate, 0.5 / self.highest_frequency)
-        hidden = (np.diff(time) > longest) & (np.abs(np.diff(values)) > FAINT * self.swing)
+        least = FAINT * self.oscillation_amplitude
+        hidden = (np.diff(time) > longest) & (np.abs(np.diff(values)) > least)
         return tuple(zip(time[:-1][hidden].tolist(), time[1:][hidden].tolist(), strict=True))
 
     def vibration(self, t: ArrayLike) -> Array:

@@ -81,7 +81,7 @@ class Scene:
         if extent is None or not self.motion.slides:
             return
         roll = np.radians(self.indenter.turn)
-        x, y = -self.motion.shift(np.array(self.motion.breaks)).T
+        x, y = -self.motion.shift(np.array(self.motion.breakpoints)).T
         places = (np.cos(roll) * x + np.sin(roll) * y, np.cos(roll) * y - np.sin(roll) * x)
         for name, range_, place in zip("xy", extent, places, strict=True):
             low, high = float(place.min()), float(place.max())

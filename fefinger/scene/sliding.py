@@ -44,7 +44,7 @@ class SlideMotion(RampMotion):
     approach: float
 
     @property
-    def top(self) -> float:
+    def ramp_duration(self) -> float:
         """Length of the press in s, with sharp corners."""
         return self.level / self.approach
 
@@ -56,7 +56,7 @@ class SlideMotion(RampMotion):
     @property
     def corner_limits(self) -> tuple[float, ...]:
         """The lengths in s of press and pass, and twice that of the rest between them."""
-        return self.top, self.pass_seconds, *rest_limit(self.settle)
+        return self.ramp_duration, self.pass_seconds, *rest_limit(self.settle)
 
     @property
     def recorded_from(self) -> float:
@@ -76,7 +76,7 @@ class SlideMotion(RampMotion):
     @cached_property
     def trajectory(self) -> Trajectory:
         """Press, and rest for as long as the slide takes."""
-        return self.ramp_and_rest(self.along.duration - self.top - self.corner)
+        return self.ramp_and_rest(self.along.duration - self.ramp_duration - self.corner)
 
     @cached_property
     def paths(self) -> tuple[Trajectory, ...]:
@@ -153,7 +153,7 @@ class SampledPathMotion(SampledMotion):
         return numbers(field, getattr(self, name), at_least=low, at_most=high, unit="degrees")
 
     @property
-    def rocks(self) -> bool:
+    def turns_plate(self) -> bool:
         """Whether the plate has angles of its path."""
         return bool(self._turns)
 

@@ -1,4 +1,4 @@
-"""A value in time, in closed form: quadratics joined at breaks, and at most one sine on top."""
+"""A value in time in closed form: quadratics joined at breakpoints, and at most one sine on top."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -209,7 +209,7 @@ class Trajectory:
         return np.clip(np.searchsorted(self.start, t, side="right") - 1, 0, None)
 
     @cached_property
-    def breaks(self) -> tuple[float, ...]:
+    def breakpoints(self) -> tuple[float, ...]:
         """Times in s at which a derivative jumps, the start and the end among them."""
         times = {0.0, *self.start.tolist(), self.duration}
         if self.wave is not None:
@@ -232,7 +232,7 @@ class Trajectory:
         turns = self.start[bent] - self.rate0[bent] / self.bend[bent]
         ends = np.append(self.start[1:], self.duration)[bent]
         turns = turns[(turns > self.start[bent]) & (turns < ends)]
-        times = np.concatenate([self.breaks, turns])
+        times = np.concatenate([self.breakpoints, turns])
         if self.wave is not None:
             times = np.concatenate([times, self.wave.crests(self.duration)])
         return float(self.value(times).max())

@@ -94,7 +94,7 @@ def pose(result: ResultRecord, depth: float, time: float | None = None) -> Pose:
     moved = np.array([np.interp(time, result.time, shift[:, k]) for k in (0, 1)])
     across, motion = frame(first.axis)[:2], result.scene.motion
     here, plate = first._replace(origin=first.origin + moved @ across), result.scene.indenter.flat
-    if plate is None or not motion.rocks:
+    if plate is None or not motion.turns_plate:
         return here
     normal = first.axis + motion.inclines(time, plate) @ across
     return here._replace(axis=normal / np.linalg.norm(normal))

@@ -244,7 +244,7 @@ def test_time_steps_follow_the_motion(motion: Motion, fast: bool) -> None:
     for start, stop in motion.moving:
         moving = (middle > start) & (middle < stop)
         assert np.diff(grid)[moving].max() <= limit * 1.001
-    for corner in motion.breaks:
+    for corner in motion.breakpoints:
         assert np.abs(grid - corner).min() < 1e-9
 
 

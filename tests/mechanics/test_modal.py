@@ -422,7 +422,7 @@ def test_a_wave_file_is_a_vibration_about_a_preload(tmp_path: Path) -> None:
     assert motion.value(0.0) == 0.0
     assert motion.value(0.15) == pytest.approx(0.8)
     assert motion.steady_level == pytest.approx(0.8, rel=0.01)
-    assert motion.swing == pytest.approx(0.02 * 20000 / 32768, rel=0.2)
+    assert motion.oscillation_amplitude == pytest.approx(0.02 * 20000 / 32768, rel=0.2)
     assert motion.peak == pytest.approx(0.8 + 0.02 * 20000 / 32768, rel=1e-3)
     assert 250.0 <= motion.highest_frequency < 350.0  # it starts and ends abruptly
     (tmp_path / "no.wav").write_bytes(b"hello")

@@ -95,7 +95,7 @@ def test_angles_are_read_from_a_file_after_the_other_columns(tmp_path: Path):
     file.write_text("time,x,y,depth,angle,tilt (degrees)\n0,0,0,0,30,0\n1,1,0,0.5,33,-2\n")
     read = ff.SampledPath.from_csv(file)
     assert (read.angle, read.tilt) == ((30.0, 33.0), (0.0, -2.0))
-    assert read.rocks
+    assert read.turns_plate
     assert not read.mirrored
     scene = ff.Scene(finger=FINGER, indenter=ff.Flat(30), motion=read, ask=ASK)
     assert ff.Scene.from_toml(scene.to_toml()) == scene

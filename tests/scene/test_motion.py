@@ -72,7 +72,7 @@ def test_a_motion_gives_its_unit_and_the_frequency_of_its_wave():
 
 @pytest.mark.parametrize("motion", EVERY, ids=str)
 def test_value_is_the_integral_of_rate(motion):
-    for t0, t1 in zip(motion.breaks[:-1], motion.breaks[1:], strict=True):
+    for t0, t1 in zip(motion.breakpoints[:-1], motion.breakpoints[1:], strict=True):
         nodes, weights = np.polynomial.legendre.leggauss(60)
         t = t0 + (t1 - t0) * (nodes + 1) / 2
         area = (t1 - t0) / 2 * weights @ motion.rate(t)
@@ -82,7 +82,7 @@ def test_value_is_the_integral_of_rate(motion):
 
 @pytest.mark.parametrize("motion", EVERY, ids=str)
 def test_rate_jumps_only_where_corners_are_sharp(motion):
-    inner = np.array(motion.breaks[1:-1])
+    inner = np.array(motion.breakpoints[1:-1])
     before, after = motion.rate(inner - 1e-12), motion.rate(inner + 1e-12)
     jumps = np.abs(after - before).max(initial=0)
     if motion.corner > 0:
@@ -129,8 +129,8 @@ def drawn(seed):
 
 
 def dense(motion):
-    """Return times (n,) s all over a motion, many of them between any two of its breaks."""
-    return np.linspace(motion.breaks[:-1], motion.breaks[1:], 401, axis=1).ravel()
+    """Return times (n,) s all over a motion, many of them between any two of its breakpoints."""
+    return np.linspace(motion.breakpoints[:-1], motion.breakpoints[1:], 401, axis=1).ravel()
 
 
 def test_no_time_of_any_motion_is_above_its_peak():
@@ -169,7 +169,7 @@ def test_it_moves_in_the_intervals_called_moving_and_nowhere_else(motion):
 
 def test_a_corner_is_a_parabola_that_delays_the_ramp_by_half_of_itself():
     motion = RampHold(60, 1.5, hold=5, corner=0.01)
-    assert motion.breaks == pytest.approx((0, 0.01, 0.025, 0.035, 5.035))
+    assert motion.breakpoints == pytest.approx((0, 0.01, 0.025, 0.035, 5.035))
     assert motion.value(0.004) == pytest.approx(60 / 0.01 * 0.004**2 / 2)
     assert motion.value(0.02) == pytest.approx(60 * (0.02 - 0.005))
     assert motion.value([0.035, 1.0, 5.035]).tolist() == [1.5, 1.5, 1.5]
@@ -205,7 +205,7 @@ def test_a_sinusoid_starts_at_touch_and_at_rest_and_ends_so():
     assert WAVE.value(0.0) == 0
     assert (WAVE.peak, WAVE.duration) == (1.0, 0.75)
     assert WAVE.moving == ((0.0, 0.75),)
-    assert WAVE.breaks == (0.0, 0.75)
+    assert WAVE.breakpoints == (0.0, 0.75)
     assert ForceSinusoid(amplitude=0.5, frequency=4, cycles=3).value(t).min() >= 0
 
 
@@ -220,7 +220,7 @@ def test_depth_and_force_kinds_share_their_shape():
 def test_samples_are_joined_by_straight_lines_and_collinear_ones_make_no_break():
     motion = Sampled([0, 1, 2, 3], [0, 1, 2, 0])
     assert motion.value([0.5, 1.5, 2.5, 9]) == pytest.approx([0.5, 1.5, 1, 0])
-    assert motion.breaks == (0.0, 2.0, 3.0)
+    assert motion.breakpoints == (0.0, 2.0, 3.0)
 
 
 def test_samples_may_stay_at_one_depth_from_the_start():

@@ -41,7 +41,7 @@ def test_uneven_samples_vibrate_as_even_ones() -> None:
     uneven = sampled(time + scatter, hum(time + scatter))
     assert HUM < even.highest_frequency < 1.5 * HUM
     assert uneven.highest_frequency == pytest.approx(even.highest_frequency, rel=0.1)
-    assert uneven.swing == pytest.approx(even.swing, rel=0.05)
+    assert uneven.oscillation_amplitude == pytest.approx(even.oscillation_amplitude, rel=0.05)
     assert uneven.sample_rate == pytest.approx(RATE, rel=0.01)
     middle = np.linspace(0.25, 0.35, 50)
     assert uneven.vibration(middle) == pytest.approx(even.vibration(middle), abs=2e-3)

@@ -32,7 +32,7 @@ KINDS = {type(motion).__name__: type(motion) for motion in (*SLIDES, *PATHS)}
 @pytest.mark.parametrize("motion", [*SLIDES, *PATHS], ids=str)
 def test_a_path_is_the_integral_of_its_velocity_and_continuous(motion):
     assert eval(repr(motion), KINDS) == pickle.loads(pickle.dumps(motion)) == motion
-    for start, stop in zip(motion.breaks[:-1], motion.breaks[1:], strict=True):
+    for start, stop in zip(motion.breakpoints[:-1], motion.breakpoints[1:], strict=True):
         inside = np.linspace(start, stop, 2001)
         middle = (inside[1:] + inside[:-1]) / 2
         way = motion.velocity(middle).sum(axis=0) * (stop - start) / 2000
@@ -49,7 +49,7 @@ def test_it_moves_in_the_intervals_called_moving_and_nowhere_else(motion):
     assert (moves & ~within).sum() == 0
     assert (within & ~moves).sum() <= 2 * len(motion.moving)
     steps = time_grid(motion, fast=False)
-    assert np.abs(np.array(motion.breaks)[:, None] - steps).min(axis=1).max() < 1e-12
+    assert np.abs(np.array(motion.breakpoints)[:, None] - steps).min(axis=1).max() < 1e-12
 
 
 @pytest.mark.parametrize("motion", SLIDES, ids=str)

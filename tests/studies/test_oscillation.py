@@ -13,7 +13,7 @@ MOTION = ff.RampSinusoid(20.0, 1.0, amplitude=0.05, frequency=80.0, cycles=6, se
 
 
 def test_it_is_the_complex_ratio_whatever_drifts() -> None:
-    time = np.unique(np.concatenate([np.linspace(0, MOTION.duration, 1200), MOTION.breaks]))
+    time = np.unique(np.concatenate([np.linspace(0, MOTION.duration, 1200), MOTION.breakpoints]))
     depth = MOTION.value(time)
     ratio = cmath.rect(1.7, np.radians(25.0))
     turned = np.imag(ratio * np.exp(2j * np.pi * 80.0 * (time - MOTION.trajectory.wave.start)))

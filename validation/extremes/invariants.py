@@ -194,7 +194,7 @@ def _of_motion(scene: Scene, response: Response) -> dict[str, tuple[float, float
     if kind in ("ramp", "force-ramp", "force-ramp-hold"):
         findings["deeper"] = falling(depth, 1e-7)
     if kind == "ramp-hold":
-        held = response.time >= max(scene.motion.breaks[:-1])
+        held = response.time >= max(scene.motion.breakpoints[:-1])
         findings["relaxing"] = falling(-force[held])
     if abs(depth[-1] - depth[0]) <= ROUNDING * depth.max() and depth.max() > 0:
         work = float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(depth)))

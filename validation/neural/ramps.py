@@ -79,7 +79,7 @@ def course(
     organ, gain = (RULE if rule else MODELS)[name]
     motion = Trapezoid(speed=speed, depth=DEPTH, hold=HOLD, corner=CORNER)
     end = motion.duration
-    corners = np.concatenate([np.linspace(b, b + CORNER, 101) for b in motion.breaks])
+    corners = np.concatenate([np.linspace(b, b + CORNER, 101) for b in motion.breakpoints])
     kinks = np.unique(np.append(corners[corners < end], [end, end + AFTER]))
     bent = np.where(kinks <= end, motion.value(np.minimum(kinks, end)), 0.0)
     time = np.linspace(0.0, end + AFTER, int((end + AFTER) / STEP) + 1)
@@ -87,7 +87,7 @@ def course(
     current = GENERATOR_BY_NAME[generator](rectify(organ.respond(kinks, bent, time)), gain)
     membrane = HodgkinHuxley(divisor)
     (spikes,) = membrane.fire(time, current, method=method, stimulus_driven=False).times
-    breaks = motion.breaks
+    breaks = motion.breakpoints
     return Course(time, depth, current, spikes, breaks[3], breaks[-4], breaks[-2], end)
 
 

@@ -51,7 +51,7 @@ def retreats(motion: Motion) -> bool:
     """Return whether the depth, or the force, ever falls."""
     if motion.wave_frequency is not None:  # samples could miss the falls of a fast sine
         return True
-    time = np.unique(np.concatenate([np.linspace(0.0, motion.duration, 2001), motion.breaks]))
+    time = np.unique(np.concatenate([np.linspace(0.0, motion.duration, 2001), motion.breakpoints]))
     values = np.asarray(motion.value(np.clip(time, 0.0, motion.duration)))
     return bool((np.diff(values) < -1e-9 * np.abs(values).max()).any())
 

@@ -126,9 +126,9 @@ def suddenness(motion: Motion, cycle: float) -> float:
         # A vibration that has a part at t = 0 has had it before, which is no start of a press.
         return np.where(t < 0, 0.0, motion.value(at)) - motion.vibration(at)
 
-    breaks = np.array(motion.breaks)
-    middles = (breaks[1:] + breaks[:-1]) / 2
-    t = np.concatenate([breaks, breaks - part, breaks + part, middles])
+    ends = np.array(motion.breakpoints)
+    middles = (ends[1:] + ends[:-1]) / 2
+    t = np.concatenate([ends, ends - part, ends + part, middles])
     t = np.minimum(t, motion.duration - part)  # what would come after the end is not known
     change = slow(t + part) - 2 * slow(t) + slow(t - part)
     return float(np.abs(change).max() / motion.peak * cycle / part)
@@ -331,7 +331,7 @@ def _reduced(case: Situation, frequency: float) -> float:
 
 def _share(case: Situation) -> float:
     """Force of the oscillation over the peak, at most 1."""
-    return min(1.0, SHARE * case.motion.swing / case.peak)
+    return min(1.0, SHARE * case.motion.oscillation_amplitude / case.peak)
 
 
 def _ratio(case: Situation, frequency: float) -> float:

@@ -108,7 +108,7 @@ def load_steps(
             more = _halves(steps, (np.abs(spring - exact) > limit).any(axis=1))
             if not len(more):
                 break
-            steps = _with(steps, more, motion.breaks)
+            steps = _with(steps, more, motion.breakpoints)
     return steps
 
 

@@ -33,7 +33,7 @@ ROUNDED = 5e-4
 TURNS_READ = 201
 """Times at which the turn of a plate is read, beside the corners of its path."""
 
-ROCKS = 10.0
+MAX_TURN_DEG = 10.0
 """Degrees by which a plate may turn from its travel, a convention: its pressure then has 0.18 of
 itself across the travel, which moves the tissue no more than friction of that coefficient."""
 
@@ -116,7 +116,7 @@ def friction_reasons(indenter: Indenter) -> tuple[Reason, ...]:
 def finite_sliding_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
     """List the options of sliding and friction that finite strain does not support."""
     reasons = []
-    if motion.rocks:
+    if motion.turns_plate:
         reason = (
             f"motion.kind = {motion.kind!r}: its plate does not turn, as by motion.angle or tilt"
         )
@@ -138,19 +138,19 @@ def finite_sliding_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, 
 
 def turning_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
     """Return the reason against a plate that turns more than small strain can represent."""
-    if not motion.rocks:
+    if not motion.turns_plate:
         return ()
     if indenter.flat is None:
         reason = f"indenter.kind = {indenter.kind!r}: a smooth plate alone turns along a path"
         return (Reason("motion.angle", reason),)
     times = np.linspace(0.0, motion.duration, TURNS_READ)
-    slopes = motion.inclines(np.union1d(times, motion.breaks), indenter.flat)
+    slopes = motion.inclines(np.union1d(times, motion.breakpoints), indenter.flat)
     turn = float(np.degrees(np.arctan(np.linalg.norm(slopes, axis=1).max())))
-    if turn <= ROCKS:
+    if turn <= MAX_TURN_DEG:
         return ()
     reason = (
         f"motion.angle, motion.tilt: turn of the plate from its travel = {turn:.3g} degrees > "
-        f"{ROCKS:g}: pressure acts along the travel; start from an angle in the middle"
+        f"{MAX_TURN_DEG:g}: pressure acts along the travel; start from an angle in the middle"
     )
     return (Reason("motion.angle", reason),)
 

@@ -136,7 +136,7 @@ class Press:
             skin = partial(meshed, body.space.points, body.pad, body.normals, half=body.half)
             sites = end_organ_sites(ask, finger.pulp, obstacle.origin, obstacle.axis, skin)
         time = time_grid(motion, fast="FAII" in ask.spikes, refine=refine)
-        plate = scene.indenter.flat if motion.rocks else None
+        plate = scene.indenter.flat if motion.turns_plate else None
         return cls(
             mechanics=mechanics,
             method=method,

@@ -98,7 +98,7 @@ def _too_long(pieces: "Iterator[_Piece] | list[_Piece]", most: int) -> str:
 
 def _pieces(motion: Motion, *, fast: bool) -> Iterator[_Piece]:
     """Yield the parts of the motion between its corners."""
-    corners = np.unique(np.clip([0.0, *motion.breaks, motion.duration], 0.0, motion.duration))
+    corners = np.unique(np.clip([0.0, *motion.breakpoints, motion.duration], 0.0, motion.duration))
     finest = FAST_STEP if fast else MOVING_STEP
     cycle = 1.0 / motion.wave_frequency if motion.wave_frequency else np.inf
     moving = motion.moving
