@@ -20,8 +20,8 @@ for depth in np.linspace(0, 0.6, 60):
 way = np.linspace(0, 1.5, 150)
 for x in way:
     step = finger.step(depth=0.6, shift=(x, 0.0), dt=dt)
-    pulled.append(np.hypot(*step.lateral) / step.force)
-    stuck.append(step.stick)
+    pulled.append(np.hypot(*step.lateral_force) / step.force)
+    stuck.append(step.stick_area)
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(8, 3), layout="constrained")
 left.plot(way, pulled)

@@ -76,7 +76,7 @@ class Harmonic:
         """Displacement (n_f, n_skin, 3) of the skin per mm of oscillation."""
         return together(self.skin_parts)
 
-    def lost(self, amplitude: float) -> Array:
+    def dissipated_energy(self, amplitude: float) -> Array:
         """Energy (n_f,) in uJ lost in each cycle of an oscillation of `amplitude` mm."""
         return np.asarray(MICROJOULE * np.pi * self.stiffness.imag * amplitude**2)
 

@@ -31,7 +31,7 @@ def harmonic(answer: Harmonic, types: tuple[str, ...]) -> Any:
         if types:
             strain.legend()
         strain.set_ylabel("largest strain / (1/mm)")
-        lost.plot(frequency, answer.lost(0.01), color=STEEL)
+        lost.plot(frequency, answer.dissipated_energy(0.01), color=STEEL)
         lost.set_ylabel("lost per cycle of 10 µm / µJ")
         for axis in (strain, lost):
             axis.set_xlabel("frequency / Hz")

@@ -184,7 +184,7 @@ def test_a_preload_is_the_same_by_depth_and_by_force(loop: ff.Modal) -> None:
     angle, amplitude = np.linspace(0, 2 * np.pi, 2001)[:, None], 0.02
     force = (by_depth.stiffness * amplitude * np.exp(1j * angle)).imag
     work = np.trapezoid(force, amplitude * np.sin(angle), axis=0)  # mJ
-    assert by_depth.lost(amplitude) == pytest.approx(1e3 * work, rel=1e-5)
+    assert by_depth.dissipated_energy(amplitude) == pytest.approx(1e3 * work, rel=1e-5)
     assert by_depth.impedance.real == pytest.approx(
         1e3 * by_depth.stiffness.imag / (2 * np.pi * by_depth.frequency)
     )

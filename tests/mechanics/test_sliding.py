@@ -102,13 +102,13 @@ def test_in_a_loop_skin_lets_go_as_in_a_scene_and_takes_hold_again():
     ratios, sticks = [], []
     for k in range(1, 61):
         now = finger.step(0.7, (0.03 * k, 0.0), 1e-3)
-        ratios.append(np.hypot(*now.lateral) / now.force)
-        sticks.append(now.stick)
+        ratios.append(np.hypot(*now.lateral_force) / now.force)
+        sticks.append(now.stick_area)
     assert ratios[-1] == pytest.approx(0.3, rel=1e-5)
     assert max(ratios) > 0.31
     assert sticks[0] > 0 == sticks[-1]
-    assert finger.step(0.7, (1.79, 0.0), 1e-3).stick > 0  # it turns back
-    assert finger.step(0.7, (1.79, 0.0), 1e-3).stick > 0
+    assert finger.step(0.7, (1.79, 0.0), 1e-3).stick_area > 0  # it turns back
+    assert finger.step(0.7, (1.79, 0.0), 1e-3).stick_area > 0
 
 
 def test_a_torque_is_that_of_the_traction_about_the_center_of_pressure():
@@ -222,7 +222,8 @@ def test_a_step_that_is_refused_leaves_the_finger_as_it_was(loops, mu):
                 with pytest.raises(InputError, match="shift: expected two finite"):
                     finger.step(0.5, (0.0, float("nan")), 1e-3)
             now = finger.step(0.5, (0.1 * k, 0.0), 1e-3)
-            rows.append([now.force, *now.lateral, now.lost, now.stick, *now.strain.ravel()])
+            sliding = *now.lateral_force, now.work, now.stick_area
+            rows.append([now.force, *sliding, *now.strain.ravel()])
         return rows
 
     assert np.array(trace(True)) == pytest.approx(np.array(trace(False)), rel=1e-9, abs=1e-12)
@@ -235,7 +236,7 @@ def test_a_loop_reaches_its_force_and_forgets_on_reset(loops, mu):
     first = [finger.step_force(0.2, (0.05 * k, 0.0), 5e-3).depth for k in range(5)]
     assert finger.now.force == pytest.approx(0.2, rel=1e-6)
     finger.reset()
-    assert (finger.now.force, finger.now.lost, finger.now.stick) == (0.0, 0.0, 0.0)
+    assert (finger.now.force, finger.now.work, finger.now.stick_area) == (0.0, 0.0, 0.0)
     again = [finger.step_force(0.2, (0.05 * k, 0.0), 5e-3).depth for k in range(5)]
     assert again == pytest.approx(first, rel=1e-9)
     assert finger.step(-1.0, (0.0, 0.0), 1e-3).force == 0.0

@@ -131,7 +131,7 @@ def loop_and_scene() -> float:
         x, y = motion.shift(time).tolist()
         dt = time - scene.time[k - 1] if k else 0.0
         now = stepped.step_force(float(motion.value(time)), (x, y), float(dt))
-        rows.append([now.force, now.depth, *now.lateral.tolist(), now.lost, now.stick])
+        rows.append([now.force, now.depth, *now.lateral_force.tolist(), now.work, now.stick_area])
     found = np.array(rows).T
     one = lateral(scene)
     expected = [scene.force, scene.depth, *one.force.T, one.work, one.stick_area]

@@ -2,7 +2,7 @@
 
     finger = ff.Sliding(ff.Finger.subject("a.h.", tissue="maeno1998"), ff.Dots(3.0, friction=0.3))
     step = finger.step(depth=0.5, shift=(-1.2, 0.0), dt=1e-3)
-    step.force, step.lateral, step.strain
+    step.force, step.lateral_force, step.strain
 
 It is `mechanics/condensed` along a path that is not known before: candidates are those of the plane
 through the crests of the object, or of all places that an object without such a plane may take.
@@ -52,16 +52,16 @@ AROUND = 8
 class SlidingStep(Step):
     """Result of a step of `Sliding`: a `Step` with the quantities along the object's plane.
 
-    shift (2,) mm of the object, lateral (2,) N the force on the finger, both distal and radial;
-    torque N mm on the finger about the normal through the center of pressure, and stick mm² the
-    area of the vertices that do not slip, both of friction; lost mJ: its work so far.
+    shift (2,) mm of the object, lateral_force (2,) N on the finger, both distal and radial; torque
+    N mm on the finger about the normal through the center of pressure, and stick_area mm² of the
+    vertices that do not slip, both of friction; work mJ that friction has lost so far.
     """
 
     shift: Array
-    lateral: Array
+    lateral_force: Array
     torque: float = 0.0
-    stick: float = 0.0
-    lost: float = 0.0
+    stick_area: float = 0.0
+    work: float = 0.0
 
 
 class Sliding:
@@ -136,7 +136,7 @@ class Sliding:
             pressure=np.zeros(count),
             strain=self._output.strain.reshape(-1, 6),
             shift=np.zeros(2),
-            lateral=np.zeros(2),
+            lateral_force=np.zeros(2),
         )
         self._advance(0.0, (0.0, 0.0), 0.0, by_force=False)  # compiles or loads what steps need
         self.reset()
@@ -258,7 +258,7 @@ class Sliding:
             (moments / (areas @ now.pressure)).tolist() if force > 0 else (np.nan, np.nan)
         )
         now.shift[:] = self._shift
-        now.lateral[:] = self._travel.push(self._shift, now.pressure) * NEWTON_PER_MILLINEWTON
+        now.lateral_force[:] = self._travel.push(self._shift, now.pressure) * NEWTON_PER_MILLINEWTON
         if mu:
             self._read_friction(weights, force)
         return now
@@ -266,12 +266,10 @@ class Sliding:
     def _read_friction(self, weights: Array, force: float) -> None:
         now, on, count = self.now, self.patch, len(self.patch.vertices)
         traction = self._friction_state.x[count:].reshape(2, count)
-        now.lateral += traction @ on.projected * NEWTON_PER_MILLINEWTON
+        now.lateral_force += traction @ on.projected * NEWTON_PER_MILLINEWTON
         sticking = sticks(now.pressure, traction, self._bounds)
-        now.stick, now.lost = (
-            float(self._output.areas[sticking].sum()),
-            1e-3 * self._friction_history.lost[0],
-        )
+        now.stick_area = float(self._output.areas[sticking].sum())
+        now.work = 1e-3 * self._friction_history.lost[0]
         if force > 0:
             x, y = (self._places - weights @ self._places / force).T
             turning = (x * traction[1] - y * traction[0]) @ on.projected
