@@ -21,7 +21,7 @@ from fefinger.scene import builtin
 from fefinger.scene.finger import AUTO, RESOLUTIONS, STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError, choice
-from fefinger.support.text import beyond, duration
+from fefinger.support.text import duration, format_excess
 
 
 ERROR, SECONDS = "ask.rel_error", "ask.seconds"
@@ -146,7 +146,7 @@ class _Inertia:
         allowed = self.case.ask.rel_error
         if self.vibration <= allowed or not self.avoidable:
             return ()
-        error = beyond(self.vibration, allowed)
+        error = format_excess(self.vibration, allowed)
         reason = f"error of leaving inertia out = {error}: {self.reason} ({ERROR})"
         return (Refusal(name, "accuracy", reason, ERROR),)
 
@@ -188,13 +188,13 @@ def _rung(
     elif math.isinf(error):
         refusals = (*refusals, Refusal(name, "accuracy", f"its error has no limit: {evidence}"))
     elif error > ask.rel_error:
-        reason = f"expected relative error = {beyond(error, ask.rel_error)} ({ERROR})"
+        reason = f"expected relative error = {format_excess(error, ask.rel_error)} ({ERROR})"
         refusals = (*refusals, Refusal(name, "accuracy", reason, ERROR))
     error = max(whole, inertia.vibration) if left_out else whole
     refusals = (*refusals, *left_out)
     wall = wall_time.wall(name, case, seconds)
     if ask.seconds is not None and wall > ask.seconds:
-        reason = f"expected time = {beyond(wall, ask.seconds, ' s')} ({SECONDS})"
+        reason = f"expected time = {format_excess(wall, ask.seconds, ' s')} ({SECONDS})"
         refusals = (*refusals, Refusal(name, "time", reason, SECONDS))
     errors = {what: mechanics.error(case, what)[0] for what in STATED[1:]}
     errors = {what: each for what, each in errors.items() if math.isfinite(each)}

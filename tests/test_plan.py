@@ -324,7 +324,7 @@ def test_refusals_that_differ_in_the_field_or_the_mesh_alone_are_written_once():
     ],
 )
 def test_what_is_above_a_limit_is_shown_above_it(value, limit, said):
-    assert text.beyond(value, limit, " s") == said
+    assert text.format_excess(value, limit, " s") == said
 
 
 @pytest.mark.parametrize(

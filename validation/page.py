@@ -12,7 +12,7 @@ from typing import Any
 
 from fefinger.pages import page
 from fefinger.support import atomic_write
-from fefinger.support.text import shown
+from fefinger.support.text import unit_suffix
 
 
 VERDICTS = ("pass", "documented", "short", "fail")
@@ -171,7 +171,7 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
             "value": _number(case["value"], limit),
             "expected": _expected(case),
             "beside": {k: "" if value is None else f"{value:g}" for k, value in beside.items()},
-            "unit": shown(case["unit"]),
+            "unit": unit_suffix(case["unit"]),
             "source": case["source"],
             "verdict": case["verdict"],
         } | {key: "" if following.get(key) == note else note for key, note in notes.items()}

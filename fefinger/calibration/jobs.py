@@ -57,7 +57,7 @@ def run(todo: Sequence[Job], workers: int = 1, report: Progress | None = None) -
         return [calibrate(progress=report, **job) for job in todo]
     calibrations: dict[int, Calibration] = {}
     for number, each in processes.each(_one, todo, workers):
-        if isinstance(each, processes.Died):
+        if isinstance(each, processes.WorkerExit):
             raise ConvergenceError(f"{todo[number]['source']}: {each}")
         calibrations[number] = each
         if report is not None:

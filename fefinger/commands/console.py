@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fefinger.support.text import brief, percent, shown, strict_json, table
+from fefinger.support.text import brief, percent, strict_json, table, unit_suffix
 
 
 if TYPE_CHECKING:
@@ -253,7 +253,7 @@ def validation_summary(record: dict[str, Any]) -> str:
             suite["suite"],
             case["name"],
             "none" if case["failure"] else f"{case['value']:.6g}",
-            f"{case['expected']:.6g} +- {case['tolerance']:.3g} {shown(case['unit'])}",
+            f"{case['expected']:.6g} +- {case['tolerance']:.3g} {unit_suffix(case['unit'])}",
             " ".join(filter(None, (case["verdict"], case["failure"]))),
         )
         for suite in record["suites"]

@@ -32,7 +32,7 @@ from fefinger.scene.indenters import STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.progress import Progress
-from fefinger.support.text import beyond
+from fefinger.support.text import format_excess
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
@@ -153,7 +153,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
         return refusals(name, "ability", unable)
     depth, radius = case.peak, half_space(case.finger, case.indenter).relative_radius
     if case.motion.control == "depth" and depth > radius:
-        reason = f"depth / relative radius = {beyond(depth / radius, 1)}: Hertz ends there"
+        reason = f"depth / relative radius = {format_excess(depth / radius, 1)}: Hertz ends there"
         unable.append(Reason("motion.depth", reason))
     known = not unable and math.isfinite(measured(Candidate(name), case).error)
     reasons = [] if known else [*_reasons_of_size(case), *reasons_of_place(case)]
@@ -254,8 +254,8 @@ def _reasons_of_size(case: Situation) -> list[Reason]:
     thin = _thinness(case)
     if thin > THIN:
         reason = (
-            f"contact radius / tissue thickness = {beyond(thin, THIN)}: with the bone below it "
-            f"takes more than {1 + STIFFENING * thin:.2g} times the force"
+            f"contact radius / tissue thickness = {format_excess(thin, THIN)}: with the bone below "
+            f"it takes more than {1 + STIFFENING * thin:.2g} times the force"
         )
         reasons.append(Reason("motion", reason))
     contrast = case.finger.skin.modulus / case.finger.subcutaneous.modulus
@@ -267,7 +267,7 @@ def _reasons_of_size(case: Situation) -> list[Reason]:
         reasons.append(Reason("finger.skin.modulus", reason))
     steep = widest(case) / case.indenter.least_radius
     if steep > STEEP:
-        reason = f"contact radius / radius of the object = {beyond(steep, STEEP)}: it is no "
+        reason = f"contact radius / radius of the object = {format_excess(steep, STEEP)}: it is no "
         reasons.append(Reason("motion", f"{reason}paraboloid"))
     return reasons
 
@@ -293,6 +293,6 @@ def reasons_of_place(case: Situation) -> list[Reason]:
         return reasons
     away = distance(case.indenter)
     if away > NEAR:
-        reason = f"distance of indenter.at from the middle = {beyond(away, NEAR)} mm"
+        reason = f"distance of indenter.at from the middle = {format_excess(away, NEAR)} mm"
         reasons.append(Reason("indenter.at", f"{reason}: R is that of the middle"))
     return reasons

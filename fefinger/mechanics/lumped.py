@@ -20,7 +20,7 @@ from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress, Stages
-from fefinger.support.text import beyond
+from fefinger.support.text import format_excess
 from fefinger.theory.lumped import spring as theory
 
 
@@ -161,4 +161,5 @@ def _too_hard(case: Situation, identified_law: LumpedLaw) -> list[Reason]:
         peak = identified_law.prony.long_time * float(identified_law.spring.force(peak))
     if peak <= FORCE:
         return []
-    return [Reason("motion", f"{where} = {beyond(peak, FORCE)} N, the largest that was measured")]
+    reason = f"{where} = {format_excess(peak, FORCE)} N, the largest that was measured"
+    return [Reason("motion", reason)]

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.neural.drives import in_plane
 from fefinger.support.arrays import Array, Flags, Integers
-from fefinger.support.checks import InputError, choice, number, whole
+from fefinger.support.checks import InputError, choice, integer, number
 from fefinger.support.vocabulary import TYPES
 
 
@@ -143,7 +143,7 @@ def scatter(
                 f"densities.{kind}: {density:g} per cm² leaves no unit on {area:.3g} cm² of skin; "
                 "raise the density or the radius, or give the place of one"
             )
-        rng = np.random.default_rng([whole("seed", seed), TYPES.index(kind)])
+        rng = np.random.default_rng([integer("seed", seed), TYPES.index(kind)])
         places.append(_disc(rng, np.asarray(normal, float), radius, count))
         types += [kind] * count
     return tuple(types), np.concatenate(places)
@@ -275,7 +275,7 @@ def populate(
         if high == 1:
             points, upward = centers[i : i + 1], normals[i : i + 1]
         else:
-            rng = np.random.default_rng([whole("seed", seed), len(TYPES), streams[i]])
+            rng = np.random.default_rng([integer("seed", seed), len(TYPES), streams[i]])
             diameter = number(f"fields.{kind}", (fields or {}).get(kind), above=0.0, unit="mm")
             count = int(rng.integers(low, high + 1))
             points, upward = _spread(surface, rng, centers[i], normals[i], count, diameter, kind)

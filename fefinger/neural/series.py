@@ -12,7 +12,7 @@ import numpy as np
 
 from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import as_input_error
-from fefinger.support.checks import InputError, choice, nearest, number, repeated
+from fefinger.support.checks import InputError, choice, number, repeated, suggestion
 from fefinger.support.csv_columns import CsvTable, read_table
 from fefinger.support.vocabulary import FAMILIES, GENERATORS, TYPES
 
@@ -218,7 +218,7 @@ def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[st
         if prefix not in TYPES and re.fullmatch("[sf]a[a-z0-9]{0,2}", prefix.lower()):
             raise InputError(
                 f"column {header!r}: its name begins like that of an afferent type, but is none of "
-                f"{', '.join(TYPES)}.{nearest(prefix.upper(), TYPES)} Rename the column"
+                f"{', '.join(TYPES)}.{suggestion(prefix.upper(), TYPES)} Rename the column"
             )
         driven = (prefix,) if prefix in TYPES else types
         columns += [i] * len(driven)
@@ -244,7 +244,7 @@ def _length(path: str | PathLike[str], header: str) -> float | None:
             return length
     ends = ", ".join(SIGNALS)
     msg = f"{path}: column {header!r}: expected a name that ends with one of {ends}."
-    raise InputError(msg + nearest(header, USUAL))
+    raise InputError(msg + suggestion(header, USUAL))
 
 
 def _check(table: CsvTable, signals: Signals) -> None:

@@ -19,7 +19,7 @@ from fefinger.neural.gains import GAINS
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire, vectorized
 from fefinger.neural.reference import Reference
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.checks import InputError, choice, number, whole
+from fefinger.support.checks import InputError, choice, integer, number
 from fefinger.support.text import counted
 
 
@@ -205,7 +205,7 @@ class Afferents(SteppedUnits):
         for i, kind in enumerate(types):
             _, c, p = organs[kind]
             share[i, : len(c)], pole[i, : len(p)] = c, p
-        whole("substeps", substeps, at_least=1)
+        integer("substeps", substeps, at_least=1)
         codes = [drive_code(f"drives.{kind}", chosen[kind], "neural.units") for kind in types]
         self.state = compiled.State(
             drive=np.array(codes),

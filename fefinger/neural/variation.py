@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, number, whole
+from fefinger.support.checks import InputError, integer, number
 
 
 NOISE_STEP = 1e-3
@@ -32,7 +32,7 @@ class Variation:
 
     def __post_init__(self) -> None:
         """Check the seed and the sizes."""
-        whole("seed", self.seed)
+        integer("seed", self.seed)
         if self.spread is not None:
             number("spread", self.spread, at_least=0.0, at_most=3.0)
         if self.noise is not None:

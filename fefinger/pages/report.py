@@ -96,7 +96,7 @@ def _chance(result: ResultRecord) -> list[str]:
 def answer(result: ResultRecord) -> str:
     """Return the answer in one sentence: peak force or depth, contact area, spikes."""
     parts, step = [], result.peak
-    when = key_numbers.moment(result.time[step])
+    when = key_numbers.format_instant(result.time[step])
     if result.force is not None and result.scene.motion.control == "force":
         parts.append(
             f"under up to {result.force.max():.3g} N the finger gives way by up to "
@@ -125,7 +125,7 @@ def _touch(result: ResultRecord) -> str:
     peak = f"{motion.peak:.3g} {motion.unit}"
     size = f"{finger.width:g} mm wide, {finger.thickness:g} mm thick"
     what = f"{scene.indenter.describe()}; {motion.kind} to {peak}"
-    return f"{who} ({size}) and {what}, {key_numbers.moment(motion.duration)} in all."
+    return f"{who} ({size}) and {what}, {key_numbers.format_instant(motion.duration)} in all."
 
 
 def _tiles(result: ResultRecord) -> Iterator[dict[str, str]]:
@@ -206,7 +206,7 @@ def _top_pressure(result: ResultRecord) -> str:
     """Return a sentence on the highest pressure at a point of the mesh, and when it is."""
     assert result.pressure is not None
     step = int(np.argmax(result.pressure.max(axis=1)))
-    top, when = result.pressure[step].max(), key_numbers.moment(result.time[step])
+    top, when = result.pressure[step].max(), key_numbers.format_instant(result.time[step])
     return f"At a single point of it the pressure is at most {top:.3g} kPa, at {when}."
 
 
@@ -272,7 +272,7 @@ def _section(result: ResultRecord) -> dict[str, Any]:
         text = f"{text} {missing}"
     else:
         frame = frames.nearest_frame(result.fields, frames.peak_time(result))
-        when = key_numbers.moment(result.fields.times[frame])
+        when = key_numbers.format_instant(result.fields.times[frame])
         places = ("on the skin, seen from below", "behind the medial plane")
         for field, where in zip(("pressure", quantities.DEFAULT), places, strict=True):
             caption = f"{field.capitalize()} {where}, {when}."

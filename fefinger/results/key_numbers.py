@@ -43,17 +43,17 @@ def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
     by_force = result.scene.motion.control == "force"
     if result.force is not None:
         step = int(np.argmax(result.force))
-        end = f"at {moment(result.time[step])}; {result.force[-1]:.3g} N at the end"
+        end = f"at {format_instant(result.time[step])}; {result.force[-1]:.3g} N at the end"
         error, rank, about = (None, 7, "prescribed") if by_force else (errors["force"], 1, end)
         yield KeyNumber("peak force", f"{result.force[step]:.3g} N", error, rank, about)
     deepest = int(np.argmax(result.depth))
     error = errors.get("depth", math.nan) if by_force else None
     rank = 1 if by_force else 7
-    when = f"at {moment(result.time[deepest])}"
+    when = f"at {format_instant(result.time[deepest])}"
     yield KeyNumber("largest depth", f"{result.depth[deepest]:.3g} mm", error, rank, when)
     if result.lateral is not None:
         lateral = np.linalg.norm(result.lateral.force, axis=1)
-        when = f"at {moment(result.time[np.argmax(lateral)])}"
+        when = f"at {format_instant(result.time[np.argmax(lateral)])}"
         yield KeyNumber("largest lateral force", f"{lateral.max():.3g} N", math.nan, 3, when)
     if result.contact_area is not None and np.isfinite(result.contact_area).any():
         value = f"{np.nanmax(result.contact_area):.3g} mm²"
@@ -117,6 +117,6 @@ def _strain(result: ResultRecord, error: float) -> KeyNumber:
     return KeyNumber("largest compressive strain", f"{by_site.max():.3g} %", error, 5, about)
 
 
-def moment(seconds: float) -> str:
+def format_instant(seconds: float) -> str:
     """Return a time in ms or s."""
     return f"{1e3 * seconds:.3g} ms" if seconds < 1 else f"{seconds:.4g} s"

@@ -6,11 +6,11 @@ from typing import Any
 
 from fefinger.scene.population import Layout, by_type
 from fefinger.support.checks import (
-    Frozen,
+    FrozenDict,
     InputError,
+    boolean,
     choice,
     choices,
-    flag,
     number,
 )
 from fefinger.support.vocabulary import DRIVES, FAMILIES, GENERATORS, RECORDED_RULES, TYPES
@@ -74,7 +74,7 @@ class Ask:
     def __post_init__(self) -> None:
         """Check every field."""
         for name in ("force", "pressure", "strain", "fields"):
-            flag(f"ask.{name}", getattr(self, name))
+            boolean(f"ask.{name}", getattr(self, name))
         checked: dict[str, Any] = {
             "rel_error": number("ask.rel_error", self.rel_error, above=0, at_most=1),
             "spikes": choices("ask.spikes", self.spikes, TYPES),
@@ -105,7 +105,7 @@ class Ask:
         if self.afferents == "recorded":
             _check_recorded(checked["drives"], self.generator, population)
         for name in ("depths", "drives"):
-            checked[name] = Frozen(checked[name])
+            checked[name] = FrozenDict(checked[name])
         for name, value in checked.items():
             object.__setattr__(self, name, value)
 

@@ -9,7 +9,7 @@ import numpy as np
 from fefinger.geometry import profiles
 from fefinger.scene.raised import SAMPLES, FlankLimit, Raised
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, choice, whole
+from fefinger.support.checks import InputError, choice, integer
 
 
 ARRANGEMENTS = ("grid", "random")
@@ -50,7 +50,7 @@ class Dots(Raised):
         super().__post_init__()
         self._check_samples("spacing", self.spacing, (self.tile, self.tile))
         choice("indenter.arrangement", self.arrangement, ARRANGEMENTS)
-        whole("indenter.seed", self.seed)
+        integer("indenter.seed", self.seed)
         if self.arrangement == "random":
             _ = self.centers
 

@@ -5,14 +5,14 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from fefinger.support.checks import (
-    Frozen,
+    FrozenDict,
     InputError,
+    boolean,
     choice,
-    flag,
+    integer,
     number,
     numbers,
     reject_unknown,
-    whole,
 )
 from fefinger.support.vocabulary import RULES, TYPES
 
@@ -62,10 +62,10 @@ class Layout:
 
     def __post_init__(self) -> None:
         """Check the fields that all layouts have."""
-        flag("ask.population.branched", self.branched)
+        boolean("ask.population.branched", self.branched)
         if self.rule is not None:
             choice("ask.population.rule", self.rule, RULES)
-        whole("ask.population.seed", self.seed)
+        integer("ask.population.seed", self.seed)
         self._number("distance", at_least=0.0, at_most=2000.0, unit="mm")
         if self.spread is not None:
             self._number("spread", at_least=0.0, at_most=3.0)
@@ -99,7 +99,7 @@ class Scatter(Layout):
             kind: number(f"{name}.{kind}", value, above=0.0, at_most=1e4, unit="per cm²")
             for kind, value in by_type(name, self.densities, "70").items()
         }
-        object.__setattr__(self, "densities", Frozen(checked))
+        object.__setattr__(self, "densities", FrozenDict(checked))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,7 +20,7 @@ from fefinger.studies.errors import stated
 from fefinger.studies.hertz import hertz
 from fefinger.studies.oscillation import dynamic_stiffness
 from fefinger.studies.slope import Slope, stiffness
-from fefinger.studies.times import Moment, at, moments
+from fefinger.studies.times import NamedTime, at, named_times
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.array.sensor import ArraySensor, isobar
@@ -55,7 +55,7 @@ def rows(
     The row of a force or depth is at its first crossing on the loading, by linear interpolation in
     time; one that is not reached has a row whose `status` says so.
     """
-    times = moments(result.response.force, result.depth, forces, depths)
+    times = named_times(result.response.force, result.depth, forces, depths)
     highest: dict[float, float] = {}  # mean pressure over 1 mm² in kPa, by index in time
     if result.pressure is not None and result.pad is not None:
         places = [time.where for time in times if not time.missed]
@@ -80,10 +80,10 @@ def rows(
 
 
 def _row(
-    result: Result, view: "PlaneView | None", moment: Moment, highest: float | None
+    result: Result, view: "PlaneView | None", when: NamedTime, highest: float | None
 ) -> dict[str, Any]:
     """Make the columns of one time."""
-    where, control = moment.where, result.scene.motion.control
+    where, control = when.where, result.scene.motion.control
     wave, time = result.scene.motion.trajectory.wave, float(at(result.time, where))
     slope = VIBRATES
     if wave is None or time <= wave.start:
@@ -96,7 +96,7 @@ def _row(
         "stiffness_points": slope.points,
         "stiffness_note": slope.note,
     }
-    if moment.name == "end":
+    if when.name == "end":
         row |= _oscillation(result)
     if result.contact_area is not None:
         row["contact_area_mm2"] = float(at(result.contact_area, where))
@@ -105,7 +105,7 @@ def _row(
     if result.strain is not None:
         size = np.linalg.norm(at(result.strain, where), axis=(1, 2))
         row["strain_rms_percent"] = 100 * float(np.sqrt(np.mean(size**2)))
-    row |= stated(result, where, moment.given or control)
+    row |= stated(result, where, when.given or control)
     if result.spikes is not None:
         row |= _spikes(result, row["time_s"])
     if view is not None and row["force_N"] > 0:

@@ -12,7 +12,7 @@ SAME = 1e-9
 """Relative difference up to which two forces or depths are the same level."""
 
 
-class Moment(NamedTuple):
+class NamedTime(NamedTuple):
     """A named time as a fractional index; nan, with the reason in `missed`, if never reached.
 
     given: "force" or "depth" for a time at a given level, "" for peak and end.
@@ -24,15 +24,15 @@ class Moment(NamedTuple):
     given: str = ""
 
 
-def moments(
+def named_times(
     force: Array, depth: Array, forces: tuple[float, ...], depths: tuple[float, ...]
-) -> list[Moment]:
+) -> list[NamedTime]:
     """Find peak and end of a force (n_t,) in N and depth (n_t,) in mm, and crossings of levels.
 
     A crossing is the first on the loading, by linear interpolation between two steps.
     """
     top, deepest = first(force, force.max()), first(depth, depth.max())
-    times = [Moment("peak", float(top), ""), Moment("end", float(len(force) - 1), "")]
+    times = [NamedTime("peak", float(top), ""), NamedTime("end", float(len(force) - 1), "")]
     for name, unit, signal, levels in (
         ("force", "N", force[: top + 1], forces),
         ("depth", "mm", depth[: deepest + 1], depths),
@@ -41,7 +41,7 @@ def moments(
             where = _reached(signal, level)
             reason = f"{MISSED}: {name} = {signal[-1]:.4g} {unit} at most"
             missed = reason if np.isnan(where) else ""
-            times.append(Moment(f"{level:g} {unit}", where, missed, given=name))
+            times.append(NamedTime(f"{level:g} {unit}", where, missed, given=name))
     return times
 
 

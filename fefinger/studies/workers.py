@@ -32,7 +32,9 @@ def local(tasks: Sequence[Task], workers: int | None = None) -> Iterator[tuple[i
     By default one process per core; a process that dies loses only its current scene.
     """
     for number, outcome in processes.each(answer, tasks, workers or cores()):
-        yield number, {"error": str(outcome)} if isinstance(outcome, processes.Died) else outcome
+        if isinstance(outcome, processes.WorkerExit):
+            outcome = {"error": str(outcome)}
+        yield number, outcome
 
 
 def cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Answer]]:

@@ -59,7 +59,7 @@ def number(
     return result
 
 
-def whole(name: str, value: Any, *, at_least: int = 0) -> int:
+def integer(name: str, value: Any, *, at_least: int = 0) -> int:
     """Return `value` if it is a whole number of `at_least` or more, or raise InputError."""
     if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
         msg = f"{name}: expected a whole number of {at_least} or more, received {value!r}"
@@ -67,7 +67,7 @@ def whole(name: str, value: Any, *, at_least: int = 0) -> int:
     return value
 
 
-def nearest(name: str, options: Iterable[str], synonyms: Mapping[str, str] | None = None) -> str:
+def suggestion(name: str, options: Iterable[str], synonyms: Mapping[str, str] | None = None) -> str:
     """Return the sentence " Did you mean 'x'?" for the closest option, or an empty string.
 
     `synonyms`: other words for some of the options.
@@ -87,7 +87,7 @@ def choice(
     allowed = list(options)
     if value not in allowed:
         listed = ", ".join(repr(option) for option in allowed)
-        advice = nearest(value, allowed, synonyms)
+        advice = suggestion(value, allowed, synonyms)
         message = f"{name}: expected one of {listed}, received {value!r}.{advice}"
         raise InputError(message)
     return str(value)
@@ -111,7 +111,7 @@ def names(field: str, values: Iterable[str]) -> tuple[str, ...]:
     return result
 
 
-def flag(name: str, value: Any) -> bool:
+def boolean(name: str, value: Any) -> bool:
     """Return `value` if it is true or false, or raise InputError."""
     if not isinstance(value, bool):
         raise InputError(f"{name}: expected true or false, received {value!r}")
@@ -125,7 +125,7 @@ def reject_unknown(table: str, keys: Mapping[str, Any], options: Iterable[str]) 
         if key not in allowed:
             where = f" in [{table}]" if table else ""
             listed = ", ".join(allowed)
-            message = f"{key}: unknown key{where}.{nearest(key, allowed)} Known keys: {listed}"
+            message = f"{key}: unknown key{where}.{suggestion(key, allowed)} Known keys: {listed}"
             raise InputError(message)
 
 
@@ -155,7 +155,7 @@ def choices(name: str, values: Any, options: Iterable[str]) -> tuple[str, ...]:
     return result
 
 
-class Frozen(Mapping[str, Any]):
+class FrozenDict(Mapping[str, Any]):
     """An immutable mapping, equal to a dict of the same items.
 
     Unlike a MappingProxyType it can be pickled, which scenes need on their way to other processes,

@@ -78,7 +78,7 @@ def end(*processes: "subprocess.Popen[Any]") -> None:
                     pipe.close()
 
 
-class Died(Exception):
+class WorkerExit(Exception):
     """A worker process that ended before it returned its result; `status` is its exit status."""
 
     def __init__(self, status: int) -> None:
@@ -115,7 +115,7 @@ class Worker:
     def wait(self) -> Any:
         """Return the value of what was started.
 
-        Raises what the function raises, and Died where the process ends meanwhile.
+        Raises what the function raises, and WorkerExit where the process ends meanwhile.
         """
         replies = self._process.stdout
         assert replies is not None
@@ -124,7 +124,7 @@ class Worker:
             if done:
                 return value
             raise value
-        raise Died(self._process.wait())
+        raise WorkerExit(self._process.wait())
 
     def end(self) -> None:
         """End the process, also during a call."""
@@ -188,10 +188,10 @@ def in_background(function: Callable[[Item], Value], item: Item) -> Iterator[Cal
 
 def each(
     function: Callable[[Item], Value], items: Sequence[Item], workers: int
-) -> Iterator[tuple[int, Value | Died]]:
+) -> Iterator[tuple[int, Value | WorkerExit]]:
     """Evaluate `function` for all items in `workers` processes; yield (index, value) as they come.
 
-    The value is a Died where the process ended; any other exception of the function ends all
+    The value is a WorkerExit where the process ended; any other exception of the function ends all
     processes and is raised here.
     """
     team = [Worker(max(cores() // workers, 1)) for _ in range(min(workers, len(items)))]
@@ -199,13 +199,13 @@ def each(
     for worker in team:
         free.put(worker)
 
-    def one(item: Item) -> Value | Died:
+    def one(item: Item) -> Value | WorkerExit:
         worker = free.get()
         try:
             worker.start(function, item)
             value: Value = worker.wait()
             return value
-        except Died as error:
+        except WorkerExit as error:
             return error
         finally:
             free.put(worker)

@@ -67,7 +67,7 @@ def plain(text: str) -> float | str:
         return text
 
 
-def shown(unit: str) -> str:
+def unit_suffix(unit: str) -> str:
     """Text of a unit behind a number: empty for the unit "1"."""
     return "" if unit == "1" else unit
 
@@ -79,7 +79,7 @@ def percent(error: float) -> str:
     return f"{float(f'{100 * error:.2g}'):g} %" if error < 10 else "no limit"
 
 
-def beyond(value: float, limit: float, unit: str = "") -> str:
+def format_excess(value: float, limit: float, unit: str = "") -> str:
     """Format "value > limit" with enough digits to show that the value is above the limit."""
     shown = (float(f"{value:.{digits}g}") for digits in range(2, 18))
     return f"{next((x for x in shown if x > limit), value):.6g}{unit} > {limit:g}{unit}"

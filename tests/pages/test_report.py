@@ -97,7 +97,7 @@ def test_the_highest_pressure_at_a_point_has_its_own_time(
 ) -> None:
     assert synthetic.pressure is not None
     step = int(np.argmax(synthetic.pressure.max(axis=1)))
-    top, when = synthetic.pressure[step].max(), key_numbers.moment(synthetic.time[step])
+    top, when = synthetic.pressure[step].max(), key_numbers.format_instant(synthetic.time[step])
     assert f"at most {top:.3g} kPa, at {when}." in page(synthetic, tmp_path)
 
 

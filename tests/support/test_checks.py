@@ -5,14 +5,14 @@ import pytest
 
 from fefinger.support.checks import (
     InputError,
+    boolean,
     choice,
     choices,
-    flag,
-    nearest,
+    integer,
     number,
     numbers,
     reject_unknown,
-    whole,
+    suggestion,
 )
 
 
@@ -44,9 +44,11 @@ def test_what_is_no_number_in_range_is_named_with_what_was_expected(value, limit
 
 
 def test_nearest_suggests_only_what_is_near():
-    assert nearest("sped", ("speed", "depth")) == " Did you mean 'speed'?"
-    assert nearest("zzz", ("speed", "depth")) == ""
-    assert nearest("ball", ("sphere", "braille"), {"ball": "sphere"}) == " Did you mean 'sphere'?"
+    assert suggestion("sped", ("speed", "depth")) == " Did you mean 'speed'?"
+    assert suggestion("zzz", ("speed", "depth")) == ""
+    assert (
+        suggestion("ball", ("sphere", "braille"), {"ball": "sphere"}) == " Did you mean 'sphere'?"
+    )
 
 
 def test_a_choice_is_passed_on_or_refused_with_the_options():
@@ -59,16 +61,16 @@ def test_a_choice_is_passed_on_or_refused_with_the_options():
 
 @pytest.mark.parametrize("value", [0, 1, "true", None])
 def test_a_flag_is_true_or_false_and_nothing_else(value):
-    assert flag("x", True) is True
+    assert boolean("x", True) is True
     with pytest.raises(InputError, match="x: expected true or false"):
-        flag("x", value)
+        boolean("x", value)
 
 
 @pytest.mark.parametrize("value", [True, 1, 2.0, "3", None])
 def test_a_whole_number_is_no_truth_value_and_no_float(value):
-    assert whole("n", 2, at_least=2) == 2
+    assert integer("n", 2, at_least=2) == 2
     with pytest.raises(InputError, match=r"n: expected a whole number of 2 or more, received"):
-        whole("n", value, at_least=2)
+        integer("n", value, at_least=2)
 
 
 def test_unknown_keys_are_named_with_their_table():

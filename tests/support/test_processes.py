@@ -49,7 +49,7 @@ def test_a_call_in_the_background_has_its_value_or_its_error():
         value()
     with (
         processes.in_background(process_calls.end_for_odd, 1) as value,
-        pytest.raises(processes.Died),
+        pytest.raises(processes.WorkerExit),
     ):
         value()
 

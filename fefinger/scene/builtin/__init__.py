@@ -8,7 +8,7 @@ from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fefinger.support.checks import InputError, nearest
+from fefinger.support.checks import InputError, suggestion
 from fefinger.support.text import plain
 
 
@@ -25,7 +25,7 @@ def names() -> tuple[str, ...]:
 def text(name: str) -> str:
     """TOML text of a built-in scene; InputError suggests the nearest name."""
     if name not in names():
-        msg = f"scene {name!r}: expected one of {', '.join(names())}.{nearest(name, names())}"
+        msg = f"scene {name!r}: expected one of {', '.join(names())}.{suggestion(name, names())}"
         raise InputError(msg)
     return (files(__name__) / f"{name}.toml").read_text(encoding="utf-8")
 
@@ -100,8 +100,10 @@ def _missing(name: str) -> str:
     if path.suffix or len(path.parts) > 1:
         folder = path.parent
         files = [str(folder / each.name) for each in folder.glob("*.toml")]
-        return f"scene {name!r}: no such file in {str(folder.resolve())!r}.{nearest(name, files)}"
-    advice = f"{nearest(name, names())} `fefinger scenes` lists the built-in ones."
+        return (
+            f"scene {name!r}: no such file in {str(folder.resolve())!r}.{suggestion(name, files)}"
+        )
+    advice = f"{suggestion(name, names())} `fefinger scenes` lists the built-in ones."
     return f"scene {name!r}: no built-in scene and no file of that name.{advice}"
 
 
