@@ -193,7 +193,7 @@ class Grating(Profile):
 @final
 @dataclass(frozen=True, eq=False)
 class Relief(Profile):
-    """A surface through `heights` (n_u, n_v) mm towards the finger at grid lines u, v mm.
+    """A surface through `heights` (n_u, n_v) mm toward the finger at grid lines u, v mm.
 
     Between the samples it is the interpolating bicubic spline, whose derivatives are exact. There
     is no surface beyond the outermost samples. h counts from the highest sample, so it is a little
@@ -308,7 +308,7 @@ def frame(axis: Array, roll: float = 0.0) -> Array:
 
 
 def directions(axis: ArrayLike) -> Array:
-    """Return the unit vectors (2, 3) across a travel (3,): towards the tip, and sideways.
+    """Return the unit vectors (2, 3) across a travel (3,): toward the tip, and sideways.
 
     The first is the one nearest to x, where that of `frame` lies in the x-z plane.
     """

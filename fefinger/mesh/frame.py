@@ -13,7 +13,7 @@ PLATE_NORMAL = np.array([np.sin(PLATE), 0.0, -np.cos(PLATE)])
 """Outward pad normal at P30."""
 
 ALONG = np.array([np.cos(PLATE), 0.0, np.sin(PLATE)])
-"""Direction along the pad at P30, towards the tip."""
+"""Direction along the pad at P30, toward the tip."""
 
 PATCH_CENTER = np.array([-1.8, 0.0, -0.7])
 PATCH_RADIUS = 5.0

@@ -31,7 +31,7 @@ FLATTEST = 1e-4
 """Smallest ratio of the squared height and width of a section of the inner skin."""
 
 BACK_SLOPE = 0.21
-"""Largest slope in radians of the palm behind the pad, towards the crease."""
+"""Largest slope in radians of the palm behind the pad, toward the crease."""
 
 
 def radii(recipe: Recipe) -> tuple[float, float]:
@@ -44,7 +44,7 @@ def parametric(recipe: Recipe) -> Shape:
     """Return the fingertip of width w, thickness t and pad radius R.
 
     The curvatures at P30 are set so that a quadric fitted within 2 mm has the wanted radii; they
-    differ from the fitted ones by a few percent, because the pad gets sharper towards the tip.
+    differ from the fitted ones by a few percent, because the pad gets sharper toward the tip.
     """
     wanted = radii(recipe)
     if recipe.tip_radius is not None and recipe.tip_radius > wanted[0]:
@@ -140,7 +140,7 @@ def _skin(recipe: Recipe, *, along: float, across: float) -> tuple[float, dict[s
     share = middle * np.cos(PLATE) * across / half**2
     if share > 0.98:
         raise InputError(
-            f"finger.pad_radius: expected a fingertip that narrows towards its tip, received width "
+            f"finger.pad_radius: expected a fingertip that narrows toward its tip, received width "
             f"{recipe.width:g}, thickness {recipe.thickness:g} and pad radius "
             f"{recipe.pad_radius:g} mm, which would need {2 * half * np.sqrt(share):.1f} mm of "
             "width at the contact point; use a smaller thickness or a larger pad radius"

@@ -64,5 +64,5 @@ THRESHOLDS: dict[str, Threshold] = {
 }
 
 GAINS: dict[str, float] = {"SAI": 319.9, "SAII": 101.0, "FAI": 127.0, "FAII": 13190.0}
-"""Generator gains in uA/cm² per mm by the rule, rounded up to four digits, so that the response is
+"""Generator gains in µA/cm² per mm by the rule, rounded up to four digits, so that the response is
 there at the threshold itself; `validation/neural/gains.py` computes them again."""

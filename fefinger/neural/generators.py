@@ -11,20 +11,20 @@ from fefinger.support.vocabulary import GENERATORS
 
 
 LARGEST_CURRENT = 100.0
-"""I_max of the saturating generator in uA/cm².
+"""I_max of the saturating generator in µA/cm².
 
-In constant current the peaks of Hodgkin-Huxley spikes fall below the 40 mV rule at 111 uA/cm²
+In constant current the peaks of Hodgkin-Huxley spikes fall below the 40 mV rule at 111 µA/cm²
 (standard rates) and 113 (rates / 6); at 100 they reach 45 and 47 mV, so a generator that saturates
 there never drives its membrane into depolarization block.
 """
 
 
 Gain = float | Array
-"""Gain in uA/cm² per mm: one, or one per unit."""
+"""Gain in µA/cm² per mm: one, or one per unit."""
 
 
 def linear(x_nerve: Array, gain: Gain) -> Array:
-    """Return I = A x in uA/cm² for x in mm and A in uA/cm² per mm (thesis Eq. B.18)."""
+    """Return I = A x in µA/cm² for x in mm and A in µA/cm² per mm (thesis Eq. B.18)."""
     return gain * x_nerve
 
 
@@ -52,7 +52,7 @@ def transduce(
     at: ArrayLike | None = None,
     organ: Organ | None = None,
 ) -> Array:
-    """Return the generator current in uA/cm² of a unit's type for a skin displacement in mm.
+    """Return the generator current in µA/cm² of a unit's type for a skin displacement in mm.
 
     End-organ filter, rectification, generator; `time`, `x_in` and `at` as in `PoleZero.respond`,
     `kind` an afferent type, `generator` one of GENERATORS, `organ` the filter where it is not that

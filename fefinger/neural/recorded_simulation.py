@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 THRESHOLD = IntegrateAndFire().threshold
-"""Current in uA/cm² that the threshold of every unit counts as: a nominal one, since only the
+"""Current in µA/cm² that the threshold of every unit counts as: a nominal one, since only the
 ratio of a current to the threshold matters."""
 
 SPIKE_MV = 40.0
@@ -70,7 +70,7 @@ def simulate_recorded(
         Input of a unit with several end organs: "max", the largest of theirs at every time, or
         "mean".
     variation
-        Unequal gains and noise in uA/cm² of a threshold of THRESHOLD; None: equal gains, and the
+        Unequal gains and noise in µA/cm² of a threshold of THRESHOLD; None: equal gains, and the
         fitted noise.
     parameters
         Parameters by type, where they are not the fitted ones.

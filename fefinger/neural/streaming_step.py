@@ -17,8 +17,8 @@ class State(NamedTuple):
     """State of the units between two steps, without their membranes.
 
     drive (n,) index in STREAMED; across (n, 2, 3) unit vectors in the skin; length (n,) mm, gain
-    (n,) uA/cm² per mm; at_rest (n,), share and pole (n, 2) of the end organs, poles in
-    rad/s; modes (n, 2) and x (n,) mm, the last x_in; levels (substeps + 1, n) uA/cm², generator
+    (n,) µA/cm² per mm; at_rest (n,), share and pole (n, 2) of the end organs, poles in
+    rad/s; modes (n, 2) and x (n,) mm, the last x_in; levels (substeps + 1, n) µA/cm², generator
     currents of the last step; spikes (n, ROOM) ms and counts (n,) of that step; clock (1,) ms.
     """
 
@@ -81,7 +81,7 @@ def tangent_strain(e: NDArray[np.floating], across: NDArray[np.float64]) -> floa
 
 @njit(cache=True)
 def _current(s: "State", i: int, x: float) -> float:
-    """Return the current of the saturating generator in uA/cm² for unit i at x."""
+    """Return the current of the saturating generator in µA/cm² for unit i at x."""
     out = s.at_rest[i] * x + s.share[i, 0] * s.modes[i, 0] + s.share[i, 1] * s.modes[i, 1]
     return -LARGEST_CURRENT * math.expm1(-s.gain[i] * max(out, 0.0) / LARGEST_CURRENT)
 
@@ -127,7 +127,7 @@ def integrate_and_fire(
 ) -> int:
     """Advance integrate-and-fire units by dt ms; return the number of spikes, or CROWDED.
 
-    units (n, 3): potential, highest potential, ms when free. numbers: threshold in uA/cm², time
+    units (n, 3): potential, highest potential, ms when free. numbers: threshold in µA/cm², time
     constant and refractory time in ms.
     """
     threshold, tau, refractory = numbers

@@ -24,7 +24,7 @@ class TrainRecord:
     if nothing is random.
 
     time: (n_t,) s, at which x_in (n_t, n_units) mm, signed, compression positive, is the input of
-    the end organ and current (n_t, n_units) uA/cm² the generator current. x_in is linear in
+    the end organ and current (n_t, n_units) µA/cm² the generator current. x_in is linear in
     between. The current is not: it is the output of the filter at these times only, and the
     membrane was given it at more times. Where x_in has few samples, straight lines between these
     values of the current do not fire the same spikes.
@@ -33,7 +33,7 @@ class TrainRecord:
     depolarization block. stimulus_driven: (n_units,) crossings of the threshold that also occur
     with sodium activation frozen at rest, so that the current alone carries the potential over it.
     notes: sentences on limits and peculiarities of the trains. family: of FAMILIES. For the units
-    of "recorded" the current counts in a nominal threshold of 6.2 uA/cm², the potential in one of
+    of "recorded" the current counts in a nominal threshold of 6.2 µA/cm², the potential in one of
     40 mV, and there is no block.
 
     Raises

@@ -31,7 +31,7 @@ from fefinger.support.vocabulary import GENERATORS, RULES, TYPES
 
 
 STRAIGHT, LONGEST = 1e-5, 2e-3
-"""Largest deviation in uA/cm² of currents from straight lines between their samples, and largest
+"""Largest deviation in µA/cm² of currents from straight lines between their samples, and largest
 distance of the samples in s."""
 
 LINES = 1e-5
@@ -72,7 +72,7 @@ class _Setup:
 
     @cached_property
     def gains(self) -> Array:
-        """Gains (n_units,) in uA/cm² per mm, with their random variation."""
+        """Gains (n_units,) in µA/cm² per mm, with their random variation."""
         vary = self.variation
         factors = [1.0 if vary is None else vary.gain(i) for i in range(len(self.types))]
         return np.array([GAINS[kind] for kind in self.types]) * factors
@@ -102,7 +102,7 @@ class _Setup:
         return np.unique(np.concatenate([at, knots[knots < time[-1]]]))
 
     def run(self, at: Array, currents: Array, dt: float, *, driven: bool) -> Firing:
-        """Integrate the membranes under currents (n_at, n_units) in uA/cm²."""
+        """Integrate the membranes under currents (n_at, n_units) in µA/cm²."""
         if self.method is None:
             return self.membrane.fire(at, currents, dt=dt, stimulus_driven=driven)
         membrane = _squid(self.membrane, "tolerance: expected")
@@ -111,7 +111,7 @@ class _Setup:
     def branches(
         self, units: Sequence[int], time: Array, x_in: Array, at: Array | None = None
     ) -> list[Array]:
-        """Compute generator currents (n_at, n_branches) in uA/cm² of units of one type."""
+        """Compute generator currents (n_at, n_branches) in µA/cm² of units of one type."""
         kind, columns = self.types[units[0]], [self.columns[i] for i in units]
         organs = [len(c) for c in columns]
         currents = transduce(
@@ -128,7 +128,7 @@ class _Setup:
     def combined(
         self, units: Sequence[int], time: Array, x_in: Array, at: Array | None = None
     ) -> Array:
-        """Combine the currents of the branches of each unit by the rule: (n_at, n_units) in uA/cm².
+        """Combine the currents of the branches of each unit by the rule: (n_at, n_units) in µA/cm².
 
         As many end organs of a type are filtered at once as `_DENSE` allows.
         """
@@ -149,7 +149,7 @@ class _Setup:
         return out
 
     def noise(self, unit: int, at: Array, membranes: int) -> Array | float:
-        """Noise current (n_at, membranes) in uA/cm² of the membranes of a unit, or 0."""
+        """Noise current (n_at, membranes) in µA/cm² of the membranes of a unit, or 0."""
         if self.variation is None or not self.variation.noise:
             return 0.0
         return self.variation.current(unit, at, float(at[0]), float(at[-1]), membranes)

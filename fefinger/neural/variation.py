@@ -18,7 +18,7 @@ class Variation:
     """Random gains and membrane noise; the same seed gives a unit the same values.
 
     spread: standard deviation of the logarithm of a unit's gain (Fig. 4-2 shows that units of one
-    type differ; the amount is a choice of the user). noise: standard deviation in uA/cm² of
+    type differ; the amount is a choice of the user). noise: standard deviation in µA/cm² of
     the independent values of membrane noise; of the noise through time, straight lines between
     them, it is sqrt(2/3) of that. None: those of the unit's type. numbers: of the units, by default
     their places in the list; a unit's draws depend on the seed and its number alone, not on the
@@ -36,7 +36,7 @@ class Variation:
         if self.spread is not None:
             number("spread", self.spread, at_least=0.0, at_most=3.0)
         if self.noise is not None:
-            number("noise", self.noise, at_least=0.0, at_most=100.0, unit="uA/cm²")
+            number("noise", self.noise, at_least=0.0, at_most=100.0, unit="µA/cm²")
         for index in self.numbers or ():
             if isinstance(index, bool) or not isinstance(index, int | np.integer) or index < 0:
                 msg = f"numbers: expected whole numbers of 0 or more, received {index!r}"
@@ -55,7 +55,7 @@ class Variation:
         return float(np.exp(spread * self._draw(unit, 0).normal()))
 
     def current(self, unit: int, at: Array, start: float, stop: float, branches: int) -> Array:
-        """Return noise currents (n_at, branches) in uA/cm² at times from `start` to `stop` s."""
+        """Return noise currents (n_at, branches) in µA/cm² at times from `start` to `stop` s."""
         knots = self.knots(start, stop)
         # Drawn time by time, so that a longer run begins with the values of a shorter one.
         values = (self.noise or 0.0) * self._draw(unit, 1).normal(size=(len(knots), branches))

@@ -88,7 +88,7 @@ def _chance(result: ResultRecord) -> list[str]:
     if layout is not None and layout.spread is not None and layout.noise is not None:
         drawn = (
             f"Drawn: the gains of the units (standard deviation of their logarithm "
-            f"{layout.spread:g}) and the noise of their membranes ({layout.noise:g} uA/cm²)"
+            f"{layout.spread:g}) and the noise of their membranes ({layout.noise:g} µA/cm²)"
         )
     return [f"{drawn}, from the seed {spikes.seed}: the same seed gives the same spikes."]
 

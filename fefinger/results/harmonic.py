@@ -77,7 +77,7 @@ class Harmonic:
         return together(self.skin_parts)
 
     def dissipated_energy(self, amplitude: float) -> Array:
-        """Energy (n_f,) in uJ lost in each cycle of an oscillation of `amplitude` mm."""
+        """Energy (n_f,) in µJ lost in each cycle of an oscillation of `amplitude` mm."""
         return np.asarray(MICROJOULE * np.pi * self.stiffness.imag * amplitude**2)
 
     def to_xarray(self) -> "xr.Dataset":

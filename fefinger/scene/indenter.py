@@ -198,7 +198,7 @@ Inclined = Plate | PlateLike
 
 
 def direction(plate: Inclined) -> Array:
-    """Return the unit normal (3,) of a plate towards the finger, which is its travel."""
+    """Return the unit normal (3,) of a plate toward the finger, which is its travel."""
     angle, tilt = np.radians(plate.angle), np.radians(plate.tilt)
     up = np.cos(angle)
     return np.array([-np.sin(angle), -np.sin(tilt) * up, np.cos(tilt) * up])

@@ -28,7 +28,7 @@ TEXTS = {
     "shift": "Shift in mm of the pattern along the plate",
     "indenter.x": "Grid lines in mm along x",
     "indenter.y": "Grid lines in mm along y",
-    "heights": "Heights in mm towards the finger, one row for each x",
+    "heights": "Heights in mm toward the finger, one row for each x",
     "friction": "Coulomb's coefficient of friction with the skin; 0 is frictionless",
     "friction_kinetic": "Coefficient of skin that slips; by default that of skin that sticks",
     "edge": "Radius in mm of the crests; by default one that fits the other sizes",

@@ -45,7 +45,7 @@ class Layout:
         Length in mm of the nerve up to the recording site.
     spread, noise
         Standard deviations of the logarithm of the units' gains and of the membrane noise in
-        uA/cm²; 0: units of a type are identical and fire the same spikes every time. None: those
+        µA/cm²; 0: units of a type are identical and fire the same spikes every time. None: those
         of the recorded units for the afferents "recorded", 0 for "thesis".
     seed
         Seed of all random draws: places, end organs, gains and noise.
@@ -70,7 +70,7 @@ class Layout:
         if self.spread is not None:
             self._number("spread", at_least=0.0, at_most=3.0)
         if self.noise is not None:
-            self._number("noise", at_least=0.0, at_most=100.0, unit="uA/cm²")
+            self._number("noise", at_least=0.0, at_most=100.0, unit="µA/cm²")
 
     def _number(self, name: str, **limits: Any) -> None:
         """Check a field that is a number and store it as a float."""

@@ -24,7 +24,7 @@ def read_relief(file: Path, pitch: float | None, height: float | None) -> tuple[
     A CSV file begins with the line "x,y,height" and has one row per place of a full grid, in any
     order. An NPZ archive has arrays x (n_x,), y (n_y,) and height (n_x, n_y). A PNG has `pitch` mm
     between its pixels, x to the right and y upward about its middle, and `height` mm from black to
-    white. An STL (mm, z towards the finger) is sampled every `pitch` mm from its first corner on.
+    white. An STL (mm, z toward the finger) is sampled every `pitch` mm from its first corner on.
 
     Raises
     ------

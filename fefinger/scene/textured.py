@@ -100,9 +100,9 @@ class Grating(PlateLike):
 @final
 @dataclass(frozen=True)
 class Relief(PlateLike):
-    """A rigid plate with a relief of your own: `heights` mm towards the finger at x, y in mm.
+    """A rigid plate with a relief of your own: `heights` mm toward the finger at x, y in mm.
 
-    x (n_x,) and y (n_y,) are the grid lines on the plate, x towards the tip before `roll`, with the
+    x (n_x,) and y (n_y,) are the grid lines on the plate, x toward the tip before `roll`, with the
     point that the smooth plate would touch first at (0, 0); heights (n_x, n_y). A bicubic spline
     runs through the samples, and beyond the outermost ones the plate ends.
     """

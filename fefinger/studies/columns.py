@@ -80,7 +80,7 @@ ERRORS = {
 
 SHORT = {
     **{"kg_per_m3": "kg/m³", "N_per_mm": "N/mm", "N_per_s": "N/s", "mm_per_s": "mm/s"},
-    **{"mm2": "mm²", "percent": "%", "uA_per_cm2": "uA/cm²", "per_cm2": "1/cm²", "per_s": "1/s"},
+    **{"mm2": "mm²", "percent": "%", "uA_per_cm2": "µA/cm²", "per_cm2": "1/cm²", "per_s": "1/s"},
     **{unit: unit for unit in ("kPa", "deg", "mm", "Hz", "N", "s")},
 }
 """Units as suffixes of column names, longer ones first, and as they are printed."""

@@ -182,7 +182,7 @@ IMPULSES = {
 
 @pytest.mark.parametrize(("frequency", "expected"), IMPULSES.items())
 def test_impulses_per_cycle_of_a_slowed_membrane(frequency, expected):
-    """Thesis Fig. 4-8: I = A (1 - cos wt) with A = 12.5, 25 and 50 uA/cm², rates / 6."""
+    """Thesis Fig. 4-8: I = A (1 - cos wt) with A = 12.5, 25 and 50 µA/cm², rates / 6."""
     cycles = max(8, 3 * frequency)
     time = np.linspace(0, cycles / frequency, 200 * cycles + 1)
     wave = 1 - np.cos(2 * np.pi * frequency * time)

@@ -24,7 +24,7 @@ from fefinger.theory.relaxation import Prony
         ("ask.force", "", ""),
         ("ask.seconds", "_s", "s"),
         ("ask.population.distance", "_mm", "mm"),
-        ("ask.population.noise", "_uA_per_cm2", "uA/cm²"),
+        ("ask.population.noise", "_uA_per_cm2", "µA/cm²"),
         ("indenter.shift", "_mm", "mm"),
         ("motion.force", "_N", "N"),
         ("finger.prony.v", "_per_s", "1/s"),

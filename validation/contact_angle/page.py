@@ -117,7 +117,7 @@ def _predicted(rows: Rows) -> Iterator[str]:
         "Three regimes. Up to some 30 degrees the plate lies on the flat of the pad: the "
         f"contact is longest along the finger (ellipticity {ellipticity[0.0]:.2f} at 0, "
         f"{ellipticity[30.0]:.2f} at 30 degrees) and its center moves with the angle from "
-        f"{shift[0.0]:+.2f} mm to {shift[20.0]:+.2f} mm at 20 degrees, towards the tip, where "
+        f"{shift[0.0]:+.2f} mm to {shift[20.0]:+.2f} mm at 20 degrees, toward the tip, where "
         f"the pad is flatter across (radius {across[0.0]:.1f} mm under first touch at 0, "
         f"{across[30.0]:.1f} at 30 degrees) and the bone is nearer. Between 30 and 45 degrees "
         "first touch reaches the place where the pad turns to the tip: the flat side is "

@@ -66,7 +66,7 @@ class Sheared:
     """What a path of displacements (k,) mm along x gives, after a press.
 
     theory; pressure (k, n) and traction (k, 2, n) kPa, sticking (k, n); tangential (k,) mN and lost
-    (k,) uJ of the whole body.
+    (k,) µJ of the whole body.
     """
 
     theory: Mindlin

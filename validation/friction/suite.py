@@ -282,7 +282,7 @@ SILENT = (
 
 WIDE = (
     "the strain of a dot reaches several end organs of a unit, of which the largest drives it: "
-    "its rate falls less than recorded ones towards wide spacings, and towards dots so close that "
+    "its rate falls less than recorded ones toward wide spacings, and toward dots so close that "
     "the skin rests on their tops"
 )
 

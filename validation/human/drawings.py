@@ -117,7 +117,7 @@ def _profiles() -> Any:
             x = np.linspace(-radius, radius, 101)
             axis.plot(x, highest * np.sqrt(1 - (x / radius) ** 2), color=INK, ls="--", lw=0.9)
             axis.set_title(f"{force} N")
-            axis.set_xlabel("x / mm, towards the tip")
+            axis.set_xlabel("x / mm, toward the tip")
             axis.set_xlim(-9, 9)
         drawn.axes[0].set_ylabel("pressure / kPa")
     return drawn

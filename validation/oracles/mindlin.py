@@ -56,7 +56,7 @@ class Mindlin:
         return self.displacement(peak) - 2 * self.displacement((peak - np.asarray(tangential)) / 2)
 
     def loop(self, peak: float) -> float:
-        """Return the work in uJ lost in a cycle between the forces -peak and peak mN.
+        """Return the work in µJ lost in a cycle between the forces -peak and peak mN.
 
         Mindlin and Deresiewicz (1953), here as the area between both ways of the cycle.
         """

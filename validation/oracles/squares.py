@@ -28,7 +28,7 @@ def flexibility(places: Array, side: float, *, shear: float, poisson: float) -> 
     along = (1 - nu) * sums["r"] + nu * sums["xx"]
     across = (1 - nu) * sums["r"] + nu * sums["yy"]
     both = nu * sums["xy"]
-    # A pressure pulls the surface towards it; a traction sinks what lies ahead of it.
+    # A pressure pulls the surface toward it; a traction sinks what lies ahead of it.
     radial = [-(1 - 2 * nu) / 2 * sums[name] for name in ("x", "y")]
     matrix = np.zeros((3, count, 3, count))
     matrix[0, :, 0], matrix[1, :, 1], matrix[2, :, 2] = normal, along, across

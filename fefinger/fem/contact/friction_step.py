@@ -41,7 +41,7 @@ class FrictionHistory(NamedTuple):
 
     gap (n,) mm³ and projected (n,) mm²: of the patch, the first at the present place; slip (2n,)
     mm³: weighted slip since first contact; static and kinetic (1,): coefficients; lost (1,)
-    uJ; stiffness (1,) mN/mm: of the last steps under force control; limits (n,): outcome of a step
+    µJ; stiffness (1,) mN/mm: of the last steps under force control; limits (n,): outcome of a step
     with contact at the vertex, as of `Output`.
     """
 

@@ -28,7 +28,7 @@ class SlidingHistory:
     shift (n_t, 2) mm of the obstacle across its axis; slopes (n_t, 2) mN: the force on the meshed
     part with which pressure on inclined heights pushes along these two directions. With friction:
     traction (n_t, 2, n) kPa on the skin, slip (n_t, 2, n) mm of the skin over the obstacle, summed
-    since first contact, sticking (n_t, n), lost (n_t,) uJ: the work of friction so far, and cone:
+    since first contact, sticking (n_t, n), lost (n_t,) µJ: the work of friction so far, and cone:
     the largest distance of a traction from Coulomb's law, over the largest pressure.
     """
 

@@ -65,7 +65,7 @@ def _places(
         points = populations.line(skin, layout.start, layout.stop, layout.count)
     elif isinstance(layout, Places):
         name = "ask.population.places"
-        points = populations.over(skin, layout.places, name, "move them towards the first touch")
+        points = populations.over(skin, layout.places, name, "move them toward the first touch")
     else:
         raise InputError(f"ask.population: expected a layout of the package, received {layout!r}")
     kinds = tuple(types) * len(points)

@@ -142,7 +142,7 @@ class Condensed:
         return self.output.elastic
 
     def energy(self) -> tuple[float, float]:
-        """Return the stored energy in uJ and the dissipated power in uW, both without t(u)."""
+        """Return the stored energy in µJ and the dissipated power in µW, both without t(u)."""
         memory, flexibility = self._memory, self.flexibility
         stored, lost = memory.elastic @ flexibility @ memory.elastic / 2, 0.0
         for weight, rate, term in zip(memory.weights, memory.rates, memory.terms, strict=True):

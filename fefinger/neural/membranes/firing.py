@@ -18,7 +18,7 @@ LARGEST_STEP = 5e-5
 """Longest integration step in s; spike counts in steps and ramps are converged there."""
 
 _LARGEST_INPUT = 1e4
-"""Largest current in uA/cm² for which the fixed step is stable."""
+"""Largest current in µA/cm² for which the fixed step is stable."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +44,7 @@ class Membrane(Protocol):
     def fire(
         self, time: ArrayLike, current: ArrayLike, *, dt: float | None, stimulus_driven: bool
     ) -> Firing:
-        """Integrate from rest with a current in uA/cm² at times in s, as `HodgkinHuxley.fire`."""
+        """Integrate from rest with a current in µA/cm² at times in s, as `HodgkinHuxley.fire`."""
 
 
 def largest_step(dt: float | None) -> float:
@@ -54,7 +54,7 @@ def largest_step(dt: float | None) -> float:
 
 
 def signals(time: ArrayLike, current: ArrayLike) -> tuple[Array, Array]:
-    """Check the signals; return time (n_t,) in ms and current (n_t, n_units) in uA/cm²."""
+    """Check the signals; return time (n_t,) in ms and current (n_t, n_units) in µA/cm²."""
     time, current = np.asarray(time, float), np.asarray(current, float)
     shaped = current.ndim in (1, 2) and current.shape[:1] == time.shape
     if not shaped or len(time) < 2 or current.size == 0:
@@ -67,7 +67,7 @@ def signals(time: ArrayLike, current: ArrayLike) -> tuple[Array, Array]:
     largest = float(max(current.max(initial=0.0), -current.min(initial=0.0)))
     if not math.isfinite(largest) or largest > _LARGEST_INPUT:
         raise InputError(
-            f"current: expected at most {_LARGEST_INPUT:g} uA/cm², received {largest:g}; "
+            f"current: expected at most {_LARGEST_INPUT:g} µA/cm², received {largest:g}; "
             "lower the gain or use the saturating generator"
         )
     return 1e3 * time, current.reshape(len(time), -1)

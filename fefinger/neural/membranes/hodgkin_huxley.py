@@ -25,8 +25,8 @@ BLOCK_MV, BLOCK_CURRENT, BLOCK_AFTER = 6.5, 50.0, 0.010
 without a spike for more than BLOCK_AFTER s over the speed, which is longer than any spike.
 
 BLOCK_MV lies just below the trough of the oscillation that no longer reaches 40 mV (6.6 mV at 110
-uA/cm²). BLOCK_CURRENT excludes a membrane that has accommodated to a slow rise: rest is unstable
-from 9.8 uA/cm² on, but a membrane may stay there long just above that.
+µA/cm²). BLOCK_CURRENT excludes a membrane that has accommodated to a slow rise: rest is unstable
+from 9.8 µA/cm² on, but a membrane may stay there long just above that.
 """
 
 METHODS = ("splitting", "runge-kutta", "adaptive")
@@ -36,7 +36,7 @@ _Q10, _MEASURED_AT = 3.0, 6.3
 
 _SPLITTING_ERROR, _RUNGE_KUTTA_ERROR = 600.0, 112.0
 """95th percentile of the error of spike times in ms per s of firing, over speed * dt² and over
-speed³ * dt⁴ with dt in ms. Measured on ramps of 0.5 s to 2 to 100 uA/cm² held for 0.5 to 5 s, for
+speed³ * dt⁴ with dt in ms. Measured on ramps of 0.5 s to 2 to 100 µA/cm² held for 0.5 to 5 s, for
 speeds 1 and 1/6. The error is one of the rate, so it grows with time."""
 
 _WORTHWHILE = 0.0125
@@ -58,7 +58,7 @@ class HodgkinHuxley:
 
     A spike is an upward crossing of 40 mV, counted again after falling below 20 mV; its time is
     that on the cubic through both ends of the step. Repetitive firing to a step begins at 6.260
-    uA/cm² (6.198 for rates / 6) and fails the 40 mV rule above 111 (113).
+    µA/cm² (6.198 for rates / 6) and fails the 40 mV rule above 111 (113).
 
     Hodgkin & Huxley (1952), J Physiol 117:500; Pawluk (1997), Eq. B.1 to B.17.
     """
@@ -91,7 +91,7 @@ class HodgkinHuxley:
 
     @property
     def block(self) -> tuple[float, float, float]:
-        """Definition of a depolarization block: potential in mV, current in uA/cm², time in ms."""
+        """Definition of a depolarization block: potential in mV, current in µA/cm², time in ms."""
         return BLOCK_MV, BLOCK_CURRENT, 1e3 * BLOCK_AFTER / self.speed
 
     def step_ms(self, dt: float | None) -> float:
@@ -131,7 +131,7 @@ class HodgkinHuxley:
         time
             (n_t,) s, not decreasing; each interval is divided into equal steps of at most `dt`.
         current
-            (n_t,) or (n_t, n_units) uA/cm², linear between the samples.
+            (n_t,) or (n_t, n_units) µA/cm², linear between the samples.
         dt
             Longest step in s, at most 5e-5, which is the default; never longer than 5e-5 over the
             speed. The adaptive method chooses its own steps.
@@ -147,7 +147,7 @@ class HodgkinHuxley:
         ------
         InputError
             Arrays of other shapes, times that decrease, a step that is too long, a current that is
-            not finite or beyond 1e4 uA/cm², a tolerance together with a method or step, or a
+            not finite or beyond 1e4 µA/cm², a tolerance together with a method or step, or a
             million straight pieces of current or more for the adaptive method.
         """
         if tolerance is not None:

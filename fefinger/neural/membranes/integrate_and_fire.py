@@ -25,11 +25,11 @@ class IntegrateAndFire:
     `refractory`. Reported potentials are 40 mV times u. Between the samples of the current the
     solution is exact, so no step is chosen; there is no block.
 
-    The defaults follow the rates of HodgkinHuxley(6) in constant currents of 10 to 100 uA/cm²
+    The defaults follow the rates of HodgkinHuxley(6) in constant currents of 10 to 100 µA/cm²
     within 13 %. They cannot follow its onset, which jumps to 10 Hz, nor its single spike to a step
     below the onset, its accommodation and its resonance: the rate of u falls to zero at threshold.
 
-    `threshold` in uA/cm², `time_constant` and `refractory` in s. Lapicque (1907), J Physiol Pathol
+    `threshold` in µA/cm², `time_constant` and `refractory` in s. Lapicque (1907), J Physiol Pathol
     Gen 9:620; translated in Brunel & van Rossum (2007), Biol Cybern 97:337. Thesis 4.3.1.
     """
 
@@ -39,17 +39,17 @@ class IntegrateAndFire:
 
     def __post_init__(self) -> None:
         """Check the three numbers."""
-        number("threshold", self.threshold, above=0.0, unit="uA/cm²")
+        number("threshold", self.threshold, above=0.0, unit="µA/cm²")
         number("time_constant", self.time_constant, above=0.0, unit="s")
         number("refractory", self.refractory, at_least=0.0, unit="s")
 
     @property
     def numbers(self) -> tuple[float, float, float]:
-        """Threshold in uA/cm², time constant and refractory time in ms."""
+        """Threshold in µA/cm², time constant and refractory time in ms."""
         return self.threshold, 1e3 * self.time_constant, 1e3 * self.refractory
 
     def rate(self, current: float) -> float:
-        """Return the firing rate in Hz in a constant current in uA/cm²."""
+        """Return the firing rate in Hz in a constant current in µA/cm²."""
         if current <= self.threshold:
             return 0.0
         rise = -self.time_constant * math.log1p(-self.threshold / current)

@@ -95,7 +95,7 @@ def integrate(
 ) -> NDArray[np.float64]:
     """Solve n units from rest over time (n_t,) ms with current (n_t, n) linear between.
 
-    numbers: threshold in uA/cm², time constant and refractory time in ms. Fills spikes (n, :) in ms
+    numbers: threshold in µA/cm², time constant and refractory time in ms. Fills spikes (n, :) in ms
     and counts (n,); returns (n, 3): potential, highest potential (thresholds), end of refractory
     time in ms.
     """

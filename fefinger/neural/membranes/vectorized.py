@@ -316,7 +316,7 @@ def integrate(
 ) -> NDArray[np.float64]:
     """Integrate n <= 16 units from rest over time (n_t,) ms with current (n_t, n), linear between.
 
-    how: as in `interval`. block: potential in mV, current in uA/cm² and time in ms of a
+    how: as in `interval`. block: potential in mV, current in µA/cm² and time in ms of a
     depolarization block. Fills spikes (n, :) with crossing times in ms and counts (n,), which keep
     counting where `spikes` is full. Returns (n, 6): final v, n, m, h, the highest potential and the
     ms in block.

@@ -165,7 +165,7 @@ class Scene {
     const { width, height } = this.canvas;
     gl.viewport(0, 0, width, height);
     const [cy, sy, cp, sp] = [Math.cos(view.yaw), Math.sin(view.yaw), Math.cos(view.pitch), Math.sin(view.pitch)];
-    // Rows: right, up and towards the eye, which is at -y when nothing is turned.
+    // Rows: right, up and toward the eye, which is at -y when nothing is turned.
     this.turn = [[cy, sy, 0], [-sp * sy, sp * cy, cp], [cp * sy, -cp * cy, sp]];
     const scale = (view.zoom * 1.02 * Math.min(height, 0.72 * width)) / this.reach / 2;
     this.frameOf = [(2 * scale) / width, (2 * scale) / height, 2 * view.x - 0.16, 2 * view.y + 0.08];
@@ -213,9 +213,9 @@ class Scene {
   }
 
   drawLines(frame) {
-    const { linePoints, lines } = this.record, towards = this.turn[2].map((x) => 0.03 * x);
+    const { linePoints, lines } = this.record, toward = this.turn[2].map((x) => 0.03 * x);
     const points = this.part(linePoints, linePoints.count / this.record.times.length, frame);
-    this.attribute("place", Float32Array.from(points, (x, i) => x + towards[i % 3]), 3);
+    this.attribute("place", Float32Array.from(points, (x, i) => x + toward[i % 3]), 3);
     this.set(GLASS, { plain: [1, 1, 1, 1] });
     this.elements(this.gl.LINES, this.read(lines));
   }
