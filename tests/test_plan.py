@@ -306,7 +306,7 @@ def test_a_scene_that_all_refuse_names_first_what_runs_it_all_the_same():
 
 def test_refusals_that_differ_in_the_field_or_the_mesh_alone_are_written_once():
     written = plan_text.ladder(plan.explain(published.load("flat-press")).rungs)
-    assert written.count("it gives only force and depth") == 1
+    assert written.count("this mechanics gives only force and depth") == 1
     assert "ability: ask.pressure, ask.strain, ask.fields, ask.spikes: requested, but" in written
     changed = {"finger.tissue": "calibrated_ah", "finger.skin.thickness": 1.2}
     other = builtin.load("flat-press", changed)  # no error of small strain is known of it

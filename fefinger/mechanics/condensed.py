@@ -41,7 +41,9 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: those of `linear`, an elastic bone, another solver."""
     unable = [*elastic_hard_parts_reasons(case.finger)]
     if case.ask.solver not in (None, SOLVER):
-        reason = f"ask.solver = {case.ask.solver!r}: its operator is made by {SOLVER!r}"
+        reason = (
+            f"ask.solver = {case.ask.solver!r}: this mechanics makes its operator with {SOLVER!r}"
+        )
         unable.append(Reason("ask.solver", reason))
     shared = tuple(replace(refusal, mechanics=name) for refusal in linear.refuse(case))
     return refusals(name, "ability", unable) + shared

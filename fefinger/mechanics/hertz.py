@@ -169,7 +169,7 @@ def lacking(case: Situation) -> list[Reason]:
     ]
     unable += tangential_reasons(case.motion, case.indenter)
     if case.ask.fields:
-        reason = "ask.fields: it has no mesh; ask.fields = false leaves them out"
+        reason = "ask.fields: this mechanics has no mesh; ask.fields = false leaves them out"
         unable.append(Reason("ask.fields", reason))
     if case.indenter.hertzian is None:
         unable.append(Reason("indenter", f"indenter.kind = {case.indenter.kind!r}: {SHAPES}"))

@@ -63,7 +63,9 @@ PRINTED = (
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: it gives force alone, as measured under a plate."""
     unable = [
-        Reason(f"ask.{each}", f"ask.{each}: requested, but it gives only force and depth")
+        Reason(
+            f"ask.{each}", f"ask.{each}: requested, but this mechanics gives only force and depth"
+        )
         for each in ("pressure", "strain", "fields", "spikes")
         if getattr(case.ask, each)
     ]

@@ -48,7 +48,9 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
         *friction_reasons(case.indenter),
     ]
     if case.ask.solver is not None:
-        reason = f"ask.solver = {case.ask.solver!r}: it solves with the factors of 'solid'"
+        reason = (
+            f"ask.solver = {case.ask.solver!r}: this mechanics solves with the factors of 'solid'"
+        )
         unable.append(Reason("ask.solver", reason))
     if unable:
         return refusals(name, "ability", unable)

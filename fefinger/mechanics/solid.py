@@ -47,7 +47,10 @@ NOTES = (
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: too many steps, or a mesh error that is not measured."""
     if case.ask.solver not in (None, *SOLVERS):
-        reason = f"ask.solver = {case.ask.solver!r}: it follows finite strain with its own factors"
+        reason = (
+            f"ask.solver = {case.ask.solver!r}: this mechanics follows finite strain with its own "
+            "factors"
+        )
         return refusals(name, "ability", [*case.too_long, Reason("ask.solver", reason)])
     return refused(name, case)
 

@@ -161,7 +161,7 @@ TILTED = ff.Flat(tilt=5)
 
 STRANGE = ff.Finger.subject("a.h.", tissue="saal2017")
 REFUSED = [
-    ({"ask": ff.Ask()}, "ability", "ask.fields: it has no mesh"),
+    ({"ask": ff.Ask()}, "ability", "ask.fields: this mechanics has no mesh"),
     ({"indenter": TILTED}, "accuracy", "contact radius / tissue thickness = 0.53 > 0.1"),
     ({"indenter": TILTED}, "accuracy", "skin modulus / subcutaneous modulus = 3,"),
     ({"indenter": ff.Sphere(1.0)}, "accuracy", "contact radius / radius of the object = 0.68"),

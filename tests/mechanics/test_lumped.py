@@ -94,7 +94,7 @@ def test_anything_beyond_force_is_beyond_it(what):
     asked = scene(ask=replace(FORCE_ONLY, **{what: True}))
     (refusal,) = lumped.refuse(Situation.of(asked))
     assert refusal.about == "ability"
-    assert refusal.reason == f"ask.{what}: requested, but it gives only force and depth"
+    assert refusal.reason == f"ask.{what}: requested, but this mechanics gives only force and depth"
     assert ff.explain(asked).mechanics == "pressed"
 
 

@@ -219,9 +219,9 @@ def test_a_damaged_file_is_solved_again(tmp_path: Path, monkeypatch: pytest.Monk
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        ({"relaxation": "deviatoric"}, "it relaxes the whole stress"),
-        ({"bone": Hard(17e6)}, "its bone is rigid"),
-        ({"nail": "free"}, "it takes the nail as held with the bone"),
+        ({"relaxation": "deviatoric"}, "this mechanics relaxes the whole stress"),
+        ({"bone": Hard(17e6)}, "this mechanics has a rigid bone"),
+        ({"nail": "free"}, "this mechanics holds the nail with the bone"),
     ],
 )
 def test_it_refuses_what_it_is_not_for(change: dict, reason: str) -> None:

@@ -50,12 +50,14 @@ def separate_relaxation_reasons(finger: Finger) -> tuple[Reason, ...]:
     """List the options by which the tissues do not share one relaxation function."""
     reasons = []
     if finger.relaxation != "whole":
-        reason = f"finger.relaxation = {finger.relaxation!r}: it relaxes the whole stress"
+        reason = (
+            f"finger.relaxation = {finger.relaxation!r}: this mechanics relaxes the whole stress"
+        )
         reasons.append(Reason("finger.relaxation", reason))
     for layer in ("skin", "subcutaneous"):
         field = f"finger.{layer}.prony"
         if getattr(finger, layer).prony not in (None, finger.prony):
-            reason = f"{field}: set, but it relaxes all tissue with one function"
+            reason = f"{field}: set, but this mechanics relaxes all tissue with one function"
             reasons.append(Reason(field, reason))
     return tuple(reasons)
 
@@ -89,10 +91,12 @@ def elastic_hard_parts_reasons(finger: Finger) -> tuple[Reason, ...]:
     """List an elastic bone, and a nail that is not fixed."""
     reasons = []
     if isinstance(finger.bone, Hard):
-        reason = f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: its bone is rigid"
+        reason = (
+            f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: this mechanics has a rigid bone"
+        )
         reasons.append(Reason("finger.bone", reason))
     if finger.nail is not None:
-        reason = "finger.nail: set, but it takes the nail as held with the bone"
+        reason = "finger.nail: set, but this mechanics holds the nail with the bone"
         reasons.append(Reason("finger.nail", reason))
     return tuple(reasons)
 
@@ -101,7 +105,7 @@ def tangential_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]
     """List the options of a scene beyond a frictionless press along one direction."""
     if not motion.slides:
         return friction_reasons(indenter)
-    reason = f"motion.kind = {motion.kind!r}: its indenter does not move sideways"
+    reason = f"motion.kind = {motion.kind!r}: this mechanics has no sideways motion of the indenter"
     return (Reason("motion.kind", reason), *friction_reasons(indenter))
 
 
@@ -109,7 +113,9 @@ def friction_reasons(indenter: Indenter) -> tuple[Reason, ...]:
     """Return the friction of an indenter, if it has any."""
     if indenter.friction == 0:
         return ()
-    reason = f"indenter.friction = {indenter.friction:g} > 0: its contact is frictionless"
+    reason = (
+        f"indenter.friction = {indenter.friction:g} > 0: this mechanics has frictionless contact"
+    )
     return (Reason("indenter.friction", reason),)
 
 

@@ -211,7 +211,7 @@ def test_a_solver_that_a_mechanics_cannot_use_is_refused() -> None:
     told = {
         name: " ".join(r.reason for r in get(name).refuse(Situation.of(asked))) for name in names()
     }
-    assert "ask.solver = 'iterative': it follows finite strain" in told[solid.name]
+    assert "ask.solver = 'iterative': this mechanics follows finite strain" in told[solid.name]
     factored = [
         " ".join(r.reason for r in solid.refuse(Situation.of(scene(s)))) for s in (None, "single")
     ]
