@@ -2,7 +2,8 @@
 The mechanics compared: error against time
 ==========================================
 
-The measured front: medians over the scenes of ``reports/held-out.json``, drawn by chance.
+Pareto front of error and time: medians over the scenes of ``reports/held-out.json``, which
+were drawn at random.
 """
 
 import json

@@ -16,7 +16,7 @@ from fefinger.mechanics.evidence.tabulation_error import MARGIN, largest_about
 
 HELD_OUT = "held-out"
 
-SOURCE = "`solid` on the same mesh, scenes drawn by chance"
+SOURCE = "`solid` on the same mesh, scenes drawn at random"
 
 WANTED = {
     ("loading", "force"): 0.03,

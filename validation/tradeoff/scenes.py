@@ -1,4 +1,4 @@
-"""The scenes of the trade-off, drawn by chance: held out, and those that rules were tried on."""
+"""The scenes of the trade-off, drawn at random: held out, and those that rules were tried on."""
 
 import numpy as np
 
@@ -43,7 +43,7 @@ def development() -> dict[str, Scene]:
 
 
 def held_out(count: int = N_HELD_OUT, seed: int = SEED) -> dict[str, Scene]:
-    """Return the held-out scenes: finger, object, depth, speed, motion and tolerance by chance.
+    """Return the held-out scenes: finger, object, depth, speed, motion and tolerance at random.
 
     All are within what was measured: depths are 15 to 95 % of DEEPEST, speeds 1 to 100 mm/s. Every
     other finger has published tissue; the others are those that were calibrated, or of any size
@@ -64,7 +64,7 @@ def held_out(count: int = N_HELD_OUT, seed: int = SEED) -> dict[str, Scene]:
 
 
 def _finger(rng: np.random.Generator, *, published: bool) -> tuple[Finger, str]:
-    """Return a finger by chance, and what it is called."""
+    """Return a finger at random, and what it is called."""
     if published:
         subject = str(rng.choice(["a.h.", "a.h.", "d.s."]))
         return Finger.subject(subject, tissue=library.PUBLISHED), f"published {subject}"
@@ -77,7 +77,7 @@ def _finger(rng: np.random.Generator, *, published: bool) -> tuple[Finger, str]:
 
 
 def _object(rng: np.random.Generator, kind: str) -> Indenter:
-    """Return an object of a kind by chance."""
+    """Return an object of a kind at random."""
     if kind == "plate":
         return Flat(round(float(rng.uniform(0.0, 60.0)), 1))
     if kind == "ball":
@@ -94,7 +94,7 @@ def _object(rng: np.random.Generator, kind: str) -> Indenter:
 def _drawn(
     rng: np.random.Generator, name: str, finger: Finger, indenter: Indenter, deepest: float
 ) -> Scene:
-    """Return a scene with a motion, quantities and a tolerance by chance."""
+    """Return a scene with a motion, quantities and a tolerance at random."""
     depth = round(float(rng.uniform(0.15, 0.95)) * deepest, 3)
     speed = float(f"{10 ** rng.uniform(0, 2):.3g}")
     kind = str(rng.choice(["ramp-hold", "ramp", "trapezoid", "sinusoid"]))
