@@ -53,7 +53,7 @@ TEXTS = {
     "frequency": "Frequency in Hz",
     "cycles": "Number of whole cycles",
     "settle": "Rest in s before the sine or the slide",
-    "preload": "Depth in mm at which the probe waits",
+    "preload": "Depth in mm that is held before the vibration",
     "motion.seconds": "Length in s of the vibration",
     "distance": "Distance in mm of a pass",
     "direction": "Degrees: 0 moves the object distally, 90 radially",
