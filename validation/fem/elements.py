@@ -54,7 +54,7 @@ def shaken(cells: int) -> Space:
 
 @cache
 def patch_error(poisson: float) -> float:
-    """Return the largest error of the strain of a linear displacement in shaken cells."""
+    """Return the largest error of the strain of a linear displacement in perturbed cells."""
     space = shaken(3)
     places = space.node_points
     fixed = np.flatnonzero(np.repeat(((places == 0) | (places == 1)).any(axis=1), 3))
@@ -180,7 +180,7 @@ def inf_sup(kind: Kind, cells: int) -> float:
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield patch tests, orders and errors for every Poisson ratio, and inf-sup constants."""
     for nu in (0.49,) if quick else RATIOS:
-        patch = f"patch test, nu {nu:g}: strain in shaken cells"
+        patch = f"patch test, nu {nu:g}: strain in randomly perturbed cells"
         linear = "a linear displacement"
         yield Case(
             patch, lambda n=nu: patch_error(n), Expected(0.0, 1e-9, "1"), linear, reason="rounding"
