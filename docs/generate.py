@@ -194,12 +194,18 @@ def commands() -> Iterator[str]:
         yield f"## `fefinger {name}`"
         yield ""
         text = inspect.cleandoc((command.help or "").replace("\b", ""))
-        yield from re.sub(r"(?<!\S)(--?[a-z]\w*)", r"`\1`", text).splitlines()
+        yield from _quoted(text).splitlines()
         yield ""
         yield f"```text\n{' '.join(command.get_usage(context).split()[1:])}\n```"
         records = [option.get_help_record(context) for option in command.params]
         options = [(f"`{record[0]}`", record[1]) for record in records if record and record[1]]
         yield from table(("option", "meaning"), options)
+
+
+def _quoted(text: str) -> str:
+    """Return a help text with its options in backticks, where they are not in backticks already."""
+    pattern = r"`[^`]*`|(?<!\S)(--?[a-z]\w*)"
+    return re.sub(pattern, lambda found: f"`{found[1]}`" if found[1] else found[0], text)
 
 
 # Reports

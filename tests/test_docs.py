@@ -62,7 +62,9 @@ def test_the_package_names_only_what_is_public_in_its_help():
 
 def test_every_extra_and_every_command_is_described(generate):
     assert "`nwb`" in "\n".join(generate.extras())
-    assert "## `fefinger run`" in "\n".join(generate.commands())
+    commands = "\n".join(generate.commands())
+    assert "## `fefinger run`" in commands
+    assert "a folder that `fefinger run -o` wrote" in commands
 
 
 def test_a_key_has_its_values_its_default_and_its_meaning(generate):
