@@ -227,7 +227,8 @@ def _by_name(rungs: tuple[Rung, ...]) -> str:
         reasons = Counter(reason for rung in rungs for reason in _about_ability(rung.refusals))
         reason, count = reasons.most_common(1)[0]
         shared = f" {count} of {len(rungs)} refuse because of {reason}." if count > 1 else ""
-        return f"None is able to.{shared} The table says what would have to change."
+        none = "No mechanics can answer this scene."
+        return f"{none}{shared} The table says what would have to change."
 
     def ranked(rung: Rung) -> tuple[float, ...]:
         error = math.inf if math.isnan(rung.error) else rung.error

@@ -112,10 +112,10 @@ def test_the_cheapest_that_does_not_refuse_is_chosen_and_all_are_listed():
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({}, "Expected within: force 4 %, contact area 30 %. No error is known of: highest "
+        ({}, "Expected within: force 4 %, contact area 30 %. Error not known: highest "
          "pressure over 1 mm², strain at the end organs."),
         ({"strain": False, "pressure": False}, "Expected within: force 4 %."),
-        ({"force": False, "pressure": False}, "No error is known of: strain at the end organs."),
+        ({"force": False, "pressure": False}, "Error not known: strain at the end organs."),
     ],
 )  # fmt: skip
 def test_how_far_each_thing_that_is_asked_can_be_trusted_is_said(changes, said):
@@ -132,7 +132,7 @@ def test_where_the_force_is_prescribed_the_depth_has_an_error_and_the_force_that
 @pytest.mark.parametrize("afferents", ["recorded", "thesis"])
 def test_of_spikes_no_error_is_known_before_they_are_compared_on_a_coarser_mesh(afferents):
     asked = scene(spikes=["SAI"], afferents=afferents, rel_error=0.99)
-    assert plan.choose(asked, "solid").trust.endswith("No error is known of: spikes.")
+    assert plan.choose(asked, "solid").trust.endswith("Error not known: spikes.")
 
 
 @pytest.mark.usefixtures("four")

@@ -30,13 +30,13 @@ ABOUT = {
 SUITES = tuple(ABOUT)
 
 QUICK = (
-    "A quick run: cases that take longer than seconds are left out, and with them all figures and "
-    "tables, which are computed from the whole suite."
+    "A quick run: cases that take more than a few seconds are left out, and with them all figures "
+    "and tables, which are computed from the whole suite."
 )
 
 
 def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:
-    """Return the cases of a suite; `quick` leaves out what takes longer than seconds."""
+    """Return the cases of a suite; `quick` leaves out what takes more than a few seconds."""
     module = import_module(f"fefinger.validation.{choice('suite', suite, SUITES)}.suite")
     return tuple(module.cases(quick=quick))
 

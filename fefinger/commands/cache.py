@@ -10,7 +10,7 @@ from fefinger.commands.options import json_option
 
 @click.command()
 @click.option(
-    "--prune", "days", type=float, metavar="DAYS", help="Remove entries unused for so many days."
+    "--prune", "days", type=float, metavar="DAYS", help="Remove entries unused for this many days."
 )
 @json_option
 def cache(days: float | None, as_json: bool) -> None:

@@ -100,7 +100,7 @@ def run_summary(
     rows.append(("computed", f"by {result.plan.on}, in {sum(seconds.values()):.1f} s"))
     if result.plan.overridden:
         reasons = "; ".join(dict.fromkeys(refusal.reason for refusal in result.plan.overridden))
-        rows.append(("WARNING", f"named in spite of: {reasons}"))
+        rows.append(("WARNING", f"chosen by name despite: {reasons}"))
     if verbose:
         return "\n".join([table(rows), "", table(_details(result, seconds, files))])
     report = [file for file in files if file.endswith(".html")]

@@ -15,8 +15,16 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("scene", default="pin-hold")
 @types_option("repeatable, by default SAI and FAI")
-@click.option("--reach", type=float, default=3.0, metavar="MM", help="Half the side of the square.")
-@click.option("--spacing", type=float, default=1.0, metavar="MM", help="Distance of the places.")
+@click.option(
+    "--reach",
+    type=float,
+    default=3.0,
+    metavar="MM",
+    help="Half the side length of the square grid.",
+)
+@click.option(
+    "--spacing", type=float, default=1.0, metavar="MM", help="Spacing of the grid positions."
+)
 @click.option("--seed", type=int, default=0, metavar="N", help="Seed of the end organs.")
 @click.option("--mechanics", metavar="NAME", help="Use this mechanics.")
 @output_option("field.csv and field.svg")

@@ -13,7 +13,9 @@ from fefinger.support.checks import InputError, Stopped
 @click.argument("scene")
 @output_option("the result, its pictures and its report")
 @click.option(
-    "--mechanics", metavar="NAME", help="Use this mechanics instead of the cheapest good enough."
+    "--mechanics",
+    metavar="NAME",
+    help="Use this mechanics instead of the cheapest one that is accurate enough.",
 )
 @changes_option
 @click.option("-v", "--verbose", is_flag=True, help="Print notes, stages and the choice too.")

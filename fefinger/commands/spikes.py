@@ -13,12 +13,14 @@ from fefinger.commands.options import json_option, output_option, types_option
     "--length",
     type=float,
     metavar="MM",
-    help="Displacement in mm that corresponds to a strain of 1; of recorded afferents that of "
-    "their fit by default.",
+    help="Displacement in mm per unit strain; default for the family recorded: the fitted value.",
 )
 @click.option("--corners", is_flag=True, help="Take straight lines between samples as exact.")
 @click.option(
-    "--tolerance", type=float, metavar="MS", help="Allowed error of spike times in ms, of thesis."
+    "--tolerance",
+    type=float,
+    metavar="MS",
+    help="Allowed error of spike times in ms (family thesis only).",
 )
 @click.option(
     "--afferents",

@@ -13,7 +13,9 @@ from fefinger.support.checks import InputError
 @click.command()
 @click.argument("suites", nargs=-1)
 @click.option(
-    "--quick", is_flag=True, help="Leave out cases that take longer than seconds, and the figures."
+    "--quick",
+    is_flag=True,
+    help="Leave out cases that take more than a few seconds, and the figures.",
 )
 @output_option("validation.json and validation.html")
 @click.option("--name", default="validation", metavar="NAME", help="Base name of these files.")

@@ -284,7 +284,7 @@ def reasons_of_place(case: Situation) -> list[Reason]:
         if abs(flat.angle - STANDARD.angle) > ASIDE:
             reason = (
                 f"angle = {flat.angle:g} degrees is not within {ASIDE:g} of "
-                f"{STANDARD.angle:g}: to it the pad is alike at all angles"
+                f"{STANDARD.angle:g}: Hertz contact does not depend on the angle"
             )
             reasons.append(Reason("indenter.angle", reason))
         if flat.tilt:

@@ -97,7 +97,7 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     """
     identified_law = law(case)
     if quantity != "force" or math.isnan(identified_law.error):
-        return float("nan"), "not known: no press like it was measured"
+        return float("nan"), "not known: no comparable press was measured"
     source = identified_law.evidence
     if identified_law.printed:
         source = f"{source}; {SINUSOIDS}"

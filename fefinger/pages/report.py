@@ -99,12 +99,12 @@ def answer(result: ResultRecord) -> str:
     when = key_numbers.format_instant(result.time[step])
     if result.force is not None and result.scene.motion.control == "force":
         parts.append(
-            f"under up to {result.force.max():.3g} N the finger gives way by up to "
+            f"the force reaches {result.force.max():.3g} N and the indentation "
             f"{result.depth[step]:.3g} mm (at {when})"
         )
     elif result.force is not None:
         parts.append(
-            f"the finger pushes back with up to {result.force[step]:.3g} N (at {when}) and "
+            f"the force peaks at {result.force[step]:.3g} N (at {when}) and is "
             f"{result.force[-1]:.3g} N at the end"
         )
     if result.contact_area is not None:

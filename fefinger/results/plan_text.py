@@ -86,7 +86,7 @@ def trust(rung: "Rung", ask: "Ask") -> str:
     sentences = [f"Expected within: {bounds}."] if known else []
     if ask.spikes:
         unknown.append("spikes")
-    sentences += [f"No error is known of: {', '.join(unknown)}."] if unknown else []
+    sentences += [f"Error not known: {', '.join(unknown)}."] if unknown else []
     return " ".join(sentences)
 
 

@@ -115,8 +115,8 @@ def errors(rows: Sequence[Mapping[str, Any]]) -> str:
         "press; the error of the force is then relative to the peak, and so larger relative to the "
         "remaining force."
     )
-    missing_errors = f"No error is known for: {', '.join(unknown)}." if unknown else ""
-    first = bars if ranges else "No error is known for any row."
+    missing_errors = f"Error not known: {', '.join(unknown)}." if unknown else ""
+    first = bars if ranges else "Error not known for any row."
     return " ".join(filter(None, (first, missing_errors)))
 
 

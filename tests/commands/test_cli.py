@@ -52,7 +52,7 @@ def test_run_warns_of_what_speaks_against_the_mechanics_that_was_named(
     result = replace(synthetic, plan=plan)
     monkeypatch.setattr("fefinger.pipeline.run", lambda scene, **options: result)
     assert main(["run", "flat-press", "--mechanics", "linear"]) == 0
-    assert "in spite of: depth / thickness = 0.4 > 0.1" in capsys.readouterr().out
+    assert "chosen by name despite: depth / thickness = 0.4 > 0.1" in capsys.readouterr().out
 
 
 def test_run_prints_how_the_answer_was_reached_with_verbose(capsys, answered):

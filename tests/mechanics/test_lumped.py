@@ -280,7 +280,7 @@ def test_a_result_of_force_alone_can_be_saved_reported_and_loaded(tmp_path):
     html = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "18 % at the peaks of sinusoids against the measured" in html
     assert "None" not in html
-    assert "pushes back with up to 1.25 N" in report.answer(result)
+    assert "force peaks at 1.25 N" in report.answer(result)
     record = run_record(result, {}, [])
     assert (record["contact_area_mm2"], record["centroid_mm"]) == (None, None)
     assert "contact area" not in run_summary(result, {}, [])

@@ -84,7 +84,7 @@ def test_the_page_tells_on_top_what_was_not_reached_and_what_the_bars_are():
     assert "by its expected error: force 10 % to 20 %. Bars end at twice the value." in top
     assert "The array of the thesis" not in top
     assert "not of the tissue" in top
-    assert "No error is known for: contact area in 2 of 2 rows." in top
+    assert "Error not known: contact area in 2 of 2 rows." in top
     assert "force_<wbr>rel_<wbr>error" in rest
     assert "peak pressure" not in page
 

@@ -117,7 +117,7 @@ def _estimate(candidate: Candidate, case: Situation, quantity: str) -> _Estimate
         others = neighbors_without_itself(case.indenter)
         parts = _presses(candidate, case, quantity, others) or parts
     if not parts:
-        return f"not known: {reason or 'nothing like it was pressed'}"
+        return f"not known: {reason or 'no comparable press was measured'}"
     if not _deep_enough(parts):
         press, part = max(parts, key=lambda each: each[0].part[-1])
         return (

@@ -221,7 +221,7 @@ class Condensed:
             return value
         if self._memory.elastic.any():
             raise InputError(
-                f"stiffening: expected t above 0 as long as the tissue remembers a contact, "
+                "stiffening: expected t above 0 while the tissue has stress history, "
                 f"received {value:g} at a depth of {depth:g} mm; reset, or stay in contact"
             )
         return 1.0
