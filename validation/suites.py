@@ -17,13 +17,13 @@ ABOUT = {
     "friction": "Sliding and friction: Mindlin, limits, other methods, and what fingers show.",
     "pressed": "Tabulated presses at finite strain through time, against `solid` on the same mesh.",
     "waves": "Inertia and vibration against closed forms, a second method and published fingers.",
-    "calibration": "Twins that calibration finds again, and the subjects that were calibrated.",
+    "calibration": "Recovery of known tissue from synthetic fingers, and the calibrated subjects.",
     "neural": "Membranes, filters, end organs and spikes against adaptive and closed solutions.",
     "afferents": "The afferents of the family recorded against published recordings.",
     "human": "The default finger against what was measured on people.",
-    "thesis": "Every table, figure and claim of the source thesis that can be computed again.",
+    "thesis": "Every table, figure and claim of the source thesis that can be reproduced.",
     "tradeoff": "Error and cost of every mechanics and setting, from which the planner chooses.",
-    "extremes": "Scenes at the edges: each ends as a checked answer or as a refusal.",
+    "extremes": "Extreme scenes: each ends as a checked answer or as a refusal.",
 }
 """What each suite compares."""
 

@@ -77,8 +77,8 @@ def test_every_case_has_its_row_with_the_digits_of_its_tolerance():
     html = page.html(RECORD, {}, {})
     one, two = html.split("<h3>Comparisons")[1:]
     assert "<th>printed</th>" in one
-    assert "<th>wanted</th>" not in one
-    assert "<th>wanted</th>" in two
+    assert "<th>target</th>" not in one
+    assert "<th>target</th>" in two
     assert "<th>printed</th>" not in two
 
 

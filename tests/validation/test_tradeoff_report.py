@@ -69,4 +69,4 @@ def _of_error(rung: Rung) -> list[str]:
 def test_the_quick_cases_are_read_from_the_report():
     values = {case.name: case.measure() for case in suite.cases(quick=True)}
     kept = read(HELD_OUT)["summary"]["stated_kept"]["force"]
-    assert values["stated error kept by the picks: force"] == kept
+    assert values["stated error kept by the planner's choices: force"] == kept

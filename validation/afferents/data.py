@@ -1,4 +1,4 @@
-"""The digitised points of published figures, as arrays; their files say where they come from."""
+"""The digitized points of published figures, as arrays; their files say where they come from."""
 
 import csv
 from functools import cache

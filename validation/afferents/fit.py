@@ -44,7 +44,7 @@ EDIN = (
 )
 
 PRECISE = (
-    "set, not fitted, since rates do not tell of it: afferents are precise to less than a "
+    "set, not fitted, since rates do not identify it: afferents are precise to less than a "
     "millisecond (Saal, Wang & Bensmaia 2016, Curr Opin Neurobiol 40:142, a review)"
 )
 

@@ -28,10 +28,10 @@ from fefinger.validation.case import Case, Expected
 from fefinger.neural.recorded import fitted, record
 
 
-MUNIAK = "Muniak et al. (2007), J Neurosci 27:11687, digitised by Ouyang et al. (2021)"
-UNITS = "single units of monkeys, digitised by Ouyang et al. (2021), original not named"
-GOODWIN = "Goodwin, Browning & Wheat (1995), J Neurosci 15:798, digitised by Ouyang et al. (2021)"
-BAR = "Phillips & Johnson (1981), J Neurophysiol 46:1177, digitised by Ouyang et al. (2021)"
+MUNIAK = "Muniak et al. (2007), J Neurosci 27:11687, digitized by Ouyang et al. (2021)"
+UNITS = "single units of monkeys, digitized by Ouyang et al. (2021), original not named"
+GOODWIN = "Goodwin, Browning & Wheat (1995), J Neurosci 15:798, digitized by Ouyang et al. (2021)"
+BAR = "Phillips & Johnson (1981), J Neurophysiol 46:1177, digitized by Ouyang et al. (2021)"
 TOUCHSIM = "models of units of TouchSim (Saal et al. 2017), computed"
 SURROUND = "Vega-Bermudez & Johnson (1999), J Neurophysiol 81:2711, abstract"
 DEEPER = "recorded responses did not depend on the depth of the array from 1.6 to 3 mm"

@@ -125,7 +125,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
             0.05,
             "1",
         ),
-        f"{kept_curve}; wanted is the half-space of Table 3.2, felt by the array",
+        f"{kept_curve}; wanted is the half-space of Table 3.2, as read by the array",
         wanted=1.0,
         shortfall=FLATTER,
         reason="the pressure of a coarse mesh",

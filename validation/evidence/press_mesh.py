@@ -179,7 +179,7 @@ ALIKE = {
     "grating-6": "grating",
 }
 """Objects that come near the pad beyond the part that `condensed` keeps of it, or whose meshes it
-does not have, and the ones whose third mesh tells of theirs."""
+does not have, and the ones whose third mesh gives their mesh error."""
 
 FINE = left_on("standard", "fine") / (1 + left_on("standard", "fine"))
 """Error on the fine mesh over that on the standard one."""

@@ -184,7 +184,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         )
     for r in ELEMENTS[1:]:
         yield Case(
-            f"Figure 3-2: felt {r:g} mm off the center at 2.3 N quasi-static, means",
+            f"Figure 3-2: reading {r:g} mm from the center at 2.3 N quasi-static, means",
             partial(array_pressure, 2.3, r),
             Expected(felt_on_plane(2.3, r), 5e-3, "kPa"),
             "second method: sum over a plane grid of 0.02 mm",

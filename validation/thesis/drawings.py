@@ -25,7 +25,7 @@ def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure in the order of the thesis."""
     with style():
         yield (
-            "Figure 3-2. What elements 0, 2, 4 and 6 mm from the center feel of a press at "
+            "Figure 3-2. Readings of elements 0, 2, 4 and 6 mm from the center in a press at "
             "0.2 mm/s, means, b of Table 3.2 read as c0 b.",
             _slow(),
         )

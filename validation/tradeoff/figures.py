@@ -119,7 +119,7 @@ def _legend(drawn: Any) -> None:
 
 def _front_caption() -> str:
     return (
-        "The front of error and time: error of the force in the scenes, held out and of "
+        "Pareto front of error and time: error of the force in the scenes, held out and of "
         "development, against the CPU time of a first answer; medians of each candidate with "
         "the quarters on either side. Scenes of published tissue (left), which all mechanics "
         "answer, and of calibrated fingers (right). Gray line: Pareto front of the medians."

@@ -68,8 +68,8 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
         Expected(float(scenes.N_HELD_OUT), 2.0, "1"),
         "drawn by seed; `solid` answers them",
     )
-    share_met = float(reported()["summary"]["tolerance_met"])
-    yield _kept("tolerance met by the picks", partial(asked, "tolerance_met"), share_met, "force")
+    name, summary = "tolerance met by the planner's choices", reported()["summary"]
+    yield _kept(name, partial(asked, "tolerance_met"), float(summary["tolerance_met"]), "force")
     for quantity, name in QUANTITIES.items():
         for whose, key in WHOSE.items():
             yield _kept(
@@ -113,7 +113,7 @@ def _kept(name: str, measure: Callable[[], float], share: float, quantity: str) 
     )
 
 
-WHOSE = {"the picks": "stated_kept", "all candidates": "stated_kept_by_all_candidates"}
+WHOSE = {"the planner's choices": "stated_kept", "all candidates": "stated_kept_by_all_candidates"}
 
 
 def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
@@ -125,7 +125,7 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
         f"{100 * share:.0f} % at {factor}"
         for factor, share in report["summary"]["oracle_within_1.2"].items()
     )
-    share = f"share of the picks within {held_out.ENOUGH:g} times the cheapest that will do"
+    share = f"share of the planner's choices within {held_out.ENOUGH:g} times the least cost"
     reached_by_planner = float(report["summary"]["within_1.2"])
     enough = reached_by_planner >= held_out.AIM
     yield Case(

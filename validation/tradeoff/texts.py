@@ -99,11 +99,16 @@ def _margins(summary: dict[str, Any]) -> dict[str, Any]:
     ]
     return {
         "caption": (
-            f"Shares of the choices {ENOUGH:g} times the least cost or cheaper, of stated errors "
+            f"Shares of the choices at most {ENOUGH:g} times the least cost, of stated errors "
             "that are upper bounds, and of choices within the tolerance, if stated errors were "
             "others."
         ),
-        "heading": ["stated errors", "cheap enough", "upper bounds", "within tolerance"],
+        "heading": [
+            "stated errors",
+            f"at most {ENOUGH:g} times the least cost",
+            "upper bounds",
+            "within tolerance",
+        ],
         "rows": [
             ["the actual ones, all by one factor"],
             *exact,

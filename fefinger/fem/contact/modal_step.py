@@ -39,8 +39,9 @@ class ModalState(NamedTuple):
     participation (n, n_pad): work of each unit load on each mode; residual_flexibility (n_pad,
     n_pad): R, which the modes leave of that of statics; residues (n, s); filtered (n, s): the force
     of each mode, filtered by each of its poles; force, earlier (n,): at the end of the last step
-    and of the one before; amplitude, free_amplitude (n,): at the end, and what the past leaves of it; moved
-    (n_pad,): R p; pressed, factor (n_pad,): work, the loaded vertices and their pressures.
+    and of the one before; amplitude, free_amplitude (n,): at the end, and the same without the
+    pressure of the step; moved (n_pad,): R p; pressed, factor (n_pad,): work, the loaded vertices
+    and their pressures.
     """
 
     participation: Array
