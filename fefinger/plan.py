@@ -1,4 +1,4 @@
-"""Which mechanics answers a scene, on which mesh: the cheapest that is good enough."""
+"""Which mechanics answers a scene, on which mesh: the cheapest within the requested accuracy."""
 
 import math
 from collections import Counter

@@ -58,23 +58,23 @@ class Curve:
         return CubicSpline(np.linspace(0.0, self.deepest, len(self.q)), self.q)
 
     def power(self, depth: ArrayLike) -> Array:
-        """Interpolate q at depths of 0 to `deepest` mm."""
+        """Interpolate q (n,) at depths (n,) of 0 to `deepest` mm."""
         return np.asarray(self._spline(depth))
 
     def force(self, depth: ArrayLike) -> Array:
-        """Compute the force in N at depths in mm, 0 without contact."""
+        """Compute the force (n,) in N at depths (n,) in mm, 0 without contact."""
         x: Array = np.maximum(np.asarray(depth, float), 0.0)
         inside = np.where(x > 0, np.minimum(x, self.deepest), self.deepest)
         beyond = np.maximum(x - self.deepest, 0.0) * self._steepness(self.deepest)
         return np.asarray(np.where(x > 0, np.exp(self._logarithm(inside) + beyond), 0.0))
 
     def stiffness(self, depth: ArrayLike) -> Array:
-        """Return dP/dx in N/mm at depths above 0 mm."""
+        """Return dP/dx (n,) in N/mm at depths (n,) above 0 mm."""
         depth = np.asarray(depth, float)
         return self.force(depth) * self._steepness(np.minimum(depth, self.deepest))
 
     def depth(self, force: ArrayLike) -> Array:
-        """Return the depths in mm at forces above 0 N, by Newton's method on the logarithms."""
+        """Return depths (n,) in mm at forces (n,) above 0 N, by Newton's method on logarithms."""
         wanted = np.log(np.asarray(force, float))
         depth = np.full(wanted.shape, 0.5 * self.deepest)
         for _ in range(60):

@@ -138,7 +138,7 @@ class Forces:
         return self.family.at(values[SHAPE], radius, ratio), values[MODULUS] / self.modulus
 
     def residual(self, values: Values) -> Array:
-        """Compute the residuals in standard deviations of the data."""
+        """Compute the residuals (n_residuals,) in standard deviations of the data."""
         curve, factor = self.curve(values)
         prony = prony_of(values)
         if isinstance(self.target, RecordTarget):

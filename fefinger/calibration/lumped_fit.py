@@ -81,7 +81,7 @@ def fit(file: str | Path, *, terms: int = identify.TERMS) -> LumpedFit:
 def read(
     file: str | Path, *, fewest: int = 2 * ramp_hold.FEWEST, of: str = "a ramp and hold"
 ) -> tuple[Array, Array, Array]:
-    """Read and check time in s from 0, position in mm and force in N of a CSV file.
+    """Read and check time in s from 0, position in mm and force in N, each (n,), of a CSV file.
 
     `fewest`: least number of rows; `of`: kind of record, for the message.
     """

@@ -240,7 +240,7 @@ def check_depth(wanted: RecordTarget, finger: Finger) -> None:
 
 
 def unloading(file: str | Path) -> tuple[Array, Array, Array]:
-    """Read time s, position mm and force N of a record with unloading, for prediction.
+    """Read time s, position mm and force N, each (n,), of a record with unloading, for prediction.
 
     Raises
     ------

@@ -29,7 +29,7 @@ def compressive(strain: Array, normals: Array) -> Array:
 
 
 def tensile(strain: Array, normals: Array) -> Array:
-    """Return the largest principal strain in any direction, negative where all are compressive."""
+    """Return the largest principal strain (n_t, n_sites), negative where all are compressive."""
     return np.asarray(np.linalg.eigvalsh(strain)[..., 2])
 
 

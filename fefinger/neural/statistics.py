@@ -22,7 +22,7 @@ def mean_rates(trains: TrainRecord, start: float, stop: float) -> Array:
 
 
 def intervals(times: ArrayLike) -> Array:
-    """Return the intervals between spikes in s, one fewer than there are spikes."""
+    """Return the intervals (n - 1,) in s between n spikes."""
     return np.diff(_ascending(times))
 
 

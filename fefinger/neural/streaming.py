@@ -31,7 +31,7 @@ SUBSTEPS = 4  # samples of the generator current in one step
 
 
 class SteppedUnits:
-    """What the units of every family share: checks of a step, and the spikes of the last one.
+    """Base class of stepped afferent units: input checks and the spikes of the last step.
 
     shape: that of the strain. spikes (n_units, ROOM), in units of `seconds`, and counts (n_units,):
     of the last step, kept up to date by `advance`.

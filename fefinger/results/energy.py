@@ -61,7 +61,7 @@ def split(strain: Array, tissue: Tissue, *, finite: bool) -> tuple[Array, Array]
 
 
 def shares(fields: Fields) -> tuple[Array, Array]:
-    """Share of skin in the volume of each point's soft cells, and 1 where it has soft cells."""
+    """Skin's share (n_points,) of the soft volume at each point, and 1 where it has soft cells."""
     volume = np.repeat(np.abs(volumes(fields.points, fields.cells))[:, None], 4, axis=1)
     skin, subcutaneous = (
         np.bincount(fields.cells[part].ravel(), volume[part].ravel(), len(fields.points))

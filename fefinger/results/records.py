@@ -62,7 +62,7 @@ class Rung:
     wall: float = math.nan
 
     def __post_init__(self) -> None:
-        """Expect one core to do all the work, unless told."""
+        """Expect one core to do all the work by default."""
         if math.isnan(self.wall):
             object.__setattr__(self, "wall", self.seconds)
 

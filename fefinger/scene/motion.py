@@ -195,7 +195,7 @@ class Motion(ABC):
         return np.zeros((*np.shape(t), 2))
 
     def value(self, t: ArrayLike) -> Array:
-        """Return the depth in mm or the force in N at the times `t` in s."""
+        """Return the depth (...,) in mm or the force in N at the times `t` (...,) in s."""
         value = self.trajectory.value(t)
         # No prescribed force is below 0 N, but a ramp back to 0 may round to one.
         return np.maximum(value, 0.0) if self.control == "force" else value
@@ -203,7 +203,7 @@ class Motion(ABC):
     def vibration(self, t: ArrayLike) -> Array:
         """Return the part of the value that vibrates about its slow course, at the times `t` in s.
 
-        In mm or N; 0 in a motion without a vibration.
+        (...,) in mm or N, of the shape of `t`; 0 in a motion without a vibration.
         """
         wave, at = self.trajectory.wave, np.asarray(t, float)
         if wave is None:
@@ -211,7 +211,7 @@ class Motion(ABC):
         return wave.value(np.clip(at, 0.0, self.trajectory.duration))
 
     def rate(self, t: ArrayLike) -> Array:
-        """Return the speed in mm/s or the rate in N/s at the times `t` in s."""
+        """Return the speed (...,) in mm/s or the rate in N/s at the times `t` (...,) in s."""
         return self.trajectory.rate(t)
 
 

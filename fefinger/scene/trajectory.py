@@ -34,13 +34,13 @@ class Wave:
     phase: float = 0.0
 
     def value(self, t: Array) -> Array:
-        """Return the wave at the times `t` in s."""
+        """Return the wave (...,) in mm or N at the times `t` (...,) in s."""
         tau = np.maximum(t - self.start, 0.0)
         envelope, _ = self._envelope(tau)
         return self.amplitude * envelope * np.sin(self._angle(tau))
 
     def rate(self, t: Array) -> Array:
-        """Return the derivative of the wave at the times `t` in s, from the right."""
+        """Return the derivative (...,) of the wave per s at times `t` (...,), from the right."""
         tau = np.maximum(t - self.start, 0.0)
         envelope, slope = self._envelope(tau)
         angle = self._angle(tau)

@@ -61,7 +61,7 @@ class Fingerpad:
         return self.b / self.prony.long_time if self.reading == "relaxed" else self.b
 
     def stiffness(self, depth: ArrayLike) -> Array:
-        """Return t (Eq. 3.11) in kPa at the depth u >= 0 in mm; 0 out of contact."""
+        """Return t (...,) (Eq. 3.11) in kPa at depths u (...,) >= 0 in mm; 0 out of contact."""
         reach = np.maximum(elastic.numbers("fingerpad", "depth", depth), 0.0)
         exponent = self.m * float(reach.max())
         if exponent > LARGEST:
@@ -71,11 +71,11 @@ class Fingerpad:
         return np.asarray(self.instantaneous_b * reach * exprel(self.m * reach))
 
     def modulus(self, depth: ArrayLike) -> Array:
-        """Return Young's modulus 1.5 t of the incompressible tissue at a depth in kPa."""
+        """Return Young's modulus 1.5 t (...,) in kPa of incompressible tissue at depths (...,)."""
         return 1.5 * self.stiffness(depth)
 
     def contact_radius(self, depth: ArrayLike) -> Array:
-        """Return a = sqrt(R x) (Eq. 3.8) in mm."""
+        """Return a = sqrt(R x) (...,) (Eq. 3.8) in mm at depths x (...,) in mm."""
         reach = np.maximum(elastic.numbers("fingerpad", "depth", depth), 0.0)
         return np.sqrt(self.radius * reach)
 

@@ -135,17 +135,18 @@ class DeformedGap:
     def stiffness(self) -> sparse.csr_matrix:
         """Contribution of phi'' to the tangent: integral of -phi'' psi lambda (grad g . v)² da.
 
-        It is positive semidefinite.
+        (n_unknowns, n_unknowns) mN/mm; it is positive semidefinite.
         """
         return self._normal(self._multipliers, self._fall)
 
     def spreading_stiffness(self) -> sparse.csr_matrix:
         """Contribution to the tangent of facets that spread while their gap changes.
 
-        It is minus the integral of psi lambda phi' (grad g . v dJ(v') + grad g . v' dJ(v)) dA.
-        With `stiffness` it is the derivative of the loads of a flat contact in all directions that
-        close no weighted gap; in the others the complementarity problem fixes the displacement.
-        Second derivatives of g and, of the order of the gap, of J are left out.
+        (n_unknowns, n_unknowns) mN/mm: minus the integral of psi lambda phi' (grad g . v dJ(v') +
+        grad g . v' dJ(v)) dA. With `stiffness` it is the derivative of the loads of a flat contact
+        in all directions that close no weighted gap; in the others the complementarity problem
+        fixes the displacement. Second derivatives of g and, of the order of the gap, of J are left
+        out.
         """
         weights = -self._slope * self._spread_over(self._multipliers, self.contact.on.hats)
         spreading = self.spreading.swapaxes(1, 2).reshape(self._along.shape)
@@ -153,7 +154,10 @@ class DeformedGap:
         return self._assembled(block + block.swapaxes(1, 2))
 
     def support(self, chosen: Flags) -> sparse.csr_matrix:
-        """Return the matrix of the integral of psi (grad g . v)² da over `chosen` candidates."""
+        """Return the integral of psi (grad g . v)² da over `chosen` candidates.
+
+        (n_unknowns, n_unknowns) mm².
+        """
         return self._normal(chosen.astype(np.float64), np.ones_like(self.distance))
 
     @cached_property

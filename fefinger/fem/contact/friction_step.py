@@ -37,7 +37,7 @@ MATCH = 1e-7
 
 
 class FrictionHistory(NamedTuple):
-    """What a pad with friction remembers besides its stress.
+    """Friction state of a pad: weighted slip, friction coefficients and dissipated work.
 
     gap (n,) mm³ and projected (n,) mm²: of the patch, the first at the present place; slip (2n,)
     mm³: weighted slip since first contact; static and kinetic (1,): coefficients; lost (1,)

@@ -58,10 +58,11 @@ class ModalState(NamedTuple):
 
 
 class StepFactors(NamedTuple):
-    """What the length of a step decides: decay, earlier, before, after (n, s) of the filters.
+    """Coefficients that depend on the step length.
 
-    gains (n,): amplitude at the end of the step per force at its end; flexibility F (n_pad, n_pad)
-    of the end of the step; static: whether modes deform as in statics.
+    decay, earlier, before, after (n, s): of the filters; gains (n,): amplitude at the end of the
+    step per force at its end; flexibility F (n_pad, n_pad) of the end of the step; static: whether
+    modes deform as in statics.
     """
 
     decay: Complex
@@ -172,7 +173,7 @@ def add_strain(out: Output, rows: Floats, amplitude: Floats) -> None:
 
 @njit(cache=True)
 def _free_amplitude(m: PadState, o: ModalState, f: StepFactors, g: float) -> None:
-    """Compute what the past and the pressure at the start leave of the amplitudes."""
+    """Compute the amplitudes at the end of the step for zero pressure then (history terms)."""
     for k in range(len(o.free_amplitude)):
         if f.static:
             total = 0.0

@@ -77,12 +77,12 @@ class Relaxation:
         self.elastic = np.zeros(size)
 
     def factors(self, step: float) -> tuple[float, Array, Array]:
-        """Return g, the decays and the weights of the increment for a step in seconds."""
+        """Return g, the decays (n,) and the weights (n,) of the increment for a step in seconds."""
         gain = increments(self.weights, self.rates, step)
         return 1.0 + float(gain.sum()), np.exp(-self.rates * step), gain
 
     def history(self, step: float) -> tuple[float, Array]:
-        """Return g and h of p = g q + h at the end of a step."""
+        """Return g and h (size,) of p = g q + h at the end of a step."""
         g, decay, gain = self.factors(step)
         return g, decay @ self.terms - gain.sum() * self.elastic
 

@@ -35,8 +35,9 @@ class Elastic:
 def stiffness(space: Space, tissues: Mapping[int, Elastic]) -> sparse.csr_matrix:
     """Return the symmetric matrix [[A, B'], [B, -M / K]] of the space, mN/mm and mm².
 
-    `tissues` gives the elasticity of every label in `space.tissue`. A pressure is measured in
-    units of the shear modulus of its own tissue, so that moduli 1e9 apart stay within rounding.
+    Its shape is (n_unknowns, n_unknowns). `tissues` gives the elasticity of every label in
+    `space.tissue`. A pressure is measured in units of the shear modulus of its own tissue, so that
+    moduli 1e9 apart stay within rounding.
     """
     count, numbers = space.n_unknowns, space.unknowns
     starts, columns = assembly.pattern(numbers, count)

@@ -201,7 +201,7 @@ class RelaxedPress:
 def relax(
     elastic: ElasticForce, prony: Prony, time: Array, value: Array, control: str
 ) -> RelaxedPress:
-    """Relax an elastic press along a motion of prescribed "depth" in mm or "force".
+    """Convolve an elastic press with the relaxation along a prescribed depth (mm) or force.
 
     Raises
     ------
