@@ -181,10 +181,10 @@ def make_synthetic() -> Result:
             "hertz",
             0.01,
             0.8,
-            "reports/ladder.json",
+            "reports/finger.json",
             (Refusal("hertz", "accuracy", "contact radius / tissue thickness = 0.9 > 0.1"),),
         ),
-        Rung("linear", 12.0, 0.04, "reports/linear.json", (refusal,), errors={"area": 0.03}),
+        Rung("linear", 12.0, 0.04, "reports/held-out.json", (refusal,), errors={"area": 0.03}),
     )
     chosen = "linear: the cheapest that does not refuse."
     return Result(

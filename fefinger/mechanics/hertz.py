@@ -94,7 +94,7 @@ class HalfSpace:
         return self._slope * depth**1.5
 
     def depth(self, force: float) -> Array:
-        """Return the depth (n,) in mm under a force (n,) in mN."""
+        """Return the depth in mm under a force in mN, one number each."""
         return np.asarray((force / self._slope) ** (2 / 3))
 
     def contact_radius(self, depth: Array) -> Array:

@@ -1,6 +1,7 @@
 """Suite `calibration`: recovery of twins, prediction of data not fitted, and shipped tissue sets.
 
-The calibrated subjects are read from `reports/calibrated.json` (see `evidence_calibration`).
+The calibrated subjects are read from `reports/calibrated.json` (see
+`fefinger.validation.evidence.calibration`).
 """
 
 from collections.abc import Callable, Iterator

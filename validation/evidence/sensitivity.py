@@ -1,8 +1,8 @@
 """Measure causes of differences in R, m and c0 b; write the report of suite `calibration`.
 
 Run as `python -m fefinger.validation.evidence.sensitivity reports [finger]`, after
-`evidence_calibration`. Changes of the finger itself are tried where "finger" is said, some 10
-minutes of presses; otherwise those in the report are kept.
+`fefinger.validation.evidence.calibration`. Changes of the finger itself are tried where "finger" is
+given, some 10 minutes of presses; otherwise those in the report are kept.
 """
 
 import json

@@ -1,7 +1,8 @@
 """Repeated viscoelastic contact against boundary elements, Ting's integral, limits and creep.
 
 The boundary elements are rings of constant pressure on a half-space or a bonded layer whose
-pressure and gap are not negative in real space; `theory/ting.py` knows no pressure and no gap.
+pressure and gap are not negative in real space; `theory/contact/ting.py` knows no pressure
+and no gap.
 """
 
 import numpy as np
