@@ -231,7 +231,7 @@ def test_a_place_on_the_pad_is_not_refused_because_its_mesh_is_made_for_a_rounde
 def test_a_place_that_is_not_on_the_pad_is_refused_as_the_scene_gives_it() -> None:
     scene = ff.Scene(finger=FINGER, indenter=ff.Sphere(5, at=(4.9, 0)), motion=ff.Ramp(60, 0.3))
     (said,) = linear.unmeshable(Situation.of(scene))
-    assert said.reason.endswith("on the pad, received (4.9, 0.0)")
+    assert said.text.endswith("on the pad, received (4.9, 0.0)")
 
 
 def test_neighboring_scenes_share_a_mesh_that_is_fine_where_they_touch() -> None:
