@@ -216,7 +216,7 @@ def test_a_solver_that_a_mechanics_cannot_use_is_refused() -> None:
         " ".join(r.reason for r in solid.refuse(Situation.of(scene(s)))) for s in (None, "single")
     ]
     assert not any("ask.solver" in reasons for reasons in factored)
-    assert "ask.solver = 'iterative': its operator" in told[condensed.name]
+    assert "ask.solver = 'iterative': this mechanics makes its operator" in told[condensed.name]
     assert "ask.solver" not in told[linear.name]
     with pytest.raises(InputError, match=r"ask\.solver: expected one of 'multifrontal'"):
         scene("pardiso")
