@@ -19,6 +19,7 @@ from fefinger.support import processes
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.threads import one_thread
+from fefinger.support.vocabulary import TYPES
 
 
 if TYPE_CHECKING:
@@ -51,6 +52,9 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
     InputError
         A response without strain, or without the end organs of the population.
     """
+    from fefinger.neural.populations import numbered
+    from fefinger.neural.variation import Variation
+
     strain, sites, reference = _strain_at_sites(ask, response)
     units: dict[str, Any] = {
         "types": sites.types,
@@ -60,6 +64,9 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
     notes: tuple[str, ...] = ()
     if ask.population is not None:
         units, notes = _population(ask, ask.population, sites)
+    elif ask.afferents == "recorded":
+        each = tuple(numbered(sites.types).tolist())
+        units["variation"] = Variation(seed=0, noise=None, numbers=each)
     if ask.afferents == "recorded":
         trains = _recorded(ask.population, response.time, strain, sites, units | options)
     else:
@@ -173,13 +180,14 @@ def _population(
 
     A unit is where its end organs are in the mean.
     """
+    from fefinger.neural.populations import numbered
     from fefinger.neural.variation import Variation
 
     assert sites.unit is not None
     count = np.bincount(sites.unit)
     first = np.searchsorted(sites.unit, np.arange(len(count)))
     types = tuple(sites.types[i] for i in first)
-    numbers = np.arange(len(types)) if sites.number is None else sites.number[first]
+    numbers = numbered(types) if sites.number is None else sites.number[first]
     names, notes = _grid_names(layout, ask.spikes, types, numbers)
     each = tuple(numbers.tolist())
     variation = Variation(seed=layout.seed, spread=layout.spread, noise=layout.noise, numbers=each)
@@ -208,7 +216,10 @@ def _grid_names(
         return None, ()
     from fefinger.neural.populations import squares
 
-    places = numbers // len(kinds)
+    codes = [TYPES.index(kind) for kind in types]
+    # Results saved before units were numbered by type hold places among all units of the scene.
+    by_type = np.array_equal(numbers % len(TYPES), codes)
+    places = numbers // (len(TYPES) if by_type else len(kinds))
     names = tuple(f"{kind}-{place + 1}" for kind, place in zip(types, places, strict=True))
     total, on_skin = len(squares(layout.spacing, layout.radius)), len(np.unique(places))
     if on_skin == total:

@@ -57,6 +57,35 @@ def test_sites_are_the_end_organs_below_the_skin():
     assert set(population.sites(population.place(deeper, SKIN, AXIS)).depths) == {2.0}
 
 
+OTHERS = [
+    None,
+    ff.Scatter(radius=1.5, seed=2),
+    replace(LINE, branched=True),
+    ff.Grid(spacing=2.0, radius=2.0, branched=True),
+]
+
+
+@pytest.mark.parametrize("layout", OTHERS, ids=["central", "scatter", "line", "grid"])
+def test_other_types_and_their_order_change_no_unit(layout):
+    """Its place, end organs, gain and noise depend on the seed, its type and its place there."""
+    single = scene(layout, spikes=("FAI",), afferents="recorded")
+    alone = get("hertz").respond(single)
+    for spikes in (("SAI", "FAI"), ("FAI", "FAII", "SAI")):
+        several = scene(layout, spikes=spikes, afferents="recorded")
+        response = get("hertz").respond(several)
+        organs = np.array(response.sites.types) == "FAI"
+        np.testing.assert_array_equal(response.sites.points[organs], alone.sites.points)
+        # At the same times, which the other types may change.
+        same = replace(alone, time=response.time, strain=response.strain[:, organs])
+        expected = fire(single.ask, same, check=False)
+        trains = fire(several.ask, response, check=False)
+        mine = [i for i, kind in enumerate(trains.types) if kind == "FAI"]
+        assert [trains.names[i] for i in mine] == list(expected.names)
+        assert expected.count().sum() > 0
+        for i, times in zip(mine, expected.times, strict=True):
+            np.testing.assert_allclose(trains.times[i], times, rtol=0, atol=1e-9)
+
+
 def test_every_place_has_a_unit_of_each_type():
     for layout, count in ((LINE, 5), (ff.Places(places=((0, 0), (1, 2))), 2), (ff.Grid(), 61)):
         units = population.place(asked(layout), SKIN, AXIS)

@@ -1,5 +1,6 @@
 """Placement of afferent units and end organs under a pad of points, normals and areas."""
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -21,6 +22,19 @@ that all meshes keep the same places of a grid."""
 
 ATTEMPTS = 200
 """Number of random draws around a unit before the pad counts as too small for the field."""
+
+
+def numbered(types: Sequence[str], places: ArrayLike | None = None) -> Integers:
+    """Return numbers (n_units,) of units, by type and by place among those of their type.
+
+    Numbers select random streams: units of other types, and the order of the types, change none.
+    places (n_units,): whole numbers, by default 0, 1, ... in each type.
+    """
+    codes = np.array([TYPES.index(choice("types", kind, TYPES)) for kind in types], np.int64)
+    if places is None:
+        following = {kind: itertools.count() for kind in TYPES}
+        places = [next(following[kind]) for kind in types]
+    return len(TYPES) * np.asarray(places, np.int64) + codes
 
 
 @dataclass(frozen=True)
@@ -89,9 +103,9 @@ class Surface:
 class Population:
     """Units and their end organs.
 
-    types (n_units,); depths (n_units,) mm of the end organs; numbers (n_units,): of the units among
-    all requested ones. skin (n_organs, 3) mm: point of the skin above each end organ, organ_normals
-    (n_organs, 3) there, unit (n_organs,): index of its unit.
+    types (n_units,); depths (n_units,) mm of the end organs; numbers (n_units,): of the units, by
+    `numbered` of all requested ones. skin (n_organs, 3) mm: point of the skin above each end organ,
+    organ_normals (n_organs, 3) there, unit (n_organs,): index of its unit.
     """
 
     types: tuple[str, ...]
@@ -248,7 +262,8 @@ def populate(
         Diameter in mm of the disc over which the end organs of a unit are spread uniformly, by
         type. A single end organ lies at the place of the unit.
     numbers
-        (n_units,) whole numbers that select the random stream of each unit; by default 0, 1, ...
+        (n_units,) whole numbers that select the random stream of each unit; by default those of
+        `numbered`.
     seed
         Seed of the random draws; needed where there are any.
 
@@ -263,7 +278,7 @@ def populate(
     missing = sorted(set(types) - set(depths))
     if missing:
         raise InputError(f"depths: expected one for each type, {', '.join(missing)} is missing")
-    streams = np.asarray(np.arange(len(types)) if numbers is None else numbers, np.int64)
+    streams = np.asarray(numbered(types) if numbers is None else numbers, np.int64)
     skin, skin_normals, unit = [], [], []
     for i, kind in enumerate(types):
         low, high = (organs or {}).get(kind, (1, 1))

@@ -148,6 +148,8 @@ def fire(
         type's fastest pole, an unknown family or a choice that it does not have.
     """
     from fefinger.neural.checked_signals import count_changes
+    from fefinger.neural.populations import numbered
+    from fefinger.neural.variation import Variation
 
     types = tuple(choice("--type", kind, TYPES) for kind in types) or TYPES
     if repeated(types):
@@ -162,7 +164,10 @@ def fire(
     if not corners:
         for i, kind, each in zip(columns, kinds, mm, strict=True):
             _check_sampling(signals, i, kind, each, poles[kind])
-    run = partial(simulate, types=kinds, lengths=mm, names=names)
+    vary = None
+    if family == "recorded":
+        vary = Variation(seed=0, noise=None, numbers=tuple(numbered(kinds).tolist()))
+    run = partial(simulate, types=kinds, lengths=mm, names=names, variation=vary)
     trains = run(signals.time, signals.drive[:, columns])
     notes = (*trains.notes, *_remarks(signals))
     if length is not None and None not in signals.lengths:

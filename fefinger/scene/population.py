@@ -48,7 +48,8 @@ class Layout:
         µA/cm²; 0: units of a type are identical and fire the same spikes every time. None: those
         of the recorded units for the afferents "recorded", 0 for "thesis".
     seed
-        Seed of all random draws: places, end organs, gains and noise.
+        Seed of all random draws: places, end organs, gains and noise. Those of a unit depend on it,
+        on the type, and on the unit's place among those of its type, not on the other types.
     """
 
     kind: ClassVar[str]

@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from fefinger.neural.populations import Surface, grid, lifted, line, populate, scatter, squares
+from fefinger.neural.populations import (
+    Surface,
+    grid,
+    lifted,
+    line,
+    numbered,
+    populate,
+    scatter,
+    squares,
+)
 from fefinger.support.checks import InputError
 
 
@@ -125,7 +134,8 @@ def test_which_places_of_a_grid_lie_beside_the_skin_does_not_depend_on_its_point
 def test_branches_are_drawn_by_number_whichever_units_are_beside_the_skin():
     options = {"organs": {"SAI": (4, 7)}, "fields": {"SAI": 3.0}, "depths": DEPTHS, "seed": 5}
     all_three = populate(FLAT, ("SAI",) * 3, np.zeros((3, 3)), **options)
-    last = populate(FLAT, ("SAI",), np.zeros((1, 3)), numbers=[2], **options)
+    third = numbered(("SAI",) * 3)[2:]
+    last = populate(FLAT, ("SAI",), np.zeros((1, 3)), numbers=third, **options)
     np.testing.assert_array_equal(last.skin, all_three.skin[all_three.unit == 2])
 
 

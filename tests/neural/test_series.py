@@ -194,6 +194,15 @@ def test_a_length_that_no_column_takes_is_checked_and_told(press):
         fire(signals, ("SAI",), length=-1.0)
 
 
+def test_other_types_change_nothing_of_a_unit(press):
+    signals = series.read(press)
+    (alone,) = series.fire(signals, ("SAI",)).times
+    assert len(alone) > 5
+    for types in (("FAII", "SAI"), ("SAI", "FAI"), TYPES):
+        trains = series.fire(signals, types, corners=True)
+        np.testing.assert_array_equal(trains.times[trains.index("SAI")], alone)
+
+
 def test_a_type_given_twice_is_refused(press):
     with pytest.raises(
         InputError, match="--type: expected every type once, received SAI, FAI, SAI"

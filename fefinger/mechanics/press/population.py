@@ -43,7 +43,8 @@ def _places(
 ) -> tuple[tuple[str, ...], Array, Integers]:
     """Return type, place (n, 3) mm and number of every unit.
 
-    The number is its place among all units of the scene, wherever the skin ends.
+    The number is that of its type and of its place among all requested ones of the type, wherever
+    the skin ends.
     """
     if isinstance(layout, Scatter):
         rows = innervation()
@@ -55,12 +56,12 @@ def _places(
                 f"ask.population.radius: {np.count_nonzero(~on)} of {len(on)} units within "
                 f"{layout.radius:g} mm lie beside the skin of the pad; choose a smaller radius"
             )
-        return kinds, points, np.arange(len(kinds))
+        return kinds, points, populations.numbered(kinds)
     if isinstance(layout, Grid):
         points, which = populations.grid(skin, layout.spacing, layout.radius)
-        numbers = which[:, None] * len(types) + np.arange(len(types))
         each = tuple(types) * len(points)
-        return each, np.repeat(points, len(types), axis=0), numbers.ravel()
+        numbers = populations.numbered(each, np.repeat(which, len(types)))
+        return each, np.repeat(points, len(types), axis=0), numbers
     if isinstance(layout, Line):
         points = populations.line(skin, layout.start, layout.stop, layout.count)
     elif isinstance(layout, Places):
@@ -69,7 +70,7 @@ def _places(
     else:
         raise InputError(f"ask.population: expected a layout of the package, received {layout!r}")
     kinds = tuple(types) * len(points)
-    return kinds, np.repeat(points, len(types), axis=0), np.arange(len(kinds))
+    return kinds, np.repeat(points, len(types), axis=0), populations.numbered(kinds)
 
 
 def sites(population: Population) -> Sites:
