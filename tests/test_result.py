@@ -107,6 +107,25 @@ def test_a_result_of_before_errors_were_stated_of_each_thing_loads_without_them(
     assert found.chosen.error == synthetic.plan.chosen.error
 
 
+@pytest.mark.usefixtures("plain_report")
+def test_a_result_of_before_delays_were_stored_loads_without_them(
+    synthetic: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    encode = netcdf._encode
+
+    def former(value: Any, place: str, variables: dict[str, Any]) -> Any:
+        found = encode(value, place, variables)
+        if isinstance(found, dict) and found.get("record") == "SpikeTrains":
+            del variables[found.pop("delays")["array"]]
+        return found
+
+    assert synthetic.spikes is not None
+    far = dataclasses.replace(synthetic.spikes, delays=np.full(4, 0.01))
+    monkeypatch.setattr(netcdf, "_encode", former)
+    dataclasses.replace(synthetic, spikes=far).save(tmp_path)
+    assert_same(load(tmp_path), synthetic)
+
+
 TISSUE_SET = """
 pad_radius = 15.0
 [prony]

@@ -34,7 +34,7 @@ CSV_COLUMNS = ("unit", "type", "x_mm", "y_mm", "z_mm", "time_s")
 SIGNALS = ("x_in", "current")
 PER_UNIT = ("peak_mV", "block_seconds", "stimulus_driven")
 LISTS = ("types", "names", "notes")
-OPTIONAL = ("positions", "depths", "seed")
+OPTIONAL = ("delays", "positions", "depths", "seed")
 
 UNITS = {
     "times": "s",
@@ -44,6 +44,7 @@ UNITS = {
     "peak_mV": "mV",
     "block_seconds": "s",
     "stimulus_driven": "1",
+    "delays": "s",
     "positions": "mm",
     "depths": "mm",
 }
@@ -115,7 +116,7 @@ def _fields(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
     """Convert stored arrays to the fields of SpikeTrains; KeyError where one is missing."""
     fields: dict[str, Any] = {name: data[name] for name in ("time", *SIGNALS, *PER_UNIT)}
     fields |= {name: tuple(data[name].tolist()) for name in LISTS}
-    fields |= {name: data[name] for name in ("positions", "depths") if name in data}
+    fields |= {name: data[name] for name in ("delays", "positions", "depths") if name in data}
     fields |= {name: data[name].item() for name in ("seed", "family") if name in data}
     fields["times"] = tuple(np.split(data["spikes"], data["offsets"][1:-1]))
     fields["t_start"], fields["t_stop"] = data["span"].tolist()
@@ -123,7 +124,11 @@ def _fields(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
 
 
 def to_pandas(trains: TrainRecord) -> "pd.DataFrame":
-    """Convert to a table with one row per spike: unit, type, x_mm, y_mm, z_mm, depth_mm, time_s."""
+    """Convert to a table with one row per spike.
+
+    Columns unit, type, x_mm, y_mm, z_mm, depth_mm, time_s and delay_s, the conduction delay that
+    time_s includes.
+    """
     import pandas as pd
 
     owner = np.repeat(np.arange(len(trains)), trains.count())
@@ -131,6 +136,7 @@ def to_pandas(trains: TrainRecord) -> "pd.DataFrame":
     table = {"unit": np.array(trains.names)[owner], "type": np.array(trains.types)[owner]}
     table |= {f"{axis}_mm": places[owner, i] for i, axis in enumerate("xyz")}
     table |= {"depth_mm": depths[owner], "time_s": np.concatenate(trains.times)}
+    table["delay_s"] = trains.delays[owner]
     return pd.DataFrame(table)
 
 
@@ -149,6 +155,8 @@ def to_xarray(trains: TrainRecord) -> "xr.Dataset":
     for name, meaning in MEANINGS.items():
         data[name].attrs["long_name"] = meaning
     data |= {name: variable(name, ("unit",), getattr(trains, name)) for name in PER_UNIT}
+    data["delays"] = variable("delays", ("unit",), trains.delays)
+    data["delays"].attrs["long_name"] = "conduction delay, part of the times of the spikes"
     data["spike_time"] = variable("times", ("spike",), np.concatenate(trains.times))
     data["spike_unit"] = xr.Variable(("spike",), np.repeat(range(len(trains)), trains.count()))
     if trains.positions is not None:
@@ -168,14 +176,15 @@ def to_xarray(trains: TrainRecord) -> "xr.Dataset":
 def to_neo(trains: TrainRecord) -> Any:
     """Convert to a neo.Block with one Segment: a SpikeTrain per unit, and the signals.
 
-    Each SpikeTrain is named after its unit and annotated with afferent_class, position_mm and
-    depth_mm; displacement and current are IrregularlySampledSignals. Needs the extra `neo`.
+    Each SpikeTrain is named after its unit and annotated with afferent_class, delay_s, position_mm
+    and depth_mm; displacement and current are IrregularlySampledSignals. Needs the extra `neo`.
     """
     neo, pq = _extra("neo", "neo"), _extra("quantities", "neo")
     segment = neo.Segment(name="trial")
     places, depths = _places(trains)
     for i, times in enumerate(trains.times):
         annotations: dict[str, Any] = {"afferent_class": trains.types[i]}
+        annotations["delay_s"] = float(trains.delays[i])
         if trains.positions is not None:
             annotations["position_mm"] = places[i].tolist()
         if trains.depths is not None:
@@ -225,12 +234,14 @@ def to_nwb(
         "y_mm": "radial place of the end organ, nan if unknown",
         "z_mm": "dorsal place of the end organ, nan if unknown",
         "depth_mm": "depth of the end organ under the skin, nan if unknown",
+        "delay_s": "conduction delay from the end organ to the recording, part of the spike times",
     }
     for name, meaning in columns.items():
         file.add_unit_column(name, meaning)
     places, depths = _places(trains)
     for i, times in enumerate(trains.times):
         values = (trains.names[i], trains.types[i], *places[i].tolist(), float(depths[i]))
+        values = (*values, float(trains.delays[i]))
         file.add_unit(
             spike_times=times,
             obs_intervals=[[trains.t_start, trains.t_stop]],

@@ -116,6 +116,7 @@ def simulate_recorded(
         peak_mV=SPIKE_MV * peaks,
         block_seconds=np.zeros(len(types)),
         stimulus_driven=np.zeros(len(types), np.int64),
+        delays=later.copy(),
         positions=positions,
         depths=depths,
         seed=0 if variation is None else variation.seed,

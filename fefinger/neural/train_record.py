@@ -1,6 +1,6 @@
 """Record of the spike trains of afferent units, with the signals that drove them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,9 +19,10 @@ class TrainRecord:
     """Spike trains of afferent units, with their input displacement and generator current.
 
     types, names: one per unit, no name twice. times: one ascending array of spike times in s per
-    unit, between t_start and t_stop. positions: (n_units, 3) mm of the end organs, or None. depths:
-    (n_units,) mm of the end organs under the skin, or None. seed: of the random draws; None
-    if nothing is random.
+    unit, between t_start and t_stop; they are those of the recording, a conduction delay after the
+    spike left the end organ. delays: (n_units,) s of it, or one number; default 0. positions:
+    (n_units, 3) mm of the end organs, or None. depths: (n_units,) mm of the end organs under the
+    skin, or None. seed: of the random draws; None if nothing is random.
 
     time: (n_t,) s, at which x_in (n_t, n_units) mm, signed, compression positive, is the input of
     the end organ and current (n_t, n_units) µA/cm² the generator current. x_in is linear in
@@ -53,6 +54,7 @@ class TrainRecord:
     peak_mV: Array
     block_seconds: Array
     stimulus_driven: Integers
+    delays: Array = field(default_factory=lambda: np.zeros(()))
     positions: Array | None = None
     depths: Array | None = None
     seed: int | None = None
@@ -63,12 +65,14 @@ class TrainRecord:
         """Check the family, that names are different, and that every field has all units."""
         choice("family", self.family, FAMILIES)
         n = len(names("names", self.names))
-        lists = ("types", "times", "peak_mV", "block_seconds", "stimulus_driven")
-        counts = {field: len(getattr(self, field)) for field in lists}
-        counts |= {field: np.shape(getattr(self, field))[-1] for field in ("x_in", "current")}
-        for field, count in counts.items():
+        if np.ndim(self.delays) == 0:
+            object.__setattr__(self, "delays", np.full(n, float(self.delays)))
+        lists = ("types", "times", "peak_mV", "block_seconds", "stimulus_driven", "delays")
+        counts = {name: len(getattr(self, name)) for name in lists}
+        counts |= {name: np.shape(getattr(self, name))[-1] for name in ("x_in", "current")}
+        for name, count in counts.items():
             if count != n:
-                raise InputError(f"{field}: expected one for each of {n} names, received {count}")
+                raise InputError(f"{name}: expected one for each of {n} names, received {count}")
 
     def __repr__(self) -> str:
         """Show the numbers of spikes, not the arrays."""
@@ -89,6 +93,11 @@ class TrainRecord:
     def count(self) -> Integers:
         """Return the number of spikes of each unit, (n_units,)."""
         return np.array([len(times) for times in self.times], np.int64)
+
+    def at_end_organs(self, unit: int | str) -> Array:
+        """Return the times in s at which the spikes of a unit left its end organs."""
+        i = self.index(unit)
+        return self.times[i] - self.delays[i]
 
     def summary(self) -> str:
         """List the numbers of spikes: by unit for up to FEW units, else by type."""

@@ -263,6 +263,7 @@ def simulate_units(
         peak_mV=firing.peak_mV,
         block_seconds=firing.block_seconds,
         stimulus_driven=firing.stimulus_driven,
+        delays=later.copy(),
         positions=positions,
         depths=depths,
         seed=None if variation is None else variation.seed,

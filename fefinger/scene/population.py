@@ -42,7 +42,8 @@ class Layout:
         Combination of a unit's end organs: "mean", "max" or "first"; None: "mean" of the currents
         for the afferents "thesis", "max" of the inputs for "recorded", which has no "first".
     distance
-        Length in mm of the nerve up to the recording site.
+        Length in mm of the nerve up to the recording site, at which times of spikes are given: a
+        conduction delay later, which `SpikeTrains.delays` holds.
     spread, noise
         Standard deviations of the logarithm of the units' gains and of the membrane noise in
         µA/cm²; 0: units of a type are identical and fire the same spikes every time. None: those

@@ -36,11 +36,15 @@ def over_object(result: ResultRecord) -> tuple[Array, Array]:
 
 
 def places(result: ResultRecord, units: Integers) -> tuple[Array, Array]:
-    """Return the places (n_spikes, 2) mm on the object of all spikes of units, and their times."""
+    """Return the places (n_spikes, 2) mm on the object of all spikes of units, and their times.
+
+    Times in s at the end organs, before the conduction delays: that is when the object is where it
+    made the unit fire.
+    """
     trains = result.spikes
     assert trains is not None
     start, path = over_object(result)
-    times = [trains.times[i] for i in units]
+    times = [trains.at_end_organs(i) for i in units.tolist()]
     along = np.concatenate(
         [np.repeat(start[i : i + 1], len(t), 0) for i, t in zip(units, times, strict=True)]
     )

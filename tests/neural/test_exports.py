@@ -27,12 +27,13 @@ TRAINS = SpikeTrains(
     peak_mV=np.array([91.0, 3.0, 90.0]),
     block_seconds=np.array([0.0, 0.0, 0.1]),
     stimulus_driven=np.array([0, 1, 0]),
+    delays=np.array([0.014, 0.013, 0.014]),
     positions=RNG.normal(size=(3, 3)),
     depths=np.array([0.8, 0.5, 0.8]),
     seed=12,
     notes=("SAI-2: in depolarization block for 0.1 s",),
 )
-BARE = replace(TRAINS, positions=None, depths=None, seed=None, notes=())
+BARE = replace(TRAINS, delays=np.zeros(3), positions=None, depths=None, seed=None, notes=())
 BOTH = pytest.mark.parametrize("trains", [TRAINS, BARE], ids=["full", "bare"])
 
 
@@ -57,6 +58,15 @@ def test_npz_gives_everything_back_to_the_last_bit(trains, tmp_path):
     trains.to_npz(path)
     same(SpikeTrains.from_npz(path), trains)
     assert [file.name for file in tmp_path.iterdir()] == ["spikes.npz"]
+
+
+def test_npz_of_before_delays_were_stored_has_none(tmp_path):
+    path = tmp_path / "spikes.npz"
+    TRAINS.to_npz(path)
+    with np.load(path) as file:
+        older = {name: file[name] for name in file.files if name != "delays"}
+    np.savez(path, **older)
+    same(SpikeTrains.from_npz(path), replace(TRAINS, delays=np.zeros(3)))
 
 
 def test_every_array_has_its_unit():
@@ -95,6 +105,7 @@ def test_pandas_has_one_row_per_spike(trains):
     table = trains.to_pandas()
     assert list(table["unit"]) == ["SAI-1"] * 7 + ["SAI-2"] * 3
     np.testing.assert_array_equal(table["time_s"], np.concatenate(TIMES))
+    np.testing.assert_array_equal(table["delay_s"], trains.delays[[0] * 7 + [2] * 3])
     expected = trains.depths is not None
     assert table["depth_mm"].notna().all() == expected
     assert table["x_mm"].notna().all() == expected
@@ -109,6 +120,8 @@ def test_xarray_has_the_signals_and_the_spikes_of_each_unit(trains):
     assert data["current"].attrs["units"] == "uA/cm2"
     assert ("positions" in data) == (trains.positions is not None)
     assert data.attrs.get("seed") == trains.seed
+    np.testing.assert_array_equal(data["delays"].sel(unit="FAI"), trains.delays[1])
+    assert data["delays"].attrs["units"] == "s"
 
 
 @BOTH
@@ -120,6 +133,7 @@ def test_neo_has_a_train_per_unit_and_the_signals(trains):
         np.testing.assert_array_equal(train.rescale("s").magnitude, TIMES[i])
         assert (float(train.t_start), float(train.t_stop)) == (0.0, 2.0)
         assert train.annotations["afferent_class"] == trains.types[i]
+        assert train.annotations["delay_s"] == trains.delays[i]
         assert ("position_mm" in train.annotations) == (trains.positions is not None)
     x_in, current = segment.irregularlysampledsignals
     np.testing.assert_array_equal(x_in.rescale("mm").magnitude, trains.x_in)
@@ -143,6 +157,7 @@ def test_nwb_passes_its_validator_and_holds_the_units(trains, tmp_path):
         np.testing.assert_array_equal(series.timestamps[:], trains.time)
     assert list(table["afferent_class"]) == list(trains.types)
     assert list(table["unit_name"]) == list(trains.names)
+    np.testing.assert_array_equal(table["delay_s"], trains.delays)
     for i in range(3):
         np.testing.assert_array_equal(table["spike_times"].iloc[i], TIMES[i])
     np.testing.assert_array_equal(table["depth_mm"].isna().all(), trains.depths is None)

@@ -276,6 +276,7 @@ def test_delays_shift_every_spike():
     here = simulate_recorded(TIME, x, **options)
     there = simulate_recorded(TIME, x, delays=0.01, **options)
     assert there.times[0] == pytest.approx(here.times[0] + 0.01)
+    assert (here.delays, there.delays) == (0.0, 0.01)
     assert there.family == "recorded"
 
 

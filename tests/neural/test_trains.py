@@ -44,6 +44,17 @@ def test_rate_of_less_than_two_spikes_is_zero(times):
     np.testing.assert_array_equal(trains(times).rate(0, [0.0, 1.0, 1.5]), 0.0)
 
 
+def test_a_spike_left_the_end_organs_a_conduction_delay_before():
+    both = trains([0.5, 1.0], [0.25])
+    np.testing.assert_array_equal(both.delays, [0.0, 0.0])
+    far = replace(both, delays=np.array([0.01, 0.02]))
+    np.testing.assert_allclose(far.at_end_organs(0), [0.49, 0.99])
+    np.testing.assert_allclose(far.at_end_organs("SAI-2"), [0.23])
+    np.testing.assert_array_equal(replace(both, delays=0.01).delays, [0.01, 0.01])
+    with pytest.raises(InputError, match="delays: expected one for each of 2 names, received 3"):
+        replace(both, delays=np.zeros(3))
+
+
 def test_two_units_of_one_name_are_refused():
     with pytest.raises(InputError, match="no two alike, received left more than once"):
         replace(trains([], [], []), names=("left", "right", "left"))

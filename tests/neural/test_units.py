@@ -134,6 +134,7 @@ def test_delays_move_every_spike_and_the_end():
     late = one([1.0], delays=0.015)
     np.testing.assert_allclose(late.times[0], one([1.0]).times[0] + 0.015)
     assert late.t_stop == pytest.approx(TIME[-1] + 0.015)
+    assert late.delays == 0.015
 
 
 def test_a_seed_reproduces_and_another_differs_whatever_the_other_units_do():

@@ -50,6 +50,23 @@ def test_a_spike_is_drawn_at_the_place_of_the_object_that_was_over_its_unit(slid
     assert spots == pytest.approx(expected, abs=0.02)
 
 
+def test_conduction_delays_move_no_spike_on_the_object(slid: Result):
+    near, units = slid.spikes, np.arange(len(slid.spikes))
+    delays = np.linspace(0.005, 0.02, len(near))
+    late = tuple(times + delay for times, delay in zip(near.times, delays, strict=True))
+    far = replace(near, times=late, delays=delays, t_stop=near.t_stop + 0.02)
+    spots, times = event_plots.places(replace(slid, spikes=far), units)
+    expected, at_skin = event_plots.places(slid, units)
+    np.testing.assert_allclose(spots, expected, atol=1e-9)
+    np.testing.assert_allclose(times, at_skin, atol=1e-12)
+    for one, other in zip(
+        event_plots.rates(replace(slid, spikes=far), units),
+        event_plots.rates(slid, units),
+        strict=True,
+    ):
+        np.testing.assert_allclose(one, other, rtol=0.01)
+
+
 def test_rates_are_spikes_over_the_time_that_a_unit_spent_there(slid: Result):
     edges, rate = event_plots.rates(slid, np.array([0]))
     inside = rate[2:-2]
