@@ -37,6 +37,9 @@ RECORDED = (
 )
 """Note on every result with units of the family `recorded`."""
 
+SILENT = "ask.trial: the units have no noise, so that every trial is the same."
+"""Note on another trial of units that are not random."""
+
 SLOW = 8.0
 """Expected seconds of an answer that is worth a process of its own for the check."""
 
@@ -66,17 +69,25 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
         units, notes = _population(ask, ask.population, sites)
     elif ask.afferents == "recorded":
         each = tuple(numbered(sites.types).tolist())
-        units["variation"] = Variation(seed=0, noise=None, numbers=each)
+        units["variation"] = Variation(seed=0, noise=None, numbers=each, trial=ask.trial)
     if ask.afferents == "recorded":
         trains = _recorded(ask.population, response.time, strain, sites, units | options)
     else:
         trains = _thesis(ask, response.time, strain, sites, reference, units | options)
+    if ask.trial and not _noisy(ask):
+        notes += (SILENT,)
     trains = replace(trains, notes=notes + trains.notes)
     if since <= trains.t_start:
         return trains
     note = f"Spikes count from {since:.6g} s on; those before it are left out."
     times = tuple(each[each >= since] for each in trains.times)
     return replace(trains, times=times, t_start=since, notes=(note, *trains.notes))
+
+
+def _noisy(ask: "Ask") -> bool:
+    """Whether the units of a scene have noise."""
+    noise = None if ask.population is None else ask.population.noise
+    return ask.afferents == "recorded" if noise is None else noise > 0.0
 
 
 def _recorded(
@@ -190,7 +201,13 @@ def _population(
     numbers = numbered(types) if sites.number is None else sites.number[first]
     names, notes = _grid_names(layout, ask.spikes, types, numbers)
     each = tuple(numbers.tolist())
-    variation = Variation(seed=layout.seed, spread=layout.spread, noise=layout.noise, numbers=each)
+    variation = Variation(
+        seed=layout.seed,
+        spread=layout.spread,
+        noise=layout.noise,
+        numbers=each,
+        trial=ask.trial,
+    )
     alike = ask.afferents == "thesis" and not (layout.spread or layout.noise)
     units = {
         "types": types,

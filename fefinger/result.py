@@ -20,6 +20,7 @@ from fefinger.results.key_numbers import rows
 from fefinger.results.result_record import ResultRecord
 from fefinger.scene.finger import origin_notes
 from fefinger.scene.inertia import noise, quasistatic, warnings
+from fefinger.support.checks import InputError
 from fefinger.support.interrupt import shielded
 from fefinger.support.outputs import output_folder
 from fefinger.support.provenance import software
@@ -85,6 +86,28 @@ class Result(ResultRecord):
         """Show the numbers that matter and their errors, not the arrays."""
         lines = table([*rows(self), ("computed", f"by {self.plan.on}")])
         return f"Result of {self.scene.name}\n{lines}"
+
+    def fire(self, trial: int = 0) -> "SpikeTrains":
+        """Return the spikes of the same units in another trial, without solving the scene again.
+
+        Places, end organs and gains stay; noise and jitter are those of the trial, a whole number
+        of 0 or more. `spikes` is that of the scene, trial 0 unless `ask.trial` says otherwise. The
+        counts are not checked by a finer step or another mesh, as those of `spikes` are.
+
+        Raises
+        ------
+        InputError
+            A result without spikes, or without strain at the end organs (`ask.strain`).
+        """
+        from fefinger.afferents import fire
+
+        if not self.scene.ask.spikes:
+            raise InputError("ask.spikes: expected the types of units to fire, received none")
+        if not self.scene.ask.strain:
+            msg = "ask.strain: expected true for further trials, which are fired from the strain"
+            raise InputError(f"{msg}; run the scene again")
+        ask, since = replace(self.scene.ask, trial=trial), self.scene.motion.recorded_from
+        return fire(ask, self.response, since=since, check=False)
 
     def to_xarray(self) -> "xr.Dataset":
         """Return everything as a Dataset with units, as `result.nc` holds it."""

@@ -11,6 +11,7 @@ from fefinger.commands.console import fired_record
 from fefinger.mechanics import get
 from fefinger.neural.drives import DRIVE_BY_NAME
 from fefinger.neural.recorded import fitted
+from fefinger.neural.statistics import psth
 from fefinger.neural.trains import SpikeTrains
 from fefinger.pages import report
 from fefinger.scene import builtin
@@ -65,6 +66,47 @@ def test_the_input_of_a_unit_is_the_length_of_its_type_times_its_drive(pressed):
         assert trains.x_in[:, i] == pytest.approx(unit.length * drive)
     thesis = fire(replace(scene.ask, afferents="thesis"), response, check=False)
     assert thesis.family == "thesis"
+
+
+@pytest.mark.parametrize("layout", [None, ff.Line(start=(0, -1), stop=(0, 1), count=2, seed=3)])
+def test_trials_are_of_the_same_units_and_need_no_other_solution(layout, tmp_path):
+    ask = ff.Ask(spikes=("SAI", "FAI"), population=layout, **BARE)
+    scene = ff.Scene(finger=FINGER, motion=PRESS, ask=ask)
+    result = ff.run(scene, mechanics="hertz")
+    third = ff.run(replace(scene, ask=replace(ask, trial=3)), mechanics="hertz").spikes
+    result.save(tmp_path)
+    for each in (result, ff.load(tmp_path)):
+        for trial, expected in ((0, result.spikes), (3, third)):
+            found = each.fire(trial=trial)
+            assert (found.trial, found.seed) == (trial, expected.seed)
+            assert found.names == expected.names
+            assert all(map(np.array_equal, found.times, expected.times))
+    np.testing.assert_array_equal(third.x_in, result.spikes.x_in)
+    np.testing.assert_array_equal(third.current, result.spikes.current)
+    assert not any(map(np.array_equal, third.times, result.spikes.times))
+    trials = [result.fire(trial=k).times[0] for k in range(5)]
+    rate = psth(trials, np.linspace(0, result.time[-1], 11))
+    assert rate.sum() * result.time[-1] / 10 == pytest.approx(np.mean([len(t) for t in trials]))
+
+
+def test_trials_without_noise_are_noted_and_without_strain_refused(pressed):
+    scene, response = pressed
+    for changes in (
+        {"afferents": "thesis"},
+        {"population": ff.Line(start=(0, -1), stop=(0, 1), noise=0.0)},
+    ):
+        ask = replace(scene.ask, trial=2, **changes)
+        found = get("hertz").respond(replace(scene, ask=ask))
+        assert any("every trial is the same" in note for note in fire(ask, found).notes)
+    assert not any("trial" in note for note in fire(replace(scene.ask, trial=2), response).notes)
+    bare = replace(scene, ask=replace(scene.ask, strain=False))
+    with pytest.raises(InputError, match=r"ask\.strain: expected true for further trials"):
+        ff.run(bare, mechanics="hertz").fire(trial=1)
+    with pytest.raises(InputError, match=r"ask\.trial: expected a whole number of 0 or more"):
+        replace(scene.ask, trial=-1)
+    assert "trial" not in scene.to_toml()
+    other = replace(scene, ask=replace(scene.ask, trial=2))
+    assert ff.Scene.from_toml(other.to_toml()) == other
 
 
 def test_spikes_before_a_time_do_not_count(pressed):

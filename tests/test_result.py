@@ -108,7 +108,7 @@ def test_a_result_of_before_errors_were_stated_of_each_thing_loads_without_them(
 
 
 @pytest.mark.usefixtures("plain_report")
-def test_a_result_of_before_delays_were_stored_loads_without_them(
+def test_a_result_of_before_delays_and_trials_loads_without_them(
     synthetic: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     encode = netcdf._encode
@@ -116,7 +116,7 @@ def test_a_result_of_before_delays_were_stored_loads_without_them(
     def former(value: Any, place: str, variables: dict[str, Any]) -> Any:
         found = encode(value, place, variables)
         if isinstance(found, dict) and found.get("record") == "SpikeTrains":
-            del variables[found.pop("delays")["array"]]
+            del variables[found.pop("delays")["array"]], found["trial"]
         return found
 
     assert synthetic.spikes is not None

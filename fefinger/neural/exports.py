@@ -34,7 +34,7 @@ CSV_COLUMNS = ("unit", "type", "x_mm", "y_mm", "z_mm", "time_s")
 SIGNALS = ("x_in", "current")
 PER_UNIT = ("peak_mV", "block_seconds", "stimulus_driven")
 LISTS = ("types", "names", "notes")
-OPTIONAL = ("delays", "positions", "depths", "seed")
+OPTIONAL = ("delays", "positions", "depths", "seed", "trial")
 
 UNITS = {
     "times": "s",
@@ -117,7 +117,7 @@ def _fields(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
     fields: dict[str, Any] = {name: data[name] for name in ("time", *SIGNALS, *PER_UNIT)}
     fields |= {name: tuple(data[name].tolist()) for name in LISTS}
     fields |= {name: data[name] for name in ("delays", "positions", "depths") if name in data}
-    fields |= {name: data[name].item() for name in ("seed", "family") if name in data}
+    fields |= {name: data[name].item() for name in ("seed", "trial", "family") if name in data}
     fields["times"] = tuple(np.split(data["spikes"], data["offsets"][1:-1]))
     fields["t_start"], fields["t_stop"] = data["span"].tolist()
     return fields
@@ -225,7 +225,7 @@ def to_nwb(
         session_start_time=started or datetime.now(UTC),
         source_script=provenance["source"],
         source_script_file_name="fefinger",
-        notes="\n".join([*trains.notes, f"seed: {trains.seed}"]),
+        notes="\n".join([*trains.notes, f"seed: {trains.seed}", f"trial: {trains.trial}"]),
     )
     columns = {
         "unit_name": "name of the unit",
@@ -268,8 +268,8 @@ def _places(trains: TrainRecord) -> tuple[Array, Array]:
 
 
 def _provenance(trains: TrainRecord) -> dict[str, Any]:
-    """Version of the program, seed and notes."""
-    source: dict[str, Any] = {"source": f"fefinger {version('fefinger')}"}
+    """Version of the program, seed, trial and notes."""
+    source: dict[str, Any] = {"source": f"fefinger {version('fefinger')}", "trial": trains.trial}
     if trains.seed is not None:
         source["seed"] = trains.seed
     return source | {"notes": "\n".join(trains.notes)}

@@ -140,11 +140,12 @@ def units_of(
     noise: float | None = None,
     seed: int = 0,
     numbers: Sequence[int] | None = None,
+    trial: int = 0,
 ) -> "Units":
     """Arrays of the parameters of units.
 
     factors (n,): on the gains; noise: of all units, where it is not that of their types, 0 without
-    jitter; seed and numbers (n,) select the noise of each unit.
+    jitter; seed, numbers (n,) and trial select the noise and the jitter of each unit.
     """
     from fefinger.neural.recorded_compiled import Units, mixed
 
@@ -165,7 +166,9 @@ def units_of(
             np.where(double, (zeros - second) ** 2 / (gap * second), 0.0),
         ]
     )
-    (base,) = np.random.SeedSequence([seed, 2, 1]).generate_state(1, np.uint64)
+    (base,) = np.random.SeedSequence([seed, 2, 1, *([trial] if trial else [])]).generate_state(
+        1, np.uint64
+    )
     streams = np.asarray(np.arange(n) if numbers is None else numbers).astype(np.uint64)
     column |= {
         "gain": column["gain"] * (1.0 if factors is None else factors),

@@ -120,6 +120,7 @@ def simulate_recorded(
         positions=positions,
         depths=depths,
         seed=0 if variation is None else variation.seed,
+        trial=0 if variation is None else variation.trial,
         notes=notes,
     )
 
@@ -150,6 +151,7 @@ def _units(
         noise=None if noise is None else noise / THRESHOLD,
         seed=variation.seed,
         numbers=variation.numbers,
+        trial=variation.trial,
     )
 
 

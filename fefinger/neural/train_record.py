@@ -22,7 +22,7 @@ class TrainRecord:
     unit, between t_start and t_stop; they are those of the recording, a conduction delay after the
     spike left the end organ. delays: (n_units,) s of it, or one number; default 0. positions:
     (n_units, 3) mm of the end organs, or None. depths: (n_units,) mm of the end organs under the
-    skin, or None. seed: of the random draws; None if nothing is random.
+    skin, or None. seed: of the random draws; None if nothing is random. trial: of the noise.
 
     time: (n_t,) s, at which x_in (n_t, n_units) mm, signed, compression positive, is the input of
     the end organ and current (n_t, n_units) µA/cm² the generator current. x_in is linear in
@@ -58,6 +58,7 @@ class TrainRecord:
     positions: Array | None = None
     depths: Array | None = None
     seed: int | None = None
+    trial: int = 0
     notes: tuple[str, ...] = ()
     family: str = "thesis"
 

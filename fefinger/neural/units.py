@@ -267,6 +267,7 @@ def simulate_units(
         positions=positions,
         depths=depths,
         seed=None if variation is None else variation.seed,
+        trial=0 if variation is None else variation.trial,
         notes=notes,
     )
 

@@ -21,18 +21,21 @@ class Variation:
     type differ; the amount is a choice of the user). noise: standard deviation in µA/cm² of
     the independent values of membrane noise; of the noise through time, straight lines between
     them, it is sqrt(2/3) of that. None: those of the unit's type. numbers: of the units, by default
-    their places in the list; a unit's draws depend on the seed and its number alone, not on the
-    other units or the length of the run.
+    their places in the list; a unit's draws depend on the seed, its number and the trial alone, not
+    on the other units or the length of the run. trial: another one is other noise of the same
+    units, whose gains stay.
     """
 
     seed: int
     spread: float | None = 0.0
     noise: float | None = 0.0
     numbers: tuple[int, ...] | None = None
+    trial: int = 0
 
     def __post_init__(self) -> None:
         """Check the seed and the sizes."""
         integer("seed", self.seed)
+        integer("trial", self.trial)
         if self.spread is not None:
             number("spread", self.spread, at_least=0.0, at_most=3.0)
         if self.noise is not None:
@@ -58,15 +61,17 @@ class Variation:
         """Return noise currents (n_at, branches) in µA/cm² at times from `start` to `stop` s."""
         knots = self.knots(start, stop)
         # Drawn time by time, so that a longer run begins with the values of a shorter one.
-        values = (self.noise or 0.0) * self._draw(unit, 1).normal(size=(len(knots), branches))
+        values = (self.noise or 0.0) * self._draw(unit, 1, self.trial).normal(
+            size=(len(knots), branches)
+        )
         return np.column_stack([np.interp(at, knots, column) for column in values.T])
 
     def knots(self, start: float, stop: float) -> Array:
         """Return the times in s of the independent values of the noise."""
         return start + NOISE_STEP * np.arange(np.ceil((stop - start) / NOISE_STEP) + 2)
 
-    def _draw(self, unit: int, purpose: int) -> np.random.Generator:
-        """Random generator of a unit for one purpose: 0 gain, 1 noise."""
+    def _draw(self, unit: int, purpose: int, trial: int = 0) -> np.random.Generator:
+        """Random generator of a unit for one purpose, 0 gain or 1 noise, in a trial."""
         stream = unit if self.numbers is None else self.numbers[unit]
         # numpy ignores zeros at the end of a seed: the final 1 separates these streams from places.
-        return np.random.default_rng([self.seed, stream, purpose, 1])
+        return np.random.default_rng([self.seed, stream, purpose, 1, *([trial] if trial else [])])

@@ -90,7 +90,8 @@ def _chance(result: ResultRecord) -> list[str]:
             f"Drawn: the gains of the units (standard deviation of their logarithm "
             f"{layout.spread:g}) and the noise of their membranes ({layout.noise:g} µA/cm²)"
         )
-    return [f"{drawn}, from the seed {spikes.seed}: the same seed gives the same spikes."]
+    source = f"the seed {spikes.seed}" + (f" and the trial {spikes.trial}" if spikes.trial else "")
+    return [f"{drawn}, from {source}: the same seed gives the same spikes."]
 
 
 def answer(result: ResultRecord) -> str:

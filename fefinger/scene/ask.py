@@ -12,6 +12,7 @@ from fefinger.support.checks import (
     choice,
     choices,
     number,
+    whole,
 )
 from fefinger.support.vocabulary import DRIVES, FAMILIES, GENERATORS, RECORDED_RULES, TYPES
 
@@ -34,6 +35,9 @@ class Ask:
         there is a population.
     population
         Where units of these types lie, and how each is built: a Scatter, Grid, Line or Places.
+    trial
+        Number of the trial, 0 or more: another one is other noise and jitter of the same units at
+        the same places. `Result.fire` gives further trials of a result.
     rel_error
         Allowed relative error of the force, above 0 to 1. It does not govern the other outputs:
         `Plan.trust` states the errors of pressure, contact area and strain.
@@ -69,6 +73,7 @@ class Ask:
     generator: str = "saturating"
     afferents: str = FAMILIES[0]
     population: Layout | None = None
+    trial: int = field(default=0, metadata={"written": False})
     solver: str | None = None
 
     def __post_init__(self) -> None:
@@ -87,6 +92,7 @@ class Ask:
                 for name, value in by_type("ask.drives", self.drives).items()
             },
         }
+        whole("ask.trial", self.trial)
         if self.seconds is not None:
             checked["seconds"] = number("ask.seconds", self.seconds, above=0, unit="s")
         if self.mechanics is not None and not isinstance(self.mechanics, str):

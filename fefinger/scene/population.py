@@ -51,6 +51,7 @@ class Layout:
     seed
         Seed of all random draws: places, end organs, gains and noise. Those of a unit depend on it,
         on the type, and on the unit's place among those of its type, not on the other types.
+        `ask.trial` varies the noise alone.
     """
 
     kind: ClassVar[str]

@@ -310,7 +310,10 @@ def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") ->
 
 
 def _plain(record: Any) -> dict[str, Any]:
-    """Convert the fields of a record to TOML values; fields that are None or empty are left out."""
+    """Convert the fields of a record to TOML values; fields that are None or empty are left out.
+
+    So are newer ones at their default, so that a scene keeps its text and what is stored under it.
+    """
     table: dict[str, Any] = {}
     for field in fields(record):
         value = getattr(record, field.name)
@@ -322,7 +325,8 @@ def _plain(record: Any) -> dict[str, Any]:
             value = dict(value)
         elif isinstance(value, tuple):
             value = list(value)
-        if value is not None and value != {}:
+        newer = not field.metadata.get("written", True) and value == field.default
+        if value is not None and value != {} and not newer:
             table[field.name] = value
     return table
 

@@ -31,9 +31,12 @@ TRAINS = SpikeTrains(
     positions=RNG.normal(size=(3, 3)),
     depths=np.array([0.8, 0.5, 0.8]),
     seed=12,
+    trial=4,
     notes=("SAI-2: in depolarization block for 0.1 s",),
 )
-BARE = replace(TRAINS, delays=np.zeros(3), positions=None, depths=None, seed=None, notes=())
+BARE = replace(
+    TRAINS, delays=np.zeros(3), positions=None, depths=None, seed=None, trial=0, notes=()
+)
 BOTH = pytest.mark.parametrize("trains", [TRAINS, BARE], ids=["full", "bare"])
 
 
@@ -64,9 +67,9 @@ def test_npz_of_before_delays_were_stored_has_none(tmp_path):
     path = tmp_path / "spikes.npz"
     TRAINS.to_npz(path)
     with np.load(path) as file:
-        older = {name: file[name] for name in file.files if name != "delays"}
+        older = {name: file[name] for name in file.files if name not in ("delays", "trial")}
     np.savez(path, **older)
-    same(SpikeTrains.from_npz(path), replace(TRAINS, delays=np.zeros(3)))
+    same(SpikeTrains.from_npz(path), replace(TRAINS, delays=np.zeros(3), trial=0))
 
 
 def test_every_array_has_its_unit():
@@ -120,6 +123,7 @@ def test_xarray_has_the_signals_and_the_spikes_of_each_unit(trains):
     assert data["current"].attrs["units"] == "uA/cm2"
     assert ("positions" in data) == (trains.positions is not None)
     assert data.attrs.get("seed") == trains.seed
+    assert data.attrs["trial"] == trains.trial
     np.testing.assert_array_equal(data["delays"].sel(unit="FAI"), trains.delays[1])
     assert data["delays"].attrs["units"] == "s"
 

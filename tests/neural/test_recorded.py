@@ -253,6 +253,28 @@ def test_a_seed_gives_the_same_spikes_and_another_seed_others():
     assert np.array_equal(swapped[0], first[1])
 
 
+def test_another_trial_is_other_noise_of_the_same_units():
+    x = np.full((len(TIME), 3), 2.0)
+    unit = {"SAI": replace(PLAIN, noise=0.5, jitter=5e-4)}
+
+    def fired(**options):
+        vary = Variation(seed=1, spread=0.5, noise=None, **options)
+        return simulate_recorded(
+            TIME, x, types=("SAI",) * 3, parameters=unit, variation=vary, check=False
+        )
+
+    plain, first, *others = fired(), fired(trial=0), fired(trial=1), fired(trial=2)
+    assert all(np.array_equal(a, b) for a, b in zip(plain.times, first.times, strict=True))
+    for other in others:
+        np.testing.assert_array_equal(other.current, first.current)
+        assert not any(np.array_equal(a, b) for a, b in zip(other.times, first.times, strict=True))
+    assert not np.array_equal(others[0].times[0], others[1].times[0])
+    assert [trains.trial for trains in (plain, *others)] == [0, 1, 2]
+    # Means over trials differ less than single trials: they are of the same unit.
+    means = np.array([fired(trial=k).count() for k in range(12)]).mean(axis=0)
+    assert np.abs(means - first.count()).max() < 0.2 * first.count().min()
+
+
 def test_the_spread_of_a_population_is_that_of_its_type():
     vary = Variation(seed=3, spread=None)
     factors = np.log([vary.gain(i, 0.5) for i in range(2000)])

@@ -220,6 +220,7 @@ def test_unusable_units_are_refused(change, message):
     ("values", "message"),
     [
         ({"seed": -1}, "seed: expected a whole number"),
+        ({"seed": 1, "trial": -1}, "trial: expected a whole number"),
         ({"seed": 1, "noise": -1.0}, "noise: expected"),
         ({"seed": 1, "spread": np.inf}, "spread: expected"),
         ({"seed": 1, "numbers": (0, -1)}, "numbers: expected whole numbers of 0 or more"),
@@ -244,6 +245,13 @@ def test_noise_does_not_depend_on_how_long_the_run_is_nor_draws_on_the_other_uni
     separate = replace(variation, numbers=(2,))
     np.testing.assert_array_equal(separate.current(0, at, 0.0, 0.1, 3), short)
     assert separate.gain(0) == variation.gain(2)
+
+
+def test_a_trial_has_noise_of_its_own_and_the_gains_of_all():
+    first, at = Variation(seed=4, noise=1.0, spread=0.3), np.linspace(0, 0.1, 21)
+    later = replace(first, trial=1)
+    assert later.gain(2) == first.gain(2)
+    assert not np.allclose(later.current(2, at, 0.0, 0.1, 1), first.current(2, at, 0.0, 0.1, 1))
 
 
 def test_draws_of_units_are_none_of_those_of_places():

@@ -38,7 +38,18 @@ def test_the_table_of_a_field_decides_its_unit(field: str, ending: str, unit: st
 
 
 def test_every_number_of_a_scene_has_a_unit_or_is_known_to_have_none() -> None:
-    pure = {"poisson", "exponent", "share", "cycles", "rel_error", "spread", "seed", "count", "c"}
+    pure = {
+        "poisson",
+        "exponent",
+        "share",
+        "cycles",
+        "rel_error",
+        "spread",
+        "seed",
+        "trial",
+        "count",
+        "c",
+    }
     pure |= {"friction", "friction_kinetic", "passes"}
     tables = {"finger": [Finger], "finger.skin": [Tissue], "finger.nail": [Hard], "ask": [Ask]}
     tables |= {"finger.prony": [Prony], "indenter": INDENTERS.values()}
