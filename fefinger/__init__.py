@@ -5,6 +5,7 @@
     print(result)  # the numbers that matter, with their expected errors
 
 answer      run, explain (which mechanics, how good), study (a grid), receptive_field, load
+spikes      spikes(time, displacement) of a series of your own; SpikeTrains, neural.psth and others
 scene       Scene(finger=, indenter=, motion=, ask=)
 finger      Finger.subject("a.h."), Finger(width=, thickness=), Finger.from_surface("scan.stl")
 indenter    Flat, Sphere, Pin, Bar, Cylinder, Ellipsoid, Grating, Dots, Braille, Letters, Relief
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
     from fefinger.mechanics.realtime.rolling import Rolling as Rolling
     from fefinger.mechanics.realtime.sliding import Sliding as Sliding
     from fefinger.mechanics.realtime.stiffening import Stiffening as Stiffening
+    from fefinger.neural.series import spikes as spikes
+    from fefinger.neural.trains import SpikeTrains as SpikeTrains
     from fefinger.pipeline import run as run
     from fefinger.plan import choose as choose
     from fefinger.plan import explain as explain
@@ -107,6 +110,8 @@ _HOMES = {
     ),
     "scene.dots": ("Dots",),
     "scene.texts": ("Braille", "Letters"),
+    "neural.series": ("spikes",),
+    "neural.trains": ("SpikeTrains",),
     "pipeline": ("run",),
     "plan": ("choose", "explain"),
     "mechanics.realtime.condensed": ("Condensed",),

@@ -4,6 +4,17 @@ import click
 
 from fefinger.commands import console
 from fefinger.commands.options import json_option, output_option, types_option
+from fefinger.support.checks import InputError
+
+
+OPTIONS = {
+    "types": "--type",
+    "length": "--length",
+    "tolerance": "--tolerance",
+    "family": "--afferents",
+    "trial": "--trial",
+}
+"""Options by the argument of `neural.series.spikes`, at which its messages begin."""
 
 
 @click.command()
@@ -27,6 +38,9 @@ from fefinger.commands.options import json_option, output_option, types_option
     metavar="FAMILY",
     help="recorded (the default), fitted to recorded units, or thesis.",
 )
+@click.option(
+    "--trial", type=int, default=0, metavar="N", help="Another trial is other noise of the units."
+)
 @output_option("spikes.csv and spikes.npz")
 @json_option
 def spikes(
@@ -36,6 +50,7 @@ def spikes(
     corners: bool,
     tolerance: float | None,
     afferents: str | None,
+    trial: int,
     output: str | None,
     as_json: bool,
 ) -> None:
@@ -54,14 +69,20 @@ def spikes(
 
     signals = series.read(source)
     with outputs.output(output) as folder:
-        trains = series.fire(
-            signals,
-            types,
-            length=length,
-            corners=corners,
-            tolerance=tolerance,
-            family=FAMILIES[0] if afferents is None else afferents,
-        )
+        try:
+            trains = series.spikes(
+                signals.time,
+                dict(zip(signals.headers, signals.drive.T, strict=True)),
+                types,
+                length=length,
+                corners=corners,
+                tolerance=tolerance,
+                family=FAMILIES[0] if afferents is None else afferents,
+                trial=trial,
+            )
+        except InputError as error:
+            name, colon, rest = str(error).partition(":")
+            raise InputError(f"{OPTIONS.get(name, name)}{colon}{rest}") from error
         files: list[str] = []
         try:
             files = [] if folder is None else series.save(trains, folder)

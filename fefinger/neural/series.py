@@ -1,7 +1,7 @@
-"""Spikes of afferent units driven by a displacement or strain series in a CSV file."""
+"""Spikes of afferent units driven by a displacement or strain series of the user."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from os import PathLike
@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import as_input_error
-from fefinger.support.checks import InputError, choice, number, repeated, suggestion
-from fefinger.support.csv_columns import CsvTable, read_table
+from fefinger.support.checks import InputError, choice, integer, number, repeated, suggestion
+from fefinger.support.csv_columns import read_table
 from fefinger.support.vocabulary import FAMILIES, GENERATORS, TYPES
 
 
@@ -103,8 +104,112 @@ def read(path: str | PathLike[str]) -> Signals:
         lengths=lengths,
         headers=tuple(header[i] for i in columns),
     )
-    _check(table, signals)
+    _check(signals, table.source, [f"line {line}" for line, _ in table.rows])
     return signals
+
+
+def spikes(
+    time: ArrayLike,
+    displacement: ArrayLike | Mapping[str, ArrayLike],
+    types: Sequence[str] = (),
+    *,
+    length: float | None = None,
+    corners: bool = False,
+    tolerance: float | None = None,
+    generator: str = "saturating",
+    family: str = FAMILIES[0],
+    trial: int = 0,
+) -> "SpikeTrains":
+    """Simulate the spikes of afferent units that a series of your own drives, without a finger.
+
+    As `fefinger spikes` does for a CSV file.
+
+    Parameters
+    ----------
+    time
+        (n_t,) s, not decreasing; a repeated time is a jump.
+    displacement
+        (n_t,) mm into the skin, that of a round pin 1 mm wide for the family "recorded"; drives a
+        unit of each of `types`. Several series are a dictionary by name, as the columns of a CSV
+        file: the end of a name says what it is (displacement_mm, displacement_um, displacement_m,
+        or strain, positive where it excites), and one that begins with a type, as
+        FAI_displacement_mm, drives a unit of that type alone.
+    types
+        Afferent types, by default all four.
+    length
+        Skin displacement in mm per strain of 1; of "recorded" that of the fit by default.
+    corners
+        Take straight lines between the samples as exact, corners included. Otherwise samples that
+        are too coarse for a type are refused, and units whose spike count differs for a smooth
+        curve through the samples are noted.
+    tolerance
+        Allowed error of spike times in ms, of the family "thesis".
+    generator
+        Law from end organ to current, of the family "thesis": "saturating" or "linear".
+    family
+        "recorded" or "thesis".
+    trial
+        Number of the trial, 0 or more: another one is other noise of the same units, which those of
+        "thesis" do not have.
+
+    Raises
+    ------
+    InputError
+        Series that do not fit, are not finite, or are beyond 10 mm or a strain of 1; times that
+        decrease; an unknown type, family or name of a series; a strain without a length; samples
+        too coarse for a type; a choice that the family does not have.
+    """
+    return fire(
+        given(time, displacement),
+        types,
+        length=length,
+        corners=corners,
+        tolerance=tolerance,
+        generator=generator,
+        family=family,
+        trial=trial,
+    )
+
+
+def given(time: ArrayLike, displacement: ArrayLike | Mapping[str, ArrayLike]) -> Signals:
+    """Check the series of `spikes`; InputError for those that cannot be used."""
+    several = isinstance(displacement, Mapping)
+    named = displacement if isinstance(displacement, Mapping) else {USUAL[0]: displacement}
+    if not named:
+        raise InputError("displacement: expected one series or more, received none")
+    at = _row("time", time)
+    drive = np.empty((len(at), len(named)))
+    for i, (name, values) in enumerate(named.items()):
+        what = f"displacement[{name!r}]" if several else "displacement"
+        row = _row(what, values)
+        if len(row) != len(at):
+            raise InputError(f"{what}: expected {len(at)} values as of time, received {len(row)}")
+        drive[:, i] = row
+    signals = Signals(
+        time=at,
+        drive=drive,
+        lengths=tuple(_length("displacement", name) for name in named),
+        headers=tuple(named),
+    )
+    _check(signals, "time, displacement", [f"sample {i}" for i in range(len(at))])
+    return signals
+
+
+def _row(name: str, values: ArrayLike) -> Array:
+    """Return a series as an array (n_t,) of two finite numbers or more; InputError for another."""
+    try:
+        row = np.asarray(values, float)
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: expected numbers, received {values!r:.60}") from None
+    if row.ndim != 1 or len(row) < 2:
+        raise InputError(
+            f"{name}: expected a series of two numbers or more, received the shape {row.shape}; "
+            "give several series as a dictionary by name"
+        )
+    if not np.isfinite(row).all():
+        first = int(np.flatnonzero(~np.isfinite(row))[0])
+        raise InputError(f"{name}: expected finite numbers, received {row[first]} at [{first}]")
+    return row
 
 
 def fire(
@@ -116,14 +221,16 @@ def fire(
     tolerance: float | None = None,
     generator: str = "saturating",
     family: str = FAMILIES[0],
+    trial: int = 0,
 ) -> "SpikeTrains":
     """Simulate the spikes of units that these signals drive.
 
     Parameters
     ----------
     signals
-        What `read` returns. A column whose header begins with a type, as `FAI_displacement_mm`,
-        drives a unit of that type; any other column a unit of each of `types`.
+        What `read` or `given` returns. A column whose header begins with a type, as
+        `FAI_displacement_mm`, drives a unit of that type; any other column a unit of each of
+        `types`.
     types
         Afferent types, by default all four.
     length
@@ -140,6 +247,8 @@ def fire(
         As in `neural.units.simulate_units`.
     family
         Family of the afferents; "recorded" has neither tolerance nor generator.
+    trial
+        Number of the trial; units of "thesis" have no noise, so that they have only trial 0.
 
     Raises
     ------
@@ -151,12 +260,12 @@ def fire(
     from fefinger.neural.populations import numbered
     from fefinger.neural.variation import Variation
 
-    types = tuple(choice("--type", kind, TYPES) for kind in types) or TYPES
+    types = tuple(choice("types", kind, TYPES) for kind in types) or TYPES
     if repeated(types):
-        msg = f"--type: expected every type once, received {', '.join(types)}; leave out repeats"
+        msg = f"types: expected every type once, received {', '.join(types)}; leave out repeats"
         raise InputError(msg)
     if length is not None:
-        number("--length", length, above=0.0, unit="mm")
+        number("length", length, above=0.0, unit="mm")
     simulate, poles, lengths = _family(family, tolerance, generator)
     columns, kinds, names = _units(signals, types)
     lengths = lengths if length is None else dict.fromkeys(TYPES, length)
@@ -166,18 +275,22 @@ def fire(
             _check_sampling(signals, i, kind, each, poles[kind])
     vary = None
     if family == "recorded":
-        vary = Variation(seed=0, noise=None, numbers=tuple(numbered(kinds).tolist()))
+        numbers = tuple(numbered(kinds).tolist())
+        vary = Variation(seed=0, noise=None, numbers=numbers, trial=trial)
+    elif integer("trial", trial):
+        msg = f"trial: units of 'thesis' have no noise: expected trial 0, received {trial}"
+        raise InputError(msg)
     run = partial(simulate, types=kinds, lengths=mm, names=names, variation=vary)
     trains = run(signals.time, signals.drive[:, columns])
     notes = (*trains.notes, *_remarks(signals))
     if length is not None and None not in signals.lengths:
-        notes += ("--length is not used, because no column is a strain.",)
+        notes += ("The length is not used, because no column is a strain.",)
     if not corners:
         time, drive = _curved(signals)
         smooth = run(time, drive[:, columns], check=False)
         change = (
-            "a smooth curve joins the samples; sample more finely, or give --corners if "
-            "straight lines are exact"
+            "a smooth curve joins the samples; sample more finely, or say that straight lines are "
+            "exact (corners, --corners)"
         )
         notes += count_changes(names, trains.times, smooth.times, change)
     return replace(trains, notes=notes)
@@ -190,11 +303,11 @@ def _family(
 
     The length in mm is that of the fit, so the family "thesis" has none.
     """
-    if choice("--afferents", family, FAMILIES) == "recorded":
+    if choice("family", family, FAMILIES) == "recorded":
         from fefinger.neural.recorded import fitted
         from fefinger.neural.recorded_simulation import simulate_recorded
 
-        given = {"--tolerance": tolerance is not None, "generator": generator != GENERATORS[0]}
+        given = {"tolerance": tolerance is not None, "generator": generator != GENERATORS[0]}
         for name, value in given.items():
             if value:
                 raise InputError(
@@ -208,7 +321,7 @@ def _family(
 
     seconds = None
     if tolerance is not None:
-        seconds = 1e-3 * number("--tolerance", tolerance, above=0.0, at_most=10.0, unit="ms")
+        seconds = 1e-3 * number("tolerance", tolerance, above=0.0, at_most=10.0, unit="ms")
     poles = {kind: max(organ.poles) for kind, organ in END_ORGANS.items()}
     return partial(simulate_units, generator=generator, tolerance=seconds), poles, {}
 
@@ -252,18 +365,21 @@ def _length(path: str | PathLike[str], header: str) -> float | None:
     raise InputError(msg + suggestion(header, USUAL))
 
 
-def _check(table: CsvTable, signals: Signals) -> None:
-    """Raise InputError for times that are not sorted and for signals beyond the limits."""
+def _check(signals: Signals, source: str, rows: Sequence[str]) -> None:
+    """Raise InputError for times that are not sorted and for signals beyond the limits.
+
+    source, rows (n_t,): what to call the series and its samples.
+    """
     back = np.flatnonzero(np.diff(signals.time) < 0)
     if len(back):
         i = int(back[0])
         raise InputError(
-            f"{table.source}: line {table.rows[i + 1][0]}: expected times that never decrease, "
+            f"{source}: {rows[i + 1]}: expected times that never decrease, "
             f"received {signals.time[i + 1]:g} s after {signals.time[i]:g} s; sort the rows"
         )
     if not signals.time[-1] > signals.time[0]:
         raise InputError(
-            f"{table.source}: expected times that span more than 0 s, all are {signals.time[0]:g} s"
+            f"{source}: expected times that span more than 0 s, all are {signals.time[0]:g} s"
         )
     for header, column, length in zip(
         signals.headers, signals.drive.T, signals.lengths, strict=True
@@ -272,7 +388,7 @@ def _check(table: CsvTable, signals: Signals) -> None:
         limit, unit = (LARGEST_STRAIN, "") if length is None else (LARGEST_MM, " mm")
         if largest > limit:
             raise InputError(
-                f"{table.source}: column {header}: expected at most {limit:g}{unit}, received "
+                f"{source}: column {header}: expected at most {limit:g}{unit}, received "
                 f"{largest:g}{unit}; check the unit, and that the signal is zero before the touch"
             )
 
@@ -284,7 +400,7 @@ def _mm(signals: Signals, column: int, length: float | None) -> float:
         return unit_length
     if length is None:
         raise InputError(
-            f"--length: column {signals.headers[column]!r} is a strain; expected the skin "
+            f"length: column {signals.headers[column]!r} is a strain; expected the skin "
             "displacement in mm per strain of 1 (the depth of a small flat press over the strain "
             "that it causes at the end organ, 2 mm for 0.2 mm and 0.1), received none"
         )
@@ -351,6 +467,7 @@ def _check_sampling(signals: Signals, column: int, kind: str, length: float, pol
         raise InputError(
             f"column {signals.headers[column]!r}: samples more than {1e3 * step:g} ms apart are "
             f"too coarse for {kind}, whose fastest pole is at {pole:g} Hz: the velocity jumps by "
-            f"{jump:.3g} mm/s there; sample it more finely, leave {kind} out with --type, or give "
-            "--corners if straight lines between the samples are exact"
+            f"{jump:.3g} mm/s there; sample it more finely, leave {kind} out of the types "
+            "(--type), or say that straight lines between the samples are exact (corners, "
+            "--corners)"
         )

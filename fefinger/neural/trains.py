@@ -8,7 +8,12 @@ from fefinger.support.checks import InputError
 
 
 class SpikeTrains(TrainRecord):
-    """Spike trains of afferent units, with exports to files and tables."""
+    """Spike trains of afferent units, with exports to files and tables.
+
+    What `Result.spikes`, `Result.fire` and `spikes` give. `times` has an array of ascending times
+    in s for each unit; `names`, `types`, `positions` (mm), `depths` (mm) and `delays` (s) have one
+    entry for each unit, silent ones too. Spikes are counted from `t_start` to `t_stop` s.
+    """
 
     to_csv = exports.to_csv
     to_npz = exports.to_npz

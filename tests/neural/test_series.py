@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+import fefinger as ff
 from fefinger.__main__ import main
 from fefinger.neural import series
 from fefinger.neural.recorded import fitted
@@ -178,19 +179,19 @@ def test_series_that_cannot_be_used_are_refused(text, message, tmp_path):
 
 
 def test_unknown_types_and_strain_without_a_length_are_refused(press, tmp_path):
-    with pytest.raises(InputError, match=r"--type: expected one of .* Did you mean 'SAI'"):
+    with pytest.raises(InputError, match=r"types: expected one of .* Did you mean 'SAI'"):
         fire(series.read(press), ("SA1",))
     strain = series.read(write(tmp_path / "s.csv", ("time", "strain"), TIME, 0.1 * PRESS))
-    with pytest.raises(InputError, match="--length: column 'strain' is a strain"):
+    with pytest.raises(InputError, match="length: column 'strain' is a strain"):
         fire(strain)
-    with pytest.raises(InputError, match="--length: expected a finite number in mm above 0"):
+    with pytest.raises(InputError, match="length: expected a finite number in mm above 0"):
         fire(strain, length=-1.0)
 
 
 def test_a_length_that_no_column_takes_is_checked_and_told(press):
     signals = series.read(press)
-    assert "--length is not used" in " ".join(fire(signals, ("SAI",), length=2.0).notes)
-    with pytest.raises(InputError, match="--length: expected"):
+    assert "The length is not used" in " ".join(fire(signals, ("SAI",), length=2.0).notes)
+    with pytest.raises(InputError, match="length: expected"):
         fire(signals, ("SAI",), length=-1.0)
 
 
@@ -203,10 +204,68 @@ def test_other_types_change_nothing_of_a_unit(press):
         np.testing.assert_array_equal(trains.times[trains.index("SAI")], alone)
 
 
+def test_arrays_fire_as_the_file_that_holds_them(press, tmp_path):
+    expected = series.fire(series.read(press), ("SAI", "FAI"))
+    found = ff.spikes(TIME, PRESS, ("SAI", "FAI"))
+    assert found.names == expected.names
+    assert found.notes == expected.notes
+    assert all(map(np.array_equal, found.times, expected.times))
+    header = ("time", "FAI_displacement_um", "tip_strain")
+    path = write(tmp_path / "two.csv", header, TIME, 1e3 * PRESS, 0.1 * PRESS)
+    named = {"FAI_displacement_um": (1e3 * PRESS).tolist(), "tip_strain": 0.1 * PRESS}
+    expected = series.fire(series.read(path), ("SAI",), trial=2)
+    found = ff.spikes(TIME, named, ("SAI",), trial=2)
+    assert found.names == expected.names == ("FAI_displacement_um", "tip_strain:SAI")
+    assert all(map(np.array_equal, found.times, expected.times))
+    assert found.count().min() > 0
+
+
+@pytest.mark.parametrize(
+    ("time", "displacement", "options", "message"),
+    [
+        (TIME, PRESS[:-1], {}, "displacement: expected 509 values as of time, received 508"),
+        (TIME, np.tile(PRESS[:, None], 2), {}, "give several series as a dictionary by name"),
+        (
+            TIME,
+            np.where(TIME == 0.1, np.nan, PRESS),
+            {},
+            r"displacement: expected finite .* nan at",
+        ),
+        (TIME, "press.csv", {}, "displacement: .*received"),
+        (TIME, {}, {}, "displacement: expected one series or more"),
+        (TIME, {"left": PRESS}, {}, "column 'left': expected a name that ends with one of"),
+        (TIME, 1e3 * PRESS, {}, "at most 10 mm, received 1000 mm; check the unit"),
+        (TIME[::-1], PRESS, {}, "sample 1: expected times that never decrease"),
+        (TIME, PRESS, {"types": ("SA",)}, "types: expected one of"),
+        (TIME, PRESS, {"family": "thesis", "trial": 1}, "trial: units of 'thesis' have no noise"),
+        (TIME, PRESS, {"trial": -1}, "trial: expected a whole number"),
+        (TIME[::100], PRESS[::100], {"types": ("FAII",)}, "too coarse for FAII"),
+    ],
+)
+def test_arrays_that_cannot_be_used_are_refused(time, displacement, options, message):
+    with pytest.raises(InputError, match=message):
+        ff.spikes(time, displacement, **options)
+
+
+def test_trials_of_the_command_are_other_noise(press, tmp_path, capsys):
+    for name, extra in (("first", []), ("again", ["--trial", "0"]), ("other", ["--trial", "1"])):
+        command = ["spikes", "--from", press, "--type", "SAI", "-o", str(tmp_path / name), *extra]
+        assert main(command) == 0
+    first, again, other = (
+        SpikeTrains.from_npz(tmp_path / name / "spikes.npz").times[0]
+        for name in ("first", "again", "other")
+    )
+    np.testing.assert_array_equal(first, again)
+    assert not np.array_equal(first, other)
+    capsys.readouterr()
+    assert main(["spikes", "--from", press, "--afferents", "thesis", "--trial", "1"]) == 2
+    assert "--trial: units of 'thesis' have no noise" in capsys.readouterr().err
+    assert main(["spikes", "--from", press, "--afferents", "thesi"]) == 2
+    assert "--afferents: expected one of" in capsys.readouterr().err
+
+
 def test_a_type_given_twice_is_refused(press):
-    with pytest.raises(
-        InputError, match="--type: expected every type once, received SAI, FAI, SAI"
-    ):
+    with pytest.raises(InputError, match="types: expected every type once, received SAI, FAI, SAI"):
         fire(series.read(press), ("SAI", "FAI", "SAI"))
 
 
@@ -272,7 +331,7 @@ def test_a_series_of_days_is_refused_and_a_tolerance_taken(tmp_path):
     trains = fire(series.read(path), ("SAI",), corners=True, tolerance=0.05)
     exact = fire(series.read(path), ("SAI",), corners=True)
     np.testing.assert_allclose(trains.times[0], exact.times[0], atol=5e-5)
-    with pytest.raises(InputError, match="--tolerance: expected"):
+    with pytest.raises(InputError, match="tolerance: expected"):
         fire(series.read(path), corners=True, tolerance=0.0)
 
 
@@ -283,7 +342,7 @@ def test_the_recorded_family_takes_displacements_and_strains_of_its_own_length(t
     path = write(tmp_path / "strain.csv", ["time", "strain"], TIME, PRESS / length)
     other = series.fire(series.read(path), ("SAI",), family="recorded")
     assert other.times[0] == pytest.approx(trains.times[0])
-    with pytest.raises(InputError, match=r"--tolerance: expected none"):
+    with pytest.raises(InputError, match=r"tolerance: expected none"):
         series.fire(series.read(press), ("SAI",), family="recorded", tolerance=0.1)
-    with pytest.raises(InputError, match=r"--afferents: expected one of"):
+    with pytest.raises(InputError, match=r"family: expected one of"):
         series.fire(series.read(press), ("SAI",), family="recordd")
