@@ -3,6 +3,7 @@
     result.nc      everything: labeled arrays with units, the scene (TOML), the plan (JSON)
     result.vtkhdf  the fields on the mesh as a VTK time series, for ParaView and PyVista
     spikes.csv     one row per spike
+    units.csv      one row per afferent unit, silent ones too
     report.html    the report
 
 Files are written into a hidden folder beside their final place and moved when all are complete.
@@ -42,7 +43,7 @@ NOT_HARMONIC = (
 )
 """Note on a sweep that another mechanics has answered."""
 
-NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "report.html")
+NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "units.csv", "report.html")
 """Files of a saved result."""
 
 
@@ -118,9 +119,9 @@ class Result(ResultRecord):
     def save(self, folder: str | PathLike[str]) -> list[str]:
         """Write the result into `folder` and return the paths written, `result.nc` first.
 
-        `result.vtkhdf` is written only where there are fields, `spikes.csv` only where there are
-        spikes; files of these names from an earlier result are removed. An interruption or an error
-        leaves the folder as it was.
+        `result.vtkhdf` is written only where there are fields, `spikes.csv` and `units.csv` only
+        where there are spikes; files of these names from an earlier result are removed. An
+        interruption or an error leaves the folder as it was.
 
         Raises
         ------
@@ -139,6 +140,7 @@ class Result(ResultRecord):
                 vtkhdf.write(self.fields, new["result.vtkhdf"])
             if self.spikes is not None:
                 self.spikes.to_csv(new["spikes.csv"])
+                self.spikes.units_to_csv(new["units.csv"])
             report.write(self, new["report.html"])
             with shielded():  # a signal leaves all of the result before, or all of this one
                 for name, path in new.items():

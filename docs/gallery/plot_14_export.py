@@ -33,6 +33,10 @@ axis.set(xlabel="time / s", yticks=range(4), yticklabels=sorted(table["type"].un
 plt.show()
 
 # %%
+# One row per unit, silent ones too, for rates.
+print(result.spikes.units_to_pandas())
+
+# %%
 # NWB: units with their spike times, for the tools of electrophysiology.
 result.spikes.to_nwb(folder / "spikes.nwb")
 

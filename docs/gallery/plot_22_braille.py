@@ -20,7 +20,7 @@ letter = ff.Scene(
 result = ff.run(letter, mechanics="condensed")
 
 held = result.spikes.to_pandas().query("time_s > 0.1")
-rates = held.groupby("unit").size() / (result.time[-1] - 0.1)
+rates = held.groupby("unit").size() / (result.time[-1] - 0.1)  # of units that fire at all
 print("fastest units, rate in the hold / Hz:", rates.nlargest(5).round().to_dict())
 shown = unit_figures.rate_map(result)
 

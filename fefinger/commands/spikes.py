@@ -41,7 +41,7 @@ OPTIONS = {
 @click.option(
     "--trial", type=int, default=0, metavar="N", help="Another trial is other noise of the units."
 )
-@output_option("spikes.csv and spikes.npz")
+@output_option("spikes.csv, units.csv and spikes.npz")
 @json_option
 def spikes(
     source: str,

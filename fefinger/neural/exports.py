@@ -2,6 +2,7 @@
 
 import csv
 import hashlib
+import math
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -31,6 +32,12 @@ NPZ_FORMAT = "fefinger spike trains 1"
 
 CSV_COLUMNS = ("unit", "type", "x_mm", "y_mm", "z_mm", "time_s")
 
+UNIT_COLUMNS = (
+    *("unit", "type", "x_mm", "y_mm", "z_mm", "depth_mm", "delay_s"),
+    *("count", "t_start_s", "t_stop_s"),
+)
+"""Columns of the table of units, with their number of spikes from t_start_s to t_stop_s."""
+
 SIGNALS = ("x_in", "current")
 PER_UNIT = ("peak_mV", "block_seconds", "stimulus_driven")
 LISTS = ("types", "names", "notes")
@@ -59,7 +66,10 @@ MEANINGS = {
 
 
 def to_csv(trains: TrainRecord, path: str | PathLike[str]) -> None:
-    """Write one row per spike in CSV_COLUMNS, by unit and then time; unknown places are empty."""
+    """Write one row per spike in CSV_COLUMNS, by unit and then time; unknown places are empty.
+
+    Silent units have no row: `units_to_csv` writes all.
+    """
     places: list[tuple[str, ...]] = [("", "", "")] * len(trains)
     if trains.positions is not None:
         places = [tuple(repr(float(x)) for x in row) for row in trains.positions]
@@ -69,6 +79,17 @@ def to_csv(trains: TrainRecord, path: str | PathLike[str]) -> None:
         for i, times in enumerate(trains.times):
             unit = (trains.names[i], trains.types[i], *places[i])
             writer.writerows((*unit, repr(float(time))) for time in times)
+
+
+def units_to_csv(trains: TrainRecord, path: str | PathLike[str]) -> None:
+    """Write one row per unit in UNIT_COLUMNS, silent ones too; unknown places are empty."""
+    table = {name: column.tolist() for name, column in _units(trains).items()}
+    with _in_place(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(UNIT_COLUMNS)
+        for row in zip(*(table[name] for name in UNIT_COLUMNS), strict=True):
+            missing = (isinstance(value, float) and math.isnan(value) for value in row)
+            writer.writerow("" if m else value for value, m in zip(row, missing, strict=True))
 
 
 def to_npz(trains: TrainRecord, path: str | PathLike[str]) -> None:
@@ -127,7 +148,7 @@ def to_pandas(trains: TrainRecord) -> "pd.DataFrame":
     """Convert to a table with one row per spike.
 
     Columns unit, type, x_mm, y_mm, z_mm, depth_mm, time_s and delay_s, the conduction delay that
-    time_s includes.
+    time_s includes. Silent units have no row: means over units need `units_to_pandas`.
     """
     import pandas as pd
 
@@ -138,6 +159,32 @@ def to_pandas(trains: TrainRecord) -> "pd.DataFrame":
     table |= {"depth_mm": depths[owner], "time_s": np.concatenate(trains.times)}
     table["delay_s"] = trains.delays[owner]
     return pd.DataFrame(table)
+
+
+def units_to_pandas(trains: TrainRecord) -> "pd.DataFrame":
+    """Convert to a table with one row per unit, silent ones too, in UNIT_COLUMNS.
+
+    `count` are its spikes from t_start_s to t_stop_s, so that count / (t_stop_s - t_start_s) is its
+    mean rate.
+    """
+    import pandas as pd
+
+    return pd.DataFrame(_units(trains), columns=list(UNIT_COLUMNS))
+
+
+def _units(trains: TrainRecord) -> dict[str, NDArray[Any]]:
+    """Columns (n_units,) of the table of units."""
+    places, depths = _places(trains)
+    table: dict[str, NDArray[Any]] = {
+        "unit": np.array(trains.names, object),
+        "type": np.array(trains.types, object),
+        "depth_mm": depths,
+        "delay_s": trains.delays,
+        "count": trains.count(),
+        "t_start_s": np.full(len(trains), trains.t_start),
+        "t_stop_s": np.full(len(trains), trains.t_stop),
+    }
+    return table | {f"{axis}_mm": places[:, i] for i, axis in enumerate("xyz")}
 
 
 def to_xarray(trains: TrainRecord) -> "xr.Dataset":

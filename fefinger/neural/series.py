@@ -50,7 +50,7 @@ straight lines through a sinusoid with such jumps deviate from it by 1 %."""
 FINER, FINEST = 8, 1e-4
 """Number of parts of an interval on the smooth curve, and the shortest of them in s."""
 
-FILES = ("spikes.csv", "spikes.npz")
+FILES = ("spikes.csv", "units.csv", "spikes.npz")
 
 
 @dataclass(frozen=True)
@@ -351,7 +351,8 @@ def save(trains: "SpikeTrains", folder: Path) -> list[str]:
     paths = [folder / name for name in FILES]
     with as_input_error(folder):
         trains.to_csv(paths[0])
-        trains.to_npz(paths[1])
+        trains.units_to_csv(paths[1])
+        trains.to_npz(paths[2])
     return [str(path) for path in paths]
 
 

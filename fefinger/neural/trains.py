@@ -16,8 +16,10 @@ class SpikeTrains(TrainRecord):
     """
 
     to_csv = exports.to_csv
+    units_to_csv = exports.units_to_csv
     to_npz = exports.to_npz
     to_pandas = exports.to_pandas
+    units_to_pandas = exports.units_to_pandas
     to_xarray = exports.to_xarray
     to_neo = exports.to_neo
     to_nwb = exports.to_nwb

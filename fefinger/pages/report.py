@@ -143,6 +143,7 @@ def _files(result: ResultRecord) -> Iterator[tuple[str, str]]:
         yield "result.vtkhdf", "displacement, strain and pressure on the mesh (ParaView, PyVista)"
     if result.spikes is not None:
         yield "spikes.csv", "one row per spike: unit, type, place in mm, time in s"
+        yield "units.csv", "one row per afferent unit, silent ones too, with its number of spikes"
 
 
 def _blocked(result: ResultRecord) -> list[str]:

@@ -115,6 +115,28 @@ def test_pandas_has_one_row_per_spike(trains):
 
 
 @BOTH
+def test_the_table_of_units_has_silent_ones(trains, tmp_path):
+    table = trains.units_to_pandas()
+    assert tuple(table.columns) == exports.UNIT_COLUMNS
+    assert table["unit"].tolist() == list(trains.names)
+    assert table["count"].tolist() == [7, 0, 3]
+    np.testing.assert_array_equal(table["delay_s"], trains.delays)
+    assert (table["t_start_s"] == 0.0).all()
+    assert (table["t_stop_s"] == 2.0).all()
+    rates = table["count"] / (table["t_stop_s"] - table["t_start_s"])
+    assert rates.groupby(table["type"]).mean().to_dict() == {"FAI": 0.0, "SAI": 2.5}
+    assert table["z_mm"].isna().all() == (trains.positions is None)
+    trains.units_to_csv(tmp_path / "units.csv")
+    with open(tmp_path / "units.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert tuple(rows[0]) == exports.UNIT_COLUMNS
+    assert [row["count"] for row in rows] == ["7", "0", "3"]
+    for name in ("x_mm", "depth_mm", "delay_s"):
+        written = [float(row[name]) if row[name] else np.nan for row in rows]
+        np.testing.assert_array_equal(written, table[name])
+
+
+@BOTH
 def test_xarray_has_the_signals_and_the_spikes_of_each_unit(trains):
     data = trains.to_xarray()
     np.testing.assert_array_equal(data["x_in"].sel(unit="FAI"), trains.x_in[:, 1])

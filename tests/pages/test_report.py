@@ -41,7 +41,8 @@ def test_a_full_report_has_every_section_and_stands_alone(
     sources = re.findall(r'src="([^"]*)"', html)
     assert len(sources) == 8
     assert all(source.startswith("data:image/svg+xml,") for source in sources)
-    assert set(re.findall(r'href="([^"]*)"', html)) == {"result.nc", "result.vtkhdf", "spikes.csv"}
+    files = {"result.nc", "result.vtkhdf", "spikes.csv", "units.csv"}
+    assert set(re.findall(r'href="([^"]*)"', html)) == files
     for text in (
         "No renderer (said in the test).",
         "The run overrides a refusal about accuracy: depth / half thickness = 0.3 &gt; 0.2",

@@ -44,6 +44,7 @@ def test_the_scene_and_the_python_of_the_readme_run_and_the_result_loads(
         "result.nc",
         "result.vtkhdf",
         "spikes.csv",
+        "units.csv",
     }
 
 
