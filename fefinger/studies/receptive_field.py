@@ -136,7 +136,8 @@ def receptive_field(
     reach, spacing
         Half the side of the square of places, and the distance between them, in mm.
     branched, seed
-        Whether units have the published numbers of end organs, and the seed of their places.
+        Whether units have the published numbers of end organs, and the seed of their places and of
+        the noise. Gains are those of the types: units of a seed do not differ in sensitivity.
     mechanics
         Name of the mechanics; by default the cheapest for all places that does not refuse.
     progress
@@ -152,7 +153,7 @@ def receptive_field(
     spacing = number("spacing", spacing, above=0, unit="mm")
     places = _grid(reach, spacing)
     given = builtin.given(scene, changes)
-    units = Places(places=((0.0, 0.0),), branched=branched, seed=seed)
+    units = Places(places=((0.0, 0.0),), branched=branched, spread=0.0, seed=seed)
     spikes = choices("kinds", kinds, TYPES)
     ask = replace(given.ask, spikes=spikes, population=units, fields=False, pressure=False)
     prepared = replace(given, ask=ask)
