@@ -18,7 +18,7 @@ finger = ff.Pressed(ff.Finger.subject("a.h."), ff.Flat(30))
 units = finger.afferents()
 
 dt, n = 1e-3, 1500
-t = dt * np.arange(n)
+t = dt * np.arange(1, n + 1)  # ends of the steps, which begin at rest at 0
 depth = 0.8 * np.clip(t / 0.2, 0, 1) + 0.15 * np.sin(2 * np.pi * 8 * (t - 0.3)) * (t > 0.3)
 force, fired = np.empty(n), []
 began = time.perf_counter()
