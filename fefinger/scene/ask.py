@@ -12,7 +12,6 @@ from fefinger.support.checks import (
     choice,
     choices,
     number,
-    whole,
 )
 from fefinger.support.vocabulary import DRIVES, FAMILIES, GENERATORS, RECORDED_RULES, TYPES
 
@@ -92,7 +91,7 @@ class Ask:
                 for name, value in by_type("ask.drives", self.drives).items()
             },
         }
-        whole("ask.trial", self.trial)
+        integer("ask.trial", self.trial)
         if self.seconds is not None:
             checked["seconds"] = number("ask.seconds", self.seconds, above=0, unit="s")
         if self.mechanics is not None and not isinstance(self.mechanics, str):
