@@ -102,9 +102,9 @@ def displaced(units: Units, i: int, state: Array, fired: float) -> float:
 
 
 def rested(units: Units, x: Array, start: float = 0.0) -> Array:
-    """States (n, SIZE) of units at rest that jump to inputs x (n,) in mm at `start` s."""
+    """States (n, SIZE) of units at rest, free to fire, that jump to inputs x (n,) mm at `start`."""
     states = np.zeros((len(x), SIZE))
-    states[:, LAST] = start - units.refractory
+    states[:, FREE], states[:, LAST] = start, start - units.refractory
     states[:, X] = states[:, MODE] = states[:, SLOW] = x
     for i, state in enumerate(states):
         generate(units, i, state)

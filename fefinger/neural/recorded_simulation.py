@@ -59,6 +59,9 @@ def simulate_recorded(
 ) -> SpikeTrains:
     """Simulate the spikes of units that fire as recorded ones do.
 
+    Times may be negative: a series that is shifted in time fires the same spikes, shifted, with the
+    same noise.
+
     Parameters
     ----------
     time, drive, types, unit, delays, names, positions, depths
@@ -158,10 +161,14 @@ def _units(
 def _fire(
     units: "Units", time: Array, x_in: Array, steps: Array
 ) -> tuple[list[Array], Array, Array]:
-    """Spike times of units from rest in s, highest potentials and currents over threshold."""
+    """Spike times of units from rest in s, highest potentials and currents over threshold.
+
+    Within, time counts from the first sample, as that of stepped units does, so that the noise does
+    not depend on where zero is.
+    """
     from fefinger.neural.recorded_compiled import PEAK, rested
     from fefinger.neural.recorded_vectorized import fire
 
-    states = rested(units, x_in[0], float(time[0]))
-    times, current = fire(units, states, time, x_in, steps)
-    return times, states[:, PEAK], current
+    states = rested(units, x_in[0])
+    times, current = fire(units, states, time - time[0], x_in, steps)
+    return [time[0] + each for each in times], states[:, PEAK], current

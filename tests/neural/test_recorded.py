@@ -302,6 +302,24 @@ def test_delays_shift_every_spike():
     assert there.family == "recorded"
 
 
+@pytest.mark.parametrize("shift", [-5.0, 5.0, -0.4321])
+@pytest.mark.parametrize("noise", [0.0, None])
+def test_spikes_shift_with_their_series(shift, noise):
+    time = np.arange(0.0, 0.8, 1e-3)
+    x = 0.6 * np.clip((time - 0.1) / 0.03, 0.0, 1.0) + 0.02 * np.sin(2 * np.pi * 60.0 * time)
+    vary = Variation(seed=4, spread=0.0, noise=noise)
+    here, there = (
+        simulate_recorded(
+            time + by, np.tile(x[:, None], 4), types=TYPES, variation=vary, check=False
+        )
+        for by in (0.0, shift)
+    )
+    assert here.count().min() > 3
+    for mine, theirs in zip(here.times, there.times, strict=True):
+        assert theirs - shift == pytest.approx(mine, abs=1e-6)
+    assert (there.t_start, there.t_stop) == (time[0] + shift, time[-1] + shift)
+
+
 def test_stepped_units_fire_as_those_of_a_whole_series():
     rng = np.random.default_rng(2)
     unit = replace(PLAIN, noise=0.3, jitter=5e-4, static=0.3, gain=80.0, negative=0.3)
