@@ -235,6 +235,8 @@ def fire(
 ) -> tuple[list[Array], Array]:
     """Spike times of every unit in s, and generator currents (n_t, n_units) over threshold.
 
+    An impulse whose delay from threshold leads beyond the end of the series is not in it.
+
     states (n_units, SIZE) at the start become those at the end; x (n_t, n_units) mm; steps
     (n_units,): bounds of the steps in s.
     """
@@ -245,10 +247,8 @@ def fire(
     def part(block: Integers) -> list[Array]:
         spikes, counts = np.empty((len(block), room)), np.zeros(len(block), np.int64)
         run(units, block, states, time, x, float(steps[block[0]]), spikes, counts, current)
-        # The jitter of an impulse at the end of the series would lead out of it.
-        return [
-            np.minimum(row[:count], time[-1]) for row, count in zip(spikes, counts, strict=True)
-        ]
+        trains = [row[:count] for row, count in zip(spikes, counts, strict=True)]
+        return [row[: np.searchsorted(row, time[-1], side="right")].copy() for row in trains]
 
     blocks = blocks_of(steps)
     if len(blocks) == 1:

@@ -208,19 +208,23 @@ def test_jitter_displaces_each_impulse_alone_and_leaves_the_others():
     unit = replace(PLAIN, static=0.0, membrane=0.001, refractory=0.014, gain=10.0)
     time, x = sine(50.0, 1.0, 20.0)
     still, times = (fire(replace(unit, jitter=size), x, time) for size in (0.0, 7e-4))
-    assert len(times) == len(still) == pytest.approx(1000, abs=2)
-    moved = (times - still)[3:]
+    assert len(still) == pytest.approx(1000, abs=2)
+    assert len(still) - len(times) in (0, 1)  # the last one may be beyond the end
+    moved = (times - still[: len(times)])[3:]
     assert moved.std() == pytest.approx(7e-4, rel=0.1)
     assert moved.mean() == pytest.approx(0.0, abs=1e-4)
     assert abs(np.corrcoef(moved[1:], moved[:-1])[0, 1]) < 0.12
 
 
 def test_jitter_keeps_the_refractory_time_and_the_series():
+    """To the end of the series, wherever it ends: impulses do not pile up there."""
     unit = replace(PLAIN, gain=1e4, jitter=2e-3)
-    times = fire(unit, np.full(TIME.shape, 100.0))
-    assert np.diff(times[:-3]).min() >= unit.refractory - 1e-12
-    assert times.min() >= TIME[0]
-    assert times.max() <= TIME[-1]
+    for last in range(1900, 2001):
+        time = TIME[:last]
+        times = fire(unit, np.full(time.shape, 100.0), time)
+        assert np.diff(times).min() >= unit.refractory - 1e-12
+        assert times.min() >= time[0]
+        assert times.max() < time[-1]
 
 
 def test_noise_is_normal_and_the_same_in_whatever_order_it_is_drawn():
@@ -399,7 +403,7 @@ def test_units_side_by_side_fire_as_each_by_itself():
     assert sum(map(len, together)) > 200
     for i, times in enumerate(together):
         expected, last = one_by_one(units, i, time, x[:, i], steps[i])
-        assert times == pytest.approx(np.minimum(expected, time[-1]), abs=1e-9)
+        assert times == pytest.approx(expected, abs=1e-9)
         assert current[-1, i] == pytest.approx(last, rel=1e-9)
 
 
