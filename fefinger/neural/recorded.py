@@ -30,6 +30,11 @@ FILE = "recorded.json"
 """File of the fitted parameters, beside this module."""
 
 
+LATENCY = 3.5
+"""Mean time from threshold to impulse over its standard deviation: no draw deviates by more
+(`recorded_compiled.normal`), so that no impulse comes before what causes it."""
+
+
 @dataclass(frozen=True)
 class Bounds:
     """Range of a parameter, its unit, and what it is."""
@@ -73,8 +78,8 @@ class Recorded:
     every spike adds recovery to a, which fades within recovering. The noise is linear between
     independent normal values 1 ms apart, and fades with I below threshold: the channels of a
     generator at rest are closed, so that noise alone never makes an impulse. An impulse is recorded
-    at its time in the membrane and a normal time of mean 0 and standard deviation `jitter`, never
-    within `refractory` of the last.
+    `latency` after threshold, and a normal time of mean 0 and standard deviation `jitter` that is
+    never beyond the latency: never before threshold, nor within `refractory` of the last.
 
     Raises
     ------
@@ -109,6 +114,11 @@ class Recorded:
             object.__setattr__(self, name, value)
         if self.order not in (1.0, 2.0):
             raise InputError(f"order: expected 1 or 2, received {self.order:g}")
+
+    @property
+    def latency(self) -> float:
+        """Mean time in s from threshold to impulse, transduction: LATENCY times the jitter."""
+        return LATENCY * self.jitter
 
     def frequency_response(self, frequency: Array) -> NDArray[np.complex128]:
         """Output over input of the filter at frequencies in Hz."""
@@ -145,7 +155,8 @@ def units_of(
     """Arrays of the parameters of units.
 
     factors (n,): on the gains; noise: of all units, where it is not that of their types, 0 without
-    jitter; seed, numbers (n,) and trial select the noise and the jitter of each unit.
+    jitter, but with the latency; seed, numbers (n,) and trial select the noise and the jitter of
+    each unit.
     """
     from fefinger.neural.recorded_compiled import Units, mixed
 
@@ -177,6 +188,7 @@ def units_of(
         "pole": 2.0 * np.pi * np.column_stack([first, second]),
         "noise": column["noise"] if noise is None else np.full(n, float(noise)),
         "jitter": np.zeros(n) if noise == 0.0 else column["jitter"],
+        "latency": LATENCY * column["jitter"],
         # Splitmix64 of a counter: a bijection, so that no two units share a start.
         "stream": np.asarray(mixed(base + streams * np.uint64(0x9E3779B97F4A7C15))),
     }

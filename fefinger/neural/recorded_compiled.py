@@ -17,7 +17,8 @@ class Units(NamedTuple):
     negative output of the filter; largest: current of the saturated generator; adapting: part of
     the current that adaptation takes away, within adaptation s; recovery: current after a spike,
     which fades within recovering s; membrane, refractory; noise: standard deviation at its knots;
-    jitter: of the time from threshold to impulse in s; stream: of the random numbers.
+    latency: mean time from threshold to impulse, jitter: its standard deviation; stream: of the
+    random numbers.
     """
 
     gain: Array
@@ -33,6 +34,7 @@ class Units(NamedTuple):
     membrane: Array
     refractory: Array
     noise: Array
+    latency: Array
     jitter: Array
     stream: NDArray[np.uint64]
 
@@ -91,8 +93,11 @@ BEFORE = -(2**40)
 
 @njit(cache=True)
 def displaced(units: Units, i: int, state: Array, fired: float) -> float:
-    """Return the time in s at which unit i is recorded to fire, after its last impulse."""
-    time = fired
+    """Return the time in s at which unit i that reached threshold at `fired` is recorded to fire.
+
+    Never before `fired`, nor within the refractory time of its last impulse.
+    """
+    time = fired + units.latency[i]
     if units.jitter[i] > 0.0:
         time += units.jitter[i] * normal(units.stream[i], BEFORE + int(state[FIRED]))
         time = max(time, state[LAST] + units.refractory[i])

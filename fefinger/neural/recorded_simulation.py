@@ -59,6 +59,8 @@ def simulate_recorded(
 ) -> SpikeTrains:
     """Simulate the spikes of units that fire as recorded ones do.
 
+    Impulses are recorded a latency after threshold (`Recorded`), so none comes before its cause;
+    those that it takes beyond the end of the series are left out.
     Times may be negative: a series that is shifted in time fires the same spikes, shifted, with the
     same noise.
 

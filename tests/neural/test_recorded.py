@@ -11,7 +11,7 @@ from scipy import signal, stats
 from fefinger.neural import recorded_compiled as compiled
 from fefinger.neural import recorded_vectorized as vectorized
 from fefinger.neural.endorgans import PoleZero
-from fefinger.neural.recorded import BOUNDS, Recorded, fitted, record, units_of
+from fefinger.neural.recorded import BOUNDS, LATENCY, Recorded, fitted, record, units_of
 from fefinger.neural.recorded_simulation import LONGEST, combined, simulate_recorded
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.variation import Variation
@@ -204,7 +204,7 @@ def test_noise_fades_below_threshold_and_makes_no_impulse_alone(mean, fires):
 
 
 def test_jitter_displaces_each_impulse_alone_and_leaves_the_others():
-    """Phases at one impulse per cycle have its standard deviation; the count is that without it."""
+    """Phases at one impulse per cycle have its standard deviation, and its latency on the mean."""
     unit = replace(PLAIN, static=0.0, membrane=0.001, refractory=0.014, gain=10.0)
     time, x = sine(50.0, 1.0, 20.0)
     still, times = (fire(replace(unit, jitter=size), x, time) for size in (0.0, 7e-4))
@@ -212,7 +212,8 @@ def test_jitter_displaces_each_impulse_alone_and_leaves_the_others():
     assert len(still) - len(times) in (0, 1)  # the last one may be beyond the end
     moved = (times - still[: len(times)])[3:]
     assert moved.std() == pytest.approx(7e-4, rel=0.1)
-    assert moved.mean() == pytest.approx(0.0, abs=1e-4)
+    assert moved.mean() == pytest.approx(3.5 * 7e-4, abs=1e-4)
+    assert moved.min() >= 0.0
     assert abs(np.corrcoef(moved[1:], moved[:-1])[0, 1]) < 0.12
 
 
@@ -227,10 +228,31 @@ def test_jitter_keeps_the_refractory_time_and_the_series():
         assert times.max() < time[-1]
 
 
+@pytest.mark.parametrize("kind", ["FAI", "FAII"])
+def test_no_impulse_comes_before_its_stimulus(kind):
+    """First spikes of 300 units in a fast ramp from 0.1 s on; one without noise has the latency."""
+    time, x = np.array([0.0, 0.1, 0.105, 0.3]), np.array([0.0, 0.0, 1.0, 1.0])
+
+    def first(noise):
+        vary = Variation(seed=5, spread=0.0, noise=noise)
+        trains = simulate_recorded(
+            time, np.tile(x[:, None], 300), types=(kind,) * 300, variation=vary, check=False
+        )
+        return np.array([times[0] for times in trains.times])
+
+    drawn, still = first(None), first(0.0)
+    assert drawn.min() > 0.1
+    assert drawn.std() > 2e-4
+    assert np.ptp(still) == 0.0
+    assert still[0] > 0.1 + fitted()[kind].latency == 0.1 + 3.5 * fitted()[kind].jitter
+    assert drawn.mean() == pytest.approx(still[0], abs=2e-4)
+
+
 def test_noise_is_normal_and_the_same_in_whatever_order_it_is_drawn():
     stream = np.uint64(12345)
     values = np.array([compiled.normal(stream, k) for k in range(-2000, 2000)])
     assert compiled.normal(stream, 17) == values[2017]
+    assert np.abs(values).max() < LATENCY
     assert values.mean() == pytest.approx(0.0, abs=0.06)
     assert values.std() == pytest.approx(1.0, abs=0.05)
     assert stats.kstest(values, "norm").pvalue > 1e-3
