@@ -19,6 +19,9 @@ from fefinger.support.checks import InputError
 class RecordedAfferents(SteppedUnits):
     """Units of the family `recorded`, advanced with the strain at their end organs.
 
+    An impulse is reported in the step that contains its time, a latency after threshold; those
+    still to come after the last step are never reported.
+
     Parameters
     ----------
     types, normals
@@ -80,19 +83,22 @@ class RecordedAfferents(SteppedUnits):
             np.cumsum([0, *map(len, blocks)]),
             np.array([longest[block[0]] for block in blocks]),
         )
+        # No delay from threshold to impulse is longer than twice the latency.
+        late = int((2.0 * self.units.latency / self.units.refractory).max()) + 2
+        self._queue = np.empty((n, late + ROOM)), np.zeros(n, np.int64)
+        self.longest = (ROOM - 1) * float(self.units.refractory.min())
         super().__init__(types, len(owner), np.empty((n, ROOM)), np.zeros(n, np.int64))
 
-    def reset(self) -> None:
+    def rest(self) -> None:
         """Set all units to rest, at time 0."""
         self._states = rested(self.units, np.zeros(len(self.types)))
-        self._counts[:], self._clock = 0, 0.0
+        self._queue[1][:], self._counts[:], self._clock = 0, 0, 0.0
 
-    def advance(self, strain: NDArray[np.floating], dt: float) -> int:
-        """Advance by `dt` s; return the number of spikes, REFUSED or CROWDED."""
+    def advance(self, strain: NDArray[np.floating], dt: float, share: float) -> int:
+        """Advance by `dt` s, at most `longest`; return the number of spikes, or REFUSED."""
         span, spikes = (self._clock, self._clock + dt), (self._spikes, self._counts)
-        fired = compiled.step(
-            self.units, self._states, span, strain, self._organs, self._blocks, *spikes
-        )
+        setup = self._organs, self._blocks, self._queue
+        fired = compiled.step(self.units, self._states, span, strain, share, *setup, *spikes)
         if fired != REFUSED:
             self._clock = span[1]
         return int(fired)

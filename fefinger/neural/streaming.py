@@ -16,35 +16,41 @@ from fefinger.neural.checked_signals import checked_types
 from fefinger.neural.drives import DEFAULT_DRIVE, in_plane
 from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.gains import GAINS
+from fefinger.neural.generators import LARGEST_CURRENT
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire, vectorized
 from fefinger.neural.reference import Reference
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, integer, number
 from fefinger.support.text import counted
+from fefinger.support.vocabulary import LONGEST_RUN
 
 
 STREAMED = ("compressive", "tangent")
 """Drives with a compiled form: the default ones."""
 
-ROOM = 8  # largest number of spikes of one unit in one step
+ROOM = 8  # largest number of spikes of one unit in one step, or in one part of a long step
+PER_MS = 0.5  # spikes in a ms, 2.5 times what a Hodgkin-Huxley membrane at 6.3 C fires
 SUBSTEPS = 4  # samples of the generator current in one step
 
 
 class SteppedUnits:
     """Base class of stepped afferent units: input checks and the spikes of the last step.
 
-    shape: that of the strain. spikes (n_units, ROOM), in units of `seconds`, and counts (n_units,):
-    of the last step, kept up to date by `advance`.
+    shape: that of the strain. longest: s within which no unit has more than ROOM spikes. spikes
+    (n_units, ROOM), in units of `seconds`, and counts (n_units,): of the last step, or of the last
+    part of a longer one, kept up to date by `advance`.
     """
 
     family: str
     seconds: float
+    longest: float
 
     def __init__(
         self, types: tuple[str, ...], organs: int, spikes: Array, counts: Integers
     ) -> None:
         self.types, self.shape = types, (organs, 6)
         self._spikes, self._counts = spikes, counts
+        self._before: list[tuple[int, float]] = []
         self.reset()
         self.step(np.zeros(self.shape), 1e-3)  # compiles the step now, so that no later one waits
         self.reset()
@@ -55,32 +61,55 @@ class SteppedUnits:
 
     def reset(self) -> None:
         """Set all units to rest, at time 0."""
+        self._before.clear()
+        self.rest()
+
+    def rest(self) -> None:
+        """Set the state of all units to rest, at time 0."""
         raise NotImplementedError
 
-    def advance(self, strain: NDArray[np.floating], dt: float) -> int:
-        """Advance by `dt` s; return the number of spikes, REFUSED or CROWDED."""
+    def advance(self, strain: NDArray[np.floating], dt: float, share: float) -> int:
+        """Advance by `dt` s, at most `longest`, by a share of the way to the strain.
+
+        Returns the number of spikes, REFUSED or CROWDED.
+        """
         raise NotImplementedError
 
     def step(self, strain: NDArray[np.floating], dt: float) -> int:
         """Advance by `dt` s to the strain (n_organs, 6), xx yy zz xy yz xz; return the spikes.
 
-        A step of `dt` 0 is a jump.
+        The inputs of the units are linear within the step; a step of `dt` 0 is a jump. A step
+        longer than `longest` is taken in equal parts, so that none of its spikes is lost.
 
         Raises
         ------
         InputError
             A strain of another shape or not finite, or an invalid `dt`: the state is then
-            unchanged. More than ROOM spikes of a unit.
+            unchanged.
         """
         if not 0.0 <= dt < math.inf:
             number("dt", dt, at_least=0, unit="s")
+        if dt > LONGEST_RUN:
+            number("dt", dt, at_most=LONGEST_RUN, unit="s")
         if getattr(strain, "shape", None) != self.shape:
             raise InputError(
                 f"strain: expected an array {self.shape} of xx yy zz xy yz xz for {self.shape[0]} "
                 f"units, received {getattr(strain, 'shape', type(strain).__name__)}; give one row "
                 "per unit, as the steps of a finger with these sites do"
             )
-        fired = self.advance(strain, dt)
+        parts = 1 if dt <= self.longest else math.ceil(dt / self.longest)
+        part = dt / parts
+        before: list[tuple[int, float]] = []
+        for left in range(parts, 1, -1):
+            fired = self._advanced(strain, part, 1.0 / left)
+            before += self._latest()
+        fired = self._advanced(strain, part, 1.0)
+        self._before = before
+        return fired + len(before)
+
+    def _advanced(self, strain: NDArray[np.floating], dt: float, share: float) -> int:
+        """Advance by `dt` s; return the number of spikes, or raise InputError."""
+        fired = self.advance(strain, dt, share)
         if fired == compiled.REFUSED:
             raise InputError(
                 f"strain: expected finite numbers up to {compiled.LARGEST_STRAIN:g}, received "
@@ -88,12 +117,18 @@ class SteppedUnits:
             )
         if fired == compiled.CROWDED:
             raise InputError(
-                f"dt: expected steps with at most {ROOM} spikes of a unit, received {dt:g} s"
+                f"membrane: expected at most {ROOM} spikes of a unit in {dt:g} s, received more, "
+                "faster than any membrane can follow; take shorter steps"
             )
         return fired
 
     def fired(self) -> list[tuple[int, float]]:
-        """List (index of the unit, time in s) of every spike of the last step."""
+        """List (index of the unit, time in s) of every spike of the last step, unit by unit."""
+        latest = self._latest()
+        return sorted(self._before + latest) if self._before else latest
+
+    def _latest(self) -> list[tuple[int, float]]:
+        """List the spikes of the last step, or of its last part."""
         units = np.flatnonzero(self._counts).tolist()
         return [
             (i, self.seconds * t)
@@ -128,6 +163,8 @@ class _Leaky:
     def __init__(self, membrane: IntegrateAndFire, n: int) -> None:
         self.units = np.zeros((n, 3))
         self.numbers = membrane.numbers
+        fastest = membrane.rate(LARGEST_CURRENT)
+        self.longest = (ROOM - 1) / fastest if fastest else math.inf
 
     def reset(self) -> None:
         self.units[:] = 0.0
@@ -143,6 +180,7 @@ class _Axons:
         choice("method", method, METHODS[:2])
         self.how = (membrane.step_ms(dt), method == "splitting", membrane.speed, 1.0)
         self.rest, self.block = membrane.rest(), membrane.block
+        self.longest = 1e-3 * (ROOM - 1) / (PER_MS * max(1.0, membrane.speed))
         blocks = -(-n // vectorized.LANES)
         self.resting = vectorized.at_rest(self.rest)
         self.units, self.last = np.tile(self.resting, (blocks, 1)), np.zeros(blocks)
@@ -222,6 +260,7 @@ class Afferents(SteppedUnits):
             counts=np.zeros(n, dtype=np.int64),
             clock=np.zeros(1),
         )
+        self.longest = self.membranes.longest
         super().__init__(types, n, self.state.spikes, self.state.counts)
 
     @classmethod
@@ -236,15 +275,15 @@ class Afferents(SteppedUnits):
         lengths = reference.lengths(types, options.get("drives"))
         return cls(types, normals, lengths, **options)
 
-    def reset(self) -> None:
+    def rest(self) -> None:
         """Set all units to rest, at time 0."""
         for name in ("modes", "x", "levels", "counts", "clock"):
             getattr(self.state, name)[...] = 0
         self.membranes.reset()
 
-    def advance(self, strain: NDArray[np.floating], dt: float) -> int:
+    def advance(self, strain: NDArray[np.floating], dt: float, share: float) -> int:
         """Advance by `dt` s; return the number of spikes, REFUSED or CROWDED."""
-        if not compiled.currents(self.state, strain, 1e3 * dt):
+        if not compiled.currents(self.state, strain, 1e3 * dt, share):
             return compiled.REFUSED
         return self.membranes.step(self.state, 1e3 * dt)
 

@@ -87,9 +87,10 @@ def _current(s: "State", i: int, x: float) -> float:
 
 
 @njit(cache=True)
-def currents(s: "State", strain: NDArray[np.floating], dt: float) -> bool:
+def currents(s: "State", strain: NDArray[np.floating], dt: float, share: float) -> bool:
     """Advance x_in, end organs and generator currents by a step of dt ms.
 
+    x_in moves by a share of its way to that of the strain.
     Returns False, with the state unchanged, for a strain beyond LARGEST_STRAIN or not finite.
     """
     for i in range(len(s.x)):
@@ -104,6 +105,8 @@ def currents(s: "State", strain: NDArray[np.floating], dt: float) -> bool:
             s.x[i] = s.length[i] * compressive_strain(strain[i])
         else:
             s.x[i] = s.length[i] * tangent_strain(strain[i], s.across[i])
+        if share < 1.0:
+            s.x[i] = before + share * (s.x[i] - before)
         change = s.x[i] - before
         if dt == 0.0:
             s.modes[i, 0] += change

@@ -14,6 +14,7 @@ from fefinger.neural.endorgans import PoleZero
 from fefinger.neural.recorded import BOUNDS, LATENCY, Recorded, fitted, record, units_of
 from fefinger.neural.recorded_simulation import LONGEST, combined, simulate_recorded
 from fefinger.neural.recorded_streaming import RecordedAfferents
+from fefinger.neural.streaming import ROOM
 from fefinger.neural.variation import Variation
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
@@ -370,6 +371,63 @@ def test_stepped_units_fire_as_those_of_a_whole_series():
     assert len(fired[0]) > 5
     for mine, theirs in zip(fired, whole.times, strict=True):
         assert np.array(mine) == pytest.approx(theirs, abs=1e-9)
+
+
+def pressed(strain):
+    """Strain (4, 6) of one unit of each type, whose drive is this."""
+    return np.tile([strain, strain, -strain, 0.0, 0.0, 0.0], (4, 1))
+
+
+NORMALS = np.tile([0.0, 0.0, -1.0], (4, 1))
+
+
+def test_every_step_reports_the_spikes_within_it_and_all_together_are_those_of_the_series():
+    """The latency takes some impulses of FAI and FAII into the steps that follow."""
+    time = np.arange(500) * 1e-3
+    drive = 0.1 * np.minimum(time / 0.02, 1.0) + 0.01 * np.sin(2 * np.pi * 200.0 * time)
+    units, fired = RecordedAfferents(TYPES, NORMALS, seed=3), [[], [], [], []]
+    for k in range(1, len(time)):
+        assert units.step(pressed(drive[k]), 1e-3) == len(units.fired())
+        for i, at in units.fired():
+            assert time[k - 1] - 1e-9 < at < time[k] + 1e-9
+            fired[i].append(at)
+    vary = Variation(seed=3, spread=0.0, noise=None)
+    lengths = [fitted()[kind].length for kind in TYPES]
+    x = np.tile(drive[:, None], 4)
+    whole = simulate_recorded(time, x, lengths=lengths, types=TYPES, variation=vary, check=False)
+    assert whole.count().min() > 5
+    for mine, theirs in zip(fired, whole.times, strict=True):
+        assert np.array(mine) == pytest.approx(theirs, abs=1e-9)
+
+
+def test_units_at_rest_again_report_nothing_of_before():
+    units = RecordedAfferents(TYPES, NORMALS)
+    units.step(pressed(0.2), 0.0)
+    assert units.step(pressed(0.2), 0.1) > 0
+    units.reset()
+    assert units.fired() == []
+    assert units.step(pressed(0.0), 1e-2) == 0
+
+
+def test_a_long_step_of_recorded_units_loses_no_spikes():
+    """A ramp of 0.4 s, in one step, in some and in many of the same integration steps."""
+    parameters = {kind: replace(unit, refractory=2.3e-3) for kind, unit in fitted().items()}
+    trains = []
+    for count in (400, 5, 1):
+        units, fired = RecordedAfferents(TYPES, NORMALS, parameters=parameters, seed=3), []
+        for k in range(1, count + 1):
+            number = units.step(pressed(0.5 * k / count), 0.4 / count)
+            assert number == len(units.fired())
+            start, stop = 0.4 * (k - 1) / count, 0.4 * k / count
+            assert all(start - 1e-9 < at < stop + 1e-9 for _, at in units.fired())
+            fired += units.fired()
+        trains.append([[at for i, at in fired if i == unit] for unit in range(4)])
+    assert min(len(train) for train in trains[0][:3]) > 2 * ROOM
+    for many, some, one in zip(*trains, strict=True):
+        assert some == pytest.approx(many, abs=1e-6)
+        assert one == pytest.approx(many, abs=1e-6)
+    with pytest.raises(InputError, match=r"dt: expected .* at most 3600"):
+        units.step(pressed(0.5), 1e300)
 
 
 def one_by_one(units, i, time, x, longest):
