@@ -138,10 +138,8 @@ def count_changes(
     )
 
 
-def remarks(
-    time: Array, x_in: Array, types: tuple[str, ...], names: tuple[str, ...], firing: Firing
-) -> tuple[str, ...]:
-    """Describe depolarization block, stimulus-driven crossings and samples that are too coarse."""
+def remarks(names: tuple[str, ...], firing: Firing) -> tuple[str, ...]:
+    """Describe depolarization block and stimulus-driven crossings."""
     blocked = [
         f"{name}: in depolarization block for {seconds:.3g} s"
         for name, seconds in zip(names, firing.block_seconds, strict=True)
@@ -153,7 +151,7 @@ def remarks(
         for name, crossings, times in zip(names, firing.stimulus_driven, firing.times, strict=True)
         if crossings > 0
     ]
-    return (*_few(blocked), *_few(driven), *coarse_remarks(time, x_in, types, names))
+    return (*_few(blocked), *_few(driven))
 
 
 def coarse_remarks(

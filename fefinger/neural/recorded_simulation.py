@@ -56,6 +56,7 @@ def simulate_recorded(
     depths: ArrayLike | None = None,
     step: float | None = None,
     check: bool = True,
+    exact: bool = False,
 ) -> SpikeTrains:
     """Simulate the spikes of units that fire as recorded ones do.
 
@@ -81,8 +82,8 @@ def simulate_recorded(
         Parameters by type, where they are not the fitted ones.
     step
         Longest integration step in s; by default that of LONGEST.
-    check
-        Repeat with half the step and with half of the samples; differences of counts become notes.
+    check, exact
+        As in `units.simulate_units`.
 
     Raises
     ------
@@ -101,12 +102,13 @@ def simulate_recorded(
     if step is not None:
         steps = np.full(len(types), number("step", step, above=0.0, at_most=1e-3, unit="s"))
     times, peaks, current = _fire(units, time, x_in, steps)
-    notes = tuple(coarse_remarks(time, x_in, types, names))
+    notes = () if exact else tuple(coarse_remarks(time, x_in, types, names))
     if check:
-        thin = np.unique(np.append(np.arange(0, len(time), 2), len(time) - 1))
         half, *_ = _fire(units, time, x_in, steps / 2)
-        coarse, *_ = _fire(units, time[thin], x_in[thin], steps)
         notes += count_changes(names, times, half, "the step of the membrane is halved")
+    if check and not exact:
+        thin = np.unique(np.append(np.arange(0, len(time), 2), len(time) - 1))
+        coarse, *_ = _fire(units, time[thin], x_in[thin], steps)
         notes += count_changes(names, times, coarse, "only every second sample is used")
     return SpikeTrains(
         family="recorded",

@@ -239,7 +239,8 @@ def fire(
         mm wide, and the length by default that of its fit.
     corners
         Take straight lines between the samples as exact, corners included. Otherwise units whose
-        spike count differs for a smooth curve through the samples are noted.
+        spike count differs for a smooth curve through the samples, or for every second of them, are
+        noted.
     tolerance
         Allowed error of spike times in ms, which sets integrator and step; None: Runge-Kutta at
         50 us.
@@ -280,7 +281,7 @@ def fire(
     elif integer("trial", trial):
         msg = f"trial: units of 'thesis' have no noise: expected trial 0, received {trial}"
         raise InputError(msg)
-    run = partial(simulate, types=kinds, lengths=mm, names=names, variation=vary)
+    run = partial(simulate, types=kinds, lengths=mm, names=names, variation=vary, exact=corners)
     trains = run(signals.time, signals.drive[:, columns])
     notes = (*trains.notes, *_remarks(signals))
     if length is not None and None not in signals.lengths:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from fefinger.neural.checked_signals import (
     checked_signals,
     checked_types,
+    coarse_remarks,
     count_changes,
     dense_times,
     organ_columns,
@@ -174,6 +175,7 @@ def simulate_units(
     dt: float = LARGEST_STEP,
     tolerance: float | None = None,
     check: bool = True,
+    exact: bool = False,
 ) -> SpikeTrains:
     """Simulate the spikes of afferent units, each with one or more end organs.
 
@@ -217,6 +219,9 @@ def simulate_units(
         and step (`HodgkinHuxley.integrator`) and the sampling of the current are chosen.
     check
         Repeat with half the step and with half of the samples; differences of counts become notes.
+    exact
+        The straight lines between the samples are the signal, corners included: the sampling is
+        neither checked nor remarked on, since fewer samples would be another signal.
 
     Raises
     ------
@@ -245,9 +250,11 @@ def simulate_units(
     )
     firing = _fire(setup, time, x_in, dt, driven=True)
     mean_in = np.column_stack([x_in[:, c].mean(axis=1) for c in columns])
-    notes = remarks(time, mean_in, types, names, firing)
+    notes = remarks(names, firing)
+    if not exact:
+        notes += tuple(coarse_remarks(time, mean_in, types, names))
     if check:
-        notes += _changes(setup, time, x_in, dt, names, firing)
+        notes += _changes(setup, time, x_in, dt, names, firing, exact=exact)
     by_type = sorted(range(len(types)), key=types.__getitem__)
     current = np.empty((len(time), len(types)))
     current[:, by_type] = setup.combined(by_type, time, x_in)
@@ -292,16 +299,24 @@ def _squid(membrane: object, what: str) -> HodgkinHuxley:
 
 
 def _changes(
-    setup: _Setup, time: Array, x_in: Array, dt: float, names: Sequence[str], firing: Firing
+    setup: _Setup,
+    time: Array,
+    x_in: Array,
+    dt: float,
+    names: Sequence[str],
+    firing: Firing,
+    *,
+    exact: bool,
 ) -> tuple[str, ...]:
-    """Describe units whose spike count depends on the step or on the sampling."""
-    thin = np.unique(np.append(np.arange(0, len(time), 2), len(time) - 1))
+    """Describe units whose spike count depends on the step or, unless exact, on the sampling."""
     half = _fire(setup, time, x_in, dt / 2, driven=False)
+    notes = count_changes(names, firing.times, half.times, "the step of the membrane is halved")
+    if exact:
+        return notes
+    thin = np.unique(np.append(np.arange(0, len(time), 2), len(time) - 1))
     coarse = _fire(setup, time[thin], x_in[thin], dt, driven=False)
-    return (
-        *count_changes(names, firing.times, half.times, "the step of the membrane is halved"),
-        *count_changes(names, firing.times, coarse.times, "only every second sample is used"),
-    )
+    change = "only every second sample is used"
+    return (*notes, *count_changes(names, firing.times, coarse.times, change))
 
 
 def _fire(setup: _Setup, time: Array, x_in: Array, dt: float, *, driven: bool) -> Firing:

@@ -11,6 +11,7 @@ from fefinger.support.checks import (
     boolean,
     choice,
     choices,
+    integer,
     number,
 )
 from fefinger.support.vocabulary import DRIVES, FAMILIES, GENERATORS, RECORDED_RULES, TYPES

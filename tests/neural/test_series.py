@@ -14,7 +14,7 @@ from fefinger.neural.recorded import fitted
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.units import simulate_units
 from fefinger.support.checks import InputError
-from fefinger.support.vocabulary import TYPES
+from fefinger.support.vocabulary import FAMILIES, TYPES
 
 
 fire = partial(series.fire, family="thesis")
@@ -136,6 +136,19 @@ def test_counts_that_hang_on_lines_between_the_samples_are_noted(
     fine, message = noted("displacement_mm", np.arange(0, 1, 1e-4))
     assert not message
     assert fine > count
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_exact_corners_are_not_taken_for_coarse_samples(family, tmp_path):
+    """A trapezoid of its corners alone, whose every second sample is another signal."""
+    time, x = [-0.1, 0.0, 0.05, 0.5, 0.55, 0.7], [0, 0, 1, 1, 0, 0]
+    path = write(tmp_path / "corners.csv", ("time", "displacement_mm"), time, x)
+    trains = series.fire(series.read(path), corners=True, family=family)
+    assert trains.count().min() > 0
+    assert not [note for note in trains.notes if "sample" in note]
+    assert "unless it has these corners" in " ".join(
+        simulate_units(time, np.array(x)[:, None], types=("FAII",)).notes
+    )
 
 
 def test_uneven_samples_and_jumps_are_welcome(tmp_path):
