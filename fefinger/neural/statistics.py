@@ -14,11 +14,27 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 
 
-def mean_rates(trains: TrainRecord, start: float, stop: float) -> Array:
-    """Return spikes per second of each unit from `start` up to `stop` s, (n_units,) Hz."""
-    start = number("start", start, unit="s")
-    length = number("stop", stop, above=start, unit="s") - start
-    return np.array([np.sum((t >= start) & (t < stop)) for t in trains.times]) / length
+ROUNDING = 1e-9
+"""Time in s by which a window may extend beyond what was recorded: sums of steps round."""
+
+
+def mean_rates(trains: TrainRecord, start: float | None = None, stop: float | None = None) -> Array:
+    """Return spikes per second of each unit from `start` up to `stop` s, (n_units,) Hz.
+
+    By default from start to end of what was recorded, `t_start` and `t_stop` of the trains,
+    which is the counted part where spikes before it were left out. InputError for times beyond:
+    nothing is known of the spikes there.
+    """
+    first, last = trains.t_start, trains.t_stop
+    start = number("start", first if start is None else start, unit="s")
+    stop = number("stop", last if stop is None else stop, above=start, unit="s")
+    if start < first - ROUNDING or stop > last + ROUNDING:
+        raise InputError(
+            f"start, stop: expected times from {first:.6g} to {last:.6g} s, within which spikes "
+            f"were recorded, received {start:.6g} to {stop:.6g} s"
+        )
+    start, stop = max(start, first), min(stop, last)
+    return np.array([np.sum((t >= start) & (t < stop)) for t in trains.times]) / (stop - start)
 
 
 def intervals(times: ArrayLike) -> Array:

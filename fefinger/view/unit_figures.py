@@ -62,7 +62,7 @@ def rate_map(result: ResultRecord) -> Any:
     assert trains is not None
     assert trains.positions is not None
     kinds = of_each(trains.types)
-    rates = mean_rates(trains, trains.t_start, trains.t_stop)
+    rates = mean_rates(trains)
     across = trains.positions[:, :2]
     low, high = across.min(axis=0) - 0.8, across.max(axis=0) + 0.8
     with style():

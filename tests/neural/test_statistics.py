@@ -1,5 +1,6 @@
 """Numbers of spike trains against their definitions."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -42,6 +43,16 @@ def test_rates_count_the_spikes_of_a_window():
         stimulus_driven=np.zeros(2, np.int64),
     )
     np.testing.assert_allclose(mean_rates(trains, 0.5, 1.0), [4.0, 0.0])
+    np.testing.assert_allclose(mean_rates(trains), [3.0, 0.0])
+    np.testing.assert_allclose(mean_rates(trains, stop=0.5), [2.0, 0.0])
+    np.testing.assert_allclose(mean_rates(trains, 0.5, 1.0 + 1e-12), [4.0, 0.0])
+    counted = replace(trains, t_start=0.4, times=(trains.times[0][1:], trains.times[1]))
+    np.testing.assert_allclose(mean_rates(counted), [2 / 0.6, 0.0])
+    for window in ((100.0, 101.0), (-0.1, 0.5), (0.5, 1.1)):
+        with pytest.raises(InputError, match=r"start, stop: expected times from 0 to 1 s"):
+            mean_rates(trains, *window)
+    with pytest.raises(InputError, match=r"from 0.4 to 1 s.* received 0 to 1 s"):
+        mean_rates(counted, 0.0, 1.0)
     with pytest.raises(InputError, match="stop: expected a finite number in s above 1"):
         mean_rates(trains, 1.0, 1.0)
 
