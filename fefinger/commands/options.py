@@ -28,9 +28,9 @@ def types_option(about: str) -> Callable[[Command], Command]:
     """Add `--type TYPE`, checked types of afferents; `about` is added to the help."""
 
     def checked(context: Any, option: Any, types: tuple[str, ...]) -> tuple[str, ...]:
-        from fefinger.support.vocabulary import TYPES
+        from fefinger.support.vocabulary import TYPE_SYNONYMS, TYPES
 
-        return tuple(choice("--type", kind, TYPES) for kind in types)
+        return tuple(choice("--type", kind, TYPES, TYPE_SYNONYMS) for kind in types)
 
     text = f"SAI, SAII, FAI or FAII ({about})."
     return click.option(

@@ -11,7 +11,7 @@ from fefinger.neural.membranes import Firing
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice
 from fefinger.support.checks import names as different
-from fefinger.support.vocabulary import LONGEST_RUN, TYPES
+from fefinger.support.vocabulary import LONGEST_RUN, TYPE_SYNONYMS, TYPES
 
 
 FAII_STEP, FAII_JUMP = 2e-4, 2.0
@@ -51,7 +51,7 @@ def checked_types(types: Sequence[str]) -> tuple[str, ...]:
     """Check that there are afferent types and that all are in TYPES."""
     if not len(types):
         raise InputError("types: expected one afferent unit or more, received none")
-    return tuple(choice("types", kind, TYPES) for kind in types)
+    return tuple(choice("types", kind, TYPES, TYPE_SYNONYMS) for kind in types)
 
 
 def organ_columns(unit: ArrayLike, n_units: int) -> tuple[NDArray[np.intp], ...]:

@@ -15,7 +15,7 @@ from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import as_input_error
 from fefinger.support.checks import InputError, choice, integer, number, repeated, suggestion
 from fefinger.support.csv_columns import read_table
-from fefinger.support.vocabulary import FAMILIES, GENERATORS, TYPES
+from fefinger.support.vocabulary import FAMILIES, GENERATORS, TYPE_SYNONYMS, TYPES
 
 
 if TYPE_CHECKING:
@@ -230,7 +230,7 @@ def fire(
     signals
         What `read` or `given` returns. A column whose header begins with a type, as
         `FAI_displacement_mm`, drives a unit of that type; any other column a unit of each of
-        `types`.
+        `types`. Other names of types, such as RA, are refused.
     types
         Afferent types, by default all four.
     length
@@ -254,14 +254,15 @@ def fire(
     Raises
     ------
     InputError
-        An unknown type or one given twice, a strain without a length, samples too coarse for a
-        type's fastest pole, an unknown family or a choice that it does not have.
+        An unknown type or one given twice, a column named like one, a strain without a length,
+        samples too coarse for a type's fastest pole, an unknown family or a choice that it does not
+        have.
     """
     from fefinger.neural.checked_signals import count_changes
     from fefinger.neural.populations import numbered
     from fefinger.neural.variation import Variation
 
-    types = tuple(choice("types", kind, TYPES) for kind in types) or TYPES
+    types = tuple(choice("types", kind, TYPES, TYPE_SYNONYMS) for kind in types) or TYPES
     if repeated(types):
         msg = f"types: expected every type once, received {', '.join(types)}; leave out repeats"
         raise InputError(msg)
@@ -334,10 +335,15 @@ def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[st
     names: list[str] = []
     for i, header in enumerate(signals.headers):
         prefix = header.partition("_")[0]
-        if prefix not in TYPES and re.fullmatch("[sf]a[a-z0-9]{0,2}", prefix.lower()):
+        resembling = (
+            prefix.lower() in TYPE_SYNONYMS
+            or re.fullmatch("[sf]a[a-z0-9]{0,2}", prefix.lower()) is not None
+        )
+        if prefix not in TYPES and resembling:
+            advice = suggestion(prefix, TYPES, TYPE_SYNONYMS)
             raise InputError(
                 f"column {header!r}: its name begins like that of an afferent type, but is none of "
-                f"{', '.join(TYPES)}.{suggestion(prefix.upper(), TYPES)} Rename the column"
+                f"{', '.join(TYPES)}.{advice} Rename the column"
             )
         driven = (prefix,) if prefix in TYPES else types
         columns += [i] * len(driven)

@@ -14,7 +14,14 @@ from fefinger.support.checks import (
     integer,
     number,
 )
-from fefinger.support.vocabulary import DRIVES, FAMILIES, GENERATORS, RECORDED_RULES, TYPES
+from fefinger.support.vocabulary import (
+    DRIVES,
+    FAMILIES,
+    GENERATORS,
+    RECORDED_RULES,
+    TYPE_SYNONYMS,
+    TYPES,
+)
 
 
 SOLVERS = ("multifrontal", "single", "iterative")
@@ -82,7 +89,7 @@ class Ask:
             boolean(f"ask.{name}", getattr(self, name))
         checked: dict[str, Any] = {
             "rel_error": number("ask.rel_error", self.rel_error, above=0, at_most=1),
-            "spikes": choices("ask.spikes", self.spikes, TYPES),
+            "spikes": choices("ask.spikes", self.spikes, TYPES, TYPE_SYNONYMS),
             "depths": {
                 name: number(f"ask.depths.{name}", value, above=0, unit="mm")
                 for name, value in by_type("ask.depths", self.depths).items()

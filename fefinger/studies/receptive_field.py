@@ -31,7 +31,7 @@ from fefinger.support.checks import InputError, choice, choices, number
 from fefinger.support.outputs import output_folder
 from fefinger.support.progress import Progress
 from fefinger.support.text import outline
-from fefinger.support.vocabulary import TYPES
+from fefinger.support.vocabulary import TYPE_SYNONYMS, TYPES
 
 
 MOST = 1000
@@ -154,7 +154,7 @@ def receptive_field(
     places = _grid(reach, spacing)
     given = builtin.given(scene, changes)
     units = Places(places=((0.0, 0.0),), branched=branched, spread=0.0, seed=seed)
-    spikes = choices("kinds", kinds, TYPES)
+    spikes = choices("kinds", kinds, TYPES, TYPE_SYNONYMS)
     ask = replace(given.ask, spikes=spikes, population=units, fields=False, pressure=False)
     prepared = replace(given, ask=ask)
     aside = _moved(prepared, ASIDE)

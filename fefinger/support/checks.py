@@ -142,14 +142,21 @@ def numbers(
     return result
 
 
-def choices(name: str, values: Any, options: Iterable[str]) -> tuple[str, ...]:
-    """Return `values` as a tuple of different strings, all of them among `options`."""
+def choices(
+    name: str, values: Any, options: Iterable[str], synonyms: Mapping[str, str] | None = None
+) -> tuple[str, ...]:
+    """Return `values` as a tuple of different strings, all of them among `options`.
+
+    `synonyms`: as in `choice`.
+    """
     allowed = list(options)
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
         advice = f'; write ["{values}"]' if values in allowed else ""
         msg = f"{name}: expected a list out of {', '.join(allowed)}, received {values!r}{advice}"
         raise InputError(msg)
-    result = tuple(choice(f"{name}[{i}]", value, allowed) for i, value in enumerate(values))
+    result = tuple(
+        choice(f"{name}[{i}]", value, allowed, synonyms) for i, value in enumerate(values)
+    )
     if len(set(result)) != len(result):
         raise InputError(f"{name}: expected every name once, received {list(result)}")
     return result

@@ -7,6 +7,20 @@ The implementations are in `neural/endorgans.py`, `neural/drives.py`, `neural/ge
 TYPES = ("SAI", "SAII", "FAI", "FAII")
 """Afferent types: slowly (SA) and fast (FA) adapting, with small (I) and large (II) fields."""
 
+TYPE_SYNONYMS = {
+    "sa1": "SAI",
+    "sa2": "SAII",
+    "ra": "FAI",
+    "ra1": "FAI",
+    "rai": "FAI",
+    "fa1": "FAI",
+    "pc": "FAII",
+    "ra2": "FAII",
+    "raii": "FAII",
+    "fa2": "FAII",
+}
+"""Other names of the types in the literature, in lower case: not accepted, but understood."""
+
 FAMILIES = ("recorded", "thesis")
 """Families of afferents, the default first: `recorded`, fitted to recorded responses
 (`neural/recorded.py`), and `thesis`, the chain of Pawluk (1997) with its squid membrane."""

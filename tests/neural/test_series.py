@@ -13,6 +13,7 @@ from fefinger.neural import series
 from fefinger.neural.recorded import fitted
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.units import simulate_units
+from fefinger.scene.ask import Ask
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import FAMILIES, TYPES
 
@@ -333,6 +334,26 @@ def test_a_column_named_like_an_unknown_type_is_refused(tmp_path):
             continue
         with pytest.raises(InputError, match="begins like that of an afferent type"):
             fire(series.read(path), corners=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        *(("SA1", "SAI"), ("SA2", "SAII")),
+        *(("RA", "FAI"), ("RA1", "FAI"), ("FA1", "FAI"), ("fai", "FAI")),
+        *(("PC", "FAII"), ("RA2", "FAII"), ("FA2", "FAII"), ("pc", "FAII")),
+    ],
+)
+def test_other_names_of_types_get_the_name_that_is_meant(name, meant, press, tmp_path, capsys):
+    path = write(tmp_path / "c.csv", ("time", f"{name}_displacement_mm"), TIME, PRESS)
+    with pytest.raises(InputError, match=f"begins like .* Did you mean '{meant}'. Rename"):
+        series.fire(series.read(path))
+    with pytest.raises(InputError, match=f"--type: expected one of .* Did you mean '{meant}'"):
+        series.fire(series.read(press), (name,))
+    assert main(["spikes", "--from", press, "--type", name]) == 2
+    assert f"Did you mean '{meant}'" in capsys.readouterr().err
+    with pytest.raises(InputError, match=rf"ask.spikes\[0\]: .* Did you mean '{meant}'"):
+        Ask(spikes=(name,))
 
 
 def test_a_series_of_days_is_refused_and_a_tolerance_taken(tmp_path):
