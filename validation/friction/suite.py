@@ -289,12 +289,12 @@ WIDE = (
 MESHED = f"{WIDE}; on exact layers the range is twice as large: the rest is the mesh"
 
 KNOWN = {
-    (dots.scanned, "FAI", "modulation"): (0.24, WIDE),
-    (dots.scanned, "SAI", "modulation"): (0.24, MESHED),
-    (dots.scanned, "FAII", "modulation"): (3.53, RIPPLE),
-    (dots.scanned, "FAII", "correlation"): (-0.34, RIPPLE),
-    (layers.scanned, "FAI", "modulation"): (0.25, WIDE),
-    (layers.scanned, "SAI", "modulation"): (0.53, WIDE),
+    (dots.scanned, "FAI", "modulation"): (0.25, WIDE),
+    (dots.scanned, "SAI", "modulation"): (0.26, MESHED),
+    (dots.scanned, "FAII", "modulation"): (3.28, RIPPLE),
+    (dots.scanned, "FAII", "correlation"): (-0.37, RIPPLE),
+    (layers.scanned, "FAI", "modulation"): (0.22, WIDE),
+    (layers.scanned, "SAI", "modulation"): (0.55, WIDE),
     (layers.scanned, "FAII", "ratio"): (0.0, SILENT),
 }
 """Rates that miss the recorded ones, on the mesh and on exact layers: their values, and why."""
