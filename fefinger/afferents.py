@@ -55,7 +55,6 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
     InputError
         A response without strain, or without the end organs of the population.
     """
-    from fefinger.neural.populations import numbered
     from fefinger.neural.variation import Variation
 
     strain, sites, reference = _strain_at_sites(ask, response)
@@ -68,8 +67,7 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
     if ask.population is not None:
         units, notes = _population(ask, ask.population, sites)
     elif ask.afferents == "recorded":
-        each = tuple(numbered(sites.types).tolist())
-        units["variation"] = Variation(seed=0, noise=None, numbers=each, trial=ask.trial)
+        units["variation"] = Variation(seed=0, noise=None, trial=ask.trial)
     if ask.afferents == "recorded":
         trains = _recorded(ask.population, response.time, strain, sites, units | options)
     else:
@@ -191,8 +189,7 @@ def _population(
 
     A unit is where its end organs are in the mean.
     """
-    from fefinger.neural.populations import numbered
-    from fefinger.neural.variation import Variation
+    from fefinger.neural.variation import Variation, numbered
 
     assert sites.unit is not None
     count = np.bincount(sites.unit)

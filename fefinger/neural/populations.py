@@ -1,6 +1,5 @@
 """Placement of afferent units and end organs under a pad of points, normals and areas."""
 
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -8,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.neural.drives import in_plane
+from fefinger.neural.variation import numbered
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError, choice, integer, number
 from fefinger.support.vocabulary import TYPES
@@ -22,19 +22,6 @@ that all meshes keep the same places of a grid."""
 
 ATTEMPTS = 200
 """Number of random draws around a unit before the pad counts as too small for the field."""
-
-
-def numbered(types: Sequence[str], places: ArrayLike | None = None) -> Integers:
-    """Return numbers (n_units,) of units, by type and by place among those of their type.
-
-    Numbers select random streams: units of other types, and the order of the types, change none.
-    places (n_units,): whole numbers, by default 0, 1, ... in each type.
-    """
-    codes = np.array([TYPES.index(choice("types", kind, TYPES)) for kind in types], np.int64)
-    if places is None:
-        following = {kind: itertools.count() for kind in TYPES}
-        places = [next(following[kind]) for kind in types]
-    return len(TYPES) * np.asarray(places, np.int64) + codes
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number
@@ -149,7 +149,7 @@ def units_of(
     factors: Array | None = None,
     noise: float | None = None,
     seed: int = 0,
-    numbers: Sequence[int] | None = None,
+    numbers: ArrayLike | None = None,
     trial: int = 0,
 ) -> "Units":
     """Arrays of the parameters of units.

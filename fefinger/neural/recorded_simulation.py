@@ -19,7 +19,7 @@ from fefinger.neural.checked_signals import (
 from fefinger.neural.membranes import IntegrateAndFire
 from fefinger.neural.recorded import Recorded, fitted, units_of
 from fefinger.neural.trains import SpikeTrains
-from fefinger.neural.variation import Variation
+from fefinger.neural.variation import Variation, numbered
 from fefinger.support.arrays import Array
 from fefinger.support.checks import choice, number
 from fefinger.support.vocabulary import RECORDED_RULES
@@ -149,8 +149,8 @@ def _units(
     by_type = {**fitted(), **(parameters or {})}
     chosen = [by_type[kind] for kind in types]
     if variation is None:
-        return units_of(chosen)
-    variation.check(len(types))
+        return units_of(chosen, numbers=numbered(types))
+    variation = variation.for_units(types)
     noise = variation.noise
     return units_of(
         chosen,

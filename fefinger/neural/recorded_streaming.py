@@ -13,6 +13,7 @@ from fefinger.neural.recorded_simulation import LONGEST
 from fefinger.neural.recorded_vectorized import blocks_of
 from fefinger.neural.streaming import ROOM, SteppedUnits, drive_code, planes
 from fefinger.neural.streaming_step import REFUSED
+from fefinger.neural.variation import numbered
 from fefinger.support.checks import InputError
 
 
@@ -67,7 +68,10 @@ class RecordedAfferents(SteppedUnits):
         by_type = {**fitted(), **(parameters or {})}
         chosen = [by_type[kind] for kind in types]
         self.units = units_of(
-            chosen, factors=None if factors is None else np.asarray(factors, float), seed=seed
+            chosen,
+            factors=None if factors is None else np.asarray(factors, float),
+            seed=seed,
+            numbers=numbered(types),
         )
         whole = "neural.recorded_simulation"
         self._organs = (

@@ -259,7 +259,6 @@ def fire(
         have.
     """
     from fefinger.neural.checked_signals import count_changes
-    from fefinger.neural.populations import numbered
     from fefinger.neural.variation import Variation
 
     types = tuple(choice("types", kind, TYPES, TYPE_SYNONYMS) for kind in types) or TYPES
@@ -277,8 +276,7 @@ def fire(
             _check_sampling(signals, i, kind, each, poles[kind])
     vary = None
     if family == "recorded":
-        numbers = tuple(numbered(kinds).tolist())
-        vary = Variation(seed=0, noise=None, numbers=numbers, trial=trial)
+        vary = Variation(seed=0, noise=None, trial=trial)
     elif integer("trial", trial):
         msg = f"trial: units of 'thesis' have no noise: expected trial 0, received {trial}"
         raise InputError(msg)

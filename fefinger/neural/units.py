@@ -64,8 +64,6 @@ class _Setup:
         choice("generator", self.generator, GENERATORS)
         choice("rule", self.rule, RULES)
         reject_unknown("organs", self.organs, TYPES)
-        if self.variation is not None:
-            self.variation.check(len(self.types))
         for kind, organ in self.organs.items():
             if not hasattr(organ, "respond"):
                 msg = f"organs.{kind}: expected a filter such as PoleZero, received {organ!r}"
@@ -244,7 +242,7 @@ def simulate_units(
         generator=generator,
         organs=organs or {},
         membrane=membrane,
-        variation=variation,
+        variation=None if variation is None else variation.for_units(types),
         method=method,
         tolerance=tolerance,
     )

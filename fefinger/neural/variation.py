@@ -1,16 +1,33 @@
 """Random variation between units of a type, and membrane noise, reproducible by a seed."""
 
-from dataclasses import dataclass
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, integer, number
+from fefinger.support.arrays import Array, Integers
+from fefinger.support.checks import InputError, choice, integer, number
+from fefinger.support.vocabulary import TYPES
 
 
 NOISE_STEP = 1e-3
 """Time in s between independent values of membrane noise, which is linear in between: a choice,
 near the open time of a channel and far below the time constants of the slowed membrane."""
+
+
+def numbered(types: Sequence[str], places: ArrayLike | None = None) -> Integers:
+    """Return numbers (n_units,) of units, by type and by place among those of their type.
+
+    Numbers select random streams: units of other types, and the order of the types, change none.
+    places (n_units,): whole numbers, by default 0, 1, ... in each type.
+    """
+    codes = np.array([TYPES.index(choice("types", kind, TYPES)) for kind in types], np.int64)
+    if places is None:
+        following = {kind: itertools.count() for kind in TYPES}
+        places = [next(following[kind]) for kind in types]
+    return len(TYPES) * np.asarray(places, np.int64) + codes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,7 +38,7 @@ class Variation:
     type differ; the amount is a choice of the user). noise: standard deviation in µA/cm² of
     the independent values of membrane noise; of the noise through time, straight lines between
     them, it is sqrt(2/3) of that. None: those of the unit's type. numbers: of the units, by default
-    their places in the list; a unit's draws depend on the seed, its number and the trial alone, not
+    those of `numbered`; a unit's draws depend on the seed, its number and the trial alone, not
     on the other units or the length of the run. trial: another one is other noise of the same
     units, whose gains stay.
     """
@@ -45,12 +62,19 @@ class Variation:
                 msg = f"numbers: expected whole numbers of 0 or more, received {index!r}"
                 raise InputError(msg)
 
-    def check(self, units: int) -> None:
-        """Raise InputError unless there are as many numbers as units, where there are numbers."""
-        if self.numbers is not None and len(self.numbers) != units:
+    def for_units(self, types: Sequence[str]) -> "Variation":
+        """Return the variation with the numbers of units of these types.
+
+        InputError unless there are as many numbers as units, where there are numbers.
+        """
+        if self.numbers is None:
+            return replace(self, numbers=tuple(numbered(types).tolist()))
+        if len(self.numbers) != len(types):
             raise InputError(
-                f"numbers: expected one for each of {units} units, received {len(self.numbers)}"
+                f"numbers: expected one for each of {len(types)} units, received "
+                f"{len(self.numbers)}"
             )
+        return self
 
     def gain(self, unit: int, spread: float = 0.0) -> float:
         """Random factor on the gain of a unit, of a type with this spread."""

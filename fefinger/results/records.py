@@ -94,7 +94,7 @@ class Sites:
     points (n_sites, 3) mm, normals (n_sites, 3) unit outward normals of the skin above them,
     depths (n_sites,) mm below the skin, types: the afferent type that each one serves, unit
     (n_sites,): the afferent unit that each belongs to; None: one each. number (n_sites,): of that
-    unit (`neural.populations.numbered`) among all requested ones, some of which may lie off the
+    unit (`neural.variation.numbered`) among all requested ones, some of which may lie off the
     skin; None: not of a population.
     """
 

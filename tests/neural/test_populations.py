@@ -8,11 +8,11 @@ from fefinger.neural.populations import (
     grid,
     lifted,
     line,
-    numbered,
     populate,
     scatter,
     squares,
 )
+from fefinger.neural.variation import numbered
 from fefinger.support.checks import InputError
 
 

@@ -15,7 +15,7 @@ from fefinger.neural.recorded import BOUNDS, LATENCY, Recorded, fitted, record, 
 from fefinger.neural.recorded_simulation import LONGEST, combined, simulate_recorded
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.streaming import ROOM
-from fefinger.neural.variation import Variation
+from fefinger.neural.variation import Variation, numbered
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 
@@ -276,7 +276,7 @@ def test_a_seed_gives_the_same_spikes_and_another_seed_others():
     assert all(np.array_equal(a, b) for a, b in zip(first, again, strict=True))
     assert not any(np.array_equal(a, b) for a, b in zip(first, other, strict=True))
     assert not np.array_equal(first[0], first[1])
-    swapped = times(1, numbers=(1, 0, 2))
+    swapped = times(1, numbers=tuple(numbered(("SAI",) * 3)[[1, 0, 2]]))
     assert np.array_equal(swapped[0], first[1])
 
 

@@ -348,7 +348,7 @@ def test_other_names_of_types_get_the_name_that_is_meant(name, meant, press, tmp
     path = write(tmp_path / "c.csv", ("time", f"{name}_displacement_mm"), TIME, PRESS)
     with pytest.raises(InputError, match=f"begins like .* Did you mean '{meant}'. Rename"):
         series.fire(series.read(path))
-    with pytest.raises(InputError, match=f"--type: expected one of .* Did you mean '{meant}'"):
+    with pytest.raises(InputError, match=f"types: expected one of .* Did you mean '{meant}'"):
         series.fire(series.read(press), (name,))
     assert main(["spikes", "--from", press, "--type", name]) == 2
     assert f"Did you mean '{meant}'" in capsys.readouterr().err

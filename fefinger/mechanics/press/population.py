@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.neural import populations
 from fefinger.neural.populations import Population, Surface
+from fefinger.neural.variation import numbered
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.innervation import innervation, receptors
@@ -56,11 +57,11 @@ def _places(
                 f"ask.population.radius: {np.count_nonzero(~on)} of {len(on)} units within "
                 f"{layout.radius:g} mm lie beside the skin of the pad; choose a smaller radius"
             )
-        return kinds, points, populations.numbered(kinds)
+        return kinds, points, numbered(kinds)
     if isinstance(layout, Grid):
         points, which = populations.grid(skin, layout.spacing, layout.radius)
         each = tuple(types) * len(points)
-        numbers = populations.numbered(each, np.repeat(which, len(types)))
+        numbers = numbered(each, np.repeat(which, len(types)))
         return each, np.repeat(points, len(types), axis=0), numbers
     if isinstance(layout, Line):
         points = populations.line(skin, layout.start, layout.stop, layout.count)
@@ -70,7 +71,7 @@ def _places(
     else:
         raise InputError(f"ask.population: expected a layout of the package, received {layout!r}")
     kinds = tuple(types) * len(points)
-    return kinds, np.repeat(points, len(types), axis=0), populations.numbered(kinds)
+    return kinds, np.repeat(points, len(types), axis=0), numbered(kinds)
 
 
 def sites(population: Population) -> Sites:
