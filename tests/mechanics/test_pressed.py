@@ -23,6 +23,7 @@ from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import Flat, Pin, Sphere
 from fefinger.scene.motions import (
     ForceRampHold,
+    ForceSampled,
     Ramp,
     RampHold,
     RampSinusoid,
@@ -116,6 +117,23 @@ def test_a_prescribed_force_is_borne_at_once_and_creeps() -> None:
     assert np.allclose(response.force, wanted, rtol=0, atol=1e-9)
     assert (np.diff(response.depth) >= -1e-12).all()
     assert response.depth[-1] > 1.1 * response.depth[np.searchsorted(response.time, 0.26)]
+
+
+def test_at_no_force_the_indenter_bears_no_contact() -> None:
+    motion = ForceSampled((0.0, 0.1, 0.2, 0.5), (0.0, 0.1, 0.0, 0.0))
+    response = pressed.respond(scene(motion))
+    rest = response.time >= 0.2
+    assert rest.sum() > 10
+    assert (response.force[rest] == 0).all()
+    assert (response.contact_area[rest] == 0).all()
+    assert (response.pressure[rest] == 0).all()
+    assert np.isnan(response.centroid[rest]).all()
+    finger = Pressed(FINGER, deepest=1.0)
+    for force in (0.1, 0.05):
+        assert finger.step_force(force, 0.05).contact_area > 0
+    for _ in range(20):
+        now = finger.step_force(0.0, 0.007)
+        assert (now.force, now.contact_area, now.pressure.max()) == (0.0, 0.0, 0.0)
 
 
 def test_a_force_that_no_press_bears_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

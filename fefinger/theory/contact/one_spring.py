@@ -142,7 +142,7 @@ class RelaxingSpring:
             where = f"that of the largest depth, {self.elastic.nodes[-1]:.4g} mm"
             raise ValueError(f"force: expected at most {most:.4g}, {where}, received {force:g}")
         depth = max(self.elastic.depth(elastic), self._free(gain, past))
-        self._finish(depth, depth, *step)
+        self._finish(depth, depth, *step, prescribed=force)
 
     def _past(self, dt: float) -> tuple[float, Array, Array, Array]:
         """Return g and h of stress = g shape + h at the end of a step, and its factors."""
@@ -157,14 +157,21 @@ class RelaxingSpring:
         return self.elastic.depth(-float(past @ self.elastic.force) / gain)
 
     def _finish(
-        self, depth: float, body: float, gain: float, past: Array, decay: Array, ramp: Array
+        self,
+        depth: float,
+        body: float,
+        gain: float,
+        past: Array,
+        decay: Array,
+        ramp: Array,
+        prescribed: float | None = None,
     ) -> None:
-        """Set the state at the end of a step."""
+        """Set the state at the end of a step; a prescribed force is borne to the last digit."""
         shape = self.elastic.weights(body)
         self._terms = decay[:, None] * self._terms + np.outer(ramp, shape - self._shape)
         self._shape, self.depth, self.body = shape, depth, body
         stress = gain * shape + past
-        force = float(stress @ self.elastic.force)
+        force = float(stress @ self.elastic.force) if prescribed is None else prescribed
         touching = depth >= body and force > 0
         self.stress = stress if touching else np.zeros_like(stress)
         self.force = force if touching else 0.0

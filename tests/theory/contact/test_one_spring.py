@@ -70,6 +70,21 @@ def test_a_prescribed_force_gives_the_depth_that_gives_this_force(elastic: Elast
     assert np.allclose(by_force.depth[in_contact], depth[in_contact], rtol=0, atol=1e-8)
 
 
+def test_without_a_prescribed_force_nothing_touches_while_the_body_recovers(
+    elastic: ElasticForce,
+) -> None:
+    time = np.concatenate([np.linspace(0, 0.2, 101), np.geomspace(0.201, 5, 60)])
+    force = np.interp(time, [0.0, 0.1, 0.2], [0.0, 0.5, 0.0])
+    carried = carry(elastic, PRONY, time, force, "force")
+    assert np.array_equal(carried.force, force), "to the last digit"
+    rest = time >= 0.2
+    assert (carried.edge[rest] == 0).all()
+    assert (carried.stress[rest] == 0).all()
+    assert (carried.edge[~rest][1:] > 0).all()
+    assert (np.diff(carried.depth[rest]) <= 1e-12).all()
+    assert carried.depth[rest][0] > 0
+
+
 def test_after_lift_off_a_linear_body_recovers_by_its_creep_function() -> None:
     elastic = ElasticForce(NODES, LAWS["linear"])
     time = np.concatenate([np.linspace(0, 1, 2001), np.linspace(1.0, 5.0, 4001)[1:]])
