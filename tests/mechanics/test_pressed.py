@@ -73,6 +73,12 @@ def test_without_relaxation_it_is_the_press_of_solid(elastic, quantity: str, lim
     assert apart(getattr(wrong, quantity), getattr(right, quantity)) < limit
 
 
+def test_at_a_light_touch_the_force_between_depths_is_that_of_solid() -> None:
+    asked = scene(Ramp(60, 0.25), replace(FINGER, prony=ELASTIC), strain=False)
+    right, wrong = solid.respond(asked), pressed.respond(asked)
+    assert apart(wrong.force, right.force) < 0.017
+
+
 def test_the_fields_are_those_of_solid(elastic) -> None:
     right, wrong = elastic
     assert np.array_equal(right.fields.cells, wrong.fields.cells)

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.support.arrays import Array
-from fefinger.theory.contact.one_spring import NODES
-from fefinger.theory.contact.ting import radius_nodes
 
 
 RANK = 1e-6
 """Least singular value of a mode over the largest."""
+
+PARTS = 5
+"""Steps between two depths of a table, equal in the root, as for the contact radius of a ball."""
 
 STEP, LEVELS = 3e-5, 32767
 """Displacement in mm to which modes are rounded, and the most steps of one: 16 bits."""
@@ -96,8 +97,38 @@ class DepthTable:
 
     @cached_property
     def nodes(self) -> Array:
-        """Depths (n_nodes,) mm between which `pressed` interpolates linearly."""
-        return radius_nodes(self.deepest, NODES)
+        """Depths (n_nodes,) mm between which `pressed` interpolates linearly.
+
+        All depths of the table are among them, so that deeper rows change none of them.
+        """
+        root, part = np.sqrt(self.depth), np.arange(PARTS) / PARTS
+        nodes = (root[:-1, None] + np.diff(root)[:, None] * part).ravel() ** 2
+        nodes[::PARTS] = self.depth[:-1]
+        return np.append(nodes, self.deepest)
+
+    @cached_property
+    def force_at_nodes(self) -> Array:
+        """Force (n_nodes,) N at the nodes: without overshoot, on logarithmic axes.
+
+        There it is almost straight. Vertices come into contact one by one: the force of pressures
+        that are interpolated each is up to 7 % off between depths, this one within 0.5 % from the
+        third depth on (standard mesh, plate at 30 degrees).
+        """
+        from scipy.interpolate import PchipInterpolator
+
+        first = int(np.argmax(self.force > 0))
+        depth, force = np.log(self.depth[first:]), np.log(self.force[first:])
+        nodes, borne = self.nodes, np.zeros(len(self.nodes))
+        resolved = nodes >= self.depth[first]
+        borne[resolved] = np.exp(PchipInterpolator(depth, force)(np.log(nodes[resolved])))
+        # A mesh does not resolve the first touch: a power of the depth, as it goes on.
+        before = self.depth[first - 1]
+        power = (force[1] - force[0]) / (depth[1] - depth[0])
+        touching = ~resolved & (nodes > before)
+        part = (nodes[touching] - before) / (self.depth[first] - before)
+        borne[touching] = self.force[first] * part**power
+        borne[::PARTS] = self.force
+        return borne
 
     @cached_property
     def between(self) -> Array:

@@ -67,8 +67,7 @@ class TabulatedPress:
     @cached_property
     def force(self) -> Array:
         """Elastic force (n_nodes,) N of the whole finger at the nodes of depth."""
-        unit = self.press.sides * NEWTON_PER_MILLINEWTON
-        return np.asarray(unit * self.pressure @ self.contact.projected)
+        return self.table.force_at_nodes
 
     @cached_property
     def elastic(self) -> ElasticForce:

@@ -20,9 +20,6 @@ from fefinger.theory.contact.elastic import Array
 from fefinger.theory.relaxation import Prony, exprel
 
 
-NODES = 128
-"""Intervals of depth, of equal steps of the contact radius of a ball."""
-
 SLOWER = 1.25
 """By which the elastic depth of the rim falls more slowly on retreat than that of the force.
 
