@@ -6,7 +6,10 @@ first press of a stack takes a quarter of a second, another one some 30 ms
 (`reports/small-strain-cost.json`).
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import small_strain_cost
@@ -24,6 +27,7 @@ from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.stack import Layer, Stack
+from fefinger.theory.relaxation import creep_integral
 
 
 if TYPE_CHECKING:
@@ -82,6 +86,37 @@ def contact(scene: Scene) -> "ContactTable":
         return tabulate_to(stack(scene.finger), radius, force=peak / NEWTON_PER_MILLINEWTON)
     except ValueError as error:
         raise InputError(f"motion: {error}; press less") from error
+
+
+def deepest(case: Situation, enough: float) -> float:
+    """Return the largest depth in mm of the contact, or `enough` where it is at least that.
+
+    Under force control it is that of the layers under the largest elastic force; first touch is
+    that of the skin, against which a half-space of both tissues is far too soft. Objects without
+    curvature have the depth of the measured presses.
+    """
+    from fefinger.theory.contact.contact_table import tabulate_to
+
+    finger, peak = case.finger, case.peak
+    if case.motion.control == "depth":
+        return peak
+    if case.indenter.hertzian is None:
+        return case.depth_over_thickness * finger.thickness
+    body = hertz.half_space(finger, case.indenter)
+    hardest = max(finger.skin.modulus, finger.subcutaneous.modulus)
+    least = replace(body, modulus=hardest)
+    # Tissue that has not relaxed bears more; at once it is as if the elastic force were this part.
+    elastic = peak / NEWTON_PER_MILLINEWTON * finger.prony.long_time
+    if least.depth(elastic) >= enough:
+        return enough
+    load = np.asarray(case.motion.value(case.times)) / NEWTON_PER_MILLINEWTON
+    relaxing = creep_integral(finger.prony, case.times, load) * finger.prony.long_time
+    elastic = max(elastic, float(relaxing.max()))
+    try:
+        table = tabulate_to(stack(finger), body.relative_radius, force=elastic)
+    except ValueError:  # no such layers, or wider than the pad is round: far from too small
+        return float(least.depth(elastic))
+    return float(table.depth(elastic))
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:

@@ -5,9 +5,10 @@ relaxation then run on that small dense problem (`press/small_strain.py`). What 
 `NOTES`.
 """
 
+import math
 from dataclasses import replace
 
-from fefinger.mechanics import hertz
+from fefinger.mechanics import hertz, layered
 from fefinger.mechanics.evidence import small_strain_cost
 from fefinger.mechanics.evidence.measured_tissue import largest_exponents
 from fefinger.mechanics.evidence.stated_errors import measured
@@ -100,11 +101,16 @@ def unmeasured(finger: Finger) -> list[Reason]:
 
 
 def too_small(case: Situation) -> tuple[Reason, ...]:
-    """Return the reason against a contact (its Hertz radius) too small for the mesh."""
+    """Return the reason against a contact (its Hertz radius) too small for the mesh.
+
+    Under force control the depth is that of the flat layers, so that both controls have one limit.
+    """
     if case.indenter.hertzian is None:
         return ()
     facet = FACETS[case.mesh]
-    facets = hertz.widest(case) / facet
+    radius = hertz.half_space(case.finger, case.indenter).relative_radius
+    depth = layered.deepest(case, (FEWEST * facet) ** 2 / radius)
+    facets = math.sqrt(radius * depth) / facet * (1 + 1e-12)
     if facets >= FEWEST:
         return ()
     reason = (

@@ -9,7 +9,7 @@ is measured against `solid` on the same mesh (`evidence/tabulation_error.py`).
 
 import math
 
-from fefinger.mechanics import linear, solid
+from fefinger.mechanics import layered, linear, solid
 from fefinger.mechanics.evidence import tabulation_error
 from fefinger.mechanics.press.notes import (
     LOGARITHMIC,
@@ -54,7 +54,23 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
         unable.append(Reason("ask.solver", reason))
     if unable:
         return refusals(name, "ability", unable)
-    return solid.refused(name, case)
+    return (*solid.refused(name, case), *refusals(name, "accuracy", too_shallow(case)))
+
+
+def too_shallow(case: Situation) -> list[Reason]:
+    """Return the reason against a motion that goes no deeper than the first depth of a table."""
+    # Imported here, because errors are also read for scenes without a mesh.
+    from fefinger.mechanics.press.depth_table import SHALLOWEST
+
+    first = SHALLOWEST * case.finger.thickness
+    depth = layered.deepest(case, first)
+    if depth >= first * (1 - 1e-9):
+        return []
+    reason = (
+        f"depth / finger.thickness = {depth / case.finger.thickness:.2g} < {SHALLOWEST:g}: its "
+        "tables begin there"
+    )
+    return [Reason("motion", reason)]
 
 
 cost, once, coarser = tabulation_error.seconds, tabulation_error.once, linear.coarser

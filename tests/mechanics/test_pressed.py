@@ -10,7 +10,7 @@ import pytest
 from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.evidence import tabulation_error
 from fefinger.mechanics.press import depth_table_store, elastic_press
-from fefinger.mechanics.press.depth_table import STEP, DepthTable, DisplacementBasis
+from fefinger.mechanics.press.depth_table import SHALLOWEST, STEP, DepthTable, DisplacementBasis
 from fefinger.mechanics.press.elastic_press import depths
 from fefinger.mechanics.realtime.pressed import Pressed
 from fefinger.mechanics.situation import Situation
@@ -253,6 +253,33 @@ def test_it_refuses_what_it_is_not_for(change: dict, reason: str) -> None:
     (first, *_) = pressed.refuse(case)
     assert (first.mechanics, first.about) == ("pressed", "ability")
     assert reason in first.reason
+
+
+@pytest.mark.parametrize(
+    ("motion", "coarse", "shallow"),
+    [
+        (Ramp(10, 0.009), True, True),
+        (Ramp(10, 0.015), False, True),
+        (Ramp(10, 0.017), False, False),
+        (ForceRampHold(2e-3, 2e-4, hold=0.2), True, True),  # 0.0084 mm deep
+        (ForceRampHold(5e-3, 5e-4, hold=0.2), False, False),  # 0.017 mm
+        (ForceRampHold(3e-3, 3e-4, hold=0.2), True, True),  # 0.012 mm
+        (ForceRampHold(3e-3, 3e-4, hold=30), False, False),  # it creeps to 0.017 mm
+        (ForceRampHold(1, 0.5, hold=1), False, False),
+    ],
+)
+def test_a_light_touch_is_refused_at_the_same_depth_under_both_controls(
+    motion, coarse: bool, shallow: bool
+) -> None:
+    case = Situation.of(scene(motion, replace(FINGER, resolution="standard")))
+    assert any("the mesh is too coarse" in each.reason for each in solid.refuse(case)) == coarse
+    refused = pressed.refuse(case)
+    assert any("its tables begin there" in each.reason for each in refused) == shallow
+    assert {each.about for each in refused} <= {"accuracy"}
+
+
+def test_tables_that_motions_share_begin_at_one_depth() -> None:
+    assert depths(10.0, 0.1)[1] == pytest.approx(10.0 * SHALLOWEST)
 
 
 def test_the_error_of_tabulation_is_larger_on_retreat_and_none_without_relaxation() -> None:

@@ -17,6 +17,9 @@ from fefinger.support.arrays import Array
 RANK = 1e-6
 """Least singular value of a mode over the largest."""
 
+SHALLOWEST = 0.0016
+"""Depth of the first row over the thickness of the finger, in tables that other motions share."""
+
 PARTS = 5
 """Steps between two depths of a table, equal in the root, as for the contact radius of a ball."""
 
