@@ -14,6 +14,7 @@ from fefinger.mechanics.evidence import (
     pressed_objects,
     tabulation_error,
 )
+from fefinger.mechanics.evidence.press_margins import SHALLOW
 from fefinger.mechanics.evidence.table import PRESS_MESH, TIME_STEPS, read
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -54,6 +55,29 @@ def test_under_a_measured_object_it_is_the_error_of_that_press(mesh, quantity) -
     known = in_press("a.h./flat-30", f"solid {mesh}", 0.15, quantity)
     assert found == pytest.approx(np.hypot(known, steps(quantity)), rel=1e-9)
     assert source.startswith(f"reports/{PRESS_MESH}, a.h./flat-30")
+
+
+@pytest.mark.parametrize("quantity", ["force", "pressure", "area", "strain"])
+@pytest.mark.parametrize("mesh", ["coarse", "standard", "fine"])
+def test_shallower_than_measured_the_error_of_a_mesh_grows(mesh, quantity) -> None:
+    first = ROWS["a.h./flat-30"]["depth_mm"][0]
+    known = in_press("a.h./flat-30", f"solid {mesh}", 0.0, quantity)
+    for depth, grown in ((first, 1.0), (first / 2, 2**SHALLOW), (first / 16, 16**SHALLOW)):
+        found, _ = get("solid").error(case(Flat(30), depth, mesh), quantity)
+        assert found == pytest.approx(np.hypot(grown * known, steps(quantity)), rel=1e-9)
+
+
+def test_shallower_than_measured_the_error_of_a_formula_does_not_grow() -> None:
+    first = ROWS["a.h./flat-30"]["depth_mm"][0]
+    near, far = (get("layered").error(case(Flat(30), first / by))[0] for by in (1.01, 16))
+    assert near == pytest.approx(far, rel=0.3)
+
+
+def test_at_a_light_touch_stated_errors_are_no_smaller_than_those_that_were_found() -> None:
+    """Of the standard mesh against the fine one under the plate at 30 degrees, on a.h."""
+    for depth, off in ((0.013, 0.05), (0.017, 0.03), (0.025, 0.005)):
+        assert get("pressed").error(case(Flat(30), depth))[0] > off
+    assert get("pressed").error(case(Flat(30), 0.05), "strain")[0] > 0.11  # of FAI
 
 
 PLATES = {

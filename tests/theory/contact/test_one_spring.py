@@ -75,14 +75,14 @@ def test_without_a_prescribed_force_nothing_touches_while_the_body_recovers(
 ) -> None:
     time = np.concatenate([np.linspace(0, 0.2, 101), np.geomspace(0.201, 5, 60)])
     force = np.interp(time, [0.0, 0.1, 0.2], [0.0, 0.5, 0.0])
-    carried = carry(elastic, PRONY, time, force, "force")
-    assert np.array_equal(carried.force, force), "to the last digit"
+    press = relax(elastic, PRONY, time, force, "force")
+    assert np.array_equal(press.force, force), "to the last digit"
     rest = time >= 0.2
-    assert (carried.edge[rest] == 0).all()
-    assert (carried.stress[rest] == 0).all()
-    assert (carried.edge[~rest][1:] > 0).all()
-    assert (np.diff(carried.depth[rest]) <= 1e-12).all()
-    assert carried.depth[rest][0] > 0
+    assert (press.edge[rest] == 0).all()
+    assert (press.stress[rest] == 0).all()
+    assert (press.edge[~rest][1:] > 0).all()
+    assert (np.diff(press.depth[rest]) <= 1e-12).all()
+    assert press.depth[rest][0] > 0
 
 
 def test_after_lift_off_a_linear_body_recovers_by_its_creep_function() -> None:

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fefinger.mechanics.press.depth_table import PARTS, DepthTable, DisplacementBasis
 from fefinger.mechanics.press.elastic_press import depths
-from fefinger.mechanics.press.elastic_table import PARTS, DepthTable, Modes
 from fefinger.support.arrays import Array
 
 
@@ -26,7 +26,7 @@ def table(power: float = 1.5, count: int = 25) -> DepthTable:
         area=np.pi * RADIUS * depth,
         pressure=pressure,
         gap=row,
-        modes=Modes(row, np.zeros((1, 3), dtype=np.int16)),
+        modes=DisplacementBasis(row, np.zeros((1, 3), dtype=np.int16)),
         reach=3.0,
         modulus=1.0,
     )
@@ -63,7 +63,9 @@ def cut(given: DepthTable, count: int) -> DepthTable:
         name: getattr(given, name)[:count]
         for name in ("depth", "force", "moment", "area", "pressure", "gap")
     }
-    return replace(given, modes=Modes(given.modes.amplitudes[:count], given.modes.shapes), **rows)
+    return replace(
+        given, modes=DisplacementBasis(given.modes.amplitudes[:count], given.modes.shapes), **rows
+    )
 
 
 def test_a_deeper_table_gives_the_same_values_at_lesser_depths() -> None:
