@@ -117,6 +117,17 @@ def test_the_pressures_on_the_pad_bear_the_force() -> None:
     assert np.array_equal(response.force > 0, response.contact_area > 0)
 
 
+def test_the_penetration_is_that_of_the_steps_whatever_the_table() -> None:
+    light, deep = (pressed.respond(scene(Ramp(20, depth))) for depth in (0.05, 1.5))
+    for response in (light, deep):
+        found = response.numbers["penetration_mm"]
+        assert found == pytest.approx(max(-float(response.gap.min()), 0.0))
+        assert f"{found:.2g} mm inside" in response.status
+    right = solid.respond(scene(Ramp(20, 0.05))).numbers["penetration_mm"]
+    assert light.numbers["penetration_mm"] == pytest.approx(right, abs=2e-3)
+    assert light.numbers["penetration_mm"] < 0.3 * deep.numbers["penetration_mm"]
+
+
 def test_a_prescribed_force_is_borne_at_once_and_creeps() -> None:
     response = pressed.respond(scene(ForceRampHold(2, 0.5, hold=2)))
     wanted = ForceRampHold(2, 0.5, hold=2).value(response.time)

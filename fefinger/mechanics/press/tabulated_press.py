@@ -158,6 +158,8 @@ def tabulated_response(
         fields = _fields(tabulated, relaxed) if press.fields else None
     with stages.stage("pressure"):
         pressure = tabulated.pressures(relaxed)
+        gaps = _gaps(tabulated, relaxed)
+        penetration = deepest_penetration(gaps)
         pad = area = middle = gap = moment = seen_pressure = None
         if press.pressure:
             seen = tabulated.contact.neighborhood
@@ -165,14 +167,13 @@ def tabulated_response(
             seen_pressure = on_neighborhood(pressure, seen)[:, column]
             area = np.interp(relaxed.edge, table.nodes, table.bounded(table.area))
             middle = centroid(pad, seen_pressure)
-            gap = _gaps(tabulated, relaxed)[:, column]
+            gap = gaps[:, column]
             moment = whole_moment(relaxed.stress @ table.between @ table.moment, half)
     with stages.stage("strain"):
         strain = None
         if press.sites is not None:
             strain = np.tensordot(relaxed.strain, tabulated.strain(press.sites.points), 1)
         reference = tabulated.reference()
-    penetration = deepest_penetration(table.gap)
     return make_response(
         press,
         stages,
