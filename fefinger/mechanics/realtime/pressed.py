@@ -89,7 +89,7 @@ class Pressed:
         pad, column = whole_pad(press.body, tabulated.contact.neighborhood)
         seen = on_neighborhood(np.eye(len(self._travel)), tabulated.contact.neighborhood)[:, column]
         self._loads = seen @ np.column_stack([pad.areas, first_moments(pad)[:, :2]])
-        self._spring = RelaxingSpring(tabulated.elastic, finger.prony)
+        self._spring = RelaxingSpring(tabulated.elastic, finger.prony, self.deepest)
         zeros = np.zeros(len(self._travel)), np.zeros((len(self.sites.points), 6))
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, *zeros)
 
@@ -134,7 +134,7 @@ class Pressed:
         Raises
         ------
         InputError
-            A force that presses deeper than the elastic press goes; the finger stays as it was.
+            A force that presses deeper than `deepest`; the finger stays as it was.
         """
         number("force", force, at_least=0, unit="N")
         number("dt", dt, at_least=0, unit="s")

@@ -91,13 +91,15 @@ class ElasticForce:
 class RelaxingSpring:
     """One spring through time, with a relaxation G whose long-time value is 1.
 
+    deepest mm: the largest depth, by default that of the last node.
     depth mm of the indenter; body mm: the elastic depth that the body is deformed to; stress (n,):
     weights of the elastic values at the nodes in forces and pressures; force, in the unit of the
     elastic one; edge mm: the elastic depth whose contact is the present one.
     """
 
-    def __init__(self, elastic: ElasticForce, prony: Prony) -> None:
+    def __init__(self, elastic: ElasticForce, prony: Prony, deepest: float | None = None) -> None:
         self.elastic = elastic
+        self.deepest = float(elastic.nodes[-1]) if deepest is None else deepest
         self._weights, self._rates = prony.branches
         self.reset()
 
@@ -116,13 +118,12 @@ class RelaxingSpring:
         Raises
         ------
         ValueError
-            A depth beyond the nodes.
+            A depth beyond the deepest.
         """
-        deepest = float(self.elastic.nodes[-1])
-        if depth > deepest * (1 + SAME):
-            raise ValueError(f"depth: expected at most {deepest:g} mm, received {depth:g} mm")
+        if depth > self.deepest * (1 + SAME):
+            raise ValueError(f"depth: expected at most {self.deepest:g} mm, received {depth:g} mm")
         step = self._past(dt)
-        self._finish(depth, max(min(depth, deepest), self._free(*step[:2])), *step)
+        self._finish(depth, max(min(depth, self.deepest), self._free(*step[:2])), *step)
 
     def advance_force(self, dt: float, force: float) -> None:
         """Load the indenter with a force >= 0 within dt >= 0 s; at 0 it just touches.
@@ -130,13 +131,14 @@ class RelaxingSpring:
         Raises
         ------
         ValueError
-            A force beyond that of the deepest node.
+            A force that presses deeper than the deepest; nothing has moved then.
         """
         gain, past, *_ = step = self._past(dt)
-        elastic = (force - float(past @ self.elastic.force)) / gain
-        if elastic > self.elastic.force[-1] * (1 + SAME):
-            most = gain * self.elastic.force[-1] + float(past @ self.elastic.force)
-            where = f"that of the largest depth, {self.elastic.nodes[-1]:.4g} mm"
+        borne = float(past @ self.elastic.force)
+        elastic, largest = (force - borne) / gain, self.elastic.at(self.deepest)
+        if elastic > largest * (1 + SAME):
+            most = gain * largest + borne
+            where = f"that of the largest depth, {self.deepest:.4g} mm"
             raise ValueError(f"force: expected at most {most:.4g}, {where}, received {force:g}")
         depth = max(self.elastic.depth(elastic), self._free(gain, past))
         self._finish(depth, depth, *step, prescribed=force)

@@ -173,3 +173,20 @@ def test_what_lies_beyond_the_deepest_node_is_refused() -> None:
         ValueError, match=r"force: expected at most .*, that of the largest depth, 2 mm"
     ):
         RelaxingSpring(elastic, PRONY).advance_force(0.1, 1e3)
+
+
+def test_the_largest_depth_holds_for_depths_and_forces_and_a_refusal_moves_nothing() -> None:
+    spring = RelaxingSpring(ElasticForce(NODES, LAWS["Hertz"]), PRONY, deepest=0.5)
+    spring.advance_force(0.1, 0.3)
+    before = spring.depth, spring.force, spring.body
+    for advance, value, field in (
+        (spring.advance, 0.51, "depth"),
+        (spring.advance_force, 20.0, "force"),
+    ):
+        with pytest.raises(ValueError, match=f"^{field}: expected at most .*0.5 mm"):
+            advance(0.1, value)
+        assert (spring.depth, spring.force, spring.body) == before
+    spring.advance(0.1, 0.5)
+    limit = spring.force
+    spring.advance_force(0.0, limit)
+    assert spring.depth == pytest.approx(0.5)
