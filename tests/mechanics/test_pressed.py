@@ -296,15 +296,28 @@ def test_tables_that_motions_share_begin_at_one_depth() -> None:
     assert depths(10.0, 0.1)[1] == pytest.approx(10.0 * SHALLOWEST)
 
 
-def test_the_error_of_tabulation_is_larger_on_retreat_and_none_without_relaxation() -> None:
+def test_the_error_of_tabulation_is_larger_on_retreat() -> None:
     advancing, back = (
         Situation.of(scene(each)) for each in (Ramp(60, 0.55), Trapezoid(60, 0.55, hold=1))
     )
     errors = [tabulation_error.error(case, "force") for case in (advancing, back)]
     assert 0.01 < errors[0] < errors[1] < 0.1
-    none = Situation.of(scene(Ramp(60, 1.0), replace(FINGER, prony=ELASTIC)))
-    assert tabulation_error.error(none, "force") == 0.0
-    assert pressed.error(none)[0] == pytest.approx(solid.error(none)[0])
+
+
+def test_without_relaxation_the_error_between_the_depths_of_a_table_is_left() -> None:
+    errors = []
+    for depth in (0.02, 0.1, 0.3, 1.0):
+        coarse = Situation.of(scene(Ramp(60, depth), replace(FINGER, prony=ELASTIC)))
+        fine = coarse.on("standard")
+        errors.append(tabulation_error.error(coarse, "force"))
+        assert 0 < tabulation_error.error(fine, "force") <= errors[-1]
+        assert pressed.error(fine)[0] > solid.error(fine)[0]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[1] > 0.027, "found on the coarse mesh at 0.1 mm"
+    assert errors[-1] < 0.005
+    with_little = replace(FINGER, prony=Prony((0.9, 0.1), (10.0,)), resolution="standard")
+    retreating = Situation.of(scene(Trapezoid(20, 0.3, hold=0.05), with_little))
+    assert tabulation_error.error(retreating, "force") > 0.0188, "found on the standard mesh"
 
 
 @pytest.mark.parametrize(
