@@ -125,8 +125,8 @@ def test_how_far_each_thing_that_is_asked_can_be_trusted_is_said(changes, said):
 
 def test_where_the_force_is_prescribed_the_depth_has_an_error_and_the_force_that_there():
     found = plan.choose(published.load("press-to-1N", {"ask.rel_error": 0.9, "ask.fields": False}))
-    told = f"Expected within: depth {text.percent(found.chosen.errors['depth'])}, force at the "
-    assert found.trust.startswith(f"{told}depth {text.percent(found.chosen.error)}, ")
+    told = f"Expected within: largest depth {text.percent(found.chosen.errors['depth'])}, "
+    assert found.trust.startswith(f"{told}force at the depth {text.percent(found.chosen.error)}, ")
 
 
 @pytest.mark.parametrize("afferents", ["recorded", "thesis"])

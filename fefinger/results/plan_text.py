@@ -71,7 +71,7 @@ def trust(rung: "Rung", ask: "Ask") -> str:
     """State the expected error of each requested output, in a sentence or two.
 
     Where the force is prescribed, its error is that at the depth of the answer; all others are at
-    that force.
+    that force, that of the depth is of the largest depth.
     """
     errors = {"force": rung.error, **rung.errors}
     requested = ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
@@ -81,7 +81,7 @@ def trust(rung: "Rung", ask: "Ask") -> str:
     words = QUANTITIES
     if "depth" in errors:
         known = ["depth", *known]
-        words = QUANTITIES | {"force": "force at the depth", "depth": "depth"}
+        words = QUANTITIES | {"force": "force at the depth", "depth": "largest depth"}
     bounds = ", ".join(f"{words[name]} {percent(errors[name])}" for name in known)
     sentences = [f"Expected within: {bounds}."] if known else []
     if ask.spikes:

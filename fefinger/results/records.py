@@ -49,7 +49,7 @@ class Rung:
     highest "pressure" over 1 mm², the contact "area" and the "strain" at the end organs, where the
     force is largest. An error that is not in `errors` is unknown. Where the force is prescribed,
     `error` is that at the depth of the answer, and `errors` are at that force, with that of its
-    "depth".
+    largest "depth"; on the way back the depth may err more.
     """
 
     mechanics: str
