@@ -71,7 +71,7 @@ def error(candidate: Candidate, case: Situation, quantity: str = "force") -> Sta
         return StatedError(math.nan, estimate)
     margin, value = math.hypot(*_margins(estimate, candidate, case, quantity)), estimate.value
     grows = _grows_through_motion(candidate, case)
-    tabulation = tabulation_error.error(case, quantity) if grows else 0.0
+    tabulation = tabulation_error.error(case, quantity, table=False) if grows else 0.0
     if case.published_tissue:  # neither is the larger by far
         margin += math.hypot(value, tabulation) - value
     else:

@@ -72,15 +72,19 @@ def retreats(motion: Motion) -> bool:
     return bool((np.diff(values) < -1e-9 * np.abs(values).max()).any())
 
 
-def error(case: Situation, quantity: str) -> float:
-    """Return the error: of the force the largest through time, of other quantities at the peak."""
+def error(case: Situation, quantity: str, *, table: bool = True) -> float:
+    """Return the error: of the force the largest through time, of other quantities at the peak.
+
+    table: with the error between its depths, which small strain does not have.
+    """
     rows, relaxing = _rows(quantity), RELAXING
     if quantity == "force" and retreats(case.motion):
         rows, relaxing = [*rows, *_rows("force on retreat")], RELAXING_BACK
     pairs = [(row.conditions["part"], row.value) for row in rows]
     largest = largest_about(case.depth_over_thickness, pairs, quantity)
     share = min(1.0, (1.0 - case.finger.prony.long_time) / relaxing)
-    return MARGIN * largest * share + between_depths(case, quantity) * (1.0 - share)
+    between = between_depths(case, quantity) if table else 0.0
+    return MARGIN * largest * share + between * (1.0 - share)
 
 
 def between_depths(case: Situation, quantity: str) -> float:
