@@ -91,7 +91,7 @@ def test_a_result_of_before_errors_were_stated_of_each_thing_loads_without_them(
 
     def former(value: Any, place: str, variables: dict[str, Any]) -> Any:
         found = encode(value, place, variables)
-        late = {"Rung": "errors", "Plan": "trust", "Refusal": "field"}
+        late = {"Rung": "errors", "Plan": "trust", "Refusal": "field", "Fields": "energy"}
         if isinstance(found, dict) and found.get("record") in late:
             del found[late[found["record"]]]
         return found
@@ -183,6 +183,21 @@ def test_a_long_sampled_motion_is_saved_whole(synthetic: Result, tmp_path: Path)
     )
     result.save(tmp_path)
     assert load(tmp_path).scene == result.scene
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_the_energy_on_the_mesh_is_saved(synthetic: Result, tmp_path: Path) -> None:
+    fields = synthetic.fields
+    assert fields is not None
+    energy = np.random.default_rng(1).random((*fields.pressure.shape, 2))
+    response = dataclasses.replace(
+        synthetic.response, fields=dataclasses.replace(fields, energy=energy)
+    )
+    result = dataclasses.replace(synthetic, response=response)
+    result.save(tmp_path)
+    assert_same(load(tmp_path), result)
+    with xr.open_dataset(tmp_path / "result.nc", engine="h5netcdf", decode_times=False) as data:
+        assert (data["mesh_energy"].sel(limit="elastic") == energy[..., 1]).all()
 
 
 @pytest.mark.usefixtures("plain_report")

@@ -36,6 +36,7 @@ COORDINATES = {
     "lateral_axis": ("distal", "radial"),
     "component": ("xx", "yy", "zz", "xy", "yz", "xz"),
     "part": ("real", "imaginary"),
+    "limit": ("relaxed", "elastic"),
 }
 
 

@@ -140,7 +140,10 @@ class Fields:
     points (n_points, 3) mm, cells (n_cells, 4), region (n_cells,) 1 skin, 2 subcutaneous tissue,
     3 bone, times (n_frames,) s, displacement (n_frames, n_points, 3) mm, strain (n_frames,
     n_points, 6) with the components xx yy zz xy yz xz of the tensor, pressure (n_frames, n_points)
-    kPa on the pad and zero elsewhere.
+    kPa on the pad and zero elsewhere. energy (n_frames, n_points, 2) kJ/m³: the strain-energy
+    density of soft tissue with the relaxed and with the instantaneous moduli, the mean of the cells
+    around a point, so that its integral is that of the elements; None in results of earlier
+    versions.
     """
 
     points: Array
@@ -150,6 +153,7 @@ class Fields:
     displacement: Array
     strain: Array
     pressure: Array
+    energy: Array | None = None
 
     __repr__ = outline
 

@@ -82,6 +82,7 @@ def whole(fields: Fields) -> Fields:
         displacement=halves.vectors(fields.displacement),
         strain=halves.voigt(fields.strain),
         pressure=halves.values(fields.pressure, axis=1),
+        energy=None if fields.energy is None else halves.values(fields.energy, axis=1),
     )
 
 

@@ -29,8 +29,8 @@ ABOUT = {
         PRINCIPAL, ("most tensile", "middle", "most compressive"), strict=True)},
     **{f"strain {component}": "component of the strain tensor (x distal, y radial, z dorsal)"
        for component in COMPONENTS},
-    "relaxed strain energy": "strain-energy density with the moduli of long times",
-    "elastic strain energy": "strain-energy density with the instantaneous moduli",
+    "relaxed strain energy": "strain-energy density with the moduli of long times, mean of cells",
+    "elastic strain energy": "strain-energy density with the instantaneous moduli, mean of cells",
     "displacement": "length of the displacement",
     "pressure": "contact pressure on the pad",
 }  # fmt: skip

@@ -29,6 +29,7 @@ from fefinger.scene import library
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.view import quantities
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
@@ -255,3 +256,25 @@ def test_the_tissue_of_no_subject_is_beyond_what_was_measured_and_a_stiffer_one_
     most = measured_tissue.largest_exponents()["skin"]
     stiffer = replace(finger, skin=replace(finger.skin, exponent=1.01 * most))
     assert [reason.field for reason in linear.unmeasured(stiffer)] == ["finger.skin"]
+
+
+@pytest.mark.parametrize(("poisson", "mechanics"), [(0.4999, "linear"), (0.48, "solid")])
+def test_the_energy_density_adds_up_to_the_work_on_elastic_tissue(
+    poisson: float, mechanics: str
+) -> None:
+    """The strain at the mesh points times K would be 8 times the work at 0.4999."""
+    layers = {k: replace(getattr(FINGER, k), poisson=poisson) for k in ("skin", "subcutaneous")}
+    finger = replace(FINGER, prony=Prony((1.0,), ()), **layers)
+    ramp = ff.Ramp(speed=20, depth=0.5, corner=0.0)
+    result = ff.run(
+        scene(finger=finger, motion=ramp, ask=ff.Ask(strain=False)), mechanics=mechanics
+    )
+    fields = result.fields
+    assert fields is not None
+    corners = fields.points[fields.cells]
+    volume = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6
+    for field in ("relaxed strain energy", "elastic strain energy"):
+        density = quantities.values(result, field, -1)
+        soft = fields.region < 3
+        stored = 2e-3 * (volume * density[fields.cells].mean(axis=1))[soft].sum()  # both halves, mJ
+        assert stored == pytest.approx(np.trapezoid(result.force, result.depth), rel=5e-3)

@@ -15,7 +15,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
-from fefinger.view import quantities
+from fefinger.view import frames, quantities
 
 
 STRETCH = np.array([[0.02, 0.03, 0.05], [0.03, -0.04, 0.07], [0.05, 0.07, 0.01]])
@@ -148,6 +148,32 @@ def test_energy_of_swelling_is_that_of_the_bulk_modulus(
     swollen = of_strain(synthetic, 0.1 * np.eye(3), mechanics)
     found = quantities.values(swollen, "relaxed strain energy", 0)
     assert found == pytest.approx([bulk / 2 * rise**2] * 4)
+
+
+def test_energy_from_the_strain_leaves_out_volume_near_incompressibility(
+    synthetic: Result,
+) -> None:
+    """Results of earlier versions have no other; K times the volume of the strain is noise."""
+    skin = dataclasses.replace(synthetic.scene.finger.skin, poisson=0.4999)
+    finger = dataclasses.replace(synthetic.scene.finger, skin=skin)
+    scene = dataclasses.replace(synthetic.scene, finger=finger)
+    swollen = of_strain(dataclasses.replace(synthetic, scene=scene), 0.1 * np.eye(3))
+    assert quantities.values(swollen, "relaxed strain energy", 0) == pytest.approx([0.0] * 4)
+
+
+def test_energy_that_fields_hold_is_shown_and_mirrored(synthetic: Result) -> None:
+    fields = synthetic.fields
+    assert fields is not None
+    density = np.arange(2.0 * fields.strain[..., 0].size).reshape(*fields.strain.shape[:2], 2)
+    response = dataclasses.replace(
+        synthetic.response, fields=dataclasses.replace(fields, energy=density)
+    )
+    result = dataclasses.replace(synthetic, response=response)
+    for which, field in enumerate(quantities.ENERGIES):
+        assert (quantities.values(result, field, 1) == density[1, :, which]).all()
+        shown = quantities.values(frames.whole_result(result), field, 1)
+        assert set(shown) == set(density[1, :, which])
+        assert len(shown) > len(density[1])
 
 
 def test_energy_between_tissues_is_their_mean_by_volume(synthetic: Result) -> None:

@@ -1,6 +1,7 @@
 """Fields on the mesh at some of the times of a press."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 import numpy as np
 from scipy import sparse
@@ -8,9 +9,11 @@ from scipy import sparse
 from fefinger.fem.elements.probe import gradient_at_vertices, strain_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
-from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.fem.hyperelastic.stored_energy import StoredEnergy
+from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS, FingerMesh
 from fefinger.geometry.locate import inside_weights
 from fefinger.geometry.voigt import VOIGT
+from fefinger.mechanics.press.constitutive import laws
 from fefinger.mechanics.press.history import SmallStrainHistory, frames_of
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Fields
@@ -40,7 +43,8 @@ def fields_of(
     at_vertices = strain_at_vertices(press.body.space) @ unknowns
     fields.strain[:, original] = at_vertices.T.reshape(len(frames), -1, 6)
     fields.pressure[:, original[pad]] = pressure
-    return fields
+    energy = _energies(press, finite=False)
+    return replace(fields, energy=np.array([energy(each) for each in unknowns.T]))
 
 
 def finite_strain_fields(
@@ -53,11 +57,36 @@ def finite_strain_fields(
     original, gradients = press.body.original, gradient_at_vertices(press.body.space)
     fields, (rows, columns) = no_fields(press.mesh, times), zip(*VOIGT, strict=True)
     fields.pressure[:, original[pad]] = pressure
+    energy, densities = _energies(press, finite=True), []
     for frame, values in enumerate(states):
         fields.displacement[frame, original] = values[: 3 * len(original)].reshape(-1, 3)
         logs = logarithmic((gradients @ values).reshape(-1, 3, 3))
         fields.strain[frame, original] = logs[:, rows, columns]
-    return fields
+        densities.append(energy(values))
+    return replace(fields, energy=np.array(densities))
+
+
+def _energies(press: Press, *, finite: bool) -> Callable[[Array], Array]:
+    """Return a function from unknowns (n_unknowns,) of the body to `Fields.energy` (n_points, 2).
+
+    The tissues are taken relaxed, and with their instantaneous moduli.
+    """
+    finger, body = press.finger, press.body
+    tissues = {SKIN: finger.skin, SUBCUTANEOUS: finger.subcutaneous}
+    soft = {label: law for label, law in laws(finger).items() if label in tissues}
+    stored = StoredEnergy(body.space, soft, finite=finite)
+    rises = {k: 1 / (tissue.prony or finger.prony).long_time for k, tissue in tissues.items()}
+    rise = np.array([rises[int(label)] for label in stored.tissue])
+    of_volume = rise if finger.relaxation == "whole" else np.ones_like(rise)
+
+    def energy(values: Array) -> Array:
+        distortion, volume = stored.cells(values[: body.space.n_displacements].reshape(-1, 3))
+        limits = distortion + volume, rise * distortion + of_volume * volume
+        densities = np.zeros((len(press.mesh.points), len(limits)))
+        densities[body.original] = np.column_stack([stored.at_vertices(each) for each in limits])
+        return densities
+
+    return energy
 
 
 def no_fields(mesh: FingerMesh, times: Array) -> Fields:
