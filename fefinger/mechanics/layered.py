@@ -76,14 +76,20 @@ def contact(scene: Scene) -> "ContactTable":
 
     InputError if the contact becomes wider than its relative radius.
     """
-    from fefinger.theory.contact.contact_table import tabulate_to
+    from fefinger.theory.contact.contact_table import TooWideError, tabulate_to
 
     radius = hertz.half_space(scene.finger, scene.indenter).relative_radius
-    peak = scene.motion.peak
+    peak, control = scene.motion.peak, scene.motion.control
     try:
-        if scene.motion.control == "depth":
+        if control == "depth":
             return tabulate_to(stack(scene.finger), radius, depth=peak)
         return tabulate_to(stack(scene.finger), radius, force=peak / NEWTON_PER_MILLINEWTON)
+    except TooWideError as error:
+        raise InputError(
+            f"motion.{control}: expected one whose contact is narrower than its relative radius of "
+            f"{radius:.4g} mm, as small strain is assumed, received {peak:g} "
+            f"{'mm' if control == 'depth' else 'N'}; press less, or take a larger indenter"
+        ) from error
     except ValueError as error:
         raise InputError(f"motion: {error}; press less") from error
 

@@ -104,8 +104,19 @@ def test_what_it_cannot_do_is_refused():
     assert layered.refuse(Situation.of(scene())) == ()
     buried = layered.refuse(Situation.of(scene(ask=ff.Ask(fields=False, depths={"FAII": 4.8}))))
     assert "4.8 mm is not above the bone at 4.7 mm" in buried[0].reason
-    with pytest.raises(InputError, match="contact is at most as wide as the radius"):
-        layered.respond(scene(indenter=ff.Sphere(0.5), motion=ff.RampHold(20, 1.5, hold=0.1)))
+    for motion, received in (
+        (
+            ff.RampHold(20, 1.5, hold=0.1),
+            r"motion\.depth: expected .* received 1\.5 mm; press less",
+        ),
+        (
+            ff.ForceRampHold(9, 5.0, hold=0.1),
+            r"motion\.force: expected .* received 5 N; press less",
+        ),
+    ):
+        with pytest.raises(InputError, match=received) as refusal:
+            layered.respond(scene(indenter=ff.Sphere(0.5), motion=motion))
+        assert "tabulate" not in str(refusal.value)
 
 
 def test_a_skin_that_leaves_nothing_above_the_bone_is_refused_with_both_thicknesses():

@@ -232,7 +232,8 @@ def follow_course(
             reach,
             spreads=elements.nearly_incompressible,
         )
-        limits.check_under(press.motion, contact.on.beyond)
+        pad = body.space.points[np.unique(body.pad)]
+        limits.check_under(press.motion, press.obstacle, pad, contact.on.beyond)
         history = _on_candidates(press, elements, contact, course, stages, allowance)
         pressed = np.asarray((history.pressure > 0).any(axis=0))
         _check_contact(body, contact, history)
@@ -290,7 +291,8 @@ def _check_contact(body: Solid, contact: ContactSurface, history: FiniteStrainHi
     pressed = np.asarray(bearing.any(axis=0))
     placement.check_inside(body, on.vertices[pressed], deepest)
     if not pressed.any():
-        raise InputError(limits.unresolved(deepest))
+        pad = body.space.points[np.unique(body.pad)]
+        raise InputError(limits.untouched(contact.obstacle, pad, deepest))
     places = contact.at_rest[: len(contact)] + history.moved[:, : len(contact)]
     ended = (bearing & contact.obstacle.beyond(places)).any()
     if ended or (pressed & on.obstacle_border).any():

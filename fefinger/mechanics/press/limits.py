@@ -6,30 +6,41 @@ import numpy as np
 
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.scene.motion import Motion
-from fefinger.support.arrays import Flags
+from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:
     from fefinger.fem.contact.obstacle import Obstacle
 
+MESHLESS = "a mechanics without a mesh, if `fefinger explain` lists one that can"
+
 NOTHING_UNDER = (
     "indenter: expected at least 3 vertices of the pad under it, received fewer; move it over the "
-    "pad, or take a larger indenter or a finer mesh (finger.resolution)"
+    f"pad, or take a larger indenter, a finer mesh (finger.resolution) or {MESHLESS}"
 )
 
 FEWEST = 3
 """Vertices of the pad under a ball or another object that ends, below which it is not resolved."""
 
 
-def check_under(motion: Motion, beyond: Flags) -> None:
+def check_under(motion: Motion, obstacle: "Obstacle", pad: Array, beyond: Flags) -> None:
     """Raise InputError if an indenter has too few vertices of the pad under it.
 
-    beyond (n,): whether it has ended at its candidates.
+    pad (n_pad, 3) mm: the vertices of the pad; beyond (n,): whether the indenter has ended at its
+    candidates.
     """
-    few = beyond.any() and (~beyond).sum() < FEWEST
-    if few or not len(beyond):
-        raise InputError(unresolved(motion.peak) if motion.control == "depth" else NOTHING_UNDER)
+    if len(beyond) and not (beyond.any() and (~beyond).sum() < FEWEST):
+        return
+    by_force = motion.control == "force"
+    raise InputError(NOTHING_UNDER if by_force else untouched(obstacle, pad, motion.peak))
+
+
+def untouched(obstacle: "Obstacle", pad: Array, depth: float) -> str:
+    """Error message for a press to `depth` mm that moves no vertex of the pad (n_pad, 3) mm."""
+    under = np.isfinite(obstacle.gap(pad)[0]) & ~obstacle.beyond(pad)
+    too_small = under.sum() < FEWEST  # however deep it goes
+    return NOTHING_UNDER if too_small else unresolved(depth)
 
 
 def rim_reached(count: int) -> str:
@@ -42,11 +53,11 @@ def rim_reached(count: int) -> str:
 
 
 def unresolved(depth: float) -> str:
-    """Error message for a press to `depth` mm that moves no vertex of the pad."""
+    """Error message for a contact at `depth` mm that is smaller than a facet."""
     return (
         f"motion: expected a contact that the mesh resolves, but at a depth of {depth:.3g} mm it "
         "is smaller than a facet of the pad; press deeper, or take a finer mesh "
-        "(finger.resolution) or hertz"
+        f"(finger.resolution) or {MESHLESS}"
     )
 
 

@@ -95,10 +95,11 @@ def solve_contact(
     value = press.load_unit * motion.value(press.time)
     prescribed = Prescribed(motion.control, press.time, value)
     reach = problem.REACH * press.expected_depth
+    pad = body.space.points[np.unique(body.pad)]
     for rings in range(problem.ATTEMPTS):
         candidates = _candidates(press, reach, rings)
         ended = press.obstacle.beyond(body.space.points[candidates.vertices])
-        limits.check_under(motion, ended)
+        limits.check_under(motion, press.obstacle, pad, ended)
         with stages.stage("unit loads") as report:
             reduced = sliding.reduce_to_patch(press, candidates, where, probe, report)
         with stages.stage("contact") as report:
@@ -108,7 +109,7 @@ def solve_contact(
         pressed = (history.pressure > 0).any(axis=0)
         placement.check_inside(body, candidates.vertices[pressed], deepest)
         if not pressed.any():
-            raise InputError(limits.unresolved(deepest))
+            raise InputError(limits.untouched(press.obstacle, pad, deepest))
         if (pressed & candidates.obstacle_border).any():
             raise InputError(limits.rim_reached(len(candidates.vertices)))
         if not (pressed & candidates.border).any():

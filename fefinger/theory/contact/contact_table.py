@@ -32,6 +32,10 @@ STEP = 2**0.25
 """Ratio of the largest contact radii of tables, so that presses of one body share tables."""
 
 
+class TooWideError(ValueError):
+    """Error for a contact that is wider than the radius of the paraboloid."""
+
+
 @dataclass(frozen=True, eq=False)
 class ContactTable:
     """Contacts (n,) of a rigid paraboloid of `radius` mm with `stack`, of growing contact radius.
@@ -192,7 +196,7 @@ def tabulate_to(
 
     The widest contact is the smallest power of STEP mm that suffices, or `radius`.
 
-    ValueError for a contact wider than `radius`.
+    TooWideError for a contact wider than `radius`.
     """
     quantity, wanted = ("force", force or 0.0) if depth is None else ("depth", depth)
     elastic.require_positive("tabulate_to", radius=radius, **{quantity: wanted})
@@ -213,8 +217,9 @@ def tabulate_to(
     while reaches(power - 1):
         power -= 1
     if power == most and not reaches(most):
-        raise ValueError(
+        unit = {"depth": "mm", "force": "mN"}[quantity]
+        raise TooWideError(
             f"tabulate_to: expected a {quantity} whose contact is at most as wide as the radius "
-            f"{radius:g} mm (small strain), received {wanted:g}"
+            f"{radius:g} mm (small strain), received {wanted:g} {unit}"
         )
     return tabulate(stack, radius, widest=min(STEP**power, radius), levels=levels)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from oracles.solved_contact import load_within
 
-from fefinger.theory.contact.contact_table import STEP, tabulate, tabulate_to
+from fefinger.theory.contact.contact_table import STEP, TooWideError, tabulate, tabulate_to
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import paraboloid, paraboloid_at
 from fefinger.theory.contact.stack import Layer, Stack
@@ -87,9 +87,10 @@ def test_a_contact_wider_than_the_radius_is_refused_and_one_as_wide_is_not():
     assert tabulate_to(FINGER, 3.0, depth=widest.depth * (1 - 1e-9)).contacts[-1].depth == (
         pytest.approx(widest.depth)
     )
-    for wanted in ({"depth": 1.001 * widest.depth}, {"force": 1.001 * widest.force}):
-        with pytest.raises(ValueError, match="contact is at most as wide as the radius"):
-            tabulate_to(FINGER, 3.0, **wanted)
+    for wanted, unit in (("depth", "mm"), ("force", "mN")):
+        limit = f"contact is at most as wide as the radius .* {unit}$"
+        with pytest.raises(TooWideError, match=limit):
+            tabulate_to(FINGER, 3.0, **{wanted: 1.001 * getattr(widest, wanted)})
     for wanted in ({"depth": 0.0}, {"force": math.nan}, {}):
         with pytest.raises(ValueError, match="above 0"):
             tabulate_to(FINGER, 3.0, **wanted)
