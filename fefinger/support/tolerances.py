@@ -1,4 +1,4 @@
-"""Dimensionless tolerances: below them a residual, gap or difference counts as zero."""
+"""Tolerances below which a residual, gap or difference counts as zero; dimensionless, one aside."""
 
 LINEAR_RESIDUAL = 1e-10
 """Relative residual of a linear solution; forces must balance to 1e-6, this leaves a margin."""
@@ -26,6 +26,10 @@ FORCE_MATCH = 1e-9
 SMALL_FORCE = 1e-6
 """Force (at finite strain, depth too) over the largest one of its path, below which errors are
 taken relative to a force of this size: the contact cannot resolve smaller ones."""
+
+LEAST_FORCE = 1e-3
+"""Force in mN that no motion needs less of, a thousandth of what is felt: errors of a prescribed
+force are taken relative to no smaller one, which would leave only rounding to converge to."""
 
 INSIDE = 1e-3
 """Barycentric coordinate by which a site may lie outside the nearest cell: facets are flat, the

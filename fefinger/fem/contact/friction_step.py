@@ -26,7 +26,7 @@ from fefinger.fem.contact.step_compiled import (
 from fefinger.fem.contact.viscoelastic import CORRECTIONS, corrected
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError
-from fefinger.support.tolerances import COMPLEMENTARITY, SMALL_FORCE
+from fefinger.support.tolerances import COMPLEMENTARITY, LEAST_FORCE, SMALL_FORCE
 
 
 STUCK = 1e-6
@@ -141,7 +141,7 @@ def _at_force(s: FrictionState, m: PadState, c: FrictionHistory, g: float, force
         s.moved[:] = 0.0
         return DONE
     m.peak[0] = max(m.peak[0], force)
-    close = MATCH * max(force, SMALL_FORCE * m.peak[0])
+    close = MATCH * max(force, SMALL_FORCE * m.peak[0], LEAST_FORCE)
     low, high, last_depth, last = touch, np.inf, touch, -force
     depth = max(m.depth[0], touch + 1e-6 * (1.0 + abs(touch)))
     for _ in range(CORRECTIONS):

@@ -31,7 +31,7 @@ from fefinger.fem.contact.viscoelastic import (
 )
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import PRESS_LESS, ConvergenceError, InputError
-from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, SMALL_FORCE
+from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, LEAST_FORCE, SMALL_FORCE
 
 
 class PadState(NamedTuple):
@@ -268,7 +268,7 @@ def solve_target(
         s.moved[:] = 0.0
         return DONE
     m.peak[0] = max(m.peak[0], force)
-    close = FORCE_MATCH * max(force, SMALL_FORCE * m.peak[0])
+    close = FORCE_MATCH * max(force, SMALL_FORCE * m.peak[0], LEAST_FORCE)
     low, high = first_touch, np.inf
     depth = max(m.depth[0], first_touch + 1e-6 * (1.0 + abs(first_touch)))
     for _ in range(CORRECTIONS):

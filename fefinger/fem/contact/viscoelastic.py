@@ -15,7 +15,7 @@ from numba import njit
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import PRESS_LESS, ConvergenceError
-from fefinger.support.tolerances import FORCE_MATCH, SMALL_FORCE
+from fefinger.support.tolerances import FORCE_MATCH, LEAST_FORCE, SMALL_FORCE
 
 
 CORRECTIONS = 60  # Newton or bisection steps on the depth under force control
@@ -145,7 +145,7 @@ def depth_at(
     first_touch = float(np.min(free / closing))
     if force <= 0:
         return first_touch, np.zeros(len(free)), 0
-    close = FORCE_MATCH * max(force, SMALL_FORCE * peak)
+    close = FORCE_MATCH * max(force, SMALL_FORCE * peak, LEAST_FORCE)
     low, high = first_touch, np.inf
     # A little beyond first touch, where there is a contact whose slope Newton can follow.
     depth = max(guess, first_touch + 1e-6 * (1.0 + abs(first_touch)))

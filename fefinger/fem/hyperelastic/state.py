@@ -6,7 +6,7 @@ import numpy as np
 
 from fefinger.fem.hyperelastic.continuum import HistoryStress
 from fefinger.support.arrays import Array
-from fefinger.support.tolerances import SMALL_FORCE
+from fefinger.support.tolerances import LEAST_FORCE, SMALL_FORCE
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Target:
 
         0 under depth control.
         """
-        return SMALL_FORCE * self.peak if self.control == "force" else 0.0
+        return max(SMALL_FORCE * self.peak, LEAST_FORCE) if self.control == "force" else 0.0
 
     @property
     def depth_floor(self) -> float:

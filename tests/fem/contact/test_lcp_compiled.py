@@ -8,7 +8,7 @@ from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation, corrected
 from fefinger.support.checks import PRESS_LESS, ConvergenceError
-from fefinger.support.tolerances import COMPLEMENTARITY
+from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, LEAST_FORCE
 
 
 WEIGHTS, RATES = np.array([0.3, 0.4, 0.2, 0.1]), np.array([200.0, 10.0, 0.6])
@@ -109,7 +109,18 @@ def test_forces_far_below_the_largest_one_of_a_path_are_met_as_closely_as_can_be
     value = np.concatenate([[0.0], rising, rising[::-1], [0.0], rising[::3]])
     asked = Prescribed("force", np.linspace(0, 1, len(value)), value)
     found = through(matrix, gap, projected, Relaxation(WEIGHTS, RATES, N), asked)
-    assert found.pressure @ projected == pytest.approx(value, rel=1e-9, abs=1e-15 * value.max())
+    close = FORCE_MATCH * LEAST_FORCE
+    assert found.pressure @ projected == pytest.approx(value, rel=1e-9, abs=close)
+
+
+@pytest.mark.parametrize("through", [march, step_compiled.march], ids=["march", "loop"])
+def test_a_path_of_tiny_forces_is_not_converged_to_rounding(pad: tuple, through: object) -> None:
+    """At a depth of 7 mm the pressures of 1e-9 mN are the rounding of the gaps."""
+    matrix, gap, projected = pad
+    value = np.array([0.0, 1e-13, 1e-9, 1e-7])
+    asked = Prescribed("force", np.linspace(0, 1, len(value)), value)
+    found = through(matrix, gap + 7 * projected, projected, Relaxation(WEIGHTS, RATES, N), asked)
+    assert found.pressure @ projected == pytest.approx(value, abs=FORCE_MATCH * LEAST_FORCE)
 
 
 def test_an_unreachable_force_is_reported(pad: tuple) -> None:
