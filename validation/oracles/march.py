@@ -28,9 +28,12 @@ def march(
         if prescribed.control == "depth":
             depth, pressure, count = float(target), g * solver.solve(free - target * projected), 1
         else:
+            before = depth
             depth, pressure, count = depth_at(
                 solver, g, free, projected, float(target), depth, peak
             )
+            if target <= 0:  # the obstacle stays, or is pushed back
+                depth = min(before, depth)
         elastic = (pressure - past) / g
         relaxation.advance(step, elastic)
         depths.append(depth)

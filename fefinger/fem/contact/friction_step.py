@@ -135,8 +135,8 @@ def _at_force(s: FrictionState, m: PadState, c: FrictionHistory, g: float, force
     touch = np.inf
     for j in range(len(c.gap)):
         touch = min(touch, (c.gap[j] - m.moved_past[j] / g) / c.projected[j])
-    if force <= 0.0:
-        m.depth[0] = touch
+    if force <= 0.0:  # as in `step_compiled.solve_target`
+        m.depth[0] = min(m.depth[0], touch)
         s.x[:] = 0.0
         s.moved[:] = 0.0
         return DONE

@@ -254,7 +254,9 @@ def solve_target(
     """Solve for the pressure at a depth in mm or, as `viscoelastic.depth_at`, a force in mN.
 
     gap (n,) mm³ is that of a pad without pressure or past, at a depth of 0; past (n,): what the
-    past moves it, times the `stiffness` (g t, see above).
+    past moves it, times the `stiffness` (g t, see above). Without force the obstacle stays where it
+    is, as at a depth of 0 before it is pressed, or goes back as far as skin that creeps back
+    pushes it. It is then out of contact: weighted gaps close some um beyond first touch.
     """
     if not by_force:
         m.depth[0] = target
@@ -263,7 +265,7 @@ def solve_target(
     for j in range(len(gap)):
         first_touch = min(first_touch, (gap[j] - past[j] / stiffness) / m.projected[j])
     if force <= 0.0:
-        m.depth[0] = first_touch
+        m.depth[0] = min(m.depth[0], first_touch)
         s.x[:] = 0.0
         s.moved[:] = 0.0
         return DONE

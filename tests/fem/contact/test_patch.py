@@ -112,6 +112,21 @@ def test_force_control_inverts_depth_control(pad: tuple, repeat: int) -> None:
     assert back.depth[1:] == pytest.approx(depth[1:], rel=1e-6, abs=1e-9)
 
 
+def test_a_path_of_forces_is_that_of_its_depths(pad: tuple) -> None:
+    """Weighted gaps close a little beyond first touch: depth 0 is first touch all the same."""
+    matrix, gap, weights = pad
+    body, time = (matrix, gap + 0.004 * weights, weights), np.linspace(0, 1, 101)
+    force = 0.5 * np.maximum(np.sin(3 * np.pi * time), 0.0)
+    asked = Prescribed("force", time, force)
+    pushed = march(*body, memory(PRONY.weights, PRONY.v), asked)
+    assert pushed.depth[0] == 0
+    lifted = np.flatnonzero(force == 0)[1:]
+    assert 0.004 < pushed.depth[lifted].min() < 0.05  # it goes back with the skin, not ahead of it
+    again = Prescribed("depth", time, pushed.depth)
+    moved = march(*body, memory(PRONY.weights, PRONY.v), again).pressure @ weights
+    assert moved == pytest.approx(force, rel=1e-6, abs=1e-9)
+
+
 def test_a_held_force_creeps_to_the_relaxed_depth(pad: tuple) -> None:
     time = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 80)])
     asked = Prescribed("force", time, np.full_like(time, 0.5))

@@ -307,6 +307,17 @@ def test_the_force_asked_for_is_the_force_found(finger: Condensed) -> None:
     assert elastic.step(finger.step_force(0.2, 1e4).depth, 0.0).force == pytest.approx(0.2, 1e-6)
 
 
+def test_forces_are_those_of_their_depths_from_first_touch_on(finger: Condensed) -> None:
+    forces = [0.0, 0.0, 1e-4, 0.05, 0.4, 0.1, 0.0, 0.0, 0.2, 0.0]
+    finger.reset()
+    depths = [finger.step_force(force, 5e-3).depth for force in forces]
+    assert depths[:2] == [0.0, 0.0]
+    assert depths[2] > 0
+    finger.reset()
+    again = [finger.step(depth, 5e-3).force for depth in depths]
+    assert again == pytest.approx(forces, rel=1e-6, abs=1e-12)
+
+
 def test_going_deeper_than_said_gets_a_sentence(finger: Condensed) -> None:
     with pytest.raises(InputError, match="contact at their rim"):
         finger.step(3.0, 1e-3)
