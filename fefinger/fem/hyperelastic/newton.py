@@ -93,7 +93,7 @@ class Equilibrium:
     ) -> None:
         self.body, self.contact, self.system = body, contact, system
         self.tolerance = tolerance
-        self.load = 0.0  # the largest load so far, which scales the residual
+        self.load = 0.0  # of the equilibria so far the largest, which scales the residual
         self.iterations, self.factors, self.descents = 0, 0, 0
         self.allowed = np.inf
         self._excess, self._support = 0, 0
@@ -226,10 +226,13 @@ class Equilibrium:
 
     def _error(self, state: State, target: Target, residual: Array, gap: DeformedGap) -> float:
         """Relative error of an iterate with the force `residual` (n_unknowns,) mN."""
-        self.load = max(self.load, float(np.linalg.norm(gap.loads @ state.pressure)))
-        return relative_error(
-            self.body, self.contact, self.system.free, state, target, residual, gap.gaps, self.load
+        load = max(self.load, float(np.linalg.norm(gap.loads @ state.pressure)))
+        error = relative_error(
+            self.body, self.contact, self.system.free, state, target, residual, gap.gaps, load
         )
+        if error <= self.tolerance:
+            self.load = load
+        return error
 
     def _renew(self, iterate: Iterate, target: Target, *, consistent: bool = True) -> None:
         """Factor the tangent of the iterate, with an elastic support where it is in contact.

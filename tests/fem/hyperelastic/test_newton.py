@@ -92,6 +92,18 @@ def test_the_same_cube_in_other_units_gives_the_same_strains():
     assert forces == pytest.approx([forces[0]] * 3, rel=1e-6)
 
 
+def test_residuals_are_scaled_by_the_largest_load_of_an_equilibrium_not_of_an_iterate():
+    """An iterate can overshoot; what it bore must not loosen the tolerance of later steps."""
+    pressed = cube(LAWS["demiray"](Elastic(40.0, 0.49)))
+    solver, borne = pressed.equilibrium, 0.0
+    state = at_rest(pressed)
+    for depth in (0.4, 0.2):
+        state = solver.find(state, Target("depth", depth, pressed.body.at_rest))
+        loads = solver.contact.at(state).loads
+        borne = max(borne, float(np.linalg.norm(loads @ state.pressure)))
+        assert solver.load == borne
+
+
 def test_factors_that_fail_in_single_precision_are_made_in_double(
     unsound: Callable[..., None],
 ):
