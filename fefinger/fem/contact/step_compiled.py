@@ -37,6 +37,10 @@ from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, LEAST_FORC
 class PadState(NamedTuple):
     """Viscoelastic state of the pad (Prony internal variables), initial gaps and load vector.
 
+    p (n,) kPa: the contact pressure; q: that of the relaxed elastic body at the same displacement;
+    y = t q, with the factor t of the thesis (else 1); p = g y + h at the end of a step, h being
+    what the past leaves; F mm/kPa/mm²: the flexibility of the pad, whose displacement is F q.
+
     gap (n,) mm³ and projected (n,) mm² of the patch; weights and rates (m,) of the Prony terms;
     terms and moved_terms (m, n): the internal variables of the pressure and F times them; elastic
     and moved_elastic (n,): y and F y; past, moved_past and offset (n,): work; depth (1,) mm;

@@ -55,11 +55,15 @@ class StressHistory:
             self._parts.append((cells, Relaxation(prony.weights, prony.rates, size)))
 
     def over(self, step: float) -> HistoryStress:
-        """Return the relaxation factors and the history stress of a step of `step` s."""
+        """Return the relaxation factors and the history stress of a step of `step` s.
+
+        At its end S = g S_e + h: g (`gains`) multiplies the elastic stress S_e there, which the
+        equilibrium finds, and h (`past`) is what the steps before leave of the stress.
+        """
         gains = np.ones((len(self.body.weights), 2))
         past = np.zeros((*self.body.weights.shape, 6))
         for cells, relaxation in self._parts:
-            gain, history = relaxation.history(step)
+            gain, history = relaxation.history(step)  # g and h
             gains[cells, 0] = gain
             gains[cells, 1] = 1.0 if self.deviatoric else gain
             past[cells] = history.reshape(len(cells), -1, 6)

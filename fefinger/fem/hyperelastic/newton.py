@@ -17,6 +17,18 @@ of the force was twice the true one, and each iteration halved the error.
 Under a plate that slides, the loads B gain the friction of the skin that slips, P = B + mu T: the
 complementarity problem has the matrix B' K0^-1 P, without symmetry. It is exact in the pressures;
 that the friction of a facet changes with its shape is left out of the tangent, not of the residual.
+
+The flow of one load step:
+
+    find                      starts from the guess of the load path, with the last factor
+      _search                 up to ITERATIONS times:
+        _evaluate             residual force and weighted gaps of the iterate, and its error; done?
+        _renew                a new factor, where the error falls too slowly or facets have folded
+        _step                 the next iterate: linearized body, exact contact, acceleration
+      _globalized             only where that fails, up to DESCENT times:
+        _evaluate, _step      the same, without acceleration and with the step cut to TRUST
+        _blend                a factor in each iteration, of a blend of the two tangents
+        _search               the end, from an iterate that is near, with definite tangents
 """
 
 from contextlib import suppress
@@ -39,6 +51,8 @@ from fefinger.support.checks import PRESS_LESS, ConvergenceError, InputError
 from fefinger.support.tolerances import EQUILIBRIUM
 
 
+# The iteration with a reused factor (`_search`): when it renews, and when it gives up. Tuned on
+# presses of the finger; they change the number of iterations and factors, not the equilibrium.
 ITERATIONS = 120
 PATIENCE = 25  # iterations of one step before its factor is renewed
 STALLED = 5  # iterations without a smaller error before it is renewed sooner
@@ -47,17 +61,19 @@ FEW = 3  # iterations of a step with a good factor
 RENEWAL = 30  # sum over steps of (iterations beyond FEW)² that justifies a new factor
 SEARCH = 8  # factors of one step under depth control; beyond, blended tangents cost less
 SOON = 3  # iterations with a factor before the fold stiffness may renew it
-# Change of the fold stiffness that a factor tolerates, in shear modulus / facet size. A larger one
-# saves factors (flat-press, standard: 9 with 2, 6 with 5), but with 5 an incompressible cube
-# that is squeezed to half converged to a state beside its closed form.
+MEMORY = 12  # iterates of the Anderson acceleration
+RETREATS = 8  # halvings of an iteration that inverted a cell
+
+# The contact in a factor. STIFF is the change of the fold stiffness that a factor tolerates, in
+# shear modulus / facet size: a larger one saves factors (flat-press, standard: 9 with 2, 6 with 5),
+# but with 5 an incompressible cube that is squeezed to half converged beside its closed form.
 STIFF = 3.0
 NEAR = 0.1  # gap over depth below which a vertex takes part in the complementarity problem
 SUPPORTS = 4.0, 32.0, 256.0  # stiffness under the contact, in shear modulus / size of the patch
-MEMORY = 12  # iterates of the Anderson acceleration
 SAME_DRAG = 1e-9  # change of the coefficient of friction that needs no other columns
-RETREATS = 8  # halvings of an iteration that inverted a cell
 
-# Globalized iteration with blended tangents (`_globalized`):
+# The iteration with blended tangents (`_globalized`): the shares of the blend, its steps, and when
+# it ends. Tuned on bodies that buckle; only steps on which `_search` fails need it.
 DESCENT = 100  # iterations
 ASTRAY = 16  # iterations after which an error above 1 is accepted only while it falls
 FALLS = 4.0  # factor by which it must fall in ASTRAY / 2 iterations
@@ -348,37 +364,38 @@ class Equilibrium:
         """Make one iteration: linearized body, exact complementarity of the contact."""
         state, factored = iterate.state, self._factored
         gaps, loads, projected = iterate.gap.gaps, iterate.gap.loads, self.contact.projected
-        size = abs(state.depth)
-        apart = gaps / projected
-        near = (state.pressure > 0) | (apart <= apart.min() + NEAR * size)
-        # K0 was made with another relaxation factor: K = K0 / softer.
-        softer = factored.gain / float(target.history.gains.mean())
-        support = factored.support * (state.pressure > 0) / softer
-        force = iterate.pulled @ state.pressure - loads @ (support * apart) - iterate.inner
-        alone = softer * factored.solve(force)
-        following, closing = factored.travel(loads, projected)
-        free = gaps + state.depth * closing + loads.T @ alone
+        mean_gap = gaps / projected  # mm; `gaps` are mm³
+        near = (state.pressure > 0) | (mean_gap <= mean_gap.min() + NEAR * abs(state.depth))
+        # K0 was made with another relaxation factor: K = K0 / gain_ratio.
+        gain_ratio = factored.gain / float(target.history.gains.mean())
+        support = factored.support * (state.pressure > 0) / gain_ratio  # kPa/mm
+        force = iterate.pulled @ state.pressure - loads @ (support * mean_gap) - iterate.inner  # mN
+        at_same_contact = gain_ratio * factored.solve(force)  # mm, with pressures and depth kept
+        following, closing = factored.travel(loads, projected)  # mm and mm² per mm of travel
+        gaps_then = gaps + state.depth * closing + loads.T @ at_same_contact  # mm³, at a depth of 0
         while True:
             solver = factored.contact(near)
             pressure, depth = np.zeros(len(projected)), state.depth
-            clear = free[near] - softer * (solver.flexibility @ state.pressure[near])
+            bare_gaps = gaps_then[near] - gain_ratio * (  # mm³, without any pressure
+                solver.flexibility @ state.pressure[near]
+            )
             if target.control == "depth":
-                pressure[near] = solver.solve(clear - depth * closing[near]) / softer
+                pressure[near] = solver.solve(bare_gaps - depth * closing[near]) / gain_ratio
             else:
                 depth, pressure[near], _ = depth_at(
                     solver,
-                    1 / softer,
-                    clear,
+                    1 / gain_ratio,
+                    bare_gaps,
                     projected[near],
                     target.value,
                     depth,
                     target.peak,
                     closing[near],
                 )
-            change = alone + factored.moved(softer * (pressure - state.pressure))
+            change = at_same_contact + factored.moved(gain_ratio * (pressure - state.pressure))
             change += (depth - state.depth) * following
-            predicted = gaps + (state.depth - depth) * projected + loads.T @ change
-            penetrating = ~near & (predicted < 0)
+            predicted_gaps = gaps + (state.depth - depth) * projected + loads.T @ change
+            penetrating = ~near & (predicted_gaps < 0)
             if not penetrating.any():
                 break
             near = near | penetrating
