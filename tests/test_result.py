@@ -299,8 +299,22 @@ def test_a_file_that_is_no_result_is_refused(tmp_path: Path) -> None:
 
 def test_another_netcdf_file_is_refused(tmp_path: Path) -> None:
     xr.Dataset({"a": ("x", [1.0])}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
-    with pytest.raises(InputError, match=f"expected the format {netcdf.FORMAT!r}.*received None"):
+    with pytest.raises(InputError, match=r"'.*other\.nc' is not a result of fefinger"):
         load(tmp_path / "other.nc")
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_a_result_of_another_version_is_refused_and_replaced(
+    synthetic: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as other:
+        other.setattr(netcdf, "FORMAT", "fefinger result 9")
+        synthetic.save(tmp_path)
+    found = "by another version of fefinger: format 'fefinger result 9', this version reads '.* 1'"
+    with pytest.raises(InputError, match=found):
+        load(tmp_path)
+    synthetic.save(tmp_path)
+    assert_same(load(tmp_path), synthetic)
 
 
 @pytest.mark.usefixtures("plain_report")

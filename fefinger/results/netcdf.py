@@ -23,6 +23,11 @@ if TYPE_CHECKING:
 
 
 FORMAT = "fefinger result 1"
+FAMILY = FORMAT.rstrip("0123456789")
+"""Start of the formats of all versions."""
+
+DAMAGED = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
+"""Errors of reading a file that is damaged or not netCDF."""
 
 
 RECORDS = {"Result": result_record.ResultRecord} | {
@@ -58,12 +63,31 @@ def read(path: str | PathLike[str]) -> result_record.ResultRecord:
                 if not isinstance(result, result_record.ResultRecord):
                     raise TypeError(type(result))
                 return result
-    except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError):
+    except DAMAGED:
         raise InputError(
             f"result: expected a result of fefinger in {str(file)!r}, received a damaged or "
             "foreign file; run the scene again"
         ) from None
-    raise InputError(f"result: expected the format {FORMAT!r} in {str(file)!r}, received {kind!r}")
+    raise InputError(f"result: {str(file)!r} is {_another(kind)}; run the scene again")
+
+
+def _another(kind: object) -> str:
+    """Say what a netCDF file of another format is."""
+    if not str(kind).startswith(FAMILY):
+        return "not a result of fefinger"
+    return f"written by another version of fefinger: format {kind!r}, this version reads {FORMAT!r}"
+
+
+def stored(file: Path) -> frozenset[str] | None:
+    """Return the names of what a saved result of any version holds; None for another file."""
+    import h5netcdf
+
+    try:
+        with h5netcdf.File(file, "r") as opened:
+            ours = str(opened.attrs.get("format")).startswith(FAMILY)
+            return frozenset(opened.variables) if ours else None
+    except DAMAGED:
+        return None
 
 
 def dataset(result: result_record.ResultRecord) -> "xr.Dataset":
