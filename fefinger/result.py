@@ -46,6 +46,13 @@ NOT_HARMONIC = (
 NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "units.csv", "report.html")
 """Files of a saved result."""
 
+PARTS = {
+    "result.vtkhdf": ("Fields", "points"),
+    "spikes.csv": ("SpikeTrains", "times"),
+    "units.csv": ("SpikeTrains", "times"),
+}
+"""Files that a result has only with a part of it, and an array of that part in `result.nc`."""
+
 
 class Result(ResultRecord):
     """Result of a scene: response of the mechanics, spikes, plan and provenance."""
@@ -120,19 +127,21 @@ class Result(ResultRecord):
         """Write the result into `folder` and return the paths written, `result.nc` first.
 
         `result.vtkhdf` is written only where there are fields, `spikes.csv` and `units.csv` only
-        where there are spikes; files of these names from an earlier result are removed. An
-        interruption or an error leaves the folder as it was.
+        where there are spikes. The files of an earlier result in the folder are replaced or
+        removed. An interruption or an error leaves the folder as it was.
 
         Raises
         ------
         InputError
-            A folder that cannot be written, or that is full.
+            A folder that cannot be written, that is full, or that holds files of these names which
+            are not those of a result.
         """
         from fefinger.pages import report
         from fefinger.results import netcdf, vtkhdf
         from fefinger.support import atomic_write
 
         target = output_folder(folder)
+        before = earlier(target)
         with atomic_write.as_input_error(target), atomic_write.scratch_folder(target) as scratch:
             new = {name: Path(scratch, name) for name in NAMES}
             new["result.nc"].write_bytes(atomic_write.netcdf(netcdf.dataset(self)))
@@ -146,7 +155,7 @@ class Result(ResultRecord):
                 for name, path in new.items():
                     if path.exists():
                         os.replace(path, target / name)
-                    else:
+                    elif name in before:
                         (target / name).unlink(missing_ok=True)
         return [str(target / name) for name in NAMES if (target / name).exists()]
 
@@ -155,6 +164,33 @@ class Result(ResultRecord):
         from fefinger.view import show
 
         return show(self)
+
+
+def earlier(folder: str | PathLike[str]) -> tuple[str, ...]:
+    """Return the names of the files of the result that is saved in `folder`; none without one.
+
+    Raises InputError when the folder has files of these names that the result there, if any, does
+    not hold: they are the user's own, or those of another command, and stay.
+    """
+    from fefinger.results import netcdf
+    from fefinger.results.labels import LAYOUT
+
+    place = Path(folder)
+    stored = netcdf.stored(place / "result.nc")
+    present = [name for name in NAMES if os.path.lexists(place / name)]
+    foreign = present
+    if stored is not None:
+        others = {name for name, key in PARTS.items() if LAYOUT[key].name not in stored}
+        if (place / "study.json").exists():
+            others.add("report.html")  # that of the study
+        foreign = [name for name in present if name in others]
+    if foreign:
+        listed = ", ".join(map(repr, foreign))
+        raise InputError(
+            f"output folder: {listed} in {str(place)!r} would be overwritten, and no result of "
+            "fefinger there holds it; move it away or choose another folder"
+        )
+    return tuple(present)
 
 
 def load(path: str | PathLike[str]) -> Result:

@@ -256,6 +256,31 @@ def test_files_of_an_earlier_result_do_not_stay(synthetic: Result, tmp_path: Pat
     assert sorted(os.listdir(tmp_path)) == ["report.html", "result.nc"]
 
 
+@pytest.mark.parametrize("name", ["result.nc", "result.vtkhdf", "spikes.csv", "report.html"])
+def test_a_file_that_no_result_wrote_is_not_overwritten(
+    synthetic: Result, tmp_path: Path, name: str
+) -> None:
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(InputError, match=f"'{name}' in .* would be overwritten"):
+        synthetic.save(tmp_path)
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["mine"]
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_a_file_that_the_result_in_the_folder_does_not_hold_is_not_overwritten(
+    synthetic: Result, tmp_path: Path
+) -> None:
+    without(synthetic, "fields", "spikes").save(tmp_path)
+    (tmp_path / "spikes.csv").write_text("mine")
+    with pytest.raises(InputError, match=r"'spikes\.csv' in .* no result of fefinger there holds"):
+        synthetic.save(tmp_path)
+    (tmp_path / "spikes.csv").unlink()
+    (tmp_path / "study.json").write_text("{}")  # the page is that of the study
+    with pytest.raises(InputError, match=r"'report\.html'"):
+        synthetic.save(tmp_path)
+
+
+@pytest.mark.usefixtures("plain_report")
 @pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
 def test_an_interruption_leaves_no_half_written_file(
     synthetic: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: type[BaseException]
@@ -264,12 +289,12 @@ def test_an_interruption_leaves_no_half_written_file(
         Path(path).write_text("half")
         raise error
 
+    synthetic.save(tmp_path)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     monkeypatch.setattr(report, "write", stop)
-    (tmp_path / "result.nc").write_text("earlier")
     with pytest.raises(error):
-        synthetic.save(tmp_path)
-    assert os.listdir(tmp_path) == ["result.nc"]
-    assert (tmp_path / "result.nc").read_text() == "earlier"
+        without(synthetic, "fields", "spikes").save(tmp_path)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_a_file_in_the_place_of_the_folder_is_refused(synthetic: Result, tmp_path: Path) -> None:

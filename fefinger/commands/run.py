@@ -34,17 +34,19 @@ def run(
     left out is in the report, or printed by -v.
     """
     from fefinger.pipeline import run as answer
+    from fefinger.result import earlier
     from fefinger.scene import builtin
     from fefinger.support import outputs
 
     loaded = builtin.load(scene, builtin.settings(changes))
     with outputs.output(output):
+        replaced = bool(earlier(output)) if output is not None else False
         with console.progress() as report:
             try:
                 result = answer(loaded, mechanics=mechanics, progress=report)
             except Stopped as stop:
                 if output is not None:
-                    _save_partial(stop, output)
+                    _save_partial(stop, output, replaced=replaced)
                 raise
         seconds, written = dict(result.seconds), list[str]()
         try:
@@ -52,6 +54,7 @@ def run(
                 started = time.perf_counter()
                 written = result.save(output)
                 seconds["save"] = time.perf_counter() - started
+                _tell(output, replaced=replaced)
         finally:  # print the answer also where saving it fails
             for warning in result.warnings:
                 click.echo(warning, err=True)
@@ -60,9 +63,16 @@ def run(
             console.print_answer(record, text, as_json=as_json)
 
 
-def _save_partial(stop: Stopped, output: str) -> None:
+def _tell(output: str, *, replaced: bool) -> None:
+    """Say that an earlier result is no longer there."""
+    if replaced:
+        click.echo(f"replaced an earlier result in {output}", err=True)
+
+
+def _save_partial(stop: Stopped, output: str, *, replaced: bool) -> None:
     """Save the partial result of a run that stopped early, and print where or why not."""
     try:
         click.echo(f"saved up to there: {', '.join(stop.reached.save(output))}", err=True)
+        _tell(output, replaced=replaced)
     except InputError as error:  # the caller still raises the reason of the stop
         click.echo(f"not saved: {error}", err=True)

@@ -118,5 +118,5 @@ def _saved(study: "Study", output: str) -> list[str]:
 
     files = study.save(output)
     for folder in dict.fromkeys(str(Path(file).parent) for file in files[len(NAMES) :]):
-        click.echo(f"moved: the table of other scenes that was there is now in {folder}", err=True)
+        click.echo(f"moved: the files of these names that were there are now in {folder}", err=True)
     return files

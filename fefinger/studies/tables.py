@@ -5,6 +5,7 @@ CSV holds the numbers only; Parquet and netCDF also hold the inputs of the study
 
 import json
 import os
+from contextlib import suppress
 from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
@@ -133,19 +134,19 @@ def set_aside(study: StudyRows, folder: Path) -> list[str]:
     """Move an earlier table of other scenes into a subfolder; return the new paths.
 
     A table whose scenes are all in the present study, as when it is repeated or extended, is not
-    moved, and will be replaced.
+    moved, and will be replaced. Files of these names that no study wrote are moved too.
     """
-    try:
+    moved = [name for name in NAMES if (folder / name).exists()]
+    with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
         before = json.loads((folder / "study.json").read_text(encoding="utf-8"))
         scenes = {row.get("scene") for row in before["rows"]} - {None}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return []
-    if scenes <= {row.get("scene") for row in study.rows}:
+        if scenes <= {row.get("scene") for row in study.rows}:
+            return []
+    if not moved:
         return []
     count = 1
     while (folder / f"earlier-{count}").exists():
         count += 1
     aside = folder / f"earlier-{count}"
     aside.mkdir()
-    moved = [name for name in NAMES if (folder / name).exists()]
     return [str((folder / name).rename(aside / name)) for name in moved]

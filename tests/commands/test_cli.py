@@ -67,6 +67,21 @@ def test_run_names_the_report_that_it_wrote(capsys, answered, tmp_path):
     assert str(tmp_path / "out" / "report.html") in capsys.readouterr().out
 
 
+def test_run_tells_that_it_replaced_a_result(capsys, answered, tmp_path):
+    command = ["run", "flat-press", "-o", str(tmp_path)]
+    assert main(command) == 0
+    assert "replaced" not in capsys.readouterr().err
+    assert main(command) == 0
+    assert f"replaced an earlier result in {tmp_path}" in capsys.readouterr().err
+
+
+def test_run_refuses_a_folder_with_files_of_others_before_it_computes(capsys, answered, tmp_path):
+    (tmp_path / "spikes.csv").write_text("mine")
+    assert main(["run", "flat-press", "-o", str(tmp_path)]) == 2
+    assert "'spikes.csv'" in capsys.readouterr().err
+    assert answered == []
+
+
 def test_run_json_has_the_keys_of_the_contract_and_nothing_else(capsys, answered, synthetic):
     assert main(["run", "flat-press", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)

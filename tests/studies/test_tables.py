@@ -133,11 +133,18 @@ def test_the_table_of_other_scenes_is_kept_and_told(tmp_path, capsys):
     out, err = capsys.readouterr()
     assert "2 of 2 scenes" in out
     assert ", 2 of them reused" in out
-    assert f"moved: the table of other scenes that was there is now in {tmp_path}/earlier-1" in err
+    assert f"moved: the files of these names that were there are now in {tmp_path}/earlier-1" in err
     assert (tmp_path / "earlier-1" / "table.csv").read_text() == before
     assert (tmp_path / "earlier-1" / "report.html").exists()
     asked({"motion.depth": (0.4, 0.3, 0.1)}, folder=tmp_path).save(tmp_path)
     assert not (tmp_path / "earlier-2").exists()
+
+
+def test_files_that_no_study_wrote_are_moved_and_not_overwritten(tmp_path):
+    (tmp_path / "table.csv").write_text("mine")
+    asked({"motion.depth": (0.4, 0.3)}, folder=tmp_path).save(tmp_path)
+    assert (tmp_path / "earlier-1" / "table.csv").read_text() == "mine"
+    assert (tmp_path / "table.csv").read_text() != "mine"
 
 
 def test_the_page_and_the_table_say_how_they_were_made(tmp_path, capsys):
