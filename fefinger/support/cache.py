@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 from zipfile import BadZipFile
 
@@ -133,7 +134,7 @@ def limit(kind: str) -> None:
 
     The last used entry and unfinished ones stay in any case.
     """
-    finished = [entry for entry in _entries(kind) if entry.what != UNFINISHED]
+    finished = [entry for entry in _entries(kind, described=False) if entry.what != UNFINISHED]
     total = 0
     for number, entry in enumerate(sorted(finished, key=lambda entry: -entry.used)):
         total += entry.size
@@ -141,13 +142,15 @@ def limit(kind: str) -> None:
             remove([entry])
 
 
-def _entries(kind: str) -> Iterator[Entry]:
-    """Yield the entries of one kind, whole or damaged."""
+def _entries(kind: str, *, described: bool = True) -> Iterator[Entry]:
+    """Yield the entries of one kind, whole or damaged; descriptions read files of each."""
     for paths in _together(root() / kind):
         with suppress(OSError):  # removed by another process in the meantime
             first, size = paths[0], sum(_size(path) for path in paths)
             used = max(path.stat().st_mtime for path in paths)
-            what = UNFINISHED if first.name.startswith(".") else _description(first)
+            what = UNFINISHED if first.name.startswith(".") else ""
+            if described and not what:
+                what = _description(first)
             yield Entry(kind, what, paths, size, used)
 
 
@@ -168,21 +171,77 @@ def _size(path: Path) -> int:
 
 
 def _description(path: Path) -> str:
-    """Describe a mesh (from its sidecar) or an operator (from its folder).
-
-    The text is empty for patches, presses and damaged entries.
-    """
+    """Describe a mesh (from its sidecar) or what was computed on it; "" for damaged entries."""
     try:
-        if path.suffix == ".json":
-            return str(json.loads(path.read_text(encoding="utf-8"))["name"])
-        identity = json.loads((path / "identity.json").read_text(encoding="utf-8"))
-        ratios = " and ".join(f"{value:g}" for value in identity["poisson"])
-        return (
-            f"{identity['parity']} half of mesh {identity['mesh_file_sha256'][:8]}, modulus ratio "
-            f"{identity['modulus_ratio']:.4g}, Poisson's ratios {ratios}"
-        )
-    except (OSError, ValueError, KeyError, TypeError):
+        return _DESCRIPTIONS[path.parent.name](path)
+    except (*DAMAGED, TypeError, IndexError):
         return ""
+
+
+def _mesh(path: Path) -> str:
+    return str(json.loads(path.read_text(encoding="utf-8"))["name"])
+
+
+def _operator(path: Path) -> str:
+    return f"finger for `condensed`: {_body(path)}"
+
+
+def _modes(path: Path) -> str:
+    return f"finger for `modal`: {_body(path)}"
+
+
+def _body(path: Path) -> str:
+    """Describe the finger of an operator or of modes from its identity."""
+    identity = json.loads((path / "identity.json").read_text(encoding="utf-8"))
+    ratios = " and ".join(f"{value:g}" for value in identity["poisson"])
+    sha256 = identity["mesh_file_sha256"]
+    mesh = _mesh_names().get(sha256, f"{sha256[:8]}, which is no longer here")
+    loads = {"even": "equal", "odd": "opposite"}[identity["parity"]]
+    stiff = f"pulp {identity['modulus_ratio']:.3g} times as stiff as skin"
+    return f"mesh {mesh}, {loads} loads on both sides, {stiff}, Poisson's ratios {ratios}"
+
+
+def _mesh_names() -> dict[str, str]:
+    """Return the names of the shipped and cached meshes by the hash of their files."""
+    names = {}
+    with suppress(ModuleNotFoundError):
+        for folder in (files("fefinger.meshes"), root() / "meshes"):
+            for file in folder.iterdir() if folder.is_dir() else ():
+                if file.name.endswith(".json"):
+                    with suppress(OSError, ValueError, KeyError, TypeError):
+                        about = json.loads(file.read_text(encoding="utf-8"))
+                        names[about["sha256"]] = about["name"]
+    return names
+
+
+def _patch(path: Path) -> str:
+    import numpy as np
+
+    points = len(np.load(path / "flexibility.npy", mmap_mode="r", allow_pickle=False))
+    return f"object on a finger, for `condensed`: {points} points of the pad"
+
+
+def _table(path: Path) -> str:
+    return f"object on a finger, for `pressed`: table {_reach(path)}"
+
+
+def _press(path: Path) -> str:
+    return f"press of a calibration: {_reach(path)}"
+
+
+def _reach(path: Path) -> str:
+    """Say how far a press with a depth in mm and a force in N goes."""
+    import numpy as np
+
+    with path.open("rb") as opened, np.load(opened, allow_pickle=False) as stored:
+        depth, force = stored["depth"], stored["force"]
+    return f"of {len(depth)} depths to {depth[-1]:.3g} mm and {force[-1]:.3g} N"
+
+
+_DESCRIPTIONS: dict[str, Callable[[Path], str]] = {
+    **{"meshes": _mesh, "operators": _operator, "modes": _modes},
+    **{"patches": _patch, "presses": _press, "elastic": _table},
+}
 
 
 def _removed(path: Path) -> bool:

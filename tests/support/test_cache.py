@@ -53,10 +53,32 @@ def test_what_is_kept_is_listed_with_its_size(root: Path) -> None:
     (root / "operators" / "b" / "identity.json").write_text(message)
     operator, patch = cache.entries()
     assert (operator.kind, patch.kind) == ("operators", "patches")
-    expected = "odd half of mesh 01234567, modulus ratio 0.5, Poisson's ratios 0.48 and 0.5"
-    assert operator.what == expected
+    assert operator.what == (
+        "finger for `condensed`: mesh 01234567, which is no longer here, opposite loads on both "
+        "sides, pulp 0.5 times as stiff as skin, Poisson's ratios 0.48 and 0.5"
+    )
+    assert patch.what == "object on a finger, for `condensed`: 125000 points of the pad"
     assert operator.size == pytest.approx(2e6, rel=1e-3)
     assert time.time() - patch.used == pytest.approx(3 * DAY, abs=DAY / 2)
+
+
+@pytest.mark.parametrize("kind", ["elastic", "presses"])
+def test_presses_are_described_by_how_far_they_go(root: Path, kind: str) -> None:
+    (root / kind).mkdir(parents=True)
+    np.savez(root / kind / "a.npz", depth=[0.0, 1.0, 2.5], force=[0.0, 0.2, 1.25])
+    (entry,) = cache.entries()
+    assert entry.what.endswith("of 3 depths to 2.5 mm and 1.25 N")
+
+
+def test_the_mesh_of_an_operator_is_named(root: Path) -> None:
+    keep(root / "operators" / "b", days=1)
+    (root / "meshes").mkdir()
+    (root / "meshes" / "m.json").write_text('{"name": "14x10x14-coarse", "sha256": "0123"}')
+    identity = {"parity": "even", "mesh_file_sha256": "0123", "modulus_ratio": 0.1}
+    message = json.dumps(identity | {"poisson": [0.48, 0.48]})
+    (root / "operators" / "b" / "identity.json").write_text(message)
+    (operator,) = (entry for entry in cache.entries() if entry.kind == "operators")
+    assert "mesh 14x10x14-coarse, equal loads" in operator.what
 
 
 def test_what_was_not_used_for_days_is_pruned(
