@@ -155,8 +155,12 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     if case.motion.control == "depth" and depth > radius:
         reason = f"depth / relative radius = {format_excess(depth / radius, 1)}: Hertz ends there"
         unable.append(Reason("motion.depth", reason))
-    known = not unable and math.isfinite(measured(Candidate(name), case).error)
-    reasons = [] if known else [*_reasons_of_size(case), *reasons_of_place(case)]
+    error = math.nan if unable else measured(Candidate(name), case).error
+    reasons = [*_reasons_of_size(case), *reasons_of_place(case)]
+    if error <= case.ask.rel_error:
+        reasons = []
+    elif math.isfinite(error):  # they explain the measured error, and go where it is allowed
+        reasons = [Reason("ask.rel_error", each.text) for each in reasons]
     return refusals(name, "ability", unable) + refusals(name, "accuracy", reasons)
 
 

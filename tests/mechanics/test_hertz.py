@@ -202,6 +202,18 @@ def test_the_planner_leaves_a_finger_on_a_plate_to_the_finite_elements():
     assert any("contact radius / tissue thickness" in item.reason for item in rung.refusals)
 
 
+def test_reasons_of_a_measured_error_are_told_until_it_is_allowed():
+    asked = {"ask.fields": False, "ask.spikes": []}
+    case = Situation.of(published.load("flat-press", asked))
+    error, _ = hertz.error(case)
+    reasons = [refusal.reason for refusal in hertz.refuse(case)]
+    assert any("contact radius / tissue thickness" in reason for reason in reasons)
+    assert any("skin modulus / subcutaneous modulus" in reason for reason in reasons)
+    assert {refusal.field for refusal in hertz.refuse(case)} == {"ask.rel_error"}
+    allowed = published.load("flat-press", asked | {"ask.rel_error": min(1.01 * error, 1.0)})
+    assert hertz.refuse(Situation.of(allowed)) == ()
+
+
 def test_the_planner_takes_it_for_a_small_ball_on_homogeneous_tissue():
     soft = ff.Finger.subject("a.h.", tissue="saal2017")
     light = scene(finger=soft, indenter=ff.Sphere(1.0), motion=ff.Ramp(1, 0.05, corner=0))
