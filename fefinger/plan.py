@@ -218,9 +218,10 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
 
 
 def _by_name(rungs: tuple[Rung, ...]) -> str:
-    """Suggest the mechanics to name: with the fewest refusals, then the smallest error.
+    """Suggest the mechanics to name: of those refused for their error or time alone the most exact.
 
-    Of those whose errors are not known, one of finite strain.
+    Else the one with the fewest other refusals, of those whose errors are not known one of finite
+    strain. Each counts on the mesh that it has when it is named.
     """
     able = [rung for rung in rungs if not _about_ability(rung.refusals)]
     if not able:  # By the reason that most of them share, if there is one.
@@ -232,9 +233,11 @@ def _by_name(rungs: tuple[Rung, ...]) -> str:
 
     def ranked(rung: Rung) -> tuple[float, ...]:
         error = math.inf if math.isnan(rung.error) else rung.error
-        return len(rung.refusals), error, not MECHANICS[rung.mechanics].finite, rung.seconds
+        others = sum(refusal.field not in (ERROR, SECONDS) for refusal in rung.refusals)
+        return others, error, not MECHANICS[rung.mechanics].finite, rung.seconds
 
-    best = min(able, key=ranked)
+    named = [_named(rungs, name) for name in dict.fromkeys(rung.mechanics for rung in able)]
+    best = min(named, key=ranked)
     return (
         f"To run it all the same, in about {duration(best.wall)}, name {best.mechanics} "
         f"(--mechanics {best.mechanics}); the result then notes: "
