@@ -236,6 +236,27 @@ def test_a_result_shows_its_numbers_and_not_its_arrays(synthetic: Result) -> Non
     assert repr(synthetic.spikes).endswith(f"{synthetic.spikes.summary()}>")
 
 
+@pytest.mark.parametrize(
+    ("area", "expected"),
+    [(0.46, "(true value {:.2g} to {:.2g} mm²)"), (1.2, "at least {:.2g} mm², upper limit not")],
+)
+def test_a_large_error_is_told_as_a_range_with_what_would_be_better(
+    synthetic: Result, area: float, expected: str
+) -> None:
+    hertz, rung = synthetic.plan.rungs
+    rungs = (
+        dataclasses.replace(hertz, errors={"area": 0.1}),
+        dataclasses.replace(rung, errors={"area": area}),
+    )
+    plan = dataclasses.replace(synthetic.plan, rungs=rungs)
+    text = repr(dataclasses.replace(synthetic, plan=plan))
+    assert synthetic.contact_area is not None
+    answer = float(f"{synthetic.contact_area.max():.3g}")
+    assert expected.format(answer / (1 + area), answer / abs(1 - area)) in text
+    assert "contact area may be far off" in text
+    assert "hertz states 10 % (--mechanics hertz)" in text
+
+
 def test_spikes_csv_holds_every_spike_with_its_place(synthetic: Result, tmp_path: Path) -> None:
     synthetic.save(tmp_path)
     assert synthetic.spikes is not None

@@ -97,7 +97,9 @@ def run_summary(
     from fefinger.results import key_numbers
 
     rows = key_numbers.rows(result)
-    rows.append(("computed", f"by {result.plan.on}, in {sum(seconds.values()):.1f} s"))
+    saving = f" (saved in {seconds['save']:.1f} s)" if "save" in seconds else ""
+    spent = f"{sum(result.seconds.values()):.1f} s{saving}"
+    rows.append(("computed", f"by {result.plan.on}, in {spent}"))
     if result.plan.overridden:
         reasons = "; ".join(dict.fromkeys(refusal.reason for refusal in result.plan.overridden))
         rows.append(("WARNING", f"chosen by name despite: {reasons}"))

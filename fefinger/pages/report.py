@@ -53,7 +53,7 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
         touch=_touch(result),
         tiles=list(_tiles(result)),
         files=list(_files(result)),
-        warnings=[*result.warnings, *_blocked(result)],
+        warnings=[*result.warnings, *_cautions(result), *_blocked(result)],
         parts=list(_parts(result)),
         membranes=result.spikes is not None and result.spikes.family == "thesis",
         units=list(_units(result)),
@@ -68,6 +68,11 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
         toml=result.scene.to_toml(),
     )
     Path(path).write_text(html, encoding="utf-8")
+
+
+def _cautions(result: ResultRecord) -> list[str]:
+    """Return the cautions of the summary as sentences."""
+    return [f"{text[0].upper()}{text[1:]}." for text in key_numbers.cautions(result)]
 
 
 def _dry(result: ResultRecord) -> list[str]:

@@ -10,9 +10,15 @@ from typing import NamedTuple
 import numpy as np
 
 from fefinger.results.harmonic import Harmonic
+from fefinger.results.plan_text import QUANTITIES, WIDE, range_text
 from fefinger.results.pressure import highest
 from fefinger.results.result_record import ResultRecord
+from fefinger.scene.finger import RESOLUTIONS, STANDARD
 from fefinger.support.text import percent
+
+
+BETTER = 0.8
+"""Error of another mechanics over that of the answer, below which it is suggested."""
 
 
 class KeyNumber(NamedTuple):
@@ -30,10 +36,15 @@ class KeyNumber(NamedTuple):
 
     @property
     def within(self) -> str:
-        """The expected error in words; empty for a number that has none."""
+        """The expected error in words, the range of a large one; empty for a number without."""
         if self.error is None:
             return ""
-        return "error not known" if math.isnan(self.error) else f"within {percent(self.error)}"
+        if math.isnan(self.error):
+            return "error not known"
+        if self.error <= WIDE:
+            return f"within {percent(self.error)}"
+        answer, _, unit = self.value.partition(" ")
+        return range_text(self.error, float(answer), unit)
 
 
 def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
@@ -84,7 +95,36 @@ def rows(result: ResultRecord) -> list[tuple[str, str]]:
     if result.spikes is not None:
         fired = f"{result.spikes.summary()} (afferents: {result.spikes.family})"
         lines.append(("spikes", fired))
-    return lines
+    return [*lines, *(("caution", caution) for caution in cautions(result))]
+
+
+def cautions(result: ResultRecord) -> list[str]:
+    """Return a sentence on requested quantities other than the force that may be far off, if any.
+
+    It says by which mechanics or mesh of the plan they would be better.
+    """
+    chosen, ask = result.plan.chosen, result.scene.ask
+    wanted = {"pressure": ask.pressure, "area": ask.pressure, "strain": ask.strain}
+    far = [name for name, wish in wanted.items() if wish and chosen.errors.get(name, 0.0) > WIDE]
+    if not far:
+        return []
+    worst = max(far, key=lambda name: chosen.errors[name])
+    others = [rung for rung in result.plan.rungs if worst in rung.errors]
+    best = min(others, key=lambda rung: rung.errors[worst])
+    better = "no mechanics states less"
+    if best.errors[worst] < BETTER * chosen.errors[worst]:
+        better = f"{best.candidate.label} states {percent(best.errors[worst])}"
+        ways = [f"--mechanics {best.mechanics}"] * (best.mechanics != chosen.mechanics)
+        if best.resolution not in (None, chosen.resolution, STANDARD):
+            ways.append(f"--set finger.resolution={best.resolution}")
+        better = f"{better} ({' '.join(ways)})" if ways else better
+    elif chosen.resolution == RESOLUTIONS[0]:
+        better = f"finger.resolution = {STANDARD!r} may help"
+    names = " and ".join(QUANTITIES[name] for name in far)
+    return [
+        f"{names} may be far off, as ask.rel_error limits the force alone; for the "
+        f"{QUANTITIES[worst]}, {better}"
+    ]
 
 
 def leading(result: ResultRecord, count: int) -> list[KeyNumber]:
@@ -113,8 +153,9 @@ def _strain(result: ResultRecord, error: float) -> KeyNumber:
     }
     about = ", ".join(f"{kind} {each:.3g} %" for kind, each in largest.items() if kind)
     if len(largest) == 1:
-        about = f"at an end organ {depths[np.argmax(by_site)]:.3g} mm deep"
-    return KeyNumber("largest compressive strain", f"{by_site.max():.3g} %", error, 5, about)
+        about = f"{depths[np.argmax(by_site)]:.3g} mm deep"
+    name = "largest compressive strain at an end organ"
+    return KeyNumber(name, f"{by_site.max():.3g} %", error, 5, about)
 
 
 def format_instant(seconds: float) -> str:

@@ -22,6 +22,31 @@ QUANTITIES = {
 """Names of the quantities whose errors are stated."""
 
 
+WIDE = 0.3
+"""Stated error above which the range of the true value is told."""
+
+UNLIMITED = 0.95
+"""Stated error from which on no upper limit of the true value is told: 20 times the answer."""
+
+
+def true_range(error: float) -> tuple[float, float]:
+    """Range of the true value over the answer, whose stated error is relative to the true value.
+
+    The answer is 1 - error to 1 + error of it, so that from 1 on there is no upper limit (inf).
+    """
+    return 1 / (1 + error), 1 / (1 - error) if error < 1 else math.inf
+
+
+def range_text(error: float, answer: float, unit: str) -> str:
+    """State the range of the true value behind an answer, as in "true value 0.09 to 1.4 N"."""
+    if math.isinf(error):
+        return "its error has no limit"
+    low, high = (f"{float(f'{answer * end:.2g}'):g}" for end in true_range(error))
+    if error >= UNLIMITED:
+        return f"true value at least {low} {unit}, upper limit not known"
+    return f"true value {low} to {high} {unit}"
+
+
 def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
     """Table of the ladder, a line per kind of refusal, and below it where the errors are from.
 
@@ -58,7 +83,7 @@ def choice_line(rung: "Rung") -> str:
     mesh = f" on the {rung.resolution} mesh" if rung.resolution else ""
     known = math.isfinite(rung.error)
     error = f"force within {percent(rung.error)}" if known else "error of the force not known"
-    return f"{rung.mechanics}{mesh}: {error}, in about {expected_time(rung)}."
+    return f"{rung.mechanics}{mesh}: {error}, solved in about {expected_time(rung)}."
 
 
 def expected_time(rung: "Rung") -> str:
@@ -82,12 +107,18 @@ def trust(rung: "Rung", ask: "Ask") -> str:
     if "depth" in errors:
         known = ["depth", *known]
         words = QUANTITIES | {"force": "force at the depth", "depth": "largest depth"}
-    bounds = ", ".join(f"{words[name]} {percent(errors[name])}" for name in known)
+    bounds = ", ".join(f"{words[name]} {_bound(errors[name])}" for name in known)
     sentences = [f"Expected within: {bounds}."] if known else []
     if ask.spikes:
         unknown.append("spikes")
     sentences += [f"Error not known: {', '.join(unknown)}."] if unknown else []
     return " ".join(sentences)
+
+
+def _bound(error: float) -> str:
+    """Format a stated error, if it is wide with the range of the true value."""
+    wide = f" ({range_text(error, 1.0, 'times the answer')})" if error > WIDE else ""
+    return f"{percent(error)}{wide}"
 
 
 def _sources(rungs: Sequence["Rung"]) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from fefinger.results.plan_text import true_range
 from fefinger.support.vocabulary import TYPES
 
 
@@ -120,10 +121,10 @@ TWICE = 2.0
 def bounds(row: Mapping[str, object], name: str) -> tuple[float, float] | None:
     """Bounds of the true value of a measure by its expected error; None where it is unknown.
 
-    The error is relative to the true value, which is in value / (1 + error) to value / (1 - error).
+    The error is relative to the true value, see `true_range`.
     """
     value, share = row.get(name), row.get(ERRORS.get(name, ""))
     if not isinstance(value, int | float) or not isinstance(share, int | float):
         return None
-    most = 1 / (1 - share) if share < 1 else TWICE
-    return value / (1 + share), value * min(most, TWICE)
+    least, most = true_range(share)
+    return value * least, value * min(most, TWICE)
