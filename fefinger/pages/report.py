@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 
 from fefinger import view
+from fefinger.geometry.finger_mesh import BONE
 from fefinger.neural.train_record import FEW
 from fefinger.pages import page
 from fefinger.results import key_numbers
 from fefinger.results.harmonic import Harmonic
+from fefinger.results.pressure import highest
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.atomic_write import temporary_folder
 from fefinger.view import (
@@ -22,6 +24,7 @@ from fefinger.view import (
     figures,
     frames,
     harmonic_figure,
+    pictures,
     quantities,
     renderer,
     section_figure,
@@ -210,11 +213,16 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
 
 
 def _top_pressure(result: ResultRecord) -> str:
-    """Return a sentence on the highest pressure at a point of the mesh, and when it is."""
+    """Return sentences on the highest pressure of all times, over 1 mm² and at a vertex."""
+    assert result.pad is not None
     assert result.pressure is not None
     step = int(np.argmax(result.pressure.max(axis=1)))
     top, when = result.pressure[step].max(), key_numbers.format_instant(result.time[step])
-    return f"At a single point of it the pressure is at most {top:.3g} kPa, at {when}."
+    mean, _ = highest(result.pad, result.pressure)
+    return (
+        f"The highest pressure of all times is {mean:.3g} kPa over 1 mm²; at a single vertex of "
+        f"the mesh, which is less certain, it is at most {top:.3g} kPa, at {when}."
+    )
 
 
 def _harmonic(harmonic: Harmonic, result: ResultRecord) -> dict[str, Any]:
@@ -274,25 +282,35 @@ def _section(result: ResultRecord) -> dict[str, Any]:
         f"The deformed finger at the stored time next to {result.peak_name}. Lines bound skin and "
         "subcutaneous tissue; the pale part is the bone; dots are the end organs."
     )
-    pictures = []
+    drawn = []
     if missing := renderer.renderer_lacking():
         text = f"{text} {missing}"
     else:
         frame = frames.nearest_frame(result.fields, frames.peak_time(result))
         when = key_numbers.format_instant(result.fields.times[frame])
         places = ("on the skin, seen from below", "behind the medial plane")
+        soft = np.unique(result.fields.cells[result.fields.region != BONE])
         for field, where in zip(("pressure", quantities.DEFAULT), places, strict=True):
-            caption = f"{field.capitalize()} {where}, {when}."
-            pictures.append({"source": _screenshot(result, field), "caption": caption})
+            top = quantities.values(result, field, frame)[soft].max()
+            caption = (
+                f"{field.capitalize()} {where}, {when}: at most {top:.3g} {quantities.unit(field)} "
+                "at a vertex of the mesh."
+            )
+            drawn.append({"source": _screenshot(result, field), "caption": caption})
     title = "A section through the finger"
-    return _part("section", title, text, section_figure.draw(result)) | {"pictures": pictures}
+    return _part("section", title, text, section_figure.draw(result)) | {"pictures": drawn}
 
 
 def _screenshot(result: ResultRecord, field: str) -> str:
     """Return the view in space as the source of a picture."""
+    from PIL import Image
+
     with temporary_folder() as folder:
         path = folder / "picture.png"
         view.screenshot(result, path, field)
+        with Image.open(path) as drawn:
+            picture = pictures.trimmed(np.asarray(drawn.convert("RGB")))
+        Image.fromarray(picture).save(path, optimize=True)
         return page.png(path.read_bytes())
 
 

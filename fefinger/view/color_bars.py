@@ -7,19 +7,20 @@ from fefinger.view import figures
 from fefinger.view.plot3d import FingerActor, Prop
 
 
-WIDTH = 220  # pixels of the column
+WIDTH = 260  # pixels of the column
 LOOK: dict[str, Any] = {
     "color": figures.INK,
     "vertical": True,
-    "position_x": 0.4,
-    "width": 0.2,
-    "height": 0.25,
+    "position_x": 0.3,
+    "width": 0.32,
+    "height": 0.2,
     "fmt": "%.3g",
     "n_labels": 5,
-    "title_font_size": 18,
-    "label_font_size": 17,
+    "title_font_size": 21,
+    "label_font_size": 21,
+    "unconstrained_font_size": True,
 }
-PLACES = (0.655, 0.345, 0.035)  # of their lower ends: at most a field, the pressure and the rate
+PLACES = (0.7, 0.43, 0.16)  # of their lower ends: at most a field, the pressure and the rate
 LONG = 23  # letters of a title in one line
 
 

@@ -291,7 +291,7 @@ def pressure_map(result: ResultRecord) -> Any:
         axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axis.set(xlabel="x (distal) / mm", ylabel="y (radial) / mm")
         axis.set_title(
-            f"t = {result.time[step]:.4g} s: peak {pressure.max():.3g} kPa, "
+            f"t = {result.time[step]:.4g} s: at most {pressure.max():.3g} kPa at a vertex, "
             f"force {result.response.force[step]:.3g} N"
         )
         drawn.colorbar(drawn_map, label="contact pressure / kPa", shrink=0.85)

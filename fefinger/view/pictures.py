@@ -21,6 +21,7 @@ from fefinger.view.titles import titles
 
 
 PANEL = (880, 780)  # pixels of a view in space, beside which the color bars are
+GAP, WHITE = 32, 250  # pixels between finger and color bars; least byte of what counts as white
 FPS, REST = 8, 8  # pictures per second of a film, and how often its last one stays
 LEGEND: dict[str, Any] = {
     **{"title": "region", "n_labels": 0, "vertical": False},
@@ -88,6 +89,38 @@ def screenshot(
     for actor in actors:
         actor.at(frames.peak_time(actor.shown.result) if time is None else time)
     _finish(plotter, path)
+
+
+def trimmed(picture: Array) -> Array:
+    """Return a picture of one result without its white margins, the color bars beside the finger.
+
+    Pictures are arrays (height, width, 3) of bytes, as `screenshot` draws them.
+    """
+    parts = [_inked(picture[:, : PANEL[0]]), _inked(picture[:, PANEL[0] :])]
+    top = min(rows.start for rows, _ in parts)
+    bottom = max(rows.stop for rows, _ in parts)
+    white = np.full((bottom - top, GAP, 3), 255, picture.dtype)
+    finger, bars = (
+        part[top:bottom, columns]
+        for part, (_, columns) in zip(np.split(picture, [PANEL[0]], axis=1), parts, strict=True)
+    )
+    return np.pad(
+        np.concatenate([finger, white, bars], axis=1),
+        ((GAP // 4,) * 2, (GAP // 4,) * 2, (0, 0)),
+        constant_values=255,
+    )
+
+
+def _inked(picture: Array) -> tuple[slice, slice]:
+    """Return the rows and columns of what is not white; all of a picture that is white."""
+    ink = picture.min(axis=2) < WHITE
+    spans = []
+    for axis in (1, 0):
+        found = np.flatnonzero(ink.any(axis=axis))
+        whole = (0, ink.shape[1 - axis] - 1)
+        low, high = (found[0], found[-1]) if found.size else whole
+        spans.append(slice(int(low), int(high) + 1))
+    return spans[0], spans[1]
 
 
 def movie(

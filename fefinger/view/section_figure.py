@@ -18,7 +18,7 @@ from fefinger.view import figures, frames, indenter_pose, markers, quantities
 
 REACH = 30.0  # mm of the indenter on both sides of the finger
 MARGIN = 1.2  # mm about the section
-CLOSE = 4.5  # mm: half the width of the close view
+CLOSE = 3.5  # mm: half the width of the close view
 LEADER = {"arrowstyle": "-", "color": figures.INK, "linewidth": 0.8, "relpos": (0.0, 0.5),
           "shrinkA": 0.0}  # fmt: skip
 HALVINGS = 2  # of the triangles' edges, between which matplotlib mixes colors in place of values
@@ -164,8 +164,8 @@ def _draw_organs(whole: Any, close: Any, cut: Medial) -> None:
     ordered = sorted(cut.organs, key=lambda organ: -organ[0][1])
     for row, (place, label, color, inside) in enumerate(ordered):
         face = color if inside else "none"
-        for axis, size in ((whole, 5), (close, 9)):
-            axis.plot(*place, "o", ms=size, mfc=face, mec="white", mew=1.0, zorder=5)
+        for axis, size, rim in ((whole, 2.5, 0.4), (close, 6.5, 0.8)):
+            axis.plot(*place, "o", ms=size, mfc=face, mec="white", mew=rim, zorder=5)
         box = {"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": color}
         close.annotate(
             label, place, xytext=(0.69, 0.36 - 0.088 * row), textcoords="axes fraction",

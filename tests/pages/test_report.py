@@ -11,6 +11,7 @@ import pytest
 from fefinger.pages import report
 from fefinger.result import Result
 from fefinger.results import key_numbers
+from fefinger.results.pressure import highest
 from fefinger.results.records import Rung
 from fefinger.scene.motions import ForceRampHold, Ramp, RampHold, RampSinusoid
 from fefinger.scene.scene import Scene
@@ -99,7 +100,10 @@ def test_the_highest_pressure_at_a_point_has_its_own_time(
     assert synthetic.pressure is not None
     step = int(np.argmax(synthetic.pressure.max(axis=1)))
     top, when = synthetic.pressure[step].max(), key_numbers.format_instant(synthetic.time[step])
-    assert f"at most {top:.3g} kPa, at {when}." in page(synthetic, tmp_path)
+    html = page(synthetic, tmp_path)
+    assert f"at most {top:.3g} kPa, at {when}." in html
+    mean, _ = highest(synthetic.pad, synthetic.pressure)
+    assert f"{mean:.3g} kPa over 1 mm²" in html
 
 
 def test_the_first_tiles_are_the_numbers_that_matter_with_their_errors(

@@ -127,6 +127,19 @@ def test_a_view_in_space_shows_something(synthetic: Result, tmp_path: Path, fiel
     assert 0.05 < (drawn.min(axis=2) < 0.98).mean() < 0.9
 
 
+def test_a_trimmed_picture_has_the_bars_beside_the_finger() -> None:
+    width, height = pictures.size(1)
+    drawn = np.full((height, width, 3), 255, np.uint8)
+    drawn[200:400, 100:300] = 0
+    drawn[100:150, pictures.PANEL[0] + 90 : pictures.PANEL[0] + 120] = 7
+    found = pictures.trimmed(drawn)
+    edge = pictures.GAP // 4
+    assert found.shape == (300 + 2 * edge, 200 + pictures.GAP + 30 + 2 * edge, 3)
+    assert (found == 0).sum() == 3 * 200 * 200
+    assert (found[edge : edge + 50, -edge - 30 : -edge] == 7).all()
+    assert pictures.trimmed(np.full_like(drawn, 255)).shape[0] == height + 2 * edge
+
+
 @needs_renderer
 def test_compared_results_have_one_scale(synthetic: Result, weaker: Result, tmp_path: Path) -> None:
     both = [drawing(result, "tensile strain", "") for result in (synthetic, weaker)]
