@@ -255,6 +255,9 @@ def test_a_large_error_is_told_as_a_range_with_what_would_be_better(
     assert expected.format(answer / (1 + area), answer / abs(1 - area)) in text
     assert "contact area may be far off" in text
     assert "hertz states 10 % (--mechanics hertz)" in text
+    alone = dataclasses.replace(plan, rungs=rungs[1:])  # as where the mechanics was named
+    text = repr(dataclasses.replace(synthetic, plan=alone))
+    assert "for the contact area, the reference is solid (--mechanics solid)" in text
 
 
 def test_spikes_csv_holds_every_spike_with_its_place(synthetic: Result, tmp_path: Path) -> None:

@@ -15,7 +15,8 @@ from fefinger.commands.options import changes_option, json_option
 def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     """Show which mechanics would answer SCENE.
 
-    Prints the expected error and time of every mechanics and mesh, and why the others are refused.
+    Prints the expected error of the force and the time of every mechanics and mesh, and why the
+    others are refused. Times are those of computing, without compiling and saving.
     """
     from dataclasses import asdict
 

@@ -17,6 +17,9 @@ from fefinger.scene.finger import RESOLUTIONS, STANDARD
 from fefinger.support.text import percent
 
 
+REFERENCE = "solid"
+"""Mechanics against which errors are stated."""
+
 BETTER = 0.8
 """Error of another mechanics over that of the answer, below which it is suggested."""
 
@@ -120,11 +123,11 @@ def cautions(result: ResultRecord) -> list[str]:
         better = f"{better} ({' '.join(ways)})" if ways else better
     elif chosen.resolution == RESOLUTIONS[0]:
         better = f"finger.resolution = {STANDARD!r} may help"
+    elif REFERENCE not in {rung.mechanics for rung in result.plan.rungs}:
+        better = f"the reference is {REFERENCE} (--mechanics {REFERENCE})"
     names = " and ".join(QUANTITIES[name] for name in far)
-    return [
-        f"{names} may be far off, as ask.rel_error limits the force alone; for the "
-        f"{QUANTITIES[worst]}, {better}"
-    ]
+    why = ", as ask.rel_error limits the force alone" if chosen.error <= ask.rel_error else ""
+    return [f"{names} may be far off{why}; for the {QUANTITIES[worst]}, {better}"]
 
 
 def leading(result: ResultRecord, count: int) -> list[KeyNumber]:
