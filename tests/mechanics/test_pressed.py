@@ -304,6 +304,16 @@ def test_the_error_of_tabulation_is_larger_on_retreat() -> None:
     assert 0.01 < errors[0] < errors[1] < 0.1
 
 
+def test_a_light_touch_has_the_error_on_retreat_that_was_found_there() -> None:
+    for depth, found in ((0.2, 0.088), (0.3, 0.063), (0.5, 0.063)):
+        back, advancing = (
+            Situation.of(scene(each)) for each in (Trapezoid(20, depth, hold=1), Ramp(20, depth))
+        )
+        assert found < carrying.error(back, "force") < 0.1
+        assert carrying.error(advancing, "force") < 0.06
+        assert carrying.error(replace(back, indenter=Sphere(5.0)), "force") < 0.06
+
+
 def test_without_relaxation_the_error_between_the_depths_of_a_table_is_left() -> None:
     errors = []
     for depth in (0.02, 0.1, 0.3, 1.0):

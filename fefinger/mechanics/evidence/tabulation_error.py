@@ -41,6 +41,12 @@ RELAXING_BACK = 0.25
 0.03 and 0.1 of the thickness it is 1.6 to 2.0 % of the peak where 0.1 relaxes, 3.2 to 4.4 % where
 0.3 does, and 3.0 to 6.0 % at 0.67."""
 
+SHALLOW_BACK, LIGHT = 0.074, 0.055
+"""Least error of the force of plates on retreat, without MARGIN, at less than LIGHT of the
+thickness, where no scenes were drawn: in trapezoids to 0.02, 0.03 and 0.05 of it, of the plate at
+30 degrees on a.h. (coarse mesh), it is 5.0 to 8.8 %; 5.8 % on the standard mesh at 0.03. Under the
+ball of 5 mm it is 1.2 to 2.4 %."""
+
 BETWEEN = {
     "force": {"coarse": (4.3e-4, 3.5e-3), "standard": (1.2e-4, 3.5e-3)},
     "strain": {"coarse": (4.3e-4, 1e-3), "standard": (2.2e-4, 1e-3)},
@@ -81,7 +87,11 @@ def error(case: Situation, quantity: str, *, table: bool = True) -> float:
     if quantity == "force" and retreats(case.motion):
         rows, relaxing = [*rows, *_rows("force on retreat")], RELAXING_BACK
     pairs = [(row.conditions["part"], row.value) for row in rows]
-    largest = largest_about(case.depth_over_thickness, pairs, quantity)
+    part = case.depth_over_thickness
+    largest = largest_about(part, pairs, quantity)
+    plate = case.indenter.flat is not None and case.motion.control == "depth"
+    if table and plate and relaxing == RELAXING_BACK and part < LIGHT:
+        largest = max(largest, SHALLOW_BACK)
     share = min(1.0, (1.0 - case.finger.prony.long_time) / relaxing)
     between = between_depths(case, quantity) if table else 0.0
     return MARGIN * largest * share + between * (1.0 - share)
