@@ -221,7 +221,7 @@ def test_where_it_was_not_compared_its_error_is_not_known(parts: dict, words: st
 
 def test_an_indenter_that_the_mesh_does_not_resolve_is_never_answered_silently() -> None:
     tiny = scene(indenter=ff.Sphere(radius=0.5), motion=ff.Ramp(60, 1.0))
-    with pytest.raises(InputError, match="take a finer mesh"):
+    with pytest.raises(InputError, match="a finer mesh"):
         linear.respond(tiny)
 
 

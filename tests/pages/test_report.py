@@ -72,7 +72,7 @@ def test_what_was_not_asked_is_absent(synthetic: Result, tmp_path: Path) -> None
 def test_the_answer_says_force_area_and_spikes(synthetic: Result) -> None:
     peak = synthetic.response.force.max()
     said = report.answer(synthetic)
-    assert f"up to {peak:.3g} N" in said
+    assert f"peaks at {peak:.3g} N" in said
     assert "33 mm²" in said
     assert "SAI-1 107, SAII-1 51, FAI-1 5, FAII-1 0" in said
 

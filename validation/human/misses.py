@@ -38,7 +38,6 @@ MISSES: dict[str, tuple[float, Reason]] = {
     "force at 2 mm over that of the subject, d.s.": (0.896, "first touch"),
     "force at 2.1 mm over that of the subject, p.w.": (0.741, "first touch"),
     "stiffness at 0.05 N over that of the subject, d.s.": (0.867, "first touch"),
-    "stiffness at 0.05 N over that of the subject, a.h.": (0.845, "first touch"),
     "stiffness at 0.05 N over that of the subject, p.w.": (0.675, "first touch"),
     "stiffness at 0.1 N over that of the subject, a.h.": (1.121, "first touch"),
     "stiffness at 0.1 N over that of the subject, p.w.": (0.799, "first touch"),
