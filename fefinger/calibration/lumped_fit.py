@@ -5,7 +5,6 @@ compression), named in its first line; others are ignored. Both identifications 
 `theory/lumped/identify.py` are made, with their uncertainties.
 """
 
-import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +15,8 @@ import numpy as np
 from fefinger.support import atomic_write
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
-from fefinger.support.csv_columns import CsvTable, read_table
+from fefinger.support.csv_columns import CsvTable, check_times, factor, read_table, shortened
+from fefinger.support.likely_units import DURATION, FORCE, TRAVEL
 from fefinger.support.text import strict_json, table
 from fefinger.theory.lumped import identify, ramp_hold
 from fefinger.theory.lumped import spring as lumped
@@ -27,22 +27,8 @@ UNITS = {"time": "s", "position": "mm", "force": "N"}
 WAYS = ("thesis", "joint")
 PARAMETER_UNITS = {"b": "N/mm", "m": "1/mm", "x0": "mm", "c": "", "v": "1/s"}
 
-LIKELY = {
-    "position": ("travel", 0.05, 50.0, (("m", 0.0, 0.05), ("um", 50.0, math.inf))),
-    "force": (
-        "largest force",
-        0.02,
-        50.0,
-        (("kN", 0.0, 0.02), ("mN or grams of force", 50.0, 1000.0), ("mN", 1000.0, math.inf)),
-    ),
-    "time": (
-        "duration",
-        0.05,
-        1000.0,
-        (("minutes, or ended before a hold", 0.0, 0.05), ("ms", 1000.0, math.inf)),
-    ),
-}
-"""Quantity checked of each column, its range for a finger, and likely units outside the range."""
+LIKELY = {"position": TRAVEL, "force": FORCE, "time": DURATION}
+"""Range of each column for a finger."""
 
 
 @dataclass(frozen=True)
@@ -94,8 +80,10 @@ def read(
     return time - time[0], position, force
 
 
-def columns(file: str | Path, units: dict[str, str]) -> Array:
+def columns(file: str | Path, units: dict[str, str], *, slow: bool = False) -> Array:
     """Read the columns of a CSV file that `units` names, "time" among them: (n, n_columns).
+
+    `slow`: samples may be seconds apart.
 
     Raises
     ------
@@ -104,7 +92,9 @@ def columns(file: str | Path, units: dict[str, str]) -> Array:
         finite, or times do not increase.
     """
     table = read_table(str(file), file)
-    values = table.numbers([_column(table, name, unit) for name, unit in units.items()])
+    places = [_column(table, name, unit) for name, unit in units.items()]
+    sizes = [factor(table.header[i], *of) for i, of in zip(places, units.items(), strict=True)]
+    values = table.numbers(places) * np.array(sizes, dtype=float)
     time = values[:, list(units).index("time")]
     wrong = np.flatnonzero(np.diff(time) <= 0)
     if wrong.size:
@@ -114,38 +104,39 @@ def columns(file: str | Path, units: dict[str, str]) -> Array:
             f"{table.source}: line {table.rows[i][0]}: expected a time above {time[i - 1]:g} s, "
             f"received {what}, {time[i]:g}; sort the rows and keep one of each time"
         )
+    if not slow:
+        check_times(table.source, table.header[places[list(units).index("time")]], time)
     return values
 
 
 def _column(table: CsvTable, name: str, unit: str) -> int:
-    """Return the index of the column called `name`; the name may end in its unit."""
+    """Return the index of the column called `name`, alone or followed by a unit of FACTORS."""
     head, file = table.header, table.source
     matches = [i for i, cell in enumerate(head) if re.match(rf"{name}(?!\d)", cell.lower())]
     if len(matches) != 1:
         which = "none" if not matches else f"{len(matches)}: {', '.join(head[i] for i in matches)}"
         raise InputError(
             f"{file}: expected one column {name!r} ({unit}) in the first line, received {which} in "
-            f"{','.join(head)!r}"
+            f"{shortened(head)}"
         )
-    stated = head[matches[0]][len(name) :].strip(" _-()[]/,")
-    if stated and stated.lower() != unit.lower():
+    if factor(head[matches[0]], name, unit) is None:
         msg = f"{file}: column {head[matches[0]]!r}: expected {name} in {unit}; convert it"
         raise InputError(msg)
     return matches[0]
 
 
 def _check_unit(file: str, name: str, values: Array) -> None:
-    what, low, high, others = LIKELY[name]
+    likely = LIKELY[name]
     size = float(np.abs(values).max() if name == "force" else np.ptp(values))
-    if low <= size <= high:
+    hint = likely.hint(size)
+    if not hint:
         return
     if np.ptp(values) == 0:
         msg = f"{file}: {name}: expected numbers that change, received {values[0]:g} in every row"
         raise InputError(msg)
-    likely = next(unit for unit, least, most in others if least <= size <= most)
     raise InputError(
-        f"{file}: {name}: expected {UNITS[name]}, with a {what} of {low:g} to {high:g}, received "
-        f"{size:.3g}, as if it were in {likely}; convert the column"
+        f"{file}: {name}: expected {likely.unit}, with a {likely.what} of {likely.low:g} to "
+        f"{likely.high:g}, received {size:.3g}{hint}; convert the column"
     )
 
 

@@ -274,7 +274,7 @@ def frames(file: str | Path) -> Frames:
     sensor = ArraySensor()
     count = len(sensor.positions)
     units = {"time": "s", "position": "mm"} | {f"p{i}": "kPa" for i in range(1, count + 1)}
-    table = lumped_fit.columns(file, units)
+    table = lumped_fit.columns(file, units, slow=True)
     time, depth, pressure = table[:, 0], table[:, 1], table[:, 2:]
     if len(table) < FEWEST:
         msg = f"{file}: expected {FEWEST} frames or more of a slow press, received {len(table)}"

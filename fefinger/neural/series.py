@@ -14,7 +14,14 @@ from numpy.typing import ArrayLike
 from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import as_input_error
 from fefinger.support.checks import InputError, choice, integer, number, repeated, suggestion
-from fefinger.support.csv_columns import read_table
+from fefinger.support.csv_columns import (
+    FACTORS,
+    check_times,
+    factor,
+    read_table,
+    stated_unit,
+)
+from fefinger.support.likely_units import fitting
 from fefinger.support.vocabulary import FAMILIES, GENERATORS, TYPE_SYNONYMS, TYPES
 
 
@@ -22,22 +29,20 @@ if TYPE_CHECKING:
     from fefinger.neural.trains import SpikeTrains
 
 
-TIME = {"time": 1.0, "time_s": 1.0, "time_ms": 1e-3}
-"""Headers of the time column, with the length of their unit in s."""
+TIME = "time", "time_s", "time_ms"
+"""Headers of the time column; the unit may also be written as in "Time (ms)"."""
 
-SIGNALS = {
-    "displacement_mm": 1.0,
-    "displacement_um": 1e-3,
-    "displacement_m": 1e3,
-    "strain": None,
-}
-"""Ends of the headers of signals, with the length of their unit in mm; strain has none."""
+SIGNALS = "displacement_mm", "displacement_um", "displacement_m", "strain"
+"""Ends of the headers of signals; the unit may also be written as in "left displacement (mm)"."""
 
 USUAL = "displacement_mm", "strain"
 """Those that are proposed for a header without a unit."""
 
 LARGEST_MM, LARGEST_STRAIN = 10.0, 1.0
 """Largest displacement and strain: a fingertip is about 12 mm thick, strain stays below 1."""
+
+SMALLEST_MM = 0.05
+"""Largest displacement of a column below which another unit is suspected, if no unit fires."""
 
 OUTWARD = 1.1
 """Ratio of the lowest value below 0 to the highest one from which a wrong sign is suspected: the
@@ -70,8 +75,9 @@ def read(path: str | PathLike[str]) -> Signals:
     """Read a series from a CSV file with a column of time and one per signal, each with a header.
 
     The header of time is one of TIME. That of a signal ends with one of SIGNALS, after any name, as
-    in `left_displacement_mm`. Displacement is positive into the skin, strain
-    positive where it excites: compression for SAI and FAII, stretch of the skin for SAII and FAI.
+    in `left_displacement_mm`. Units may also stand in brackets, as in "time (s)". Displacement is
+    positive into the skin, strain positive where it excites: compression for SAI and FAII, stretch
+    of the skin for SAII and FAI.
 
     Raises
     ------
@@ -83,7 +89,7 @@ def read(path: str | PathLike[str]) -> Signals:
     header = table.header
     if len(table.rows) < 2:
         raise InputError(f"{path}: expected two rows of numbers or more, received one")
-    at = [i for i, name in enumerate(header) if name in TIME]
+    at = [i for i, name in enumerate(header) if factor(name, "time", "s") is not None]
     if len(at) != 1:
         msg = f"{path}: expected one column named {', '.join(TIME)}, received {', '.join(header)}"
         raise InputError(msg)
@@ -98,8 +104,9 @@ def read(path: str | PathLike[str]) -> Signals:
         raise InputError(f"{path}: expected a column of a signal beside the time, received none")
     lengths = tuple(_length(path, header[i]) for i in columns)
     values = table.numbers(range(len(header)))
+    check_times(table.source, header[at[0]], values[:, at[0]])
     signals = Signals(
-        time=TIME[header[at[0]]] * values[:, at[0]],
+        time=(factor(header[at[0]], "time", "s") or 1.0) * values[:, at[0]],
         drive=values[:, columns],
         lengths=lengths,
         headers=tuple(header[i] for i in columns),
@@ -282,7 +289,7 @@ def fire(
         raise InputError(msg)
     run = partial(simulate, types=kinds, lengths=mm, names=names, variation=vary, exact=corners)
     trains = run(signals.time, signals.drive[:, columns])
-    notes = (*trains.notes, *_remarks(signals))
+    notes = (*trains.notes, *_remarks(signals), *_silent(signals, columns, trains))
     if length is not None and None not in signals.lengths:
         notes += ("The length is not used, because no column is a strain.",)
     if not corners:
@@ -332,7 +339,7 @@ def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[st
     kinds: list[str] = []
     names: list[str] = []
     for i, header in enumerate(signals.headers):
-        prefix = header.partition("_")[0]
+        prefix = re.split(r"[\W_]", header)[0]
         resembling = (
             prefix.lower() in TYPE_SYNONYMS
             or re.fullmatch("[sf]a[a-z0-9]{0,2}", prefix.lower()) is not None
@@ -363,8 +370,12 @@ def save(trains: "SpikeTrains", folder: Path) -> list[str]:
 
 def _length(path: str | PathLike[str], header: str) -> float | None:
     """Length in mm of the unit of a signal, by its header; None for strain."""
-    for end, length in SIGNALS.items():
-        if header == end or header.endswith(f"_{end}"):
+    found = re.search(r"(?:^|.*[^a-z0-9])(displacement.*|strain[^a-z0-9]*)$", header.lower())
+    if found and found[1].startswith("strain"):
+        return None
+    if found and stated_unit(found[1], "displacement"):
+        length = factor(found[1], "displacement", "mm")
+        if length is not None:
             return length
     ends = ", ".join(SIGNALS)
     msg = f"{path}: column {header!r}: expected a name that ends with one of {ends}."
@@ -395,8 +406,18 @@ def _check(signals: Signals, source: str, rows: Sequence[str]) -> None:
         if largest > limit:
             raise InputError(
                 f"{source}: column {header}: expected at most {limit:g}{unit}, received "
-                f"{largest:g}{unit}; check the unit, and that the signal is zero before the touch"
+                f"{largest:g}{unit}{_hint(column, length)}; check the unit, and that the signal is "
+                "zero before the touch"
             )
+
+
+def _hint(column: Array, length: float | None) -> str:
+    """Words on the unit in which a column (n_t,) is likely, other than that of its header."""
+    size = float(np.abs(column).max())
+    if length is None:
+        return fitting(size, {"percent": 0.01}, 0.01, LARGEST_STRAIN)
+    others = {unit: each for unit, each in FACTORS["mm"].items() if each != length}
+    return fitting(size, others, SMALLEST_MM, LARGEST_MM)
 
 
 def _mm(signals: Signals, column: int, length: float | None) -> float:
@@ -430,6 +451,22 @@ def _remarks(signals: Signals) -> list[str]:
             notes.append(
                 f"{header}: goes down to {low:g}, but only up to {high:g}; expected are positive "
                 f"values {wanted}; if the sign is wrong, change it"
+            )
+    return notes
+
+
+def _silent(signals: Signals, columns: list[int], trains: "SpikeTrains") -> list[str]:
+    """Describe displacements that fire no unit and are so small as if they had another unit."""
+    firing = {i for i, times in zip(columns, trains.times, strict=True) if len(times)}
+    notes = []
+    for i in sorted({*columns} - firing):
+        length, column = signals.lengths[i], signals.drive[:, i]
+        hint = "" if length is None else _hint(column, length)
+        largest = float(np.abs(column).max()) * (length or 1.0)
+        if hint and largest < SMALLEST_MM:
+            notes.append(
+                f"{signals.headers[i]}: fires no unit; it reaches {largest:g} mm{hint}; its name "
+                "has to end with the unit of its numbers"
             )
     return notes
 

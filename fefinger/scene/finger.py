@@ -7,6 +7,7 @@ from typing import Any, Self
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.likely_units import FINGER
 from fefinger.support.outputs import check_input
 from fefinger.theory.relaxation import Prony
 
@@ -120,6 +121,7 @@ class Finger:
         tissues = library.tissue_set(self.tissue)
         for size in ("width", "thickness"):
             self._set_length(size)
+            _check_size(size, getattr(self, size))
         lengths = tissues.lengths(self.width, self.thickness)
         radius = lengths["pad_radius"] or pawluk1997.quasistatic()[name].radius
         self._default("pad_radius", radius)
@@ -257,6 +259,15 @@ class Finger:
                 f"gives no size of subject {name!r}: give width and thickness"
             )
         return cls(**(values | {"subject_name": name}))
+
+
+def _check_size(name: str, value: float) -> None:
+    """Raise InputError for a width or thickness in mm that no finger has, with the likely unit."""
+    if not FINGER.low <= value <= FINGER.high:
+        raise InputError(
+            f"finger.{name}: expected mm, from {FINGER.low:g} to {FINGER.high:g}, received "
+            f"{value:g}{FINGER.hint(value)}; a fingertip is some 15 mm wide and 12 mm thick"
+        )
 
 
 def origin_notes(finger: Finger) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+from fefinger.support.likely_units import in_milliseconds, seconds_or_milliseconds
 from fefinger.support.outputs import unreadable
 from fefinger.support.text import plain
 
@@ -19,6 +20,19 @@ UNITS = {
     **{"time": "s", "depth": "mm", "force": "N", "x": "mm", "y": "mm", "height": "mm"},
     **{"angle": "degrees", "tilt": "degrees"},
 }
+"""Units of the columns that scenes read."""
+
+FACTORS = {
+    "s": {"s": 1.0, "ms": 1e-3},
+    "mm": {"mm": 1.0, "um": 1e-3, "m": 1e3},
+    "N": {"n": 1.0, "mn": 1e-3},
+    "kPa": {"kpa": 1.0},
+    "degrees": {"degrees": 1.0, "deg": 1.0},
+}
+"""Units, in small letters, that a header may state instead of a unit, and their size in it."""
+
+SHOWN = 60
+"""Longest first line of a file that a message quotes in full."""
 
 SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
 """Separators other than commas that a file may have by mistake, with their names."""
@@ -99,8 +113,32 @@ def read_table(source: str, file: str | PathLike[str]) -> CsvTable:
     return CsvTable(source, header, rows[1:])
 
 
+def stated_unit(cell: str, name: str) -> str | None:
+    """Return the unit that a header states after `name`, in small letters: "" for none.
+
+    None for a header that is another name. "Time (s)", "time [s]" and "time_s" state s.
+    """
+    text = cell.lower().replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
+    found = re.fullmatch(rf"{name}(?:[^a-z0-9]+([a-z%][a-z0-9/%]*))?[^a-z0-9]*", text)
+    return found and (found[1] or "")
+
+
+def factor(cell: str, name: str, unit: str) -> float | None:
+    """Return the size in `unit` of the unit of a column called `name`; None for another name or unit."""
+    stated = stated_unit(cell, name)
+    return 1.0 if stated == "" else FACTORS[unit].get(stated or "")
+
+
+def check_times(where: str, cell: str, time: Array) -> None:
+    """Raise InputError for times (n,) that are likely in ms, under a header without a unit."""
+    if stated_unit(cell, "time") == "" and in_milliseconds(time):
+        raise InputError(f"{where}: {cell}: {seconds_or_milliseconds(time)}")
+
+
 def read_columns(field: str, file: Path, names: tuple[str, ...]) -> tuple[tuple[float, ...], ...]:
-    """Read columns of a CSV file whose header has `names`, alone or followed by their UNITS.
+    """Read columns of a CSV file whose header has `names`, alone or followed by their units.
+
+    They are converted to UNITS.
 
     Raises
     ------
@@ -108,15 +146,23 @@ def read_columns(field: str, file: Path, names: tuple[str, ...]) -> tuple[tuple[
         A file that cannot be read or used; the message names it `field`.
     """
     table = read_table(f"{field}: {str(file)!r}", file)
-    named = [
-        re.fullmatch(rf"{name}([^a-z0-9]+{UNITS[name].lower()})?[^a-z0-9]*", cell.lower())
-        for name, cell in zip(names, table.header, strict=False)
+    factors = [
+        factor(cell, name, UNITS[name]) for name, cell in zip(names, table.header, strict=False)
     ]
-    if len(table.header) != len(names) or not all(named):
+    if len(table.header) != len(names) or None in factors:
         units = ", ".join(f"{name} in {UNITS[name]}" for name in names)
         raise InputError(
             f"{table.source}: expected the first line to be '{','.join(names)}', and no other "
-            f"column, {units}, received {','.join(table.header)!r}"
+            f"column, {units}, received {shortened(table.header)}"
         )
-    values = table.numbers(range(len(names)))
+    values = table.numbers(range(len(names))) * np.array(factors, dtype=float)
+    if "time" in names:
+        at = names.index("time")
+        check_times(table.source, table.header[at], values[:, at])
     return tuple(map(tuple, values.T.tolist()))
+
+
+def shortened(header: Sequence[str]) -> str:
+    """Quote the first line of a file, its beginning where it is long."""
+    line = ",".join(header)
+    return repr(line) if len(line) <= SHOWN else f"{line[:SHOWN]!r} ..."

@@ -159,7 +159,7 @@ TEXTS = {
     "two forces": ("time,position,force_a,force_b\n0,1,2,3\n", "received 2: force_a, force_b"),
     "one row": (f"{HEAD}\n0,1,2\n", "expected at least 40 rows of a ramp and hold, received 1"),
     "no header": ("0,1,2\n1,2,3\n", "one column 'time'"),
-    "other unit": ("time_ms,position,force\n0,1,2\n", "column 'time_ms': expected time in s"),
+    "other unit": ("time_min,position,force\n0,1,2\n", "column 'time_min': expected time in s"),
     "semicolons": ("time;position;force\n0,1;1;2\n", "expected commas .*, received semicolons in"),
 }
 
@@ -174,6 +174,17 @@ def test_a_file_that_is_no_record_is_refused_on_the_command_line(capsys, tmp_pat
     out, err = capsys.readouterr()
     assert out == ""
     assert err.startswith(f"error: {path}: ")
+
+
+def test_other_units_of_the_header_are_converted(brief, file, tmp_path):
+    path = tmp_path / "other.csv"
+    np.savetxt(
+        path, brief * [1e3, 1e3, 1e3], "%.9g", ",", header="Time (ms),Position (um),force_mN"
+    )
+    path.write_text(path.read_text().removeprefix("# "))
+    reference = write(tmp_path / "usual.csv", brief)
+    for actual, expected in zip(lumped_fit.read(path), lumped_fit.read(reference), strict=True):
+        np.testing.assert_allclose(actual, expected, rtol=1e-6, atol=1e-9)
 
 
 def test_a_file_that_is_not_there_is_refused(capsys, tmp_path):

@@ -75,7 +75,17 @@ def test_a_value_that_cannot_be_used_is_refused_before_any_work(
     assert not out.exists()
 
 
-SMALL = ["--set", "finger={width=0.014, thickness=10, tissue='maeno1998'}"]
+SMALL = ["--set", "finger={width=1.4, thickness=10, tissue='maeno1998'}"]
+
+
+@pytest.mark.parametrize(("width", "unit"), [("0.014", "m"), ("0.5", "cm"), ("14000", "um")])
+def test_a_finger_in_another_unit_is_refused_in_one_line(capsys, width, unit):
+    err = refused(capsys, ["explain", "sphere-press", "--set", f"finger.width={width}"])
+    assert (
+        f"finger.width: expected mm, from 1 to 200, received {width}, as if it were in {unit};"
+        in err
+    )
+    assert len(err.splitlines()) == 1
 
 
 def test_a_refusal_that_most_mechanics_share_is_in_the_first_sentence(capsys):

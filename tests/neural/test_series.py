@@ -65,6 +65,28 @@ def test_units_of_the_header_are_converted(time, name, values, length, press, tm
         np.testing.assert_allclose(a, b, atol=1e-9)
 
 
+def test_units_may_stand_in_brackets(press, tmp_path):
+    path = write(
+        tmp_path / "b.csv", ("Time (ms)", "FAI displacement [um]"), 1e3 * TIME, 1e3 * PRESS
+    )
+    other = fire(series.read(path))
+    assert other.types == ("FAI",)
+    np.testing.assert_allclose(other.x_in[:, 0], PRESS, rtol=1e-12)
+
+
+def test_wrong_units_are_told(tmp_path):
+    ms = np.arange(100.0)
+    path = write(tmp_path / "ms.csv", ("time", "displacement_mm"), ms, ms / 100)
+    with pytest.raises(InputError, match="as if they were in ms; name the column time_ms"):
+        series.read(path)
+    path = write(tmp_path / "um.csv", ("time", "displacement_mm"), TIME, 1e3 * PRESS)
+    with pytest.raises(InputError, match="mm, as if it were in um; check the unit"):
+        series.read(path)
+    path = write(tmp_path / "m.csv", ("time", "displacement_mm"), TIME, 1e-3 * PRESS)
+    notes = fire(series.read(path), ("SAI",)).notes
+    assert any("fires no unit; it reaches 0.001 mm, as if it were in m;" in note for note in notes)
+
+
 def test_a_column_named_after_a_type_drives_that_type_alone(tmp_path):
     header = ("time", "FAI_displacement_mm", "tip_displacement_mm")
     path = write(tmp_path / "two.csv", header, TIME, PRESS, 0.5 * PRESS)

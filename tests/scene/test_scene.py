@@ -128,8 +128,8 @@ def test_samples_are_read_beside_the_scene_file_and_then_belong_to_the_scene(tmp
         ("time,depth", True),
         ("time_s,depth_mm", True),
         ("Time (s), Depth [mm]", True),
-        ("time_ms,depth_mm", False),
-        ("time,depth_um", False),
+        ("time,depth_in", False),
+        ("times,depth", False),
         ("time,depth,force", False),
     ],
 )
@@ -144,6 +144,11 @@ def test_samples_in_other_units_are_not_taken_for_seconds_and_millimeters(tmp_pa
     else:
         with pytest.raises(InputError, match="time in s, depth in mm"):
             builtin.load(file)
+
+
+def test_samples_in_other_units_of_their_header_are_converted(tmp_path):
+    (tmp_path / "samples.csv").write_text("Time [ms],depth (um)\n0,0\n1000,500\n")
+    assert Sampled.from_csv(tmp_path / "samples.csv") == Sampled((0, 1), (0, 0.5))
 
 
 def test_overrides_are_set_by_dotted_path_and_a_new_kind_drops_foreign_keys():

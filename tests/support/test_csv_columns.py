@@ -33,6 +33,20 @@ def test_a_file_that_cannot_be_used_is_refused_with_its_place(tmp_path, text, me
     assert str(refused.value).startswith(f"motion.file: {str(file)!r}: ")
 
 
+def test_times_in_milliseconds_are_told_unless_the_header_has_a_unit(tmp_path):
+    file = tmp_path / "ms.csv"
+    for head, unit in (("time", None), ("time_s", 1.0), ("Time (ms)", 1e-3)):
+        rows = "".join(f"{k},0\n" for k in range(100))
+        file.write_text(f"{head},depth\n{rows}")
+        if unit is None:
+            with pytest.raises(
+                InputError, match=r"100 samples 1 apart, as if they were in ms; name"
+            ):
+                read_columns("file", file, ("time", "depth"))
+        else:
+            assert read_columns("file", file, ("time", "depth"))[0][-1] == pytest.approx(99 * unit)
+
+
 def test_files_that_are_no_text_are_refused(tmp_path):
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x01")
     for name, message in (("binary.csv", "no UTF-8 text; save"), ("missing.csv", "does not exist")):

@@ -9,6 +9,7 @@ import numpy as np
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+from fefinger.support.likely_units import SLOW
 
 
 MOVING_STEP = 1e-3  # s: filters up to FAI (10 Hz) and the 4 ms relaxation are resolved
@@ -60,7 +61,7 @@ def time_grid(motion: Motion, *, fast: bool, refine: int = 1, most: int = MOST) 
     `refine` divides every step. InputError for a motion that takes more than `most` steps.
     """
     pieces = list(_pieces(motion, fast=fast))
-    reason = _too_long(pieces, most)
+    reason = _too_long(motion, pieces, most)
     if reason:
         raise InputError(reason)
     grid = np.concatenate([np.zeros(1), *(piece.times() for piece in pieces)])
@@ -82,17 +83,20 @@ def moving(motion: Motion, time: Array) -> int:
 
 def too_long(motion: Motion, *, fast: bool, most: int = MOST) -> tuple[str, ...]:
     """Error messages for a motion of more than `most` time steps: one or none."""
-    reason = _too_long(_pieces(motion, fast=fast), most)
+    reason = _too_long(motion, _pieces(motion, fast=fast), most)
     return (reason,) if reason else ()
 
 
-def _too_long(pieces: "Iterator[_Piece] | list[_Piece]", most: int) -> str:
+def _too_long(motion: Motion, pieces: "Iterator[_Piece] | list[_Piece]", most: int) -> str:
     steps = sum(piece.count for piece in pieces if piece.moves)
     if steps <= most:
         return ""
+    todo = "take fewer cycles or a shorter motion"
+    if motion.sample_rate is not None and motion.sample_rate * SLOW <= 1:
+        todo = "its samples are so far apart as if their times were in ms; give them in s"
     return (
         f"motion: expected one of at most {most} time steps, which fit into memory, received one "
-        f"of {steps}; take fewer cycles or a shorter motion"
+        f"of {steps}; {todo}"
     )
 
 

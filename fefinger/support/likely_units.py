@@ -1,0 +1,80 @@
+"""Hints at the unit that numbers are likely in, where a fingertip has other sizes in the right one.
+
+All that is read from users asks here, so that a wrong unit is found with the same words everywhere.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from fefinger.support.arrays import Array
+
+
+RECORDED = 64
+"""Samples from which on times are those of a recorder, not written by hand."""
+
+SLOW = 0.5
+"""Interval in s between the samples of a recorder from which on times in ms are suspected."""
+
+
+@dataclass(frozen=True)
+class Likely:
+    """Range of a quantity in `unit`, and units that sizes outside it suggest.
+
+    `what` names the size that is looked at; others: (unit, least, most), sizes in `unit`.
+    """
+
+    what: str
+    unit: str
+    low: float
+    high: float
+    others: tuple[tuple[str, float, float], ...]
+
+    def hint(self, size: float) -> str:
+        """Return words on the unit in which a size outside the range is likely; "" for one inside."""
+        if self.low <= size <= self.high:
+            return ""
+        units = [unit for unit, least, most in self.others if least <= size <= most]
+        return f", as if it were in {units[0]}" if units else ""
+
+
+TRAVEL = Likely("travel", "mm", 0.05, 50.0, (("m", 0.0, 0.05), ("um", 50.0, math.inf)))
+FORCE = Likely(
+    "largest force",
+    "N",
+    0.02,
+    50.0,
+    (("kN", 0.0, 0.02), ("mN or grams of force", 50.0, 1000.0), ("mN", 1000.0, math.inf)),
+)
+DURATION = Likely(
+    "duration",
+    "s",
+    0.05,
+    1000.0,
+    (("minutes, or ended before a hold", 0.0, 0.05), ("ms", 1000.0, math.inf)),
+)
+FINGER = Likely(
+    "size", "mm", 1.0, 200.0, (("m", 0.0, 0.1), ("cm", 0.1, 1.0), ("um", 1000.0, math.inf))
+)
+"""A ball of rubber of 124 mm is a finger of the protocol p10."""
+
+
+def in_milliseconds(time: Array) -> bool:
+    """Return whether times (n,) given in s are likely in ms: many samples, too far apart."""
+    return len(time) >= RECORDED and float(np.median(np.diff(time))) >= SLOW
+
+
+def seconds_or_milliseconds(time: Array) -> str:
+    """Return a sentence on times that are likely in ms, with what to do."""
+    return (
+        f"expected s, received {len(time)} samples {float(np.median(np.diff(time))):g} apart, as "
+        "if they were in ms; name the column time_ms, or time_s if they are in s"
+    )
+
+
+def fitting(size: float, units: Mapping[str, float], low: float, high: float) -> str:
+    """Return words on the first unit (of these lengths) in which a size is within limits, or ""."""
+    fits = [unit for unit, length in units.items() if low <= size * length <= high]
+    return f", as if it were in {fits[0]}" if fits else ""
