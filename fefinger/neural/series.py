@@ -52,6 +52,12 @@ SLOW_JUMP = 0.3
 """Limit for SA units of the jump of velocity between coarse samples, over the largest velocity:
 straight lines through a sinusoid with such jumps deviate from it by 1 %."""
 
+RATE = 5.0
+"""Samples per period of the fastest pole of a type from which on its input is fine enough."""
+
+OR_CORNERS = "or give --corners if straight lines between the samples are exact"
+"""What else can be done where samples are too coarse for a type."""
+
 FINER, FINEST = 8, 1e-4
 """Number of parts of an interval on the smooth curve, and the shortest of them in s."""
 
@@ -239,7 +245,8 @@ def fire(
         `FAI_displacement_mm`, drives a unit of that type; any other column a unit of each of
         `types`. Other names of types, such as RA, are refused.
     types
-        Afferent types, by default all four.
+        Afferent types, by default all four for which the samples are not too coarse; the others are
+        noted.
     length
         Skin displacement in mm per strain of 1: the depth of a small flat press over the strain at
         the end organ that it causes. For the family "recorded" the displacement is that of a pin 1
@@ -262,13 +269,14 @@ def fire(
     ------
     InputError
         An unknown type or one given twice, a column named like one, a strain without a length,
-        samples too coarse for a type's fastest pole, an unknown family or a choice that it does not
-        have.
+        samples too coarse for the frequencies of a type that was named or of all, an unknown family
+        or a choice that it does not have.
     """
     from fefinger.neural.checked_signals import count_changes
     from fefinger.neural.variation import Variation
 
-    types = tuple(choice("types", kind, TYPES, TYPE_SYNONYMS) for kind in types) or TYPES
+    named = tuple(choice("types", kind, TYPES, TYPE_SYNONYMS) for kind in types)
+    types = named or TYPES
     if repeated(types):
         msg = f"types: expected every type once, received {', '.join(types)}; leave out repeats"
         raise InputError(msg)
@@ -278,18 +286,28 @@ def fire(
     columns, kinds, names = _units(signals, types)
     lengths = lengths if length is None else dict.fromkeys(TYPES, length)
     mm = [_mm(signals, i, lengths.get(kind)) for i, kind in zip(columns, kinds, strict=True)]
-    if not corners:
-        for i, kind, each in zip(columns, kinds, mm, strict=True):
-            _check_sampling(signals, i, kind, each, poles[kind])
     vary = None
     if family == "recorded":
         vary = Variation(seed=0, noise=None, trial=trial)
     elif integer("trial", trial):
         msg = f"trial: units of 'thesis' have no noise: expected trial 0, received {trial}"
         raise InputError(msg)
+    coarse: dict[int, str] = {}
+    for k, (i, kind, each) in enumerate(zip(columns, kinds, mm, strict=True)):
+        reason = "" if corners else _too_coarse(signals, i, kind, each, poles[kind])
+        if reason and (kind in named or _prefix(signals.headers[i]) == kind):
+            raise InputError(f"{reason}, leave {kind} out of the types (--type), {OR_CORNERS}")
+        if reason:
+            coarse[k] = reason
+    if len(coarse) == len(columns):
+        raise InputError(f"{coarse[0]}, leave {kinds[0]} out of the types (--type), {OR_CORNERS}")
+    left_out = [f"{reason}, {OR_CORNERS}; {kinds[k]} was left out" for k, reason in coarse.items()]
+    answered = [k for k in range(len(columns)) if k not in coarse]
+    columns, mm = [columns[k] for k in answered], [mm[k] for k in answered]
+    kinds, names = [kinds[k] for k in answered], [names[k] for k in answered]
     run = partial(simulate, types=kinds, lengths=mm, names=names, variation=vary, exact=corners)
     trains = run(signals.time, signals.drive[:, columns])
-    notes = (*trains.notes, *_remarks(signals), *_silent(signals, columns, trains))
+    notes = (*left_out, *trains.notes, *_remarks(signals), *_silent(signals, columns, trains))
     if length is not None and None not in signals.lengths:
         notes += ("The length is not used, because no column is a strain.",)
     if not corners:
@@ -339,7 +357,7 @@ def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[st
     kinds: list[str] = []
     names: list[str] = []
     for i, header in enumerate(signals.headers):
-        prefix = re.split(r"[\W_]", header)[0]
+        prefix = _prefix(header)
         resembling = (
             prefix.lower() in TYPE_SYNONYMS
             or re.fullmatch("[sf]a[a-z0-9]{0,2}", prefix.lower()) is not None
@@ -356,6 +374,11 @@ def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[st
         many = len(signals.headers) > 1
         names += [header if prefix in TYPES else f"{header}:{k}" if many else k for k in driven]
     return columns, kinds, names
+
+
+def _prefix(header: str) -> str:
+    """Return what stands before the first mark or underscore of a header."""
+    return re.split(r"[\W_]", header)[0]
 
 
 def save(trains: "SpikeTrains", folder: Path) -> list[str]:
@@ -491,26 +514,30 @@ def _curved(signals: Signals) -> tuple[Array, Array]:
     return np.concatenate(times), np.concatenate(drives)
 
 
-def _check_sampling(signals: Signals, column: int, kind: str, length: float, pole: float) -> None:
-    """Raise InputError where velocity jumps between samples too far apart for a type's filter.
+def _too_coarse(signals: Signals, column: int, kind: str, length: float, pole: float) -> str:
+    """Return why the samples of a column are too coarse for a type, with the rate it needs, or "".
 
-    Too far is more than a fifth of the period of its fastest pole. The limit of the jump is
-    absolute for FA units, which respond to a jump by itself, and relative to the largest velocity
-    for SA units.
+    The velocity jumps between samples further apart than a fifth of the period of the fastest
+    `pole` in Hz of the type. The limit of the jump is absolute for FA units, which respond to a
+    jump by itself, and relative to the largest velocity for SA units.
     """
     from fefinger.neural.checked_signals import FAII_JUMP, coarse_jump
 
     x = length * signals.drive[:, column]
-    step = 0.2 / pole
-    jump, limit = coarse_jump(signals.time, x, step), FAII_JUMP
+    jump, limit = coarse_jump(signals.time, x, 1 / (RATE * pole)), FAII_JUMP
     if kind.startswith("SA"):
         apart = np.diff(signals.time)
         limit = SLOW_JUMP * float(np.abs(np.diff(x)[apart > 0] / apart[apart > 0]).max())
-    if jump > limit:
-        raise InputError(
-            f"column {signals.headers[column]!r}: samples more than {1e3 * step:g} ms apart are "
-            f"too coarse for {kind}, whose fastest pole is at {pole:g} Hz: the velocity jumps by "
-            f"{jump:.3g} mm/s there; sample it more finely, leave {kind} out of the types "
-            "(--type), or say that straight lines between the samples are exact (corners, "
-            "--corners)"
-        )
+    if jump <= limit:
+        return ""
+    return (
+        f"column {signals.headers[column]!r}: its samples are too coarse for {kind}, which "
+        f"responds up to about {pole:.3g} Hz: the velocity jumps by {jump:.3g} mm/s between "
+        f"samples; sample at {_rounded_up(RATE * pole):g} Hz or more"
+    )
+
+
+def _rounded_up(rate: float) -> float:
+    """Round a rate up to two digits."""
+    digit = 10.0 ** (np.floor(np.log10(rate)) - 1)
+    return float(np.ceil(rate / digit - 1e-9) * digit)

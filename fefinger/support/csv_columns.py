@@ -124,7 +124,7 @@ def stated_unit(cell: str, name: str) -> str | None:
 
 
 def factor(cell: str, name: str, unit: str) -> float | None:
-    """Return the size in `unit` of the unit of a column called `name`; None for another name or unit."""
+    """Return the size in `unit` of the unit of a column; None for another name or unit."""
     stated = stated_unit(cell, name)
     return 1.0 if stated == "" else FACTORS[unit].get(stated or "")
 

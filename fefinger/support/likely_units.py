@@ -33,7 +33,7 @@ class Likely:
     others: tuple[tuple[str, float, float], ...]
 
     def hint(self, size: float) -> str:
-        """Return words on the unit in which a size outside the range is likely; "" for one inside."""
+        """Return words on the likely unit of a size outside the range; "" for one inside."""
         if self.low <= size <= self.high:
             return ""
         units = [unit for unit, least, most in self.others if least <= size <= most]
@@ -62,7 +62,7 @@ FINGER = Likely(
 
 
 def in_milliseconds(time: Array) -> bool:
-    """Return whether times (n,) given in s are likely in ms: many samples, too far apart."""
+    """Return whether times (n,) are likely in ms, not s: many samples, too far apart."""
     return len(time) >= RECORDED and float(np.median(np.diff(time))) >= SLOW
 
 
@@ -75,6 +75,6 @@ def seconds_or_milliseconds(time: Array) -> str:
 
 
 def fitting(size: float, units: Mapping[str, float], low: float, high: float) -> str:
-    """Return words on the first unit (of these lengths) in which a size is within limits, or ""."""
+    """Return words on the first of `units`, with their lengths, in which a size is usual, or ""."""
     fits = [unit for unit, length in units.items() if low <= size * length <= high]
     return f", as if it were in {fits[0]}" if fits else ""

@@ -309,9 +309,9 @@ def test_a_light_touch_has_the_error_on_retreat_that_was_found_there() -> None:
         back, advancing = (
             Situation.of(scene(each)) for each in (Trapezoid(20, depth, hold=1), Ramp(20, depth))
         )
-        assert found < carrying.error(back, "force") < 0.1
-        assert carrying.error(advancing, "force") < 0.06
-        assert carrying.error(replace(back, indenter=Sphere(5.0)), "force") < 0.06
+        assert found < tabulation_error.error(back, "force") < 0.1
+        assert tabulation_error.error(advancing, "force") < 0.06
+        assert tabulation_error.error(replace(back, indenter=Sphere(5.0)), "force") < 0.06
 
 
 def test_without_relaxation_the_error_between_the_depths_of_a_table_is_left() -> None:

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from functools import partial
 
 import numpy as np
@@ -131,6 +132,25 @@ def test_samples_too_coarse_for_the_fastest_pole_are_refused_unless_meant(rate, 
     with pytest.raises(InputError, match=f"too coarse for {kind}"):
         fire(signals, (kind,))
     assert len(fire(signals, (kind,), corners=True)) == 1
+
+
+def test_types_for_which_samples_are_too_coarse_are_left_out_unless_named(tmp_path):
+    time = np.arange(0, 0.5, 1e-3)
+    path = write(tmp_path / "ramp.csv", ("time", "displacement_mm"), time, np.minimum(10 * time, 1))
+    signals = series.read(path)
+    trains = series.fire(signals)
+    assert trains.types == ("SAI", "SAII", "FAI")
+    wanted = "too coarse for FAII, which responds up to about 309 Hz: .*sample at 1600 Hz or more"
+    assert re.search(f"{wanted}, or give --corners .* FAII was left out", trains.notes[0])
+    with pytest.raises(InputError, match=f"{wanted}, leave FAII out with --type, or give --corn"):
+        series.fire(signals, ("SAI", "FAII"))
+    finer = np.arange(0, 0.5, 1 / 1600)
+    path = write(tmp_path / "f.csv", ("time", "displacement_mm"), finer, np.minimum(10 * finer, 1))
+    assert series.fire(series.read(path)).types == TYPES
+    seconds = np.arange(0, 10, 0.5)
+    coarse = write(tmp_path / "c.csv", ("time", "displacement_mm"), seconds, 2 * seconds % 2)
+    with pytest.raises(InputError, match="too coarse for SAI"):
+        series.fire(series.read(coarse))
 
 
 @pytest.mark.parametrize("kind", ["SAI", "SAII"])
