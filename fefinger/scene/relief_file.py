@@ -7,12 +7,13 @@ import numpy as np
 
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
-from fefinger.support.csv_columns import read_columns
+from fefinger.support.csv_columns import is_numeric, read_columns, read_matrix, read_table
 from fefinger.support.outputs import check_input
 
 
 MEANING = {
-    "pitch": "the distance in mm of the pixels of a PNG or the samples of an STL, as 0.1",
+    "pitch": "the distance in mm of the pixels of a PNG, the samples of an STL or the numbers of a "
+    "CSV file of heights alone, as 0.1",
     "height": "the height in mm of white over black in a PNG, as 0.5",
 }
 COLUMNS = ("x", "y", "height")
@@ -22,7 +23,8 @@ def read_relief(file: Path, pitch: float | None, height: float | None) -> tuple[
     """Read x (n_x,), y (n_y,) and heights (n_x, n_y) in mm from a file.
 
     A CSV file begins with the line "x,y,height" and has one row per place of a full grid, in any
-    order. An NPZ archive has arrays x (n_x,), y (n_y,) and height (n_x, n_y). A PNG has `pitch` mm
+    order; or, with a `pitch`, it holds heights in mm alone, which lie as the pixels of a PNG. An
+    NPZ archive has arrays x (n_x,), y (n_y,) and height (n_x, n_y). A PNG has `pitch` mm
     between its pixels, x to the right and y upward about its middle, and `height` mm from black to
     white. An STL (mm, z toward the finger) is sampled every `pitch` mm from its first corner on.
 
@@ -32,20 +34,24 @@ def read_relief(file: Path, pitch: float | None, height: float | None) -> tuple[
         The file cannot be read or used, its places do not fill a grid, or pitch or height are
         missing, or one too many.
     """
+    check_input("indenter.file", file, "a file of heights")
     kind = file.suffix.lower()
     needs = {".png": ("pitch", "height"), ".stl": ("pitch",)}.get(kind, ())
     for name, value in (("pitch", pitch), ("height", height)):
         if name in needs and value is None:
             raise InputError(f"indenter.{name}: missing; {str(file)!r} needs {MEANING[name]}")
-        if name not in needs and value is not None:
+        allowed = (*needs, "pitch") if kind == ".csv" else needs
+        if name not in allowed and value is not None:
             message = (
                 f"indenter.{name}: expected none with {str(file)!r}, received {value!r}; it is"
             )
             raise InputError(f"{message} {MEANING[name]}")
-    check_input("indenter.file", file, "a file of heights")
-    if kind == ".png":
+    if kind == ".png" or (kind == ".csv" and pitch is not None):
         step = number("indenter.pitch", pitch, above=0, unit="mm")
-        values = _picture(file) * number("indenter.height", height, above=0, unit="mm")
+        if kind == ".png":
+            values = _picture(file) * number("indenter.height", height, above=0, unit="mm")
+        else:
+            values = _turned(read_matrix(f"indenter.file: {str(file)!r}", file))
         x, y = (step * (np.arange(n) - (n - 1) / 2) for n in values.shape)
     elif kind == ".stl":
         from fefinger.geometry.height_map import height_map
@@ -70,7 +76,12 @@ def _picture(file: Path) -> Array:
     except (OSError, ValueError, SyntaxError) as error:
         raise InputError(f"indenter.file: cannot read the picture {str(file)!r}: {error}") from None
     gray = pixels if pixels.ndim == 2 else pixels[..., : min(3, pixels.shape[2])].mean(axis=2)
-    return np.ascontiguousarray(gray[::-1].T)
+    return _turned(gray)
+
+
+def _turned(rows: Array) -> Array:
+    """Heights (n_x, n_y) of rows that are seen from above, x to the right and y upward."""
+    return np.ascontiguousarray(rows[::-1].T)
 
 
 def _archive(file: Path) -> tuple[Array, ...]:
@@ -86,6 +97,12 @@ def _archive(file: Path) -> tuple[Array, ...]:
 
 def _table(file: Path) -> tuple[Array, ...]:
     """Read x, y and heights from a CSV file."""
+    first = read_table(f"indenter.file: {str(file)!r}", file).header
+    if is_numeric(first):
+        raise InputError(
+            f"indenter.pitch: missing; {str(file)!r} has no first line 'x,y,height', and heights "
+            "alone need the distance in mm between them, as 0.1"
+        )
     across, along, heights = map(np.array, read_columns("indenter.file", file, COLUMNS))
     x, i = np.unique(across, return_inverse=True)
     y, j = np.unique(along, return_inverse=True)

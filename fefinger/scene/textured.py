@@ -207,6 +207,11 @@ class Relief(PlateLike):
         if values.ndim != 2:
             msg = f"indenter.heights: expected an array (n_x, n_y), received shape {values.shape}"
             raise InputError(msg)
+        if min(values.shape) < SAMPLES:
+            raise InputError(
+                f"indenter.heights: expected at least {SAMPLES} by {SAMPLES} heights, received "
+                f"{values.shape[0]} by {values.shape[1]}"
+            )
         x, y = (pitch * (np.arange(n) - (n - 1) / 2) for n in values.shape)
         return cls(x.tolist(), y.tolist(), values.tolist(), **placing)
 
@@ -221,4 +226,9 @@ class Relief(PlateLike):
     ) -> Self:
         """Read x, y and height in mm from CSV, NPZ, PNG or STL, see `read_relief`."""
         x, y, heights = read_relief(Path(file), pitch, height)
+        if min(len(x), len(y)) < SAMPLES:
+            raise InputError(
+                f"indenter.file: expected at least {SAMPLES} by {SAMPLES} heights in "
+                f"{str(file)!r}, received {len(x)} by {len(y)}"
+            )
         return cls(x, y, heights, **placing)

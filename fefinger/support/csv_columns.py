@@ -78,14 +78,8 @@ class CsvTable:
         return values
 
 
-def read_table(source: str, file: str | PathLike[str]) -> CsvTable:
-    """Read a CSV file with a header; messages name it `source`.
-
-    Raises
-    ------
-    InputError
-        A file that cannot be read, has nothing below its header, or other separators than commas.
-    """
+def _lines(source: str, file: str | PathLike[str]) -> list[tuple[int, list[str]]]:
+    """Read the lines that are not blank, as (number, cells), separated by commas."""
     if reason := unreadable(file):
         msg = f"{source}: expected a CSV file, received a path that {reason}; check its name"
         raise InputError(msg)
@@ -98,19 +92,57 @@ def read_table(source: str, file: str | PathLike[str]) -> CsvTable:
             received = "bytes that are no UTF-8 text; save it as UTF-8"
         raise InputError(f"{source}: expected a CSV file of text, received {received}") from error
     rows = [(number, cells) for number, cells in enumerate(lines, start=1) if any(cells)]
-    header = rows[0][1] if rows else []
+    first = rows[0][1] if rows else []
     for mark, name in SEPARATORS.items():
-        if len(header) == 1 and mark in header[0]:
+        if len(first) == 1 and mark in first[0]:
             raise InputError(
                 f"{source}: expected commas between the columns and points in the numbers, "
-                f"received {name} in the first line, {header[0]!r}; separate them by commas, and "
-                f"{DECIMAL}"
+                f"received {name} in the first line, {shortened(first)}; separate them by commas, "
+                f"and {DECIMAL}"
             )
+    return rows
+
+
+def read_table(source: str, file: str | PathLike[str]) -> CsvTable:
+    """Read a CSV file with a header; messages name it `source`.
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read, has nothing below its header, or other separators than commas.
+    """
+    rows = _lines(source, file)
+    header = rows[0][1] if rows else []
     if len(rows) < 2:
         received = f"the header {','.join(header)!r} alone" if rows else "an empty file"
         msg = f"{source}: expected a header and rows of numbers below it, received {received}"
         raise InputError(msg)
     return CsvTable(source, header, rows[1:])
+
+
+def read_matrix(source: str, file: str | PathLike[str]) -> Array:
+    """Read a CSV file of numbers alone, without a header: (n_rows, n_columns).
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read, is empty or has a header, or rows of different lengths.
+    """
+    rows = _lines(source, file)
+    if not rows:
+        raise InputError(f"{source}: expected rows of numbers, received an empty file")
+    if not is_numeric(rows[0][1]):
+        raise InputError(
+            f"{source}: expected numbers alone, without a header, received the first line "
+            f"{shortened(rows[0][1])}"
+        )
+    places = range(len(rows[0][1]))
+    return CsvTable(source, [str(place + 1) for place in places], rows).numbers(places)
+
+
+def is_numeric(cells: Sequence[str]) -> bool:
+    """Return whether all cells of a line are numbers."""
+    return not any(isinstance(plain(cell), str) for cell in cells)
 
 
 def stated_unit(cell: str, name: str) -> str | None:

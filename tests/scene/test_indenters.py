@@ -2,6 +2,7 @@
 
 import ast
 import dataclasses
+import re
 from pathlib import Path
 
 import numpy as np
@@ -79,6 +80,44 @@ def test_a_relief_is_read_from_a_file_beside_its_scene(tmp_path: Path, name: str
     (tmp_path / "mine.toml").write_text(text)
     read = ff.Scene.from_toml(tmp_path / "mine.toml")
     assert read.indenter == dataclasses.replace(RELIEF, roll=10)
+
+
+def test_a_matrix_of_heights_lies_as_the_pixels_of_a_picture(tmp_path: Path) -> None:
+    heights = np.arange(20.0).reshape(4, 5) / 100
+    np.savetxt(tmp_path / "h.csv", heights, "%g", ",")
+    read = ff.Relief.from_file(tmp_path / "h.csv", pitch=0.5)
+    assert read.x == (-1, -0.5, 0, 0.5, 1)
+    assert read.y == (-0.75, -0.25, 0.25, 0.75)
+    np.testing.assert_array_equal(read.heights, heights[::-1].T)
+
+
+MATRICES = [
+    ("1,2,3,4\n1,2,3\n", 0.1, "line 2: expected 4 values, received 3"),
+    ("x,y,height\n1,2,3\n", 0.1, "numbers alone, without a header, received the first line 'x,y"),
+    (",".join("1" * 99) + "\n1\n", None, "^indenter.pitch: missing; .{,250}$"),
+    ("1,2\n3,4\n", 0.1, "at least 4 by 4 heights in .* received 2 by 2"),
+]
+
+
+@pytest.mark.parametrize(("text", "pitch", "message"), MATRICES)
+def test_a_matrix_that_cannot_be_used_gets_a_sentence(
+    tmp_path: Path, text: str, pitch: float | None, message: str
+) -> None:
+    (tmp_path / "bad.csv").write_text(text)
+    with pytest.raises(InputError) as refused:
+        ff.Relief.from_file(tmp_path / "bad.csv", pitch=pitch)
+    assert re.search(message, str(refused.value).replace(str(tmp_path), ""))
+
+
+def test_a_missing_file_is_named_before_its_options(tmp_path: Path) -> None:
+    for place, reason in ((tmp_path / "none.csv", "does not exist"), (tmp_path, "is a folder")):
+        with pytest.raises(InputError, match=f"indenter.file: .*{reason}"):
+            ff.Relief.from_file(place, height=0.1)
+
+
+def test_too_few_heights_are_told_as_such() -> None:
+    with pytest.raises(InputError, match=r"indenter.heights: expected at least 4 by 4 .* 3 by 3"):
+        ff.Relief.from_array(np.zeros((3, 3)), pitch=0.1)
 
 
 BAD_FILES = [
