@@ -55,7 +55,7 @@ straight lines through a sinusoid with such jumps deviate from it by 1 %."""
 RATE = 5.0
 """Samples per period of the fastest pole of a type from which on its input is fine enough."""
 
-OR_CORNERS = "or give --corners if straight lines between the samples are exact"
+OR_CORNERS = "or say that straight lines between the samples are exact (corners, --corners)"
 """What else can be done where samples are too coarse for a type."""
 
 FINER, FINEST = 8, 1e-4

@@ -238,7 +238,7 @@ def stl(facets: list) -> bytes:
     [
         ("a.png", {"height": 1.0}, "indenter.pitch: missing; .* needs the distance in mm"),
         ("a.png", {"pitch": 1.0}, "indenter.height: missing; .* white over black"),
-        ("a.csv", {"pitch": 1.0}, "indenter.pitch: expected none"),
+        ("a.csv", {"pitch": 1.0}, "indenter.file: expected a file of heights"),
         ("a.png", {"pitch": 1.0, "height": 1.0}, "cannot read the picture"),
         ("a.stl", {"pitch": 1.0}, "expected triangles in"),
         ("hole.stl", {"pitch": 0.5}, "leaves .* % of it open; cut it to a rectangle"),
