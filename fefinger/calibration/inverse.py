@@ -3,12 +3,16 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 
+
+if TYPE_CHECKING:
+    from scipy.optimize import OptimizeResult
 
 Values = dict[str, float]
 Residual = Callable[[Values], Array]
@@ -17,6 +21,10 @@ STEP = 1e-4
 """Step of the central differences, in the logarithm of a parameter or in its unit."""
 
 EVALUATIONS = 200
+
+LONGER, LEVEL = 2000, 1e-6
+"""Evaluations of a search along a direction that the data hardly determine, and the relative change
+of the misfit at which it ends: far below the scatter of the data."""
 
 WEAK = 1.0
 """A direction of the parameters counts as unidentified if a change by one standard deviation of its
@@ -98,25 +106,33 @@ def solve(
         values = values_of(numbers)
         return np.concatenate([residual(values), _about_priors(free, values)])
 
-    best, count, margin = None, 0, 1e-9 * (high - low)
-    for first in starts:
-        numbers = [each.inside((start | first)[each.name]) for each in free]
-        result = least_squares(
+    margin = 1e-9 * (high - low)
+
+    def search(numbers: Array, most: int, change: float) -> "OptimizeResult":
+        begin = np.clip(numbers, low + margin, high - margin)
+        return least_squares(
             whole,
-            np.clip(numbers, low + margin, high - margin),
+            begin,
             bounds=(low, high),
             x_scale="jac",
             xtol=1e-10,
-            ftol=1e-10,
-            max_nfev=EVALUATIONS,
+            ftol=change,
+            max_nfev=most,
         )
-        count += result.nfev
-        if result.success and (best is None or result.cost < best.cost):
-            best = result
-    if best is None:
+
+    begins = [np.array([each.inside((start | s)[each.name]) for each in free]) for s in starts]
+    ends = [search(numbers, EVALUATIONS, 1e-10) for numbers in begins]
+    if not any(each.success for each in ends):
+        ends.append(search(min(ends, key=lambda each: each.cost).x, LONGER, LEVEL))
+    best = min(ends, key=lambda each: (not each.success, each.cost))
+    count = sum(each.nfev for each in ends)
+    if not best.success:
+        flat = _judged(residual, tuple(unknowns), values_of(best.x), (), count).weak
         raise ConvergenceError(
-            f"calibration: expected the fit to converge within {EVALUATIONS} evaluations, it did "
-            f"not from any of {len(starts)} starts; check the record, or give a closer start"
+            f"calibration: expected the fit to converge within {LONGER} evaluations, it did not "
+            f"from any of {len(starts)} starts; check the record: a fast ramp, a hold of several "
+            "seconds, force and position of the same finger, sampled often"
+            + "".join(f"; not identified: {each}" for each in flat)
         )
     at_bounds = [
         each.name

@@ -249,6 +249,12 @@ def _unidentified(
         )
     if isinstance(wanted, RecordTarget):
         lumped = wanted.lumped
+        sentences += [
+            f"relaxation, in the lumped fit of the record: {each}"
+            for each in confidence.terms(
+                wanted.record, lumped.prony, lumped.uncertainty, "here the priors determine it"
+            )
+        ]
         sentences += confidence.bias(
             wanted.record, lumped.prony, lumped.spring.x0, lumped.uncertainty
         )

@@ -55,10 +55,19 @@ def test_a_bound_that_stops_the_search_is_named():
 
 def test_a_search_that_fails_says_so(monkeypatch):
     monkeypatch.setattr(inverse, "EVALUATIONS", 1)
+    monkeypatch.setattr(inverse, "LONGER", 1)
+    asked = [unknown("p"), unknown("q", prior=(1.0, 0.1))]
     with pytest.raises(
-        ConvergenceError, match="to converge within 1 evaluations, it did not from any of 1"
+        ConvergenceError,
+        match=r"within 1 evaluations, it did not from any of 1 .*; not identified: q: a",
     ):
-        inverse.solve(lambda v: np.array([np.exp(v["p"]) - 3.0]), [unknown("p")])
+        inverse.solve(lambda v: np.array([np.exp(v["p"]) - 3.0]), asked)
+
+
+def test_a_search_that_creeps_along_a_flat_valley_goes_on(monkeypatch):
+    monkeypatch.setattr(inverse, "EVALUATIONS", 1)
+    found = inverse.solve(lambda v: np.array([np.exp(v["p"]) - 3.0]), [unknown("p")])
+    assert found.values["p"] == pytest.approx(np.log(3.0), rel=1e-3)
 
 
 def test_correlations_are_those_of_the_parameters_in_their_order():

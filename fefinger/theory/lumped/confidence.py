@@ -46,15 +46,17 @@ def covariance(jacobian: Array, residual: Array, at_least: float = 0.0) -> Array
     return unscaled * scatter / np.outer(scale, scale)
 
 
-def terms(record: RampHold, prony: Prony, spread: dict[str, float]) -> tuple[str, ...]:
-    """Warnings on terms of G that the data do not identify."""
+def terms(
+    record: RampHold, prony: Prony, spread: dict[str, float], advice: str = "fit fewer terms"
+) -> tuple[str, ...]:
+    """Warnings on terms of G that the data do not identify; `advice` ends most of them."""
     warnings = []
     for i, (weight, rate) in enumerate(zip(prony.weights[1:], prony.v, strict=True), start=1):
         deviation = spread[f"v{i}"]
         if not deviation < LOOSE * rate or weight < 2 * spread[f"c{i}"]:
             warnings.append(
                 f"term {i} is not identified: v{i} = {rate:.3g} +- {deviation:.2g} 1/s, c{i} = "
-                f"{weight:.3g} +- {spread[f'c{i}']:.2g}; fit fewer terms"
+                f"{weight:.3g} +- {spread[f'c{i}']:.2g}; {advice}"
             )
         if rate * record.hold_seconds < 1:
             warnings.append(
@@ -65,7 +67,7 @@ def terms(record: RampHold, prony: Prony, spread: dict[str, float]) -> tuple[str
         if fast < APART * slow:
             warnings.append(
                 f"terms {i} and {i + 1} are too close: v = {fast:.3g} and {slow:.3g} 1/s; "
-                "only their sum is identified, fit fewer terms"
+                f"only their sum is identified, {advice}"
             )
     return tuple(warnings)
 
