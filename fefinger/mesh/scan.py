@@ -6,6 +6,7 @@ The skin has the given thickness, the bone is the parametric one for the given w
 """
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,13 @@ STATIONS, LAST = 60, 0.15
 
 ON_SHELL = 1e-6
 """Distance in mm from a shell up to which points are on it."""
+
+NAIL_DOWN = 0.45
+"""Height of the foremost point above the lowest one, over the thickness, below which a scan that
+has no room for a bone lies with the nail down; it is 0.65 or more in a finger, 0.5 in a ball."""
+
+ROUND = 0.56
+"""Volume over that of the box up to which such a scan is rounded at both ends: 0.52 in a ball."""
 
 ASYMMETRY = 0.15
 """Largest mean distance of a scan from its mirror image, over half its width."""
@@ -60,12 +68,19 @@ def scanned(recipe: Recipe) -> Shape:
     tip, top = float(high[0]), float(high[2])
     cut = max(float(low[0]) + 0.5, tip - LENGTH)
     level, tables = _profiles(skin, cut)
+    fault = _fault(file, recipe, (level - float(low[2])) / (top - float(low[2])))
     inset = {name: offset(table, recipe.skin_thickness) for name, table in tables.items()}
-    bone, near_bone, notes = _bone(recipe, aside + touch, cut=cut, tip=tip, top=top)
+    try:
+        bone, near_bone, notes = _bone(recipe, aside + touch, cut=cut, tip=tip, top=top)
+    except InputError as error:
+        raise (fault or error) from None
     shells = (skin, under, bone)
     near = (Shell.of(level, cut=cut, **tables), Shell.of(level, cut=cut, **inset), near_bone)
     halves = [_half(*pair, finger_shape.FINE) for pair in zip(shells, near, strict=True)]
-    finger_shape.check_room(under, surface.without_caps(halves[2])[0], recipe)
+    try:
+        finger_shape.check_room(under, surface.without_caps(halves[2])[0], recipe)
+    except InputError as error:
+        raise (fault or error) from None
     middle = 0.5 * (float(low[2]) + top)
     return Shape(
         skin=skin,
@@ -87,6 +102,27 @@ def scanned(recipe: Recipe) -> Shape:
         volumes=finger_shape.region_volumes(*map(surface.volume, halves)),
         notes=(*file.notes, *notes),
     )
+
+
+def _fault(file: SurfaceFile, recipe: Recipe, height: float) -> InputError | None:
+    """Return why a scan has no room for a bone, if it lies upside down or is no fingertip.
+
+    height: of the foremost point above the lowest one, over the thickness.
+    """
+    share = float(file.mesh.volume / np.prod(file.mesh.extents))
+    name = f"finger.surface: {Path(str(recipe.surface)).name}"
+    if height < NAIL_DOWN:
+        return InputError(
+            f"{name} seems to have the nail down: its tip is in the lower half, at {height:.2g} of "
+            "the thickness, and a bone under the nail would leave the skin; turn it about x by 180 "
+            "degrees"
+        )
+    if share < ROUND:
+        return InputError(
+            f"{name} is rounded at both ends, as a ball; expected the skin of a fingertip that is "
+            "cut behind the nail, 1.1 to 2 widths from the tip"
+        )
+    return None
 
 
 def _bone(

@@ -104,6 +104,8 @@ def test_the_bone_may_come_from_a_file_too(shape: Shape, stl: Path, tmp_path: Pa
     [
         ("lopsided", "nearly symmetric in y"),
         ("flat", "mm of subcutaneous tissue around the bone"),
+        ("nail down", r"^finger.surface: bad.stl seems to have the nail down.* x by 180 degrees$"),
+        ("ball", r"^finger.surface: bad.stl is rounded at both ends, as a ball"),
     ],
 )
 def test_unusable_surfaces_get_a_sentence(
@@ -112,6 +114,10 @@ def test_unusable_surfaces_get_a_sentence(
     mesh = trimesh.load_mesh(stl)
     if fault == "lopsided":
         mesh.vertices[:, 2] *= np.where(mesh.vertices[:, 1] > 3.0, 1.5, 0.3)
+    if fault == "nail down":
+        mesh.vertices[:, 1:] *= -1.0
+    if fault == "ball":
+        mesh = trimesh.creation.icosphere(4, 7.0)
     if fault == "flat":
         mesh.vertices[:, 2] *= 0.35
     mesh.export(tmp_path / "bad.stl")
