@@ -33,7 +33,7 @@ def write(docs):
 
     pages = {"keys": keys(schema()), "commands": commands(), "verdicts": verdicts()}
     pages |= {"front": front(), "kept": kept(), "steps": steps(), "extras": extras()}
-    pages |= {"scenes": scenes(), "stated": stated()}
+    pages |= {"scenes": scenes(), "stated": stated(), "columns": columns()}
     place = docs / "generated"
     place.mkdir(exist_ok=True)
     for name, lines in pages.items():
@@ -347,6 +347,14 @@ def scenes() -> Iterator[str]:
 
     rows = ((f"`{name}`", builtin.summary(name)) for name in builtin.names())
     yield from table(("scene", "what it is"), rows)
+
+
+def columns() -> Iterator[str]:
+    """Give the columns of a study's table with units and meanings."""
+    from fefinger.studies.columns import MEANINGS, meaning, split
+
+    rows = ((f"`{name}`", split(name)[1] or "-", meaning(name)) for name in MEANINGS)
+    yield from table(("column", "unit", "what it holds"), rows)
 
 
 BRINGS = {

@@ -215,12 +215,13 @@ def study_record(study: "Study", files: list[str]) -> dict[str, Any]:
     }
 
 
-STUDY = (
-    *("at", "force_N", "force_rel_error", "depth_mm", "contact_area_mm2"),
-    *("highest_pressure_1mm2_kPa", "shift_distal_mm", "asymmetry", "ellipticity"),
-    *("stiffness_N_per_mm", "spikes"),
-)
-"""Columns of a study that a terminal shows."""
+STUDY = {
+    **{"at": "at", "force_N": "force/N", "force_rel_error": "error", "depth_mm": "depth/mm"},
+    **{"contact_area_mm2": "area/mm²", "highest_pressure_1mm2_kPa": "kPa", "spikes": "spikes"},
+    **{"shift_distal_mm": "shift/mm", "asymmetry": "asym.", "ellipticity": "ellip."},
+    "stiffness_N_per_mm": "N/mm",
+}
+"""Columns of a study that a terminal shows, with short headings."""
 
 
 def study_summary(record: dict[str, Any]) -> str:
@@ -241,7 +242,19 @@ def study_summary(record: dict[str, Any]) -> str:
     used = dict.fromkeys(f"{row['mechanics']} {row.get('mesh') or ''}".strip() for row in finished)
     by = f" by {', '.join(used)}" if used else ""
     total = f"{done} of {record['scenes']} scenes{by}, {record['reused']} of them reused"
-    return "\n".join([table(rows, shown), total, *([table(below)] if below else [])])
+    short = [STUDY.get(name) or _heading(name, record["over"]) for name in shown]
+    return "\n".join([table(rows, short), total, *([table(below)] if below else [])])
+
+
+def _heading(name: str, names: list[str]) -> str:
+    """Return a short heading of a column of the grid: without its table, if the others differ."""
+    from fefinger.studies.columns import split
+
+    last, unit = split(name.rpartition(".")[2])
+    alone = sum(other.rpartition(".")[2] == name.rpartition(".")[2] for other in names) == 1
+    if not alone:
+        last, unit = split(name)
+    return f"{last}/{unit}" if unit else last
 
 
 def _at(scene: dict[str, Any]) -> str:

@@ -70,6 +70,57 @@ MEASURES = {
 }
 """Labels of the measures that figures show."""
 
+MEANINGS = {
+    "at": "which time: of the largest force (peak), the end, or first at a force or depth",
+    "status": "done, or why the scene has no such row",
+    "time_s": "time from the start of the motion",
+    "depth_mm": "depth of the object from first touch",
+    "force_N": "force on the object",
+    "stiffness_N_per_mm": "slope of force over depth on the loading",
+    "stiffness_points": "number of times that the slope is taken from",
+    "stiffness_note": "why there is no slope",
+    "dynamic_stiffness_N_per_mm": "amplitude of the force over that of the depth in a vibration",
+    "phase_deg": "phase of the force before the depth in a vibration",
+    "contact_area_mm2": "area of contact on the skin",
+    "highest_pressure_1mm2_kPa": "highest mean pressure over 1 mm²",
+    "strain_rms_percent": "root mean square over the end organs of the norm of the strain",
+    "depth_rel_error": "expected error of the depth over its value, of a motion of the force",
+    "force_rel_error": "expected error of the force over its value",
+    "highest_pressure_rel_error": "expected error of the highest pressure over its value",
+    "contact_area_rel_error": "expected error of the area over its value",
+    "strain_rel_error": "expected error of the strain over its value",
+    "spikes": "spikes of all units up to the time of the row",
+    "shift_distal_mm": "center of pressure from first touch, toward the tip",
+    "shift_side_mm": "center of pressure from first touch, sideways",
+    "asymmetry": "force distal of first touch minus that proximal, over the force: -1 to 1",
+    "ellipticity": "1 - b/a of the axes of the pressure, by its second moments: 0 if round",
+    "long_axis_deg": "direction of the long axis from that of the finger",
+    "reach_distal_mm": "outermost place with 4 kPa, toward the tip",
+    "reach_proximal_mm": "outermost place with 4 kPa, away from the tip",
+    "sensor_note": "why the array has no reading",
+    "sensor_area_mm2": "area of the elements of the array that read more than four times its noise",
+    "sensor_peak_kPa": "largest reading of the array",
+    "sensor_middle_distal_mm": "middle of the array from first touch, toward the tip",
+    "hertz_radius_distal_mm": "effective radius of the contact at first touch along the finger",
+    "hertz_radius_side_mm": "effective radius of the contact at first touch across the finger",
+    "hertz_peak_pressure_kPa": "pressure in the middle of the contact",
+    "mechanics": "the mechanics that answered",
+    "mesh": "resolution of its mesh",
+    "evidence": "measurements that the expected errors are taken from",
+    "seconds": "time that the scene took, in s",
+    "seed": "seed of the population",
+    "notes": "notes on the spikes",
+    "scene": "hash of the inputs of the scene",
+}
+"""What the columns besides those of the grid hold."""
+
+PREFIXES = {
+    "sensor_": "by the array of the thesis, without noise: {}",
+    "hertz_": "by elliptic Hertz contact on a half-space: {}",
+    "spikes_": "spikes of the units of {} up to the time of the row",
+}
+"""Columns that begin so hold the same of something else."""
+
 ERRORS = {
     "depth_mm": "depth_rel_error",
     "force_N": "force_rel_error",
@@ -105,6 +156,17 @@ def split(name: str) -> tuple[str, str]:
         if name.endswith(f"_{ending}"):
             return name.removesuffix(f"_{ending}"), unit
     return name, ""
+
+
+def meaning(name: str) -> str:
+    """Say what a column holds; KeyError for one that is not described."""
+    for prefix, of in PREFIXES.items():
+        rest = name.removeprefix(prefix)
+        if rest != name and prefix == "spikes_":
+            return of.format(rest)
+        if rest != name and name != "sensor_note":
+            return of.format(MEANINGS.get(name) or MEANINGS[rest])
+    return MEANINGS[name]
 
 
 def words(name: str) -> str:

@@ -53,7 +53,7 @@ def hertz(result: Result, touch: FirstTouch, where: float) -> dict[str, Any]:
         "hertz_contact_area_mm2": float(part[-1] * unit.area),
         "hertz_highest_pressure_1mm2_kPa": float(highest * unit.peak_pressure),
         "hertz_peak_pressure_kPa": float(peak * unit.peak_pressure),
-        "hertz_ellipticity": 1 - unit.axis_ratio,
+        "hertz_ellipticity": round(1 - unit.axis_ratio, 12),
         "hertz_long_axis_deg": float((np.degrees(np.arctan2(*axes[::-1, 0])) + 90) % 180 - 90),
     }
 

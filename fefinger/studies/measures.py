@@ -38,7 +38,7 @@ LEVEL = 4.0
 """Pressure in kPa whose isobar bounds the contact, the step between those of Figure 3-3."""
 
 ROUNDING = 1e-9
-"""Shift in mm, or asymmetry, below which it is set to zero as rounding of a symmetric value."""
+"""Shift in mm, asymmetry or ellipticity that is set to zero as rounding of a symmetric value."""
 
 VIBRATES = Slope(float("nan"), 0, "none: the motion vibrates, see dynamic_stiffness_N_per_mm")
 """Stiffness in the wave of a motion, where loading and unloading alternate."""
@@ -199,7 +199,7 @@ def _columns(prefix: str, shape: Moments) -> dict[str, Any]:
         f"{prefix}shift_distal_mm": _without_rounding(float(shape.center[0])),
         f"{prefix}shift_side_mm": _without_rounding(float(shape.center[1])),
         f"{prefix}asymmetry": _without_rounding(shape.asymmetry),
-        f"{prefix}ellipticity": shape.ellipticity,
+        f"{prefix}ellipticity": _without_rounding(shape.ellipticity),
         f"{prefix}long_axis_deg": shape.long_axis,
     }
 

@@ -13,12 +13,14 @@ import pytest
 
 import fefinger as ff
 from fefinger.__main__ import main
+from fefinger.commands import console
 from fefinger.mechanics.hertz import tissue
 from fefinger.pipeline import run
 from fefinger.studies import tasks, workers
-from fefinger.studies.columns import column
+from fefinger.studies.columns import READINGS, column, meaning
 from fefinger.studies.grid import parse_at, parse_over, product
 from fefinger.studies.measures import rows
+from fefinger.studies.rows import StudyRows
 from fefinger.support.checks import InputError
 from fefinger.support.processes import cores
 from fefinger.theory.array.sensor import ArraySensor
@@ -104,6 +106,18 @@ def pressed():
     """Return a slow elastic ramp of a plate on the coarse finger."""
     scene = ff.Scene(finger=ELASTIC, motion=ff.Ramp(10, 1.2), ask=BARE)
     return run(scene, mechanics="linear")
+
+
+def test_every_column_has_a_meaning_and_the_console_is_narrow(pressed):
+    told = [{"indenter.angle_deg": 30.0, **row} for row in rows(pressed, depths=(1.0, 5.0))]
+    for name in {name for row in told for name in row} - {"indenter.angle_deg", READINGS}:
+        assert meaning(name)
+    assert meaning("sensor_ellipticity").startswith("by the array of the thesis, without noise: 1 ")
+    assert meaning("spikes_SAI") == "spikes of the units of SAI up to the time of the row"
+    study = StudyRows("press", ("indenter.angle_deg",), tuple(told), (), 1, 0, {"grid": {}})
+    lines = console.study_summary(console.study_record(study, [])).splitlines()
+    assert lines[0].split()[:4] == ["angle/deg", "at", "force/N", "error"]
+    assert max(map(len, lines[:3])) <= 100
 
 
 # Pressure over 1 mm² is summed on a pad: that of `hertz` is as large as its deepest contact.
