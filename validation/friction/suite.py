@@ -291,10 +291,10 @@ MESHED = f"{WIDE}; on exact layers the range is twice as large: the rest is the 
 KNOWN = {
     (dots.scanned, "FAI", "modulation"): (0.25, WIDE),
     (dots.scanned, "SAI", "modulation"): (0.26, MESHED),
-    (dots.scanned, "FAII", "modulation"): (3.28, RIPPLE),
+    (dots.scanned, "FAII", "modulation"): (3.44, RIPPLE),
     (dots.scanned, "FAII", "correlation"): (-0.37, RIPPLE),
     (layers.scanned, "FAI", "modulation"): (0.22, WIDE),
-    (layers.scanned, "SAI", "modulation"): (0.55, WIDE),
+    (layers.scanned, "SAI", "modulation"): (0.37, WIDE),
     (layers.scanned, "FAII", "ratio"): (0.0, SILENT),
 }
 """Rates that miss the recorded ones, on the mesh and on exact layers: their values, and why."""
