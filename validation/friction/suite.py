@@ -289,11 +289,11 @@ WIDE = (
 MESHED = f"{WIDE}; on exact layers the range is twice as large: the rest is the mesh"
 
 KNOWN = {
-    (dots.scanned, "FAI", "modulation"): (0.25, WIDE),
-    (dots.scanned, "SAI", "modulation"): (0.26, MESHED),
+    (dots.scanned, "FAI", "modulation"): (0.11, WIDE),
+    (dots.scanned, "SAI", "modulation"): (0.32, MESHED),
     (dots.scanned, "FAII", "modulation"): (3.44, RIPPLE),
-    (dots.scanned, "FAII", "correlation"): (-0.37, RIPPLE),
-    (layers.scanned, "FAI", "modulation"): (0.22, WIDE),
+    (dots.scanned, "FAII", "correlation"): (-0.44, RIPPLE),
+    (layers.scanned, "FAI", "modulation"): (0.24, WIDE),
     (layers.scanned, "SAI", "modulation"): (0.37, WIDE),
     (layers.scanned, "FAII", "ratio"): (0.0, SILENT),
 }
