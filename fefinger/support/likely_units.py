@@ -56,9 +56,9 @@ DURATION = Likely(
     (("minutes, or ended before a hold", 0.0, 0.05), ("ms", 1000.0, math.inf)),
 )
 FINGER = Likely(
-    "size", "mm", 1.0, 200.0, (("m", 0.0, 0.1), ("cm", 0.1, 1.0), ("um", 1000.0, math.inf))
+    "size", "mm", 1.0, 1e4, (("m", 0.0, 0.1), ("cm", 0.1, 1.0), ("um", 1e4, math.inf))
 )
-"""A ball of rubber of 124 mm is a finger of the protocol p10."""
+"""A ball of rubber of 124 mm is a finger of the protocol p10; one of meters is a half-space."""
 
 
 def in_milliseconds(time: Array) -> bool:

@@ -82,7 +82,7 @@ SMALL = ["--set", "finger={width=1.4, thickness=10, tissue='maeno1998'}"]
 def test_a_finger_in_another_unit_is_refused_in_one_line(capsys, width, unit):
     err = refused(capsys, ["explain", "sphere-press", "--set", f"finger.width={width}"])
     assert (
-        f"finger.width: expected mm, from 1 to 200, received {width}, as if it were in {unit};"
+        f"finger.width: expected mm, from 1 to 10000, received {width}, as if it were in {unit};"
         in err
     )
     assert len(err.splitlines()) == 1
