@@ -55,10 +55,8 @@ DURATION = Likely(
     1000.0,
     (("minutes, or ended before a hold", 0.0, 0.05), ("ms", 1000.0, math.inf)),
 )
-FINGER = Likely(
-    "size", "mm", 1.0, 1e4, (("m", 0.0, 0.1), ("cm", 0.1, 1.0), ("um", 1e4, math.inf))
-)
-"""A ball of rubber of 124 mm is a finger of the protocol p10; one of meters is a half-space."""
+FINGER = Likely("size", "mm", 1.0, 1e5, (("m", 0.0, 0.1), ("cm", 0.1, 1.0)))
+"""A ball of rubber of 124 mm is a finger of the protocol p10, one of many meters a half-space."""
 
 
 def in_milliseconds(time: Array) -> bool:
