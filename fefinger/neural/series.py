@@ -148,13 +148,14 @@ def spikes(
         or strain, positive where it excites), and one that begins with a type, as
         FAI_displacement_mm, drives a unit of that type alone.
     types
-        Afferent types, by default all four.
+        Afferent types, by default all four for which the samples are not too coarse; the others are
+        noted.
     length
         Skin displacement in mm per strain of 1; of "recorded" that of the fit by default.
     corners
         Take straight lines between the samples as exact, corners included. Otherwise samples that
-        are too coarse for a type are refused, and units whose spike count differs for a smooth
-        curve through the samples are noted.
+        are too coarse for a type that is named are refused, and units whose spike count differs for
+        a smooth curve through the samples are noted.
     tolerance
         Allowed error of spike times in ms, of the family "thesis".
     generator
@@ -377,7 +378,7 @@ def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[st
 
 
 def _prefix(header: str) -> str:
-    """Return what stands before the first mark or underscore of a header."""
+    """Part of a header before its first mark or underscore."""
     return re.split(r"[\W_]", header)[0]
 
 

@@ -1,4 +1,4 @@
-"""Iterate of Newton's method for a body in contact, and its relative error."""
+"""Iterate of Newton's method for a body in contact, its relative error, and when it is given up."""
 
 from dataclasses import dataclass
 
@@ -9,6 +9,11 @@ from fefinger.fem.contact.deformed_gap import ContactSurface, DeformedGap
 from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.checks import PRESS_LESS, ConvergenceError
+
+
+ASTRAY = 16  # iterations after which an error above 1 is accepted only while it falls
+FALLS = 4.0  # factor by which it must fall in ASTRAY / 2 iterations
 
 
 @dataclass(frozen=True)
@@ -59,3 +64,23 @@ def relative_error(
         errors.append(abs(reached - target.value) / most)
     worst = max(errors)
     return worst if np.isfinite(worst) else np.inf
+
+
+def stagnant(errors: list[float], stuck: int) -> bool:
+    """Whether the errors of an iteration, oldest first, no longer improve.
+
+    stuck: iterations without a smaller error before that is so, whatever the error.
+    """
+    last = len(errors) - 1
+    if last - int(np.argmin(errors)) > stuck:
+        return True
+    return last > ASTRAY and errors[-1] > max(1.0, errors[last - ASTRAY // 2] / FALLS)
+
+
+def not_converged(tolerance: float, error: float, count: int) -> ConvergenceError:
+    """Return the error of an iteration that has not reached its tolerance."""
+    message = (
+        f"equilibrium: expected a relative residual of at most {tolerance:g}, reached "
+        f"{error:.1e} after {count} iterations; {PRESS_LESS}"
+    )
+    return ConvergenceError(message)

@@ -41,7 +41,7 @@ from fefinger.fem.contact.deformed_gap import ContactSurface, DeformedGap
 from fefinger.fem.contact.viscoelastic import depth_at
 from fefinger.fem.hyperelastic.anderson import Anderson
 from fefinger.fem.hyperelastic.continuum import Continuum
-from fefinger.fem.hyperelastic.iterate import Iterate, relative_error
+from fefinger.fem.hyperelastic.iterate import Iterate, not_converged, relative_error, stagnant
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.hyperelastic.tangent import FactoredTangent
 from fefinger.fem.linalg.multifrontal_single import ApproximateFactor
@@ -75,8 +75,6 @@ SAME_DRAG = 1e-9  # change of the coefficient of friction that needs no other co
 # The iteration with blended tangents (`_globalized`): the shares of the blend, its steps, and when
 # it ends. Tuned on bodies that buckle; only steps on which `_search` fails need it.
 DESCENT = 100  # iterations
-ASTRAY = 16  # iterations after which an error above 1 is accepted only while it falls
-FALLS = 4.0  # factor by which it must fall in ASTRAY / 2 iterations
 HOLD = 2  # iterations with one share of the definite tangent
 STRIDE = 4.0  # factor between successive shares
 LEAST = 1 / 256  # smallest share
@@ -174,7 +172,7 @@ class Equilibrium:
                 self._renew(iterate, target, consistent=consistent)
                 mixing, renewed = Anderson(MEMORY), count
             state = self._step(iterate, target, mixing)
-        raise self._not_converged(error, count + 1)
+        raise not_converged(self.tolerance, error, count + 1)
 
     def _globalized(self, start: State, target: Target) -> State:
         """Iterate with blends of the consistent and a positive definite tangent.
@@ -198,7 +196,7 @@ class Equilibrium:
             errors.append(iterate.error)
             if iterate.error <= self.tolerance:
                 return state
-            if _stagnant(errors):
+            if stagnant(errors, STUCK):
                 break
             if calm >= CALM and iterate.error < sure:
                 with suppress(ConvergenceError):
@@ -208,7 +206,7 @@ class Equilibrium:
             state = self._trusted(state, self._step(iterate, target, plain))
             if target.control == "depth" and (len(errors) - 1) % HOLD == 0:
                 share = max(share / STRIDE, LEAST)
-        raise self._not_converged(errors[-1], len(errors) - 1)
+        raise not_converged(self.tolerance, errors[-1], len(errors) - 1)
 
     def _trusted(self, state: State, far: State) -> State:
         """Shorten an iteration from `state` to `far` to the largest trusted displacement."""
@@ -403,18 +401,3 @@ class Equilibrium:
         point, moved = np.append(state.values, state.depth), np.append(change, depth - state.depth)
         mixed = mixing.next(point, moved)
         return State(mixed[:-1], pressure, float(mixed[-1]))
-
-    def _not_converged(self, error: float, count: int) -> ConvergenceError:
-        message = (
-            f"equilibrium: expected a relative residual of at most {self.tolerance:g}, reached "
-            f"{error:.1e} after {count} iterations; {PRESS_LESS}"
-        )
-        return ConvergenceError(message)
-
-
-def _stagnant(errors: list[float]) -> bool:
-    """Whether the errors of a globalized iteration, oldest first, no longer improve."""
-    last = len(errors) - 1
-    if last - int(np.argmin(errors)) > STUCK:
-        return True
-    return last > ASTRAY and errors[-1] > max(1.0, errors[last - ASTRAY // 2] / FALLS)

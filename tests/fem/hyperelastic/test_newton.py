@@ -11,6 +11,7 @@ from scipy import sparse
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic import newton
 from fefinger.fem.hyperelastic.anderson import Anderson
+from fefinger.fem.hyperelastic.iterate import ASTRAY, stagnant
 from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
 from fefinger.fem.hyperelastic.load_path import (
     FactorizationBudget,
@@ -19,7 +20,7 @@ from fefinger.fem.hyperelastic.load_path import (
     StressHistory,
     follow,
 )
-from fefinger.fem.hyperelastic.newton import ASTRAY, LEAST, STUCK, TRUST, Equilibrium
+from fefinger.fem.hyperelastic.newton import LEAST, STUCK, TRUST, Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.hyperelastic.tangent import FactoredTangent
 from fefinger.support.checks import ConvergenceError, InputError
@@ -395,9 +396,9 @@ def test_an_iteration_that_comes_no_nearer_is_given_up(
 
 def test_large_errors_that_fall_are_not_stagnant():
     falling = [np.inf, *(5e5 / 1.8**k for k in range(40))]
-    assert not any(newton._stagnant(falling[: k + 1]) for k in range(len(falling)))
+    assert not any(stagnant(falling[: k + 1], STUCK) for k in range(len(falling)))
     level = [np.inf, 1e-3, *(6 / 1.05**k for k in range(30))]
-    ends = [k for k in range(len(level)) if newton._stagnant(level[: k + 1])]
+    ends = [k for k in range(len(level)) if stagnant(level[: k + 1], STUCK)]
     assert ends[0] == ASTRAY + 1
 
 
