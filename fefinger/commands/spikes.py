@@ -64,10 +64,11 @@ def spikes(
     FAI. For the afferents recorded it is that of a pin 1 mm wide.
     """
     from fefinger.neural import series
+    from fefinger.neural.signals import read
     from fefinger.support import outputs
     from fefinger.support.vocabulary import FAMILIES
 
-    signals = series.read(source)
+    signals = read(source)
     with outputs.output(output) as folder:
         try:
             trains = series.spikes(

@@ -12,6 +12,7 @@ import fefinger as ff
 from fefinger.__main__ import main
 from fefinger.neural import series
 from fefinger.neural.recorded import fitted
+from fefinger.neural.signals import read
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.units import simulate_units
 from fefinger.scene.ask import Ask
@@ -39,7 +40,7 @@ def press(tmp_path):
 
 
 def test_one_column_drives_a_unit_of_every_type(press):
-    trains = fire(series.read(press))
+    trains = fire(read(press))
     expected = simulate_units(TIME, np.tile(PRESS[:, None], 4), types=TYPES)
     assert trains.types == trains.names == TYPES
     assert expected.count().min() > 0
@@ -59,8 +60,8 @@ def test_one_column_drives_a_unit_of_every_type(press):
 def test_units_of_the_header_are_converted(time, name, values, length, press, tmp_path):
     scale = 1e3 if time == "time_ms" else 1.0
     path = write(tmp_path / "other.csv", (name, time), values, scale * TIME)
-    other = fire(series.read(path), ("SAI", "FAI"), length=length)
-    expected = fire(series.read(press), ("SAI", "FAI"))
+    other = fire(read(path), ("SAI", "FAI"), length=length)
+    expected = fire(read(press), ("SAI", "FAI"))
     np.testing.assert_allclose(other.x_in, expected.x_in, rtol=1e-12)
     for a, b in zip(other.times, expected.times, strict=True):
         np.testing.assert_allclose(a, b, atol=1e-9)
@@ -70,7 +71,7 @@ def test_units_may_stand_in_brackets(press, tmp_path):
     path = write(
         tmp_path / "b.csv", ("Time (ms)", "FAI displacement [um]"), 1e3 * TIME, 1e3 * PRESS
     )
-    other = fire(series.read(path))
+    other = fire(read(path))
     assert other.types == ("FAI",)
     np.testing.assert_allclose(other.x_in[:, 0], PRESS, rtol=1e-12)
 
@@ -79,19 +80,19 @@ def test_wrong_units_are_told(tmp_path):
     ms = np.arange(100.0)
     path = write(tmp_path / "ms.csv", ("time", "displacement_mm"), ms, ms / 100)
     with pytest.raises(InputError, match="as if they were in ms; name the column time_ms"):
-        series.read(path)
+        read(path)
     path = write(tmp_path / "um.csv", ("time", "displacement_mm"), TIME, 1e3 * PRESS)
     with pytest.raises(InputError, match="mm, as if it were in um; check the unit"):
-        series.read(path)
+        read(path)
     path = write(tmp_path / "m.csv", ("time", "displacement_mm"), TIME, 1e-3 * PRESS)
-    notes = fire(series.read(path), ("SAI",)).notes
+    notes = fire(read(path), ("SAI",)).notes
     assert any("fires no unit; it reaches 0.001 mm, as if it were in m;" in note for note in notes)
 
 
 def test_a_column_named_after_a_type_drives_that_type_alone(tmp_path):
     header = ("time", "FAI_displacement_mm", "tip_displacement_mm")
     path = write(tmp_path / "two.csv", header, TIME, PRESS, 0.5 * PRESS)
-    trains = fire(series.read(path), ("SAI", "SAII"))
+    trains = fire(read(path), ("SAI", "SAII"))
     assert trains.types == ("FAI", "SAI", "SAII")
     assert trains.names == (
         *("FAI_displacement_mm", "tip_displacement_mm:SAI", "tip_displacement_mm:SAII"),
@@ -101,7 +102,7 @@ def test_a_column_named_after_a_type_drives_that_type_alone(tmp_path):
 
 def test_a_series_that_starts_pressed_is_noted(tmp_path):
     path = write(tmp_path / "late.csv", ("time", "displacement_mm"), [0, 0.5], [1, 1])
-    trains = fire(series.read(path), ("SAI",))
+    trains = fire(read(path), ("SAI",))
     assert any("which is a jump from 0" in note for note in trains.notes)
 
 
@@ -117,7 +118,7 @@ def test_a_series_that_starts_pressed_is_noted(tmp_path):
 )
 def test_a_column_of_the_wrong_sign_is_asked_about(name, values, question, tmp_path):
     path = write(tmp_path / "sign.csv", ("time", name), TIME, values)
-    trains = fire(series.read(path), ("SAI",), length=2.0, corners=True)
+    trains = fire(read(path), ("SAI",), length=2.0, corners=True)
     actual = [note for note in trains.notes if "expected are positive" in note]
     assert len(actual) == (question is not None)
     assert all(question in note for note in actual)
@@ -128,7 +129,7 @@ def test_samples_too_coarse_for_the_fastest_pole_are_refused_unless_meant(rate, 
     frequency = rate / 8
     time = np.arange(0, 6 / frequency, 1 / rate)
     wave = 0.5 * (1 - np.cos(2 * np.pi * frequency * time))
-    signals = series.read(write(tmp_path / "wave.csv", ("time", "displacement_mm"), time, wave))
+    signals = read(write(tmp_path / "wave.csv", ("time", "displacement_mm"), time, wave))
     with pytest.raises(InputError, match=f"too coarse for {kind}"):
         fire(signals, (kind,))
     assert len(fire(signals, (kind,), corners=True)) == 1
@@ -137,7 +138,7 @@ def test_samples_too_coarse_for_the_fastest_pole_are_refused_unless_meant(rate, 
 def test_types_for_which_samples_are_too_coarse_are_left_out_unless_named(tmp_path):
     time = np.arange(0, 0.5, 1e-3)
     path = write(tmp_path / "ramp.csv", ("time", "displacement_mm"), time, np.minimum(10 * time, 1))
-    signals = series.read(path)
+    signals = read(path)
     trains = series.fire(signals)
     assert trains.types == ("SAI", "SAII", "FAI")
     wanted = "too coarse for FAII, which responds up to about 309 Hz: .*sample at 1600 Hz or more"
@@ -146,11 +147,11 @@ def test_types_for_which_samples_are_too_coarse_are_left_out_unless_named(tmp_pa
         series.fire(signals, ("SAI", "FAII"))
     finer = np.arange(0, 0.5, 1 / 1600)
     path = write(tmp_path / "f.csv", ("time", "displacement_mm"), finer, np.minimum(10 * finer, 1))
-    assert series.fire(series.read(path)).types == TYPES
+    assert series.fire(read(path)).types == TYPES
     seconds = np.arange(0, 10, 0.5)
     coarse = write(tmp_path / "c.csv", ("time", "displacement_mm"), seconds, 2 * seconds % 2)
     with pytest.raises(InputError, match="too coarse for SAI"):
-        series.fire(series.read(coarse))
+        series.fire(read(coarse))
 
 
 @pytest.mark.parametrize("kind", ["SAI", "SAII"])
@@ -158,7 +159,7 @@ def test_slow_units_take_slow_signals_from_few_samples(kind, tmp_path):
     time = np.arange(0, 60, 1.0)
     wave = 0.5 * (1 - np.cos(2 * np.pi * time / 30))
     path = write(tmp_path / "wave.csv", ("time", "displacement_mm"), time, wave)
-    assert len(fire(series.read(path), (kind,)).times[0]) > 0
+    assert len(fire(read(path), (kind,)).times[0]) > 0
 
 
 @pytest.mark.parametrize(
@@ -170,7 +171,7 @@ def test_counts_that_hang_on_lines_between_the_samples_are_noted(
     def noted(name, time, **options):
         wave = amplitude * (np.cos(0.3) - np.cos(2 * np.pi * frequency * time + 0.3))
         path = write(tmp_path / "wave.csv", ("time", name), time, wave)
-        trains = fire(series.read(path), (kind,), **options)
+        trains = fire(read(path), (kind,), **options)
         return trains.count()[0], any("a smooth curve joins" in note for note in trains.notes)
 
     count, message = noted("displacement_mm", np.arange(0, 1, 1 / rate))
@@ -186,7 +187,7 @@ def test_exact_corners_are_not_taken_for_coarse_samples(family, tmp_path):
     """A trapezoid of its corners alone, whose every second sample is another signal."""
     time, x = [-0.1, 0.0, 0.05, 0.5, 0.55, 0.7], [0, 0, 1, 1, 0, 0]
     path = write(tmp_path / "corners.csv", ("time", "displacement_mm"), time, x)
-    trains = series.fire(series.read(path), corners=True, family=family)
+    trains = series.fire(read(path), corners=True, family=family)
     assert trains.count().min() > 0
     assert not [note for note in trains.notes if "sample" in note]
     assert "unless it has these corners" in " ".join(
@@ -197,7 +198,7 @@ def test_exact_corners_are_not_taken_for_coarse_samples(family, tmp_path):
 def test_uneven_samples_and_jumps_are_welcome(tmp_path):
     time, x = [0, 0.1, 0.1, 0.4], [0, 0, 0.4, 0.4]
     path = write(tmp_path / "jump.csv", ("time", "displacement_mm"), time, x)
-    trains = fire(series.read(path))
+    trains = fire(read(path))
     assert trains.count().min() > 0
     assert np.all(np.concatenate(trains.times) > 0.1)
 
@@ -231,13 +232,13 @@ def unusable(text, tmp_path):
 )
 def test_series_that_cannot_be_used_are_refused(text, message, tmp_path):
     with pytest.raises(InputError, match=message):
-        series.read(unusable(text, tmp_path))
+        read(unusable(text, tmp_path))
 
 
 def test_unknown_types_and_strain_without_a_length_are_refused(press, tmp_path):
     with pytest.raises(InputError, match=r"types: expected one of .* Did you mean 'SAI'"):
-        fire(series.read(press), ("SA1",))
-    strain = series.read(write(tmp_path / "s.csv", ("time", "strain"), TIME, 0.1 * PRESS))
+        fire(read(press), ("SA1",))
+    strain = read(write(tmp_path / "s.csv", ("time", "strain"), TIME, 0.1 * PRESS))
     with pytest.raises(InputError, match="length: column 'strain' is a strain"):
         fire(strain)
     with pytest.raises(InputError, match="length: expected a finite number in mm above 0"):
@@ -245,14 +246,14 @@ def test_unknown_types_and_strain_without_a_length_are_refused(press, tmp_path):
 
 
 def test_a_length_that_no_column_takes_is_checked_and_told(press):
-    signals = series.read(press)
+    signals = read(press)
     assert "The length is not used" in " ".join(fire(signals, ("SAI",), length=2.0).notes)
     with pytest.raises(InputError, match="length: expected"):
         fire(signals, ("SAI",), length=-1.0)
 
 
 def test_other_types_change_nothing_of_a_unit(press):
-    signals = series.read(press)
+    signals = read(press)
     (alone,) = series.fire(signals, ("SAI",)).times
     assert len(alone) > 5
     for types in (("FAII", "SAI"), ("SAI", "FAI"), TYPES):
@@ -261,7 +262,7 @@ def test_other_types_change_nothing_of_a_unit(press):
 
 
 def test_arrays_fire_as_the_file_that_holds_them(press, tmp_path):
-    expected = series.fire(series.read(press), ("SAI", "FAI"))
+    expected = series.fire(read(press), ("SAI", "FAI"))
     found = ff.spikes(TIME, PRESS, ("SAI", "FAI"))
     assert found.names == expected.names
     assert found.notes == expected.notes
@@ -269,7 +270,7 @@ def test_arrays_fire_as_the_file_that_holds_them(press, tmp_path):
     header = ("time", "FAI_displacement_um", "tip_strain")
     path = write(tmp_path / "two.csv", header, TIME, 1e3 * PRESS, 0.1 * PRESS)
     named = {"FAI_displacement_um": (1e3 * PRESS).tolist(), "tip_strain": 0.1 * PRESS}
-    expected = series.fire(series.read(path), ("SAI",), trial=2)
+    expected = series.fire(read(path), ("SAI",), trial=2)
     found = ff.spikes(TIME, named, ("SAI",), trial=2)
     assert found.names == expected.names == ("FAI_displacement_um", "tip_strain:SAI")
     assert all(map(np.array_equal, found.times, expected.times))
@@ -322,7 +323,7 @@ def test_trials_of_the_command_are_other_noise(press, tmp_path, capsys):
 
 def test_a_type_given_twice_is_refused(press):
     with pytest.raises(InputError, match="types: expected every type once, received SAI, FAI, SAI"):
-        fire(series.read(press), ("SAI", "FAI", "SAI"))
+        fire(read(press), ("SAI", "FAI", "SAI"))
 
 
 def test_the_command_prints_json_and_writes_its_files(press, tmp_path, capsys):
@@ -372,10 +373,10 @@ def test_a_column_named_like_an_unknown_type_is_refused(tmp_path):
             tmp_path / "c.csv", ("time", f"{name}_displacement_mm"), [0, 0.1, 0.2], [0, 0.1, 0.1]
         )
         if name == "FAIII":
-            fire(series.read(path), corners=True)
+            fire(read(path), corners=True)
             continue
         with pytest.raises(InputError, match="begins like that of an afferent type"):
-            fire(series.read(path), corners=True)
+            fire(read(path), corners=True)
 
 
 @pytest.mark.parametrize(
@@ -389,9 +390,9 @@ def test_a_column_named_like_an_unknown_type_is_refused(tmp_path):
 def test_other_names_of_types_get_the_name_that_is_meant(name, meant, press, tmp_path, capsys):
     path = write(tmp_path / "c.csv", ("time", f"{name}_displacement_mm"), TIME, PRESS)
     with pytest.raises(InputError, match=f"begins like .* Did you mean '{meant}'. Rename"):
-        series.fire(series.read(path))
+        series.fire(read(path))
     with pytest.raises(InputError, match=f"types: expected one of .* Did you mean '{meant}'"):
-        series.fire(series.read(press), (name,))
+        series.fire(read(press), (name,))
     assert main(["spikes", "--from", press, "--type", name]) == 2
     assert f"Did you mean '{meant}'" in capsys.readouterr().err
     with pytest.raises(InputError, match=rf"ask.spikes\[0\]: .* Did you mean '{meant}'"):
@@ -402,23 +403,23 @@ def test_a_series_of_days_is_refused_and_a_tolerance_taken(tmp_path):
     head = ("time", "displacement_mm")
     path = write(tmp_path / "long.csv", head, [0, 1e5, 2e5], [0, 1, 1])
     with pytest.raises(InputError, match="at most 3600 s in one run"):
-        fire(series.read(path), corners=True)
+        fire(read(path), corners=True)
     path = write(tmp_path / "short.csv", head, [0, 0.1, 0.2], [0, 0.5, 0.5])
-    trains = fire(series.read(path), ("SAI",), corners=True, tolerance=0.05)
-    exact = fire(series.read(path), ("SAI",), corners=True)
+    trains = fire(read(path), ("SAI",), corners=True, tolerance=0.05)
+    exact = fire(read(path), ("SAI",), corners=True)
     np.testing.assert_allclose(trains.times[0], exact.times[0], atol=5e-5)
     with pytest.raises(InputError, match="tolerance: expected"):
-        fire(series.read(path), corners=True, tolerance=0.0)
+        fire(read(path), corners=True, tolerance=0.0)
 
 
 def test_the_recorded_family_takes_displacements_and_strains_of_its_own_length(tmp_path, press):
-    trains = series.fire(series.read(press), ("SAI",), family="recorded")
+    trains = series.fire(read(press), ("SAI",), family="recorded")
     assert trains.family == "recorded"
     length = fitted()["SAI"].length
     path = write(tmp_path / "strain.csv", ["time", "strain"], TIME, PRESS / length)
-    other = series.fire(series.read(path), ("SAI",), family="recorded")
+    other = series.fire(read(path), ("SAI",), family="recorded")
     assert other.times[0] == pytest.approx(trains.times[0])
     with pytest.raises(InputError, match=r"tolerance: expected none"):
-        series.fire(series.read(press), ("SAI",), family="recorded", tolerance=0.1)
+        series.fire(read(press), ("SAI",), family="recorded", tolerance=0.1)
     with pytest.raises(InputError, match=r"family: expected one of"):
-        series.fire(series.read(press), ("SAI",), family="recordd")
+        series.fire(read(press), ("SAI",), family="recordd")
