@@ -12,10 +12,10 @@ import numpy as np
 
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.load_path import Path, StressHistory
-from fefinger.mechanics.press import depth_table_store, placement
+from fefinger.mechanics.press import depth_table_store
 from fefinger.mechanics.press.constitutive import laws
 from fefinger.mechanics.press.depth_table import DepthTable, DisplacementBasis
-from fefinger.mechanics.press.finite_reference import reference_state
+from fefinger.mechanics.press.finite_reference import reference_unknowns
 from fefinger.mechanics.press.finite_strain import BUDGET, FINITE_STRAIN, Course, follow_course
 from fefinger.mechanics.press.load_steps import LoadSteps
 from fefinger.mechanics.press.pad import whole_pad
@@ -23,7 +23,6 @@ from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.response import areas_of_steps
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.scene.indenter import Indenter
-from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motions import Ramp
 from fefinger.support import cache
 from fefinger.support.arrays import Array
@@ -118,8 +117,7 @@ def _solved(
     fields = [history.frames[k] for k in range(len(solved))]
     if not (press.standard and REFERENCE_DEPTH in solved):
         with stages.stage("reference"):
-            plate = placement.obstacle(STANDARD, body)
-            fields.append(reference_state(whole, elements, plate).values)
+            fields.append(reference_unknowns(whole, elements))
     pressure, travel = history.pressure, history.contact.projected
     force = press.sides * pressure @ travel * NEWTON_PER_MILLINEWTON
     pad, column = whole_pad(body, history.contact.neighborhood)

@@ -21,10 +21,10 @@ from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import depth_table_store, dragged, limits, placement, problem
+from fefinger.mechanics.press import dragged, limits, placement, problem
 from fefinger.mechanics.press.constitutive import laws, relaxations
 from fefinger.mechanics.press.failure import failure_message
-from fefinger.mechanics.press.finite_reference import finite_reference_press, reference_strain
+from fefinger.mechanics.press.finite_reference import reference_strain, reference_unknowns
 from fefinger.mechanics.press.history import FiniteStrainHistory, frames_of
 from fefinger.mechanics.press.load_steps import (
     LoadSteps,
@@ -38,7 +38,6 @@ from fefinger.mechanics.press.small_strain import WHOLE_MESH, assembled
 from fefinger.neural.reference import Reference
 from fefinger.results.records import Response
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenters import STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
@@ -133,16 +132,13 @@ def _reference(press: Press, elements: Continuum, halt: str) -> Reference | None
     """Return the reference press of afferents; None if it fails after a halt."""
     if press.reference is None:
         return None
-    at_hand = depth_table_store.at_hand(press.finger, STANDARD, press.mesh)
-    if at_hand is not None:  # that press is one of its depths
-        unknowns = at_hand.reference(press.body.space.n_unknowns)
-        return reference_strain(press.body, press.reference.sites, unknowns)
     try:
-        return finite_reference_press(press, elements, press.reference)
+        unknowns = reference_unknowns(press, elements)
     except ConvergenceError:
         if halt:
             return None
         raise
+    return reference_strain(press.body, press.reference.sites, unknowns)
 
 
 class _RimReachedError(Exception):
