@@ -12,7 +12,7 @@ from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import System, factor, prepare
 from fefinger.geometry.finger_mesh import FingerMesh, volumes
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
 
 
@@ -38,6 +38,18 @@ class Solid:
     def planes(self) -> tuple[int, ...]:
         """Axes normal to the planes of symmetry, beyond which the body is its mirror image."""
         return (1,) if self.half else ()
+
+    @property
+    def loadable(self) -> Flags | None:
+        """Whether each vertex (n_points,) may be in contact; None if all of the pad may be."""
+        return None
+
+    def cut_off(self, vertices: Integers) -> bool:
+        """Whether some of the vertices (n,) lie beside some of the pad that are not loadable."""
+        if self.loadable is None:
+            return False
+        able = self.loadable[self.pad]
+        return bool(np.isin(vertices, self.pad[able.any(axis=1) & ~able.all(axis=1)]).any())
 
 
 @dataclass(frozen=True)

@@ -103,15 +103,19 @@ class Operator(Solid):
     parts: tuple[Part, ...]
     identities: tuple[dict[str, Any] | None, ...] = (None,)
 
+    @property
+    def loadable(self) -> Flags:
+        """Whether each vertex (n_points,) belongs to the palmar part of the pad."""
+        return _faces_down(self)
 
-def faces_down(solid: Solid) -> Flags:
-    """Whether vertices (n_points,) belong to the palmar part of the pad."""
+
+def _faces_down(solid: Solid) -> Flags:
     return np.asarray(solid.normals[:, 2] < PALMAR)
 
 
 def palmar(solid: Solid) -> Integers:
     """Nodes of the palmar part of the pad, on which an operator is defined."""
-    under = faces_down(solid)
+    under = _faces_down(solid)
     return solid.space.face_nodes(solid.pad[under[solid.pad].any(axis=1)])
 
 

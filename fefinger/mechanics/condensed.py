@@ -32,8 +32,8 @@ NOTES = (
 )
 
 BEYOND = (
-    "The indenter comes near the skin beyond the palmar part of the pad, which the reduced body "
-    "does not keep: the whole mesh was solved."
+    "Contact reaches the skin beyond the palmar part of the pad, which the reduced body does not "
+    "keep: the whole mesh was solved."
 )
 
 
@@ -65,9 +65,9 @@ def coarser(scene: Scene) -> Finger | None:
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Solve the scene with the operator of its finger, which is built if it is not cached.
 
-    Where the indenter comes near the pad beyond its palmar part, for which the operator is not
-    defined, the whole mesh is solved: the same answer, at the cost of `linear`. InputError also if
-    the cached operator does not fit the finger.
+    Where contact reaches the pad beyond its palmar part, for which the operator is not defined, the
+    whole mesh is solved: the same answer, at the cost of `linear`. InputError also if the cached
+    operator does not fit the finger.
     """
     from fefinger.fem.condensation import OutsideError
     from fefinger.mechanics.press import small_strain
@@ -75,7 +75,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 
     try:
         return small_strain.respond(scene, progress, mechanics=name, notes=NOTES, method=METHOD)
-    except OutsideError:  # raised by the unit loads, before any contact is solved
+    except OutsideError:
         whole = replace(small_strain.WHOLE_MESH, touch=METHOD.touch)
         notes = (*linear.NOTES, RIGID_BONE, BEYOND)
         return small_strain.respond(scene, progress, mechanics=name, notes=notes, method=whole)

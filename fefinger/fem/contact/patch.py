@@ -158,8 +158,8 @@ def candidates(
     """Select the pad vertices whose initial gap is at most `reach` mm, and rings around them.
 
     `triangles` (n, 3) are all of the pad; `normals` (n_points, 3) its smooth outward normals, zero
-    for flat facets. A vertex takes part if the obstacle is ahead of all of its triangles. Rings
-    include only vertices `within` (n_points,), where given.
+    for flat facets. A vertex takes part if the obstacle is ahead of all of its triangles, and if it
+    is `within` (n_points,), where that is given.
     """
     surface = trace(space, triangles)
     distance, _ = obstacle.gap(smooth_places(space.points, normals, surface))
@@ -167,11 +167,10 @@ def candidates(
     used = np.zeros(len(space.points), dtype=bool)
     pad = np.unique(triangles)
     used[pad[obstacle.gap(space.points[pad])[0] <= reach]] = True
-    near = used.copy()
     for _ in range(rings):
         used[triangles[used[triangles].any(axis=1)]] = True
-        if within is not None:
-            used &= within | near
+    if within is not None:
+        used &= within
     used[triangles[behind]] = False
     carrying = used[triangles].any(axis=1)
     border, beyond, rim = (np.zeros_like(used) for _ in range(3))

@@ -12,6 +12,9 @@ from fefinger.results.candidate import Candidate
 from fefinger.support.checks import InputError
 
 
+SLIDING = 20.0
+"""Time of a step along a path over one of a press: 15 to 25 over dots, letters and gratings."""
+
 GRIPPING = 10.0
 """Time of a step with friction over one without, of the cases of the bench `sliding`."""
 
@@ -55,7 +58,10 @@ def _spent(mechanics: str, case: Situation, bodies: float) -> float:
     seconds = partial(_seconds, Candidate(mechanics, case.mesh))
     setup, fields = seconds("setup"), seconds("fields")
     spent = bodies * (setup + fields if case.ask.fields else setup)
-    spent += len(case.times) * seconds("step") * (GRIPPING if case.indenter.friction else 1.0)
+    factor = (SLIDING if case.motion.slides else 1.0) * (
+        GRIPPING if case.indenter.friction else 1.0
+    )
+    spent += len(case.times) * seconds("step") * factor
     return spent + case.changes * seconds("area") if case.ask.pressure else spent
 
 

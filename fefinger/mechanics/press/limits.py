@@ -20,6 +20,11 @@ NOTHING_UNDER = (
     f"pad, or take a larger indenter, a finer mesh (finger.resolution) or {MESHLESS}"
 )
 
+OUTSIDE = (
+    "indenter: expected contact on the palmar part of the pad, received contact that reaches the "
+    "sides of the finger; press less, or use the mechanics 'linear'"
+)
+
 FEWEST = 3
 """Vertices of the pad under a ball or another object that ends, below which it is not resolved."""
 

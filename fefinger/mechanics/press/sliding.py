@@ -19,7 +19,7 @@ from fefinger.mechanics.press.history import SmallStrainHistory
 from fefinger.mechanics.press.pad import on_neighborhood
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Lateral, Pad
-from fefinger.support.arrays import Array, Flags, Integers
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
@@ -49,7 +49,6 @@ def candidates(
     path: Array,
     deepest: float,
     rings: int,
-    within: Flags | None = None,
     inclines: Array | None = None,
 ) -> Patch:
     """Return the patch of a path (n, 2) mm and a depth: unit loads along the axis of the obstacle.
@@ -60,7 +59,7 @@ def candidates(
     under = envelope(obstacle, path, inclines)
     inside = max(0.0, -float(under.gap(body.space.points[np.unique(body.pad)])[0].min()))
     reach = problem.REACH * (deepest + inside) - inside
-    return patch(body.space, body.pad, body.normals, under, reach, rings, within)
+    return patch(body.space, body.pad, body.normals, under, reach, rings, body.loadable)
 
 
 def with_tractions(body: Solid, on: Patch, axis: Array) -> Patch:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fefinger.fem.body import Body, Reduced, body, reduce
+from fefinger.fem.condensation import OutsideError
 from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.step_compiled import march
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
@@ -86,43 +87,64 @@ def solve_contact(
     Next to an edge the gap grows within a facet to any reach: so each attempt has one more ring.
     `advance` solves a body on its candidates through time; by default without inertia.
 
-    Errors as `respond`.
+    Errors as `respond`; OutsideError where contact leaves the loadable part of the pad.
     """
-    advance = advance or quasistatic
-    body, motion = press.body, press.motion
-    where = press.site_points
-    probe = recovered_strain_at(body.space, where, body.planes)
-    value = press.load_unit * motion.value(press.time)
-    prescribed = Prescribed(motion.control, press.time, value)
     reach = problem.REACH * press.expected_depth
-    pad = body.space.points[np.unique(body.pad)]
     for rings in range(problem.ATTEMPTS):
         candidates = _candidates(press, reach, rings)
-        ended = press.obstacle.beyond(body.space.points[candidates.vertices])
-        limits.check_under(motion, press.obstacle, pad, ended)
-        with stages.stage("unit loads") as report:
-            reduced = sliding.reduce_to_patch(press, candidates, where, probe, report)
-        with stages.stage("contact") as report:
-            history = advance(press, reduced, prescribed, report)
-        deepest = float(history.depth.max())
-        limits.check_reached(motion, press.finger.pulp, deepest)
-        pressed = (history.pressure > 0).any(axis=0)
-        placement.check_inside(body, candidates.vertices[pressed], deepest)
-        if not pressed.any():
-            raise InputError(limits.untouched(press.obstacle, pad, deepest))
-        if (pressed & candidates.obstacle_border).any():
-            raise InputError(limits.rim_reached(len(candidates.vertices)))
-        if not (pressed & candidates.border).any():
+        try:
+            reduced, history = _on_candidates(press, candidates, stages, advance or quasistatic)
+        except InputError:
+            if _touches_outside(press, reach):  # without that skin the press is another
+                raise OutsideError(limits.OUTSIDE) from None
+            raise
+        reached = candidates.border & (history.pressure > 0).any(axis=0)
+        if not reached.any():
             return reduced, history
+        if press.body.cut_off(candidates.vertices[reached]):
+            raise OutsideError(limits.OUTSIDE)
         reach *= problem.GROW
     raise ConvergenceError(limits.spread_beyond(reach))
+
+
+def _on_candidates(
+    press: Press, candidates: Patch, stages: Stages, advance: Advance
+) -> tuple[Reduced, History]:
+    body, motion, obstacle = press.body, press.motion, press.obstacle
+    where, pad = press.site_points, body.space.points[np.unique(body.pad)]
+    ended = obstacle.beyond(body.space.points[candidates.vertices])
+    limits.check_under(motion, obstacle, pad, ended)
+    with stages.stage("unit loads") as report:
+        probe = recovered_strain_at(body.space, where, body.planes)
+        reduced = sliding.reduce_to_patch(press, candidates, where, probe, report)
+    with stages.stage("contact") as report:
+        value = press.load_unit * motion.value(press.time)
+        history = advance(press, reduced, Prescribed(motion.control, press.time, value), report)
+    deepest = float(history.depth.max())
+    limits.check_reached(motion, press.finger.pulp, deepest)
+    pressed = (history.pressure > 0).any(axis=0)
+    placement.check_inside(body, candidates.vertices[pressed], deepest)
+    if not pressed.any():
+        raise InputError(limits.untouched(obstacle, pad, deepest))
+    if (pressed & candidates.obstacle_border).any():
+        raise InputError(limits.rim_reached(len(candidates.vertices)))
+    return reduced, history
+
+
+def _touches_outside(press: Press, reach: float) -> bool:
+    """Whether vertices that cannot be loaded lie within a gap of `reach` mm at first touch."""
+    body = press.body
+    if body.loadable is None:
+        return False
+    outside = np.setdiff1d(body.pad, np.flatnonzero(body.loadable))
+    return bool((press.obstacle.gap(body.space.points[outside])[0] <= reach).any())
 
 
 def _candidates(press: Press, reach: float, rings: int) -> Patch:
     """Return the patch of a press, with `rings` of vertices around those within the reach in mm."""
     body, obstacle = press.body, press.obstacle
     if not press.tangential:
-        return patch(body.space, body.pad, body.normals, obstacle, reach, rings)
+        return patch(body.space, body.pad, body.normals, obstacle, reach, rings, body.loadable)
     path = press.motion.shift(press.time)
     deepest = reach / problem.REACH
     return sliding.candidates(body, obstacle, path, deepest, rings, inclines=press.inclines)

@@ -74,11 +74,12 @@ def time_grid(motion: Motion, *, fast: bool, refine: int = 1, most: int = MOST) 
 def moving(motion: Motion, time: Array) -> int:
     """Count the times (n_t,) s at which the contact differs from that at the time before.
 
-    Under a constant force tissue creeps, and contact grows; at a constant depth it stays.
+    Under a constant force tissue creeps, and contact grows; at a constant depth and place it stays.
     """
-    if motion.control == "force":
+    if motion.control == "force" or motion.turns_plate:
         return len(time)
-    return int(np.count_nonzero(np.diff(motion.value(time))))
+    course = np.column_stack([motion.value(time), motion.shift(time)])
+    return int(np.count_nonzero(np.diff(course, axis=0).any(axis=1)))
 
 
 def too_long(motion: Motion, *, fast: bool, most: int = MOST) -> tuple[str, ...]:

@@ -16,7 +16,6 @@ from typing import Any, Literal
 import numpy as np
 
 from fefinger.fem.body import Reduced, Solid
-from fefinger.fem.condensation import OutsideError, faces_down
 from fefinger.fem.contact import lcp_compiled, step_compiled
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.obstacle import Rigid
@@ -106,8 +105,9 @@ class Condensed:
         self.sites = sites
         where = mirror.to_half(self.sites.points) if half else self.sites.points
         probe = self.probe = partial(recovered_strain_at, solid.space, where, solid.planes)
-        surface, reach, within = solid.space, problem.REACH * self.deepest, faces_down(solid)
+        surface, reach, within = solid.space, problem.REACH * self.deepest, solid.loadable
         reduced = reduced_to_candidates(
+            solid,
             self.deepest,
             lambda rings: patch(surface, solid.pad, solid.normals, touch, reach, rings, within),
             lambda on_pad: operator.reduced(finger, solid, on_pad, where, probe),
@@ -231,6 +231,7 @@ class Condensed:
 
 
 def reduced_to_candidates(
+    solid: Solid,
     deepest: float,
     candidates: Callable[[int], Patch],
     reduce: Callable[[Patch], Reduced],
@@ -239,29 +240,27 @@ def reduced_to_candidates(
     """Return a finger reduced to the candidates of a press of `deepest` mm.
 
     candidates: those with a number of additional rings: beside an edge the gap grows within a facet
-    to any reach, and there is one ring more each time, but none beyond the palmar part: a step
-    whose contact gets there is refused. reduce: the finger on candidates, whose first unit loads
-    are the pressures on them. rim (n,): where contact asks for one more ring.
+    to any reach, and there is one ring more each time. reduce: the finger on candidates, whose
+    first unit loads are the pressures on them. rim (n,): where contact asks for one more ring.
+
+    InputError if that contact reaches skin beyond the palmar part of the pad.
     """
-    reduced = None
     for rings in range(problem.ATTEMPTS):
         on_pad = candidates(rings)
         count = len(on_pad.vertices)
         if count == 0:
             raise InputError(limits.NOTHING_UNDER)
-        try:
-            reduced = reduce(on_pad)
-        except OutsideError:
-            break
+        reduced = reduce(on_pad)
         solver = Complementarity(reduced.flexibility[:count, :count])
         pressure = solver.solve(on_pad.gap - deepest * on_pad.projected)
-        if not (pressure[rim(on_pad)] > 0).any():
+        reached = rim(on_pad) & (pressure > 0)
+        if not reached.any():
             break
-    if reduced is None:
-        raise InputError(
-            "deepest: expected a depth at which the indenter stays over the palmar part of the "
-            f"pad, received {deepest:g} mm; give a smaller `deepest`"
-        )
+        if solid.cut_off(on_pad.vertices[reached]):
+            raise InputError(
+                "deepest: expected a depth at which contact stays on the palmar part of the pad, "
+                f"received {deepest:g} mm; give a smaller `deepest`"
+            )
     return reduced
 
 

@@ -16,7 +16,6 @@ from typing import Any, Literal
 import numpy as np
 
 from fefinger.fem.body import Reduced
-from fefinger.fem.condensation import faces_down
 from fefinger.fem.contact import friction_state, friction_step, lcp_compiled, step_compiled
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.contact.sliding_march import sticks
@@ -150,8 +149,7 @@ class Sliding:
         probe = partial(recovered_strain_at, solid.space, self.sites.points, solid.planes)
 
         def candidates(rings: int) -> Patch:
-            within = faces_down(solid)
-            return press_sliding.candidates(solid, obstacle, path, self.deepest, rings, within)
+            return press_sliding.candidates(solid, obstacle, path, self.deepest, rings)
 
         def reduce(on: Patch) -> Reduced:
             friction, axis = self.indenter.friction, obstacle.axis
@@ -159,7 +157,7 @@ class Sliding:
             made = operator.reduced(self.finger, solid, loaded, self.sites.points, probe)
             return replace(made, patch=on)
 
-        return reduced_to_candidates(self.deepest, candidates, reduce, lambda on: on.border)
+        return reduced_to_candidates(solid, self.deepest, candidates, reduce, lambda on: on.border)
 
     def __repr__(self) -> str:
         """Show finger, object and end organs, not the arrays."""

@@ -113,6 +113,11 @@ def test_areas_are_expected_to_be_read_where_contact_changes_and_fields_where_as
     crept = replace(held, motion=ff.ForceRampHold(5.0, 0.2, hold=1.0))
     creeps = time_grid(crept.motion, fast=True)
     assert moving(crept.motion, creeps) == len(creeps)
+    slide = ff.Slide(30.0, 0.5, distance=6.0)
+    path = time_grid(slide, fast=True)
+    along = np.count_nonzero(path > slide.recorded_from)
+    assert along > len(path) // 2
+    assert moving(slide, path) == along + np.count_nonzero(np.diff(slide.value(path)))
 
 
 def test_a_skin_that_is_softer_than_the_published_one_states_a_larger_error() -> None:

@@ -349,8 +349,8 @@ def test_where_the_indenter_ends_and_where_the_pad_ends_are_told_apart() -> None
     tile = Condensed(FINGER, ff.Relief.of(lambda x, y: 0 * x * y, lines, lines), deepest=1.2)
     with pytest.raises(InputError, match="beyond which the indenter turns away"):
         tile.step(1.0, 1e-3)
-    with pytest.raises(InputError, match=r"deepest: expected a depth .* received 3 mm"):
-        Condensed(FINGER, ff.Flat(30), deepest=3.0)
+    with pytest.raises(InputError, match=r"deepest: expected a depth .* received 2 mm"):
+        Condensed(FINGER, ff.Flat(60), deepest=2.0)
 
 
 @pytest.mark.parametrize(
