@@ -1,9 +1,8 @@
 """Measure what the mechanics at small strain cost, and write the report that the planner reads.
 
 Run as `python -m fefinger.validation.evidence.small_strain_cost reports` on a machine that does
-nothing else; some six minutes, most of them for the operator of the fine mesh. Set up, building and
-area are those that the scenes of development took on the meshes that they were run on: one press
-tells little of them, as reading the area of its contact costs more the wider that is.
+nothing else; some six minutes, most of them for the operator of the fine mesh. Set up and building
+are those that the scenes of development took on the meshes that they were run on.
 """
 
 import shutil
@@ -19,6 +18,7 @@ from fefinger.validation.provenance import compact, provenance
 from fefinger.validation.tradeoff import held_out, scenes
 
 from fefinger.mechanics import get
+from fefinger.mechanics.evidence.small_strain_cost import areas
 from fefinger.mechanics.evidence.table import SMALL_STRAIN_COST, read
 from fefinger.mechanics.press.time_steps import moving
 from fefinger.mechanics.situation import Situation
@@ -42,20 +42,24 @@ def measure(candidate: Candidate) -> tuple[Response, float]:
 
 
 def costs(response: Response, seconds: float) -> dict[str, float]:
-    """Split the CPU `seconds` of a response to flat-press by stage, whose own are wall time.
-
-    A step has its contact solved; where contact changed, its area is read.
-    """
-    share, times = seconds / sum(response.seconds.values()), response.time
-    spent = {name: share * each for name, each in response.seconds.items()}
-    areas = moving(published.load("flat-press").motion, times)
-    parts = {name: spent[name] for name in ("contact", "pressure", "fields")}
+    """Split the CPU `seconds` of a response to flat-press by stage, whose own are wall time."""
+    share = seconds / sum(response.seconds.values())
+    parts = {name: share * response.seconds[name] for name in ("contact", "pressure", "fields")}
     return {
         "setup_seconds": round(seconds - sum(parts.values()), 3),
         "fields_seconds": round(parts["fields"], 3),
-        "step_seconds": round(parts["contact"] / len(times), 7),
-        "area_seconds": round(parts["pressure"] / areas, 7),
+        "step_seconds": round(parts["contact"] / len(response.time), 7),
     }
+
+
+def area_seconds(resolution: str) -> float:
+    """Return the time in s of reading the area of contact once, under the plate of flat-sinusoid.
+
+    It is read where contact changes.
+    """
+    scene = published.load("flat-sinusoid", {"finger.resolution": resolution, **ALONE})
+    response = get("condensed").respond(scene)
+    return round(response.seconds["pressure"] / moving(scene.motion, response.time), 7)
 
 
 def layered() -> dict[str, float]:
@@ -83,30 +87,32 @@ def meshed(cache: Path, resolution: str) -> dict[str, dict[str, Any]]:
     again, seconds = measure(reduced)
     built = {"build_seconds": round(first - seconds, 3)}
     rows[reduced.label] = costs(again, seconds) | built
-    return rows
+    area = {"area_seconds": area_seconds(resolution)}
+    return {label: row | area for label, row in rows.items()}
 
 
 def in_scenes(label: str, row: dict[str, float], machine: float) -> dict[str, float]:
     """Return the costs of a candidate as the scenes of development took them; none where not run.
 
     machine: benchmark time of the machine that seconds are wanted on. Least squares of the relative
-    errors; an area takes no less than a time step.
+    errors.
     """
-    report, lines, seconds = read(held_out.REPORT), [], []
+    report, shares, seconds = read(held_out.REPORT), [], []
+    slower = machine / report["machine_seconds"]
     for name, scene in scenes.development().items():
         plate, taken = scene.indenter.plate, report["taken"][name].get(label)
         if taken is not None and not (plate is not None and plate.angle > STEEP):
             case = Situation.of(scene)
-            lines.append(np.array([1.0, case.changes]) / taken)
-            seconds.append((taken - row["step_seconds"] * len(case.times)) / taken)
-    if not lines:
+            known = row["step_seconds"] * len(case.times) + row["area_seconds"] * areas(case)
+            shares.append(1.0 / taken)
+            seconds.append((taken - known / slower) / taken)
+    if not shares:
         return {}
-    slower = machine / report["machine_seconds"]
-    once, area = (slower * np.linalg.lstsq(np.array(lines), np.array(seconds))[0]).tolist()
-    costs = {"area_seconds": round(max(area, row["step_seconds"]), 7)}
+    weights = np.array(shares)
+    once = slower * float(weights @ seconds / (weights @ weights))
     if "build_seconds" in row:
-        return costs | {"build_seconds": round(once - row["setup_seconds"], 3)}
-    return costs | {"setup_seconds": round(once, 3)}
+        return {"build_seconds": round(once - row["setup_seconds"], 3)}
+    return {"setup_seconds": round(once, 3)}
 
 
 def main(folder: Path) -> None:

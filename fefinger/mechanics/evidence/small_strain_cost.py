@@ -18,6 +18,9 @@ SLIDING = 20.0
 GRIPPING = 10.0
 """Time of a step with friction over one without, of the cases of the bench `sliding`."""
 
+NARROW = 0.3
+"""Time of reading the area of contact under other objects over that under a plate: 0.1 to 0.4."""
+
 STEEPEST = 45.0
 """Angle of a plate in degrees beyond which contact leaves the part of the pad that `condensed` is
 reduced to, at depths of a tenth of the thickness."""
@@ -53,7 +56,7 @@ def _seconds(candidate: Candidate, stage: str) -> float:
 def _spent(mechanics: str, case: Situation, bodies: float) -> float:
     """Return the expected time in s of a press of a body `bodies` times as large as half a finger.
 
-    The area is that of the whole pad, and read where contact changes.
+    The area is read where contact changes.
     """
     seconds = partial(_seconds, Candidate(mechanics, case.mesh))
     setup, fields = seconds("setup"), seconds("fields")
@@ -62,7 +65,12 @@ def _spent(mechanics: str, case: Situation, bodies: float) -> float:
         GRIPPING if case.indenter.friction else 1.0
     )
     spent += len(case.times) * seconds("step") * factor
-    return spent + case.changes * seconds("area") if case.ask.pressure else spent
+    return spent + areas(case) * seconds("area") if case.ask.pressure else spent
+
+
+def areas(case: Situation) -> float:
+    """Return how often the area of contact is read, in units of that under a plate."""
+    return case.changes * (1.0 if case.indenter.flat is not None else NARROW)
 
 
 def mesh_seconds(case: Situation, *, follow: bool = True) -> float:
