@@ -1,10 +1,11 @@
 """Finite strain by a pre-solved table: elastic solutions over depth, with relaxation convolved.
 
 With one relaxation for the whole stress, contact at finite strain is nearly the elastic contact of
-the same depth, relaxed by a hereditary integral (`theory/contact/one_spring.py`). The table
-(`press/elastic_press.py`) is solved once per finger and object and kept; those of the calibrated
-fingers under the plate at 30 degrees and a ball of 5 mm are shipped. What the tabulation leaves out
-is measured against `solid` on the same mesh (`evidence/tabulation_error.py`).
+the same depth, relaxed by a hereditary integral; on retreat, by that of nested contacts of a body
+that stiffens (`theory/contact/ting.py`). The table (`press/elastic_press.py`) is solved once per
+finger and object and kept; those of the calibrated fingers under the plate at 30 degrees and a ball
+of 5 mm are shipped. What the tabulation leaves out is measured against `solid` on the same mesh
+(`evidence/tabulation_error.py`).
 """
 
 import math
@@ -33,9 +34,10 @@ NOTES = (
     "Frictionless contact with a rigid indenter. Gaps are closed as weighted means over the facets "
     "around each vertex, not at every point.",
     "The press of the relaxed finger was solved at some depths. Through time its whole stress "
-    "relaxes, and the deformation is taken to depend on the depth alone, not on the speed.",
-    "After lift-off the finger recovers through the same deformations; the strain that is left is "
-    "less certain than under load.",
+    "relaxes, and until the indenter retreats the deformation is taken to depend on the depth "
+    "alone, not on the speed.",
+    "On retreat and after lift-off the tissue recovers as in nested contacts that relax one by one, "
+    "more slowly where it stiffens; strain is less certain there than under load.",
     QUASISTATIC,
 )
 

@@ -105,6 +105,8 @@ def test_relaxation_is_carried_within_the_stated_errors(motion) -> None:
     peak = int(np.argmax(right.force))
     strain = apart(wrong.strain[[peak]], right.strain[[peak]])
     assert strain < tabulation_error.error(case, "strain") < 0.1
+    # On retreat too, where a shape that depends on the depth alone is off by .2 of the peak.
+    assert apart(wrong.strain, right.strain) < 0.1
     assert wrong.force.min() >= 0.0
     assert (wrong.pressure >= 0.0).all()
 

@@ -95,7 +95,7 @@ def theory(control: str, time: Array, value: Array) -> ContactHistory:
     instant = relaxed / prony().long_time
     if control == "depth":
         return press_by_depth(prony(), time, value, depth)
-    return press_by_force(prony(), time, value, depth, lambda d: np.interp(d, depth, instant))
+    return press_by_force(prony(), time, value, depth, instant)
 
 
 def theory_force(history: ContactHistory) -> Array:

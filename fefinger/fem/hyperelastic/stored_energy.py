@@ -59,15 +59,23 @@ class StoredEnergy:
 
         Of the cells of the tissues, in their order, for a displacement (n_nodes, 3) in mm.
         """
-        local = np.moveaxis(displacement[self._nodes], 1, 2) @ self._slopes
-        gradient = local.reshape(len(local), -1, 3) @ self._jacobians
-        by_entry = gradient.reshape(len(local), 3, -1, 3).transpose(1, 3, 2, 0)
-        h = np.ascontiguousarray(by_entry)  # (3, 3, n_q, n_cells)
+        h = self._gradient(displacement)
         distortion, growth = self._finite(h) if self.finite else self._small(h)
         projected = self._projected(growth.T)
         mean = self._weights / self._weights.sum(axis=1, keepdims=True)
         of_shape = self._shear * (mean * distortion.T).sum(axis=1)
         return of_shape, self._bulk / 2 * (mean * projected**2).sum(axis=1)
+
+    def stiffening(self, displacement: Array) -> float:
+        """Return the mean of b (I1 - 3) over the tissues for a displacement (n_nodes, 3) in mm.
+
+        It is weighted by the energy of distortion without stiffening.
+        """
+        first, second, _ = self._invariants(self._gradient(displacement))
+        softly = self._shear * (self._share * first + (1 - self._share) * second)
+        energy = self._weights.T * softly
+        whole = float(energy.sum())
+        return float((energy * self._exponent * first).sum()) / whole if whole > 0 else 0.0
 
     def at_vertices(self, density: Array) -> Array:
         """Return the mean (n_points,) of a density (n_cells,) over the cells at each vertex.
@@ -80,6 +88,13 @@ class StoredEnergy:
         stored = np.bincount(where, volume * np.repeat(density, 4), self._count)
         return np.asarray(stored / np.where(total > 0, total, 1.0))
 
+    def _gradient(self, displacement: Array) -> Array:
+        """Gradient (3, 3, n_q, n_cells) of a displacement (n_nodes, 3) in mm."""
+        local = np.moveaxis(displacement[self._nodes], 1, 2) @ self._slopes
+        gradient = local.reshape(len(local), -1, 3) @ self._jacobians
+        by_entry = gradient.reshape(len(local), 3, -1, 3).transpose(1, 3, 2, 0)
+        return np.ascontiguousarray(by_entry)
+
     def _small(self, h: Array) -> tuple[Array, Array]:
         """Return e' : e' of the deviator, and div u, of a gradient h (3, 3, n_q, n_cells)."""
         strain = (h + h.swapaxes(0, 1)) / 2
@@ -87,9 +102,16 @@ class StoredEnergy:
         return (strain**2).sum(axis=(0, 1)) - trace**2 / 3, trace
 
     def _finite(self, h: Array) -> tuple[Array, Array]:
-        """Return the energy of the isochoric invariants for a shear modulus of 1, and J - 1.
+        """Return the energy of the isochoric invariants for a shear modulus of 1, and J - 1."""
+        first, second, growth = self._invariants(h)
+        exponent = np.where(self._exponent > 0, self._exponent, 1.0)
+        rising = np.where(self._exponent > 0, np.expm1(exponent * first) / exponent, first)
+        return (self._share * rising + (1 - self._share) * second) / 2, growth
 
-        Both invariants are written in the Green-Lagrange strain, so that small ones keep digits.
+    def _invariants(self, h: Array) -> tuple[Array, Array, Array]:
+        """Return the isochoric I1 - 3 and I2 - 3, and J - 1, of a gradient (3, 3, n_q, n_cells).
+
+        They are written in the Green-Lagrange strain, so that small ones keep digits.
         """
         strain = (h + h.swapaxes(0, 1) + np.einsum("kiqe,kjqe->ijqe", h, h)) / 2
         trace = strain[0, 0] + strain[1, 1] + strain[2, 2]
@@ -98,9 +120,7 @@ class StoredEnergy:
         volume = -2 / 3 * np.log1p(growth)
         first = 3 * np.expm1(volume) + 2 * trace * np.exp(volume)
         second = 3 * np.expm1(2 * volume) + 4 * (trace + minors) * np.exp(2 * volume)
-        exponent = np.where(self._exponent > 0, self._exponent, 1.0)
-        rising = np.where(self._exponent > 0, np.expm1(exponent * first) / exponent, first)
-        return (self._share * rising + (1 - self._share) * second) / 2, growth
+        return first, second, growth
 
     def _projection_matrix(self) -> sparse.csr_matrix:
         """Mass matrix of the linear functions, apart per tissue."""

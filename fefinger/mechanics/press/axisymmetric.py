@@ -168,9 +168,7 @@ def _march(
         return ting.press_by_depth(prony, time, value, ting.radius_nodes(float(value.max())))
     force = value / NEWTON_PER_MILLINEWTON
     nodes = ting.radius_nodes(float(contact.depth(float(force.max()))) * (1 + 1e-9))
-    return ting.press_by_force(
-        prony, time, force, nodes, lambda depth: contact.force(depth) / prony.long_time
-    )
+    return ting.press_by_force(prony, time, force, nodes, contact.force(nodes) / prony.long_time)
 
 
 def _pressure(

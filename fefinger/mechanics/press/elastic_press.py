@@ -15,6 +15,7 @@ from fefinger.fem.hyperelastic.load_path import Path, StressHistory
 from fefinger.mechanics.press import depth_table_store
 from fefinger.mechanics.press.constitutive import laws
 from fefinger.mechanics.press.depth_table import DepthTable, DisplacementBasis
+from fefinger.mechanics.press.fields import stiffening
 from fefinger.mechanics.press.finite_reference import reference_unknowns
 from fefinger.mechanics.press.finite_strain import BUDGET, FINITE_STRAIN, Course, follow_course
 from fefinger.mechanics.press.load_steps import LoadSteps
@@ -126,6 +127,7 @@ def _solved(
         force=force,
         moment=history.moment,
         area=areas_of_steps(history, pad, column),
+        stiffening=stiffening(whole, fields[: len(solved)]),
         pressure=pressure,
         gap=history.gap,
         modes=DisplacementBasis.of(np.array(fields)[:, : body.space.n_displacements]),

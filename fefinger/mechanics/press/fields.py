@@ -72,9 +72,8 @@ def _energies(press: Press, *, finite: bool) -> Callable[[Array], Array]:
     The tissues are taken relaxed, and with their instantaneous moduli.
     """
     finger, body = press.finger, press.body
+    stored = _stored_energy(press, finite=finite)
     tissues = {SKIN: finger.skin, SUBCUTANEOUS: finger.subcutaneous}
-    soft = {label: law for label, law in laws(finger).items() if label in tissues}
-    stored = StoredEnergy(body.space, soft, finite=finite)
     rises = {k: 1 / (tissue.prony or finger.prony).long_time for k, tissue in tissues.items()}
     rise = np.array([rises[int(label)] for label in stored.tissue])
     of_volume = rise if finger.relaxation == "whole" else np.ones_like(rise)
@@ -87,6 +86,19 @@ def _energies(press: Press, *, finite: bool) -> Callable[[Array], Array]:
         return densities
 
     return energy
+
+
+def _stored_energy(press: Press, *, finite: bool) -> StoredEnergy:
+    """Energy of skin and subcutaneous tissue, relaxed."""
+    relaxed = laws(press.finger)
+    soft = {label: relaxed[label] for label in (SKIN, SUBCUTANEOUS)}
+    return StoredEnergy(press.body.space, soft, finite=finite)
+
+
+def stiffening(press: Press, states: Iterable[Array]) -> Array:
+    """Mean exponent (n,) of the energy of the tissues at states (n_unknowns,) of the body."""
+    stored, count = _stored_energy(press, finite=True), press.body.space.n_displacements
+    return np.array([stored.stiffening(values[:count].reshape(-1, 3)) for values in states])
 
 
 def no_fields(mesh: FingerMesh, times: Array) -> Fields:

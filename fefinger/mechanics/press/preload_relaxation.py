@@ -52,8 +52,7 @@ class PreloadRelaxation:
     def force(self, motion: Motion, time: Array) -> Array:
         """Change (n_t,) of the force in N at prescribed depth, at times (n_t,) in s."""
         depth, vibration = motion.value(time), motion.vibration(time)
-        elastic = self.table.elastic
-        at, slow = (np.interp(x, elastic.nodes, elastic.force) for x in (depth, depth - vibration))
+        at, slow = (self.table.elastic_force(x) for x in (depth, depth - vibration))
         swing, prony = np.asarray(at - slow), self.table.press.finger.prony
         relaxing = hereditary_integral(prony, time, swing) / prony.long_time
         whole = self.stiffness / self._tabulated_stiffness(float(np.abs(vibration).max()))
@@ -72,8 +71,9 @@ class PreloadRelaxation:
 
     def _tabulated_stiffness(self, covered: float) -> float:
         """Stiffness in N/mm of the tabulated press within a vibration of some mm at the preload."""
-        elastic, widest = self.table.elastic, BESIDE * self.preload
+        widest = BESIDE * self.preload
         beside = min(covered, widest) or widest
         low = self.preload - beside
-        high = min(self.preload + beside, float(elastic.nodes[-1]))
-        return (elastic.at(high) - elastic.at(low)) / (high - low)
+        high = min(self.preload + beside, self.table.table.deepest)
+        softer, harder = self.table.elastic_force(np.array([low, high])).tolist()
+        return float((harder - softer) / (high - low))

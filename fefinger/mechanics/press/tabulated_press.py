@@ -30,7 +30,7 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
-from fefinger.theory.contact.one_spring import ElasticForce, RelaxedPress, relax
+from fefinger.theory.contact.ting import ContactHistory, press_by_depth, press_by_force
 
 
 METHOD: SolutionMethod = replace(
@@ -44,8 +44,9 @@ METHOD: SolutionMethod = replace(
 class TabulatedPress:
     """A contact problem (`Press`) and the table of its elastic solutions over depth.
 
-    Its properties are the elastic quantities at the nodes of depth; its methods relax them along
-    the motion. contact: the candidate vertices that the pressures of the table belong to.
+    Its properties are the elastic quantities of the relaxed finger at the nodes of depth; its
+    methods convolve them along the motion. contact: the candidate vertices that the pressures of
+    the table belong to.
     """
 
     press: Press
@@ -69,27 +70,42 @@ class TabulatedPress:
         """Elastic force (n_nodes,) N of the whole finger at the nodes of depth."""
         return self.table.force_at_nodes
 
-    @cached_property
-    def elastic(self) -> ElasticForce:
-        """Elastic force in N as a function of depth."""
-        return ElasticForce(self.table.nodes, self.force)
+    def elastic_force(self, depth: Array) -> Array:
+        """Elastic force (n,) N of the whole finger at depths (n,) mm."""
+        return np.interp(depth, self.table.nodes, self.force)
 
-    def along(self, time: Array) -> RelaxedPress:
-        """Convolve the elastic force with the relaxation along the motion, at times (n_t,) s."""
-        motion = self.press.motion
+    @property
+    def relaxed(self) -> float:
+        """Long-time value of G, which forces and pressures of the relaxed finger are divided by."""
+        return self.press.finger.prony.long_time
+
+    def along(self, time: Array) -> ContactHistory:
+        """Solve the contact along the motion, at times (n_t,) s."""
+        motion, table = self.press.motion, self.table
         value = np.asarray(motion.value(time), dtype=np.float64)
-        return relax(self.elastic, self.press.finger.prony, time, value, motion.control)
+        prony, over = self.press.finger.prony, (table.nodes, table.measure)
+        if motion.control == "depth":
+            return press_by_depth(prony, time, value, *over)
+        nodes, measure = over
+        return press_by_force(prony, time, value, nodes, self.force / self.relaxed, measure)
 
-    def pressures(self, relaxed: RelaxedPress) -> Array:
+    def forces(self, history: ContactHistory) -> Array:
+        """Force (n_t,) N: the prescribed one to the last digit."""
+        if self.press.motion.control == "force":
+            return np.asarray(self.press.motion.value(history.time), dtype=np.float64)
+        return history.stress(self.force) / self.relaxed
+
+    def pressures(self, history: ContactHistory) -> Array:
         """Pressure (n_t, n_candidates) kPa: cut off at 0 and scaled to the force."""
-        pushing = np.maximum(relaxed.stress @ self.pressure, 0.0)
+        pushing = np.maximum(history.stress(self.pressure) / self.relaxed, 0.0)
         unit = self.press.sides * NEWTON_PER_MILLINEWTON
         borne = unit * pushing @ self.contact.projected
-        factor = np.divide(relaxed.force, borne, out=np.zeros_like(borne), where=borne > 0)
+        force = self.forces(history)
+        factor = np.divide(force, borne, out=np.zeros_like(borne), where=borne > 0)
         return np.asarray(factor[:, None] * pushing)
 
     def strain(self, points: Array) -> Array:
-        """Logarithmic strain (n_nodes, n, 3, 3) at points of the whole finger, at the nodes."""
+        """Logarithmic strain (n, n_points, 3, 3) at points of the whole finger, at the depths."""
         body = self.press.body
         where = mirror.to_half(points) if body.half else points
         probe = recovered_gradient_at(body.space, where, body.planes)
@@ -97,14 +113,13 @@ class TabulatedPress:
         unknowns = self.table.unknowns(modes.amplitudes[: len(self.table.depth)], probe.shape[1])
         gradients = unknowns @ probe.T
         strain = logarithmic(gradients.reshape(len(gradients), -1, 3, 3))
-        strain = mirror.from_half(strain, points) if body.half else strain
-        return np.asarray(np.tensordot(self.table.between, strain, 1))
+        return mirror.from_half(strain, points) if body.half else strain
 
     def displacement(self, weights: Array) -> Array:
-        """Unknowns (n_t, n_unknowns) with the displacements of weights (n_t, n_nodes)."""
+        """Unknowns (n_t, n_unknowns) with the displacements of weights (n_t, n) of the depths."""
         amplitudes = self.table.modes.amplitudes[: len(self.table.depth)]
         count = self.press.body.space.n_unknowns
-        return self.table.unknowns(weights @ self.table.between @ amplitudes, count)
+        return self.table.unknowns(weights @ amplitudes, count)
 
     def reference(self) -> Reference | None:
         """Strain at the central sites of the reference press, where spikes are requested."""
@@ -144,35 +159,37 @@ def respond(
     press = Press.of(scene, METHOD, stages, mechanics=mechanics, notes=notes)
     tabulated = TabulatedPress.of(press, table_of(press, scene.indenter, stages))
     with stages.stage("motion"):
-        relaxed = tabulated.along(press.time)
-    return tabulated_response(tabulated, relaxed, stages)
+        history = tabulated.along(press.time)
+    return tabulated_response(tabulated, history, stages)
 
 
 def tabulated_response(
-    tabulated: TabulatedPress, relaxed: RelaxedPress, stages: Stages
+    tabulated: TabulatedPress, history: ContactHistory, stages: Stages
 ) -> Response:
     """Return the Response of a contact problem whose table is convolved along its motion."""
     press = tabulated.press
     table, half = tabulated.table, press.body.half
+    strained = history.strain_weights @ table.between
     with stages.stage("fields"):
-        fields = _fields(tabulated, relaxed) if press.fields else None
+        fields = _fields(tabulated, history, strained) if press.fields else None
     with stages.stage("pressure"):
-        pressure = tabulated.pressures(relaxed)
-        gaps = _gaps(tabulated, relaxed)
+        pressure = tabulated.pressures(history)
+        gaps = _gaps(table, history.depth, strained)
         penetration = deepest_penetration(gaps)
         pad = area = middle = gap = moment = seen_pressure = None
         if press.pressure:
             seen = tabulated.contact.neighborhood
             pad, column = whole_pad(press.body, seen)
             seen_pressure = on_neighborhood(pressure, seen)[:, column]
-            area = np.interp(relaxed.edge, table.nodes, table.bounded(table.area))
+            area = np.interp(history.edge, table.nodes, table.bounded(table.area))
             middle = centroid(pad, seen_pressure)
             gap = gaps[:, column]
-            moment = whole_moment(relaxed.stress @ table.between @ table.moment, half)
+            stressed = history.stress_weights @ table.between / tabulated.relaxed
+            moment = whole_moment(stressed @ table.moment, half)
     with stages.stage("strain"):
         strain = None
         if press.sites is not None:
-            strain = np.tensordot(relaxed.strain, tabulated.strain(press.sites.points), 1)
+            strain = np.tensordot(strained, tabulated.strain(press.sites.points), 1)
         reference = tabulated.reference()
     return make_response(
         press,
@@ -181,8 +198,8 @@ def tabulated_response(
         penetration,
         notes=dragged.notes(press),
         time=press.time,
-        depth=relaxed.depth,
-        force=relaxed.force,
+        depth=history.depth,
+        force=tabulated.forces(history),
         contact_area=area,
         centroid=middle,
         pad=pad,
@@ -200,20 +217,20 @@ def tabulated_response(
     )
 
 
-def _gaps(tabulated: TabulatedPress, relaxed: RelaxedPress) -> Array:
-    """Gaps (n_t, n_seen) mm: those at rest, less the travel, plus the displacement of the skin."""
-    table = tabulated.table
+def _gaps(table: DepthTable, depth: Array, strained: Array) -> Array:
+    """Gaps (n_t, n_seen) mm: those at rest, less the travel, plus the displacement of the skin.
+
+    depth (n_t,) mm; strained (n_t, n): weights of the depths of the table.
+    """
     yielded = table.gap + table.depth[:, None] - table.gap[0]
-    return np.asarray(
-        table.gap[0] - relaxed.depth[:, None] + (relaxed.strain @ table.between) @ yielded
-    )
+    return np.asarray(table.gap[0] - depth[:, None] + strained @ yielded)
 
 
-def _fields(tabulated: TabulatedPress, relaxed: RelaxedPress) -> Fields:
-    """Fields on the mesh at some of the times."""
+def _fields(tabulated: TabulatedPress, history: ContactHistory, strained: Array) -> Fields:
+    """Fields on the mesh at some of the times; strained as in `_gaps`."""
     press = tabulated.press
-    frames = frames_of(relaxed.depth, int(np.argmax(relaxed.force)))
-    states = tabulated.displacement(relaxed.strain[frames])
-    pressure = tabulated.pressures(relaxed)[frames]
+    pressure, force = tabulated.pressures(history), tabulated.forces(history)
+    frames = frames_of(history.depth, int(np.argmax(force)))
+    states = tabulated.displacement(strained[frames])
     vertices = tabulated.contact.on.vertices
-    return finite_strain_fields(press, press.time[frames], states, vertices, pressure)
+    return finite_strain_fields(press, press.time[frames], states, vertices, pressure[frames])

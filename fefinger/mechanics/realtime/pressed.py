@@ -34,7 +34,7 @@ from fefinger.support.checks import InputError, number
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.support.vocabulary import TYPES
-from fefinger.theory.contact.one_spring import RelaxingSpring
+from fefinger.theory.contact.ting import NestedContact, node_weights, spring_weights
 
 
 class Pressed:
@@ -84,12 +84,17 @@ class Pressed:
         rows, columns = zip(*VOIGT, strict=True)
         strain = tabulated.strain(self.sites.points)[..., rows, columns]
         self._strain = np.ascontiguousarray(strain.reshape(len(strain), -1))
-        self._pressure, self._travel = tabulated.pressure, tabulated.contact.projected
+        # Elastic values of the modulus at t = 0, as the springs take them.
+        self._pressure, self._force = (
+            each / tabulated.relaxed for each in (tabulated.pressure, tabulated.force)
+        )
+        self._travel, self._between = tabulated.contact.projected, table.between
         self._area = table.bounded(table.area)
         pad, column = whole_pad(press.body, tabulated.contact.neighborhood)
         seen = on_neighborhood(np.eye(len(self._travel)), tabulated.contact.neighborhood)[:, column]
         self._loads = seen @ np.column_stack([pad.areas, first_moments(pad)[:, :2]])
-        self._spring = RelaxingSpring(tabulated.elastic, finger.prony, self.deepest)
+        self._contact = NestedContact(finger.prony, table.nodes, table.measure, self.deepest)
+        self._springs = spring_weights(self._force, table.measure)
         zeros = np.zeros(len(self._travel)), np.zeros((len(self.sites.points), 6))
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, *zeros)
 
@@ -111,7 +116,7 @@ class Pressed:
 
     def reset(self) -> None:
         """Lift the indenter off and clear the stress history."""
-        self._spring.reset()
+        self._contact.reset()
         self._read()
 
     def step(self, depth: float, dt: float) -> Step:
@@ -125,7 +130,7 @@ class Pressed:
         if not (depth <= self.deepest and 0.0 <= dt < math.inf and depth > -math.inf):
             number("depth", depth, at_most=self.deepest, unit="mm")
             number("dt", dt, at_least=0, unit="s")
-        self._spring.advance(dt, depth)
+        self._contact.advance(dt, depth)
         return self._read()
 
     def step_force(self, force: float, dt: float) -> Step:
@@ -139,24 +144,24 @@ class Pressed:
         number("force", force, at_least=0, unit="N")
         number("dt", dt, at_least=0, unit="s")
         try:
-            self._spring.advance_force(dt, force)
+            self._contact.advance_force(dt, force, self._springs)
         except ValueError as error:
             raise InputError(f"{error} N; give a larger `deepest`") from None
-        return self._read()
+        return self._read(force)
 
-    def _read(self) -> Step:
-        """Read force, pressure, area and strain of the present state."""
-        now, spring = self.now, self._spring
-        now.depth, now.force = spring.depth, spring.force
-        np.maximum(spring.stress @ self._pressure, 0.0, out=now.pressure)
+    def _read(self, force: float | None = None) -> Step:
+        """Read force, pressure, area and strain of the present state; the force where not given."""
+        now, contact = self.now, self._contact
+        stressed = node_weights(contact.stressed, contact.measure)
+        now.depth = contact.depth
+        now.force = float(stressed @ self._force) if force is None else force
+        np.maximum(stressed @ self._pressure, 0.0, out=now.pressure)
         unit = self._tabulated.press.sides * NEWTON_PER_MILLINEWTON
         borne = unit * float(now.pressure @ self._travel)
-        now.pressure *= spring.force / borne if borne > 0 else 0.0
+        now.pressure *= now.force / borne if borne > 0 else 0.0
         load, x, y = (now.pressure @ self._loads).tolist()
         now.x, now.y = (x / load, y / load) if load > 0 else (math.nan, math.nan)
-        now.contact_area = float(np.interp(spring.edge, spring.elastic.nodes, self._area))
-        low, part = spring.elastic.between(spring.body)
-        flat = now.strain.reshape(-1)
-        np.multiply(self._strain[low], 1.0 - part, out=flat)
-        flat += part * self._strain[low + 1]
+        now.contact_area = float(np.interp(contact.edge, contact.nodes, self._area))
+        strained = node_weights(contact.strained, contact.nodes) @ self._between
+        np.matmul(strained, self._strain, out=now.strain.reshape(-1))
         return now

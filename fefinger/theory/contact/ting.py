@@ -8,6 +8,12 @@ the share of the stress, is zero out of contact. So each d is a spring that rela
 push, on a half-space, a layer or a stack alike. For one maximum of the contact this is the
 solution of Ting (1966) and Graham, P(t) = integral to t1 of G(t - s) dP_e; with more maxima it
 holds for repeated contact, of tissue that has not yet recovered.
+
+A body that stiffens, of Fung's quasi-linear kind, relaxes in its stress and not in its
+displacement: it recovers more slowly than a linear one. Its springs are those of a linear body at
+the depth M(d), a `measure` to which its stress is about proportional. The displacement is that of
+the depths with these measures: Phi_q = M^-1(m) - M^-1(m - Phi), with m the share of the middle. For
+a linear body M(d) is d. With the elastic force for M, all springs are one (Pawluk 1997, Eq. 2.3).
 """
 
 import math
@@ -21,18 +27,160 @@ from fefinger.theory.contact.elastic import Array
 from fefinger.theory.relaxation import Prony, checked_signal, exprel
 
 
+SAME = 1e-9
+"""Relative difference of depths or forces that counts as none."""
+
+
+class NestedContact:
+    """Contact through time, step by step, of a body at rest at first.
+
+    Parameters
+    ----------
+    prony
+        Relaxation G of the whole body.
+    nodes
+        (n,) mm: elastic depths that rise from 0.
+    measure
+        (n,) mm: M at the nodes, rising from 0; the nodes themselves for a linear body.
+    deepest
+        Largest depth in mm of a step, by default the last node.
+
+    Attributes
+    ----------
+    depth
+        mm, of the indenter; under no force it just touches.
+    stressed, strained
+        (n,) mm: Phi_p in the measure, and Phi_q.
+    edge
+        mm: the elastic depth whose contact is the present one, 0 out of contact.
+
+    Raises
+    ------
+    ValueError
+        Nodes or a measure that do not rise from 0.
+    """
+
+    def __init__(
+        self,
+        prony: Prony,
+        nodes: Array,
+        measure: Array | None = None,
+        deepest: float | None = None,
+    ) -> None:
+        self.nodes = np.asarray(nodes, float)
+        self.measure = self.nodes if measure is None else np.asarray(measure, float)
+        for name, values in (("nodes", self.nodes), ("measure", self.measure)):
+            rising = len(values) > 1 and values[0] == 0 and (np.diff(values) > 0).all()
+            if not (rising and values.shape == self.nodes.shape):
+                raise ValueError(f"{name}: expected {len(nodes)} depths that start at 0 and rise")
+        self.deepest = float(self.nodes[-1]) if deepest is None else deepest
+        self._linear = measure is None
+        self._weights, self._rates = np.array(prony.weights), np.array(prony.v)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all contact."""
+        count = len(self.nodes)
+        self._terms, self._share = np.zeros((len(self._rates), count)), np.zeros(count)
+        self.stressed, self.strained = np.zeros(count), np.zeros(count)
+        self.depth = self.edge = 0.0
+
+    def advance(self, dt: float, depth: float) -> None:
+        """Move the indenter to a depth in mm within dt >= 0 s, at a constant rate.
+
+        Raises
+        ------
+        ValueError
+            A depth beyond the deepest; nothing has moved then.
+        """
+        if depth > self.deepest * (1 + SAME):
+            raise ValueError(
+                f"depth: expected at most {self.deepest:.4g} mm, received {depth:.4g} mm"
+            )
+        gain, past, *factors = self._past(dt)
+        self._finish(gain * (self._measured(depth) - self.measure) + past, gain, past, *factors)
+        self.depth = depth
+
+    def advance_force(self, dt: float, force: float, springs: Array) -> None:
+        """Load the indenter with a force >= 0 within dt >= 0 s; at 0 it just touches.
+
+        springs (n - 1,): the `spring_weights` of the elastic force over the measure.
+
+        Raises
+        ------
+        ValueError
+            A force that presses deeper than the deepest; nothing has moved then.
+        """
+        gain, past, *factors = self._past(dt)
+        onset = gain * self.measure - past
+        reached = _balance(onset[:-1], springs, force) if force > 0 else float(onset.min())
+        if reached > gain * self._measured(self.deepest) * (1 + SAME):
+            pushed = np.maximum(gain * self._measured(self.deepest) - onset[:-1], 0.0)
+            raise ValueError(
+                f"force: expected at most {springs @ pushed:.4g}, that of the largest depth, "
+                f"{self.deepest:.4g} mm, received {force:g}"
+            )
+        self._finish(reached - onset, gain, past, *factors)
+        self.depth = self._depth(reached / gain)
+
+    def _past(self, dt: float) -> tuple[float, Array, Array, Array]:
+        """Return g and h of Phi_p = g Phi + h at the end of a step, and its factors."""
+        weights, exponent = self._weights, self._rates * dt
+        decay, ramp = np.exp(-exponent), exprel(-exponent)
+        gain = float(weights[1:] @ ramp)
+        past = (weights[1:] * decay) @ self._terms - gain * self._share
+        return float(weights[0]) + gain, past, decay, ramp
+
+    def _finish(self, push: Array, gain: float, past: Array, decay: Array, ramp: Array) -> None:
+        """Set the state at the end of a step: contact is where the springs push, (n,) mm."""
+        self.stressed = np.maximum(push, 0.0)
+        share = (self.stressed - past) / gain
+        self._terms = decay[:, None] * self._terms + ramp[:, None] * (share - self._share)
+        self._share = self.strained = share
+        if not self._linear:
+            middle = share[0]
+            inner = np.interp(middle - share, self.measure, self.nodes)
+            self.strained = self._depth(float(middle)) - inner
+        self.edge = self._edge(push)
+
+    def _measured(self, depth: float) -> float:
+        """M at a depth in mm; a depth above the surface is its own."""
+        if self._linear or depth < 0:
+            return depth
+        return float(np.interp(depth, self.nodes, self.measure))
+
+    def _depth(self, measure: float) -> float:
+        """Depth in mm of a measure."""
+        if self._linear or measure < 0:
+            return measure
+        return float(np.interp(measure, self.measure, self.nodes))
+
+    def _edge(self, push: Array) -> float:
+        """Elastic depth of the edge of the contact, where the push falls to zero."""
+        if push[0] <= 0:
+            return 0.0
+        outside = int(np.argmax(push <= 0))
+        if outside == 0:
+            return float(self.nodes[-1])
+        inside = outside - 1
+        part = push[inside] / (push[inside] - push[outside])
+        at = self.measure[inside] + part * (self.measure[outside] - self.measure[inside])
+        return self._depth(float(at))
+
+
 @dataclass(frozen=True)
 class ContactHistory:
     """History of a contact, which converts elastic quantities to viscoelastic histories.
 
-    time (n_t,) s; depth (n_t,) mm; nodes (n,) mm, elastic depths, first 0; stressed and strained
-    (n_t, n) mm, the shares Phi_p and Phi_q at the nodes; edge (n_t,) mm, the elastic depth whose
-    contact is the present one, 0 out of contact.
+    time (n_t,) s; depth (n_t,) mm; nodes and measure (n,) mm, as of `NestedContact`; stressed and
+    strained (n_t, n) mm, the shares Phi_p and Phi_q at the nodes; edge (n_t,) mm, the elastic depth
+    whose contact is the present one, 0 out of contact.
     """
 
     time: Array
     depth: Array
     nodes: Array
+    measure: Array
     stressed: Array
     strained: Array
     edge: Array
@@ -42,23 +190,41 @@ class ContactHistory:
 
         `elastic` (n, ...) is its value at the nodes in the body of the modulus at t = 0.
         """
-        return self._history(self.stressed, elastic)
+        return self._history(self.stress_weights, elastic)
 
     def strain(self, elastic: ArrayLike) -> Array:
         """History (n_t, ...) of a strain or displacement from its elastic values."""
-        return self._history(self.strained, elastic)
+        return self._history(self.strain_weights, elastic)
 
-    def _history(self, shares: Array, elastic: ArrayLike) -> Array:
-        """Combine elastic values at the nodes with the shares of the punches."""
+    @property
+    def stress_weights(self) -> Array:
+        """Weights (n_t, n) of the elastic values at the nodes in forces and pressures."""
+        return node_weights(self.stressed, self.measure)
+
+    @property
+    def strain_weights(self) -> Array:
+        """Weights (n_t, n) of the elastic values at the nodes in displacements and strains."""
+        return node_weights(self.strained, self.nodes)
+
+    def _history(self, weights: Array, elastic: ArrayLike) -> Array:
         elastic = np.asarray(elastic, float)
         if len(elastic) != len(self.nodes):
             raise ValueError(
                 f"elastic: expected {len(self.nodes)} values at the nodes, received {len(elastic)}"
             )
-        weights = -np.diff(shares, axis=1) / np.diff(self.nodes)
-        steps = np.diff(elastic, axis=0)
-        flat = weights @ steps.reshape(len(steps), -1)
+        flat = weights @ elastic.reshape(len(elastic), -1)
         return np.asarray(flat.reshape(len(self.time), *elastic.shape[1:]))
+
+
+def node_weights(shares: Array, at: Array) -> Array:
+    """Weights (..., n) of elastic values at nodes, of shares (..., n) of the punches at `at` (n,).
+
+    Values are joined by straight lines over `at`. The weights sum to 0: values count from that at
+    the first node.
+    """
+    punches = np.zeros((*shares.shape[:-1], shares.shape[-1] + 1))
+    punches[..., 1:-1] = np.diff(shares) / np.diff(at)
+    return np.diff(punches)
 
 
 def radius_nodes(deepest: float, count: int = 256) -> Array:
@@ -73,7 +239,9 @@ def radius_nodes(deepest: float, count: int = 256) -> Array:
     return deepest * np.linspace(0.0, 1.0, count + 1) ** 2
 
 
-def press_by_depth(prony: Prony, time: ArrayLike, depth: ArrayLike, nodes: Array) -> ContactHistory:
+def press_by_depth(
+    prony: Prony, time: ArrayLike, depth: ArrayLike, nodes: Array, measure: Array | None = None
+) -> ContactHistory:
     """Compute the contact history of an indenter with prescribed depth.
 
     Parameters
@@ -85,6 +253,8 @@ def press_by_depth(prony: Prony, time: ArrayLike, depth: ArrayLike, nodes: Array
         jump. Below 0 the indenter is off the surface at rest.
     nodes
         (n,) mm, rising from 0 to at least the largest depth.
+    measure
+        (n,) mm, as of `NestedContact`.
 
     Raises
     ------
@@ -97,7 +267,8 @@ def press_by_depth(prony: Prony, time: ArrayLike, depth: ArrayLike, nodes: Array
     or ends inside a step, that is an error of second order in the step.
     """
     time, depth = checked_signal("depth", time, depth)
-    return _march(prony, time, nodes, lambda step, g, onset: float(depth[step]))
+    contact = NestedContact(prony, nodes, measure)
+    return _march(contact, time, lambda step, dt: contact.advance(dt, float(depth[step])))
 
 
 def press_by_force(
@@ -105,12 +276,13 @@ def press_by_force(
     time: ArrayLike,
     force: ArrayLike,
     nodes: Array,
-    elastic_force: Callable[[Array], Array],
+    elastic_force: Array,
+    measure: Array | None = None,
 ) -> ContactHistory:
     """Compute the contact history of an indenter with prescribed `force` (n_t,) >= 0.
 
-    `elastic_force` gives the force against the depth in mm for the modulus at t = 0, rising ever
-    more steeply. At zero force the indenter just touches.
+    `elastic_force` (n,) is the force at the nodes for the modulus at t = 0. At zero force the
+    indenter just touches.
 
     Raises
     ------
@@ -122,74 +294,50 @@ def press_by_force(
         raise ValueError(
             f"force: expected forces of 0 or more (a contact cannot pull), received {force.min():g}"
         )
-    stiffness = spring_weights(elastic_force(nodes), nodes)
-
-    def balance(step: int, g: float, onset: Array) -> float:
-        """Solve sum of stiffness * max(0, g depth - onset) = force, which bends at each onset."""
-        order = np.argsort(onset[:-1])
-        sorted_onset, weight = onset[:-1][order], stiffness[order]
-        slope, moment = np.cumsum(weight), np.cumsum(weight * sorted_onset)
-        bends = slope * sorted_onset - moment
-        last = max(int(np.searchsorted(bends, force[step], side="right")) - 1, 0)
-        return float((force[step] + moment[last]) / slope[last] / g)
-
-    return _march(prony, time, nodes, balance)
+    contact = NestedContact(prony, nodes, measure)
+    springs = spring_weights(elastic_force, contact.measure)
+    return _march(
+        contact, time, lambda step, dt: contact.advance_force(dt, float(force[step]), springs)
+    )
 
 
-def spring_weights(elastic_force: Array, nodes: Array) -> Array:
+def spring_weights(elastic_force: Array, measure: Array) -> Array:
     """Stiffness (n - 1,) of the spring at each node but the last.
 
-    They are the changes of slope of the force (n,) joined by straight lines over the nodes.
+    They are the changes of slope of the force (n,) joined by straight lines over the measure.
+
+    Raises
+    ------
+    ValueError
+        A force that does not rise from 0; at the first nodes it may stay 0.
     """
-    slopes = np.diff(elastic_force) / np.diff(nodes)
-    weights = np.diff(np.concatenate([[0.0], slopes]))
-    if not (weights[0] > 0 and weights.min() >= -1e-9 * slopes.max()):
-        msg = "elastic_force: expected a force that rises ever more steeply with the depth"
-        raise ValueError(msg)
-    return weights
+    slopes = np.diff(elastic_force) / np.diff(measure)
+    touching = int(np.argmax(slopes > 0))
+    rises = elastic_force[0] == 0 and (slopes[touching:] > 0).all() and (slopes >= 0).all()
+    if not rises:
+        raise ValueError("elastic_force: expected a force that is 0 at first and then rises")
+    return np.diff(slopes, prepend=0.0)
+
+
+def _balance(onset: Array, springs: Array, force: float) -> float:
+    """Solve sum of springs * max(0, x - onset) = force, which bends at each onset (n,)."""
+    order = np.argsort(onset)
+    sorted_onset, weight = onset[order], springs[order]
+    slope, moment = np.cumsum(weight), np.cumsum(weight * sorted_onset)
+    beyond = slope * sorted_onset - moment > force
+    last = int(np.argmax(beyond)) - 1 if beyond.any() else len(onset) - 1
+    return float((force + moment[last]) / slope[last])
 
 
 def _march(
-    prony: Prony, time: Array, nodes: Array, depth_at: Callable[[int, float, Array], float]
+    contact: NestedContact, time: Array, advance: Callable[[int, float], None]
 ) -> ContactHistory:
-    """Step all springs through time: contact where g depth > onset.
-
-    `depth_at(step, g, onset)` gives the depth in mm.
-    """
-    nodes = np.asarray(nodes, float)
-    if len(nodes) < 2 or nodes[0] != 0 or (np.diff(nodes) <= 0).any():
-        raise ValueError("nodes: expected depths that start at 0 and rise")
-    weights, rates = np.array(prony.weights), np.array(prony.v)
-    exponent = np.multiply.outer(np.diff(time, prepend=time[0]), rates)
-    decays, ramps = np.exp(-exponent), exprel(-exponent)
-    gains = weights[0] + ramps @ weights[1:]
-    memory, share = np.zeros((len(rates), len(nodes))), np.zeros(len(nodes))
-    stressed, strained = np.empty((len(time), len(nodes))), np.empty((len(time), len(nodes)))
+    """Step a contact through time; `advance(step, dt)` makes a step."""
+    shape = len(time), len(contact.nodes)
+    stressed, strained = np.empty(shape), np.empty(shape)
     depth, edge = np.empty(len(time)), np.empty(len(time))
-    for step, (g, decay, ramp) in enumerate(zip(gains, decays, ramps, strict=True)):
-        past = (weights[1:] * decay) @ memory - (weights[1:] @ ramp) * share
-        # In contact Phi_q = depth - node, so Phi_p = g (depth - node) + past: positive, as a
-        # contact only pushes, where g depth exceeds the onset.
-        onset = g * nodes - past
-        depth[step] = depth_at(step, g, onset)
-        push = g * depth[step] - onset
-        stressed[step] = np.maximum(push, 0.0)
-        strained[step] = (stressed[step] - past) / g
-        memory = decay[:, None] * memory + ramp[:, None] * (strained[step] - share)
-        share = strained[step]
-        edge[step] = _edge(nodes, push)
-    if depth.max() > nodes[-1] * (1 + 1e-12):
-        msg = f"nodes: expected depths up to {depth.max():g} mm, received up to {nodes[-1]:g} mm"
-        raise ValueError(msg)
-    return ContactHistory(time, depth, nodes, stressed, strained, edge)
-
-
-def _edge(nodes: Array, push: Array) -> float:
-    """Elastic depth of the edge of the contact, where the push falls to zero."""
-    if push[0] <= 0:
-        return 0.0
-    outside = int(np.argmax(push <= 0))
-    if outside == 0:
-        return float(nodes[-1])
-    part = push[outside - 1] / (push[outside - 1] - push[outside])
-    return float(nodes[outside - 1] + part * (nodes[outside] - nodes[outside - 1]))
+    for step, dt in enumerate(np.diff(time, prepend=time[0]).tolist()):
+        advance(step, dt)
+        stressed[step], strained[step] = contact.stressed, contact.strained
+        depth[step], edge[step] = contact.depth, contact.edge
+    return ContactHistory(time, depth, contact.nodes, contact.measure, stressed, strained, edge)

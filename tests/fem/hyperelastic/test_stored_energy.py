@@ -65,6 +65,24 @@ def test_at_small_strain_it_is_half_the_displacement_times_the_force(poisson: fl
     assert found == pytest.approx(moved.ravel() @ force / 2, rel=1e-6)
 
 
+def test_stiffening_is_the_mean_exponent_of_the_energy():
+    """A cube that is sheared alike everywhere has I1 - 3 = shear²."""
+    space, shear = body(0.49)[0], 0.3
+    moved = np.zeros((space.n_nodes, 3))
+    moved[:, 0] = shear * space.node_points[:, 2]
+    stored = StoredEnergy(space, {1: law("demiray", Elastic(40.0, 0.49), 2.0)}, finite=True)
+    assert stored.stiffening(moved) == pytest.approx(2.0 * shear**2, rel=1e-9)
+    assert stored.stiffening(0 * moved) == 0.0
+    both = StoredEnergy(space, tissues(0.49), finite=True)
+    # Of the second tissue, a quarter as stiff, the exponent is 0; it has .6 of the height.
+    volumes = np.bincount(space.tissue, space.scalar.dx.sum(axis=1))[1:]
+    first = 40.0 * volumes[0]
+    expected = 2.0 * shear**2 * first / (first + 10.0 * volumes[1])
+    assert both.stiffening(moved) == pytest.approx(expected, rel=1e-9)
+    plain = StoredEnergy(space, {2: tissues(0.49)[2]}, finite=True)
+    assert plain.stiffening(moved) == 0.0
+
+
 def test_tissue_of_constant_volume_and_cells_of_no_tissue_have_no_energy():
     space, moved = body(0.5)
     _, swelling = StoredEnergy(space, tissues(0.5), finite=True).cells(moved)

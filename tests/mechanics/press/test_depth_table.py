@@ -13,7 +13,7 @@ from fefinger.support.arrays import Array
 RADIUS, SPACING = 10.0, 0.4
 
 
-def table(power: float = 1.5, count: int = 25) -> DepthTable:
+def table(power: float = 1.5, count: int = 25, rate: float = 0.0) -> DepthTable:
     """Contact of a ball whose vertices come into contact one by one, as on a mesh."""
     depth = depths(10.0, 2.5)[:count]
     distance = np.hypot(*np.meshgrid(*2 * [SPACING * np.arange(-12, 13)])).ravel()
@@ -24,6 +24,7 @@ def table(power: float = 1.5, count: int = 25) -> DepthTable:
         force=3.0 * depth**power,
         moment=np.zeros((len(depth), 3)),
         area=np.pi * RADIUS * depth,
+        stiffening=rate * depth**2,
         pressure=pressure,
         gap=row,
         modes=DisplacementBasis(row, np.zeros((1, 3), dtype=np.int16)),
@@ -36,6 +37,15 @@ def table(power: float = 1.5, count: int = 25) -> DepthTable:
 def test_between_depths_a_force_follows_its_power_of_the_depth(power: float) -> None:
     given = table(power)
     assert np.allclose(given.force_at_nodes, 3.0 * given.nodes**power, rtol=1e-9, atol=0)
+
+
+def test_tissue_that_stiffens_has_a_measure_that_grows_faster_than_the_depth() -> None:
+    soft, stiffens = table(), table(rate=0.2)
+    assert np.array_equal(soft.measure, soft.nodes)
+    exact = stiffens.nodes * np.exp(0.4 * stiffens.nodes**2)
+    assert stiffens.measure[::PARTS] == pytest.approx(exact[::PARTS], rel=1e-12)
+    assert stiffens.measure == pytest.approx(exact, rel=2e-3)
+    assert (np.diff(stiffens.measure) > 0).all()
 
 
 def test_depths_of_a_table_are_nodes_and_keep_their_force() -> None:

@@ -13,6 +13,7 @@ from scipy.special import ellipe, ellipk, j0, j1
 from threadpoolctl import threadpool_limits
 
 from fefinger.theory.contact.ting import (
+    NestedContact,
     press_by_depth,
     press_by_force,
     radius_nodes,
@@ -225,7 +226,7 @@ def test_the_step_converges_with_second_order():
 def test_depth_control_of_the_depth_under_force_returns_the_force():
     nodes = radius_nodes(2.0)
     force = 60 * np.sin(9 * TIME) ** 2 * (1 + TIME)
-    pushed = press_by_force(MEANS_3_1, TIME, force, nodes, hertz)
+    pushed = press_by_force(MEANS_3_1, TIME, force, nodes, hertz(nodes))
     moved = press_by_depth(MEANS_3_1, TIME, pushed.depth, nodes)
     assert moved.stress(hertz(nodes)) == pytest.approx(force, abs=1e-9 * force.max())
 
@@ -243,7 +244,7 @@ def test_the_contact_radius_creeps_as_the_reference_says(prony, ratios):
     requested = [0, 5e-3, 0.05, 0.5, 5.0, 200.0]
     time = np.unique(np.concatenate([requested, np.geomspace(1e-5, 200, 2000)]))
     nodes = radius_nodes(2.0, 500)
-    contact = press_by_force(prony, time, np.full(len(time), 40.0), nodes, hertz)
+    contact = press_by_force(prony, time, np.full(len(time), 40.0), nodes, hertz(nodes))
     radius = np.sqrt(contact.edge[np.searchsorted(time, requested)])
     assert radius[1:] / radius[0] == pytest.approx(ratios, abs=1e-3)
     elastic = creep_integral(prony, time, np.full(len(time), 40.0))
@@ -268,13 +269,133 @@ def test_springs_reproduce_the_force_at_their_nodes():
     assert stretched == pytest.approx(hertz(nodes), rel=1e-12, abs=1e-12)
 
 
+# Bodies that stiffen
+
+NODES = radius_nodes(2.0)
+LAWS = {
+    "linear": NODES,
+    "Hertz": hertz(NODES),
+    "exponential": np.expm1(2.1 * NODES) / 2.1,
+    "unresolved touch": np.maximum(NODES - 0.05, 0.0) ** 1.5,
+    "softening": np.sqrt(1 + NODES) - 1,
+}
+MEASURES = {"linear": NODES, "stiffening": NODES * np.exp(NODES)}
+
+
+def hertz_springs():
+    return spring_weights(hertz(NODES), NODES)
+
+
+@pytest.fixture(params=LAWS)
+def force(request):
+    return LAWS[request.param]
+
+
+@pytest.fixture(params=MEASURES)
+def measure(request):
+    return MEASURES[request.param]
+
+
+def test_on_loading_and_hold_a_stiffening_body_relaxes_as_a_whole(force, measure):
+    time = np.concatenate([np.linspace(0, 0.75, 3001), np.geomspace(0.76, 20, 50)])
+    depth = np.minimum(2 * time, 1.5)
+    contact = press_by_depth(MEANS_3_1, time, depth, NODES, measure)
+    want = hereditary_integral(MEANS_3_1, time, np.interp(depth, NODES, force))
+    assert contact.stress(force) == pytest.approx(want, abs=1e-4 * want.max())
+    assert contact.strain(NODES) == pytest.approx(depth, abs=1e-12)
+    assert contact.edge == pytest.approx(depth, abs=2e-3)  # nodes are up to 0.02 mm apart
+
+
+def test_a_stiffening_body_without_relaxation_has_no_memory(force, measure):
+    time = np.linspace(0, 1, 101)
+    depth = 1.5 * np.sin(np.pi * time)
+    contact = press_by_depth(ELASTIC, time, depth, NODES, measure)
+    want = np.interp(depth, NODES, force)
+    assert contact.stress(force) == pytest.approx(want, abs=1e-3 * want.max())
+    assert contact.strain(NODES) == pytest.approx(depth, abs=1e-12)
+    assert contact.edge == pytest.approx(depth, abs=1e-9)
+
+
+def test_the_depth_under_a_force_gives_that_force(force, measure):
+    time = np.linspace(0, 3, 601)
+    depth = 0.9 - 0.5 * np.cos(2 * np.pi * time) - 0.4 * np.exp(-20 * time)
+    moved = press_by_depth(MEANS_3_1, time, depth, NODES, measure)
+    borne = moved.stress(force)
+    pushed = press_by_force(MEANS_3_1, time, borne, NODES, force, measure)
+    touching = borne > 1e-9 * borne.max()
+    assert touching.mean() > 0.5
+    assert pushed.stress(force) == pytest.approx(borne, abs=1e-9 * borne.max())
+    assert pushed.depth[touching] == pytest.approx(depth[touching], abs=1e-6)
+
+
+def test_with_its_force_for_a_measure_a_body_is_one_spring(force):
+    """Its force is that of Pawluk (1997), Eq. 2.3, as long as it does not pull."""
+    time = np.linspace(0, 0.6, 1201)
+    depth = np.interp(time, [0, 0.2, 0.3, 0.45, 0.6], [0, 1.2, 1.2, 0.9, 1.4])
+    rising = force + 1e-9 * NODES  # a measure rises from the first node on
+    contact = press_by_depth(MEANS_3_1, time, depth, NODES, rising)
+    want = hereditary_integral(MEANS_3_1, time, np.interp(depth, NODES, force))
+    assert want.min() >= 0
+    assert contact.stress(force) == pytest.approx(want, abs=1e-6 * want.max())
+
+
+def test_free_of_contact_the_middle_recovers_in_the_measure(measure):
+    """Free, the integral of G dM is zero there: M recovers as the strain of a linear body."""
+    time = np.concatenate([np.linspace(0, 0.2, 2001), np.geomspace(0.2001, 5, 400)])
+    depth = np.where(time <= 0.2, 5 * time, -1.0)
+    contact = press_by_depth(MEANS_3_1, time, depth, NODES, measure)
+    linear = press_by_depth(MEANS_3_1, time, np.interp(depth, NODES, measure), measure)
+    free = time > 0.21
+    middle = np.interp(contact.strain(NODES), NODES, measure)
+    assert contact.stress(NODES)[free].max() == 0
+    assert middle[free] == pytest.approx(linear.strain(measure)[free], abs=1e-9)
+    assert (np.diff(contact.strain(NODES)[free]) < 0).all()
+
+
+def test_without_force_an_indenter_just_touches_what_recovers(force, measure):
+    time = np.concatenate([np.linspace(0, 0.2, 101), np.geomspace(0.201, 5, 60)])
+    load = np.interp(time, [0.0, 0.1, 0.2], [0.0, 0.5, 0.0]) * force[-1] / 2
+    contact = press_by_force(MEANS_3_1, time, load, NODES, force, measure)
+    rest = time >= 0.2
+    assert contact.depth[0] == 0
+    assert (contact.edge[rest] == 0).all()
+    assert (contact.stressed[rest] == 0).all()
+    assert (np.diff(contact.depth[rest]) <= 1e-12).all()
+    assert contact.depth[rest][0] > 0
+    assert contact.strain(NODES)[rest] == pytest.approx(contact.depth[rest], abs=1e-9)
+
+
+def test_a_step_that_is_refused_moves_nothing_and_a_reset_forgets():
+    springs = hertz_springs()
+    contact = NestedContact(MEANS_3_1, NODES, deepest=0.5)
+    contact.advance_force(0.1, 0.3 * hertz(0.5), springs)
+    before = contact.depth, contact.stressed.tolist(), contact.strained.tolist()
+    for refused in (
+        lambda: contact.advance(0.1, 0.51),
+        lambda: contact.advance_force(0.1, 2 * hertz(0.5), springs),
+    ):
+        with pytest.raises(ValueError, match=r"expected at most .*0\.5 mm"):
+            refused()
+        assert (contact.depth, contact.stressed.tolist(), contact.strained.tolist()) == before
+    contact.advance(0.1, 0.5)
+    contact.reset()
+    assert (contact.depth, contact.edge, contact.strained.any()) == (0.0, 0.0, False)
+
+
 BAD = [
-    (lambda: press_by_depth(ELASTIC, [0, 1], [0, 2], radius_nodes(1.0)), "depths up to 2 mm"),
+    (lambda: press_by_depth(ELASTIC, [0, 1], [0, 2], radius_nodes(1.0)), "at most 1 mm, received 2 mm"),
     (lambda: press_by_depth(ELASTIC, [0, 1], [0], radius_nodes(1.0)), r"signal \(n_t,\), received"),
     (lambda: press_by_depth(ELASTIC, [1, 0], [0, 1], radius_nodes(1.0)), "never decrease"),
     (lambda: press_by_depth(ELASTIC, [0, 1], [0, 1], np.array([0.5, 1])), "start at 0"),
-    (lambda: press_by_force(ELASTIC, [0], [-1], radius_nodes(1.0), hertz), "cannot pull"),
-    (lambda: press_by_force(ELASTIC, [0], [1], radius_nodes(1.0), np.sqrt), "ever more steeply"),
+    (lambda: press_by_force(ELASTIC, [0], [-1], NODES, hertz(NODES)), "cannot pull"),
+    (lambda: press_by_force(ELASTIC, [0], [1], NODES, np.sin(NODES)), "0 at first and then rises"),
+    (lambda: NestedContact(ELASTIC, NODES, NODES + 0.1), "measure: expected 257 depths"),
+    (lambda: NestedContact(ELASTIC, NODES, NODES[:-1]), "measure: expected 257 depths"),
+    (lambda: NestedContact(ELASTIC, NODES).advance(0.1, 2.5), "depth: expected at most 2 mm"),
+    (
+        lambda: NestedContact(ELASTIC, NODES).advance_force(0.1, 1e6, hertz_springs()),
+        r"force: expected at most .*, that of the largest depth, 2 mm",
+    ),
     (
         lambda: press_by_depth(ELASTIC, [0, 1], [0, 1], radius_nodes(1.0)).stress([1, 2]),
         "257 values at the nodes",
