@@ -36,8 +36,8 @@ NOTES = (
     "The press of the relaxed finger was solved at some depths. Through time its whole stress "
     "relaxes, and until the indenter retreats the deformation is taken to depend on the depth "
     "alone, not on the speed.",
-    "On retreat and after lift-off the tissue recovers as in nested contacts that relax one by one, "
-    "more slowly where it stiffens; strain is less certain there than under load.",
+    "On retreat and after lift-off the tissue recovers as in nested contacts that relax one by "
+    "one, more slowly where it stiffens; strain is less certain there than under load.",
     QUASISTATIC,
 )
 

@@ -306,14 +306,12 @@ def test_the_error_of_tabulation_is_larger_on_retreat() -> None:
     assert 0.01 < errors[0] < errors[1] < 0.1
 
 
-def test_a_light_touch_has_the_error_on_retreat_that_was_found_there() -> None:
-    for depth, found in ((0.2, 0.088), (0.3, 0.063), (0.5, 0.063)):
-        back, advancing = (
-            Situation.of(scene(each)) for each in (Trapezoid(20, depth, hold=1), Ramp(20, depth))
-        )
-        assert found < tabulation_error.error(back, "force") < 0.1
-        assert tabulation_error.error(advancing, "force") < 0.06
-        assert tabulation_error.error(replace(back, indenter=Sphere(5.0)), "force") < 0.06
+@pytest.mark.parametrize("part", [0.02, 0.03, 0.05, 0.07])
+def test_a_light_touch_states_the_error_on_retreat_that_was_found_there(part: float) -> None:
+    """In trapezoids of plate and ball at 5, 20 and 100 mm/s it was at most 3.5 % of the peak."""
+    back = Situation.of(scene(Trapezoid(20, part * FINGER.thickness, hold=1)))
+    for case in (back, replace(back, indenter=Sphere(5.0))):
+        assert 0.035 < tabulation_error.error(case, "force") < 0.1
 
 
 def test_without_relaxation_the_error_between_the_depths_of_a_table_is_left() -> None:

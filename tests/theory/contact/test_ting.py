@@ -383,7 +383,10 @@ def test_a_step_that_is_refused_moves_nothing_and_a_reset_forgets():
 
 
 BAD = [
-    (lambda: press_by_depth(ELASTIC, [0, 1], [0, 2], radius_nodes(1.0)), "at most 1 mm, received 2 mm"),
+    (
+        lambda: press_by_depth(ELASTIC, [0, 1], [0, 2], radius_nodes(1.0)),
+        "at most 1 mm, received 2",
+    ),
     (lambda: press_by_depth(ELASTIC, [0, 1], [0], radius_nodes(1.0)), r"signal \(n_t,\), received"),
     (lambda: press_by_depth(ELASTIC, [1, 0], [0, 1], radius_nodes(1.0)), "never decrease"),
     (lambda: press_by_depth(ELASTIC, [0, 1], [0, 1], np.array([0.5, 1])), "start at 0"),
