@@ -72,8 +72,8 @@ class StoredEnergy:
         It is weighted by the energy of distortion without stiffening.
         """
         first, second, _ = self._invariants(self._gradient(displacement))
-        softly = self._shear * (self._share * first + (1 - self._share) * second)
-        energy = self._weights.T * softly
+        softly = self._share * first + (1 - self._share) * second
+        energy = self._weights.T * self._shear * np.maximum(softly, 0.0)  # rounding may be below
         whole = float(energy.sum())
         return float((energy * self._exponent * first).sum()) / whole if whole > 0 else 0.0
 

@@ -11,9 +11,10 @@ holds for repeated contact, of tissue that has not yet recovered.
 
 A body that stiffens, of Fung's quasi-linear kind, relaxes in its stress and not in its
 displacement: it recovers more slowly than a linear one. Its springs are those of a linear body at
-the depth M(d), a `measure` to which its stress is about proportional. The displacement is that of
-the depths with these measures: Phi_q = M^-1(m) - M^-1(m - Phi), with m the share of the middle. For
-a linear body M(d) is d. With the elastic force for M, all springs are one (Pawluk 1997, Eq. 2.3).
+the depth M(d), a `measure` to which its stress is about proportional; a factor of M has no effect.
+The displacement is that of the depths with these measures: Phi_q = M^-1(m) - M^-1(m - Phi), with m
+the share of the middle. For a linear body M(d) is d. With the elastic force for M, all springs are
+one (Pawluk 1997, Eq. 2.3).
 """
 
 import math

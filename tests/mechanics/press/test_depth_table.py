@@ -41,11 +41,20 @@ def test_between_depths_a_force_follows_its_power_of_the_depth(power: float) -> 
 
 def test_tissue_that_stiffens_has_a_measure_that_grows_faster_than_the_depth() -> None:
     soft, stiffens = table(), table(rate=0.2)
-    assert np.array_equal(soft.measure, soft.nodes)
-    exact = stiffens.nodes * np.exp(0.4 * stiffens.nodes**2)
-    assert stiffens.measure[::PARTS] == pytest.approx(exact[::PARTS], rel=1e-12)
-    assert stiffens.measure == pytest.approx(exact, rel=2e-3)
+    exact = stiffens.nodes ** ((1 + 1.5) / 2)
+    exact *= soft.measure[-1] / exact[-1]
+    assert soft.measure == pytest.approx(exact, rel=1e-6)
+    assert stiffens.measure / soft.measure[-1] == pytest.approx(
+        exact / exact[-1] * np.exp(0.2 * stiffens.nodes**2), rel=2e-3
+    )
     assert (np.diff(stiffens.measure) > 0).all()
+
+
+def test_depths_that_bear_nothing_have_a_measure_that_rises() -> None:
+    given = table()
+    first = replace(given, force=np.where(given.depth < given.depth[3], 0.0, given.force))
+    assert (np.diff(first.measure) > 0).all()
+    assert first.measure[-1] == pytest.approx(given.measure[-1])
 
 
 def test_depths_of_a_table_are_nodes_and_keep_their_force() -> None:
