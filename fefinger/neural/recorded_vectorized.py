@@ -5,7 +5,6 @@ instructions. What few lanes do in a step, to fire or to end a refractory time, 
 """
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numba import njit
@@ -28,7 +27,7 @@ from fefinger.neural.recorded_compiled import (
     normal,
 )
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.processes import threads
+from fefinger.support.threads import together
 
 
 LANES = 16
@@ -251,12 +250,8 @@ def fire(
         return [row[: np.searchsorted(row, time[-1], side="right")].copy() for row in trains]
 
     blocks = blocks_of(steps)
-    if len(blocks) == 1:
-        return part(blocks[0]), current
-    with ThreadPoolExecutor(min(threads(), len(blocks))) as pool:
-        parts = list(pool.map(part, blocks))
     times: list[Array] = [np.empty(0)] * len(steps)
-    for block, trains in zip(blocks, parts, strict=True):
+    for block, trains in zip(blocks, together(part, blocks), strict=True):
         for i, each in zip(block, trains, strict=True):
             times[i] = each
     return times, current

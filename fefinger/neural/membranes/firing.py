@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -11,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, number
-from fefinger.support.processes import threads
+from fefinger.support.threads import together
 
 
 LARGEST_STEP = 5e-5
@@ -101,11 +100,7 @@ def in_blocks(
     def block(first: int) -> Run:
         return run(np.ascontiguousarray(current[:, order[first : first + width]]))
 
-    firsts = range(0, units, width)
-    if len(firsts) == 1:
-        return block(0)
-    with ThreadPoolExecutor(min(threads(), len(firsts))) as pool:
-        runs = list(pool.map(block, firsts))
+    runs = together(block, range(0, units, width))
     back = np.argsort(order)
     times = [each for part in runs for each in part[0]]
     return [times[i] for i in back], np.concatenate([rows for _, rows in runs])[back]
