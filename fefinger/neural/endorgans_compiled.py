@@ -6,11 +6,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from fefinger.support.arrays import Array, Integers
+
 
 @njit(cache=True, nogil=True)
-def remember(
-    decay: NDArray[Any], ramp: NDArray[Any], columns: NDArray[np.float64], out: NDArray[Any]
-) -> None:
+def remember(decay: NDArray[Any], ramp: NDArray[Any], columns: Array, out: NDArray[Any]) -> None:
     """Compute the modes `out` (n_t, n_poles, n) at all samples from those at the first.
 
     decay, ramp (n_t - 1, n_poles): factors of an interval on a mode and on the change of its input;
@@ -28,12 +28,12 @@ def between(
     at_rest: float,
     weights: NDArray[Any],
     poles: NDArray[Any],
-    columns: NDArray[np.float64],
-    slopes: NDArray[np.float64],
+    columns: Array,
+    slopes: Array,
     memory: NDArray[Any],
-    interval: NDArray[np.int64],
-    since: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    interval: Integers,
+    since: Array,
+) -> Array:
     """Output (n_at, n) at `since` s after the sample `interval`, both (n_at,).
 
     columns, slopes (n_t, n): input and its slope after each sample; memory (n_t, n_poles, n).

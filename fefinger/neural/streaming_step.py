@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from fefinger.neural.generators import LARGEST_CURRENT
 from fefinger.neural.membranes.integrate_and_fire_compiled import eventful
 from fefinger.neural.membranes.vectorized import LANES, interval
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Integers
 
 
 class State(NamedTuple):
@@ -22,7 +22,7 @@ class State(NamedTuple):
     currents of the last step; spikes (n, ROOM) ms and counts (n,) of that step; clock (1,) ms.
     """
 
-    drive: NDArray[np.int64]
+    drive: Integers
     across: Array
     length: Array
     gain: Array
@@ -33,7 +33,7 @@ class State(NamedTuple):
     x: Array
     levels: Array
     spikes: Array
-    counts: NDArray[np.int64]
+    counts: Integers
     clock: Array
 
 
@@ -62,7 +62,7 @@ def compressive_strain(e: NDArray[np.floating]) -> float:
 
 
 @njit(cache=True)
-def _along(e: NDArray[np.floating], u: NDArray[np.float64], v: NDArray[np.float64]) -> float:
+def _along(e: NDArray[np.floating], u: Array, v: Array) -> float:
     """Return u . e v."""
     return (
         u[0] * (e[0] * v[0] + e[3] * v[1] + e[5] * v[2])
@@ -72,7 +72,7 @@ def _along(e: NDArray[np.floating], u: NDArray[np.float64], v: NDArray[np.float6
 
 
 @njit(cache=True)
-def tangent_strain(e: NDArray[np.floating], across: NDArray[np.float64]) -> float:
+def tangent_strain(e: NDArray[np.floating], across: Array) -> float:
     """Largest normal strain in the plane of the skin (Mohr's circle)."""
     a, b = _along(e, across[0], across[0]), _along(e, across[0], across[1])
     c = _along(e, across[1], across[1])
@@ -126,7 +126,7 @@ def currents(s: "State", strain: NDArray[np.floating], dt: float, share: float) 
 
 @njit(cache=True)
 def integrate_and_fire(
-    s: "State", units: NDArray[np.float64], numbers: tuple[float, float, float], dt: float
+    s: "State", units: Array, numbers: tuple[float, float, float], dt: float
 ) -> int:
     """Advance integrate-and-fire units by dt ms; return the number of spikes, or CROWDED.
 
@@ -158,10 +158,10 @@ def integrate_and_fire(
 @njit(cache=True)
 def hodgkin_huxley(
     s: "State",
-    units: NDArray[np.float64],
-    last: NDArray[np.float64],
+    units: Array,
+    last: Array,
     how: tuple[float, bool, float, float],
-    rest: NDArray[np.float64],
+    rest: Array,
     block: tuple[float, float, float],
     dt: float,
 ) -> int:

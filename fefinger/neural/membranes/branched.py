@@ -4,21 +4,21 @@ import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from fefinger.neural.membranes.equations import REARM_MV, SPIKE_MV, crossing, slope, step
+from fefinger.support.arrays import Array
 
 
 @njit(cache=True, nogil=True)
 def race(
-    time: NDArray[np.float64],
-    current: NDArray[np.float64],
+    time: Array,
+    current: Array,
     dt_max: float,
     slow: float,
-    rest: NDArray[np.float64],
+    rest: Array,
     block: tuple[float, float, float],
-    spikes: NDArray[np.float64],
-) -> tuple[int, float, float, NDArray[np.float64]]:
+    spikes: Array,
+) -> tuple[int, float, float, Array]:
     """Integrate the branches of one unit from rest; the first to fire resets the others.
 
     time (n_t,) ms, current (n_t, n_branches); slow: factor on all rates. The branch that first

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+
+from fefinger.support.arrays import Array, Integers
 
 
 @njit(cache=True)
@@ -52,14 +53,14 @@ def _crossing(u: float, level: float, rise: float, tau: float, length: float) ->
 
 @njit(cache=True)
 def eventful(
-    state: NDArray[np.float64],
+    state: Array,
     t0: float,
     t1: float,
     level: float,
     rise: float,
     tau: float,
     refractory: float,
-    spikes: NDArray[np.float64],
+    spikes: Array,
     count: int,
 ) -> int:
     """Advance one unit through an interval that contains spikes or the end of a refractory time.
@@ -87,12 +88,12 @@ def eventful(
 
 @njit(cache=True, nogil=True)
 def integrate(
-    time: NDArray[np.float64],
-    current: NDArray[np.float64],
+    time: Array,
+    current: Array,
     numbers: tuple[float, float, float],
-    spikes: NDArray[np.float64],
-    counts: NDArray[np.int64],
-) -> NDArray[np.float64]:
+    spikes: Array,
+    counts: Integers,
+) -> Array:
     """Solve n units from rest over time (n_t,) ms with current (n_t, n) linear between.
 
     numbers: threshold in µA/cm², time constant and refractory time in ms. Fills spikes (n, :) in ms

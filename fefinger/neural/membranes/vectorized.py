@@ -8,7 +8,6 @@ import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from fefinger.neural.membranes.equations import (
     CAPACITANCE,
@@ -23,6 +22,7 @@ from fefinger.neural.membranes.equations import (
     crossing,
     slope,
 )
+from fefinger.support.arrays import Array, Integers
 
 
 LANES = 16
@@ -100,9 +100,7 @@ def _slope(
 
 
 @njit(cache=True, forceinline=True, fastmath=_FAST, error_model="numpy")
-def _observe(
-    s: NDArray[np.float64], i: int, new: float, dt: float, high: bool, block_after: float
-) -> int:
+def _observe(s: Array, i: int, new: float, dt: float, high: bool, block_after: float) -> int:
     """Record spike, peak and block of lane i at its new potential; return 1 for a spike."""
     s[_PEAK + i] = max(s[_PEAK + i], new)
     armed = s[_ARMED + i]
@@ -118,7 +116,7 @@ def _observe(
 
 @njit(cache=True, fastmath=_FAST, error_model="numpy")
 def _runge_kutta(
-    s: NDArray[np.float64],
+    s: Array,
     lanes: int,
     at: float,
     part: float,
@@ -168,7 +166,7 @@ def _relaxed(x: float, rise: float, total: float, scale: float) -> float:
 
 @njit(cache=True, fastmath=_FAST, error_model="numpy")
 def _split(
-    s: NDArray[np.float64],
+    s: Array,
     at: float,
     gate_step: float,
     dt: float,
@@ -208,13 +206,7 @@ def _split(
 
 @njit(cache=True)
 def _spiked(
-    s: NDArray[np.float64],
-    i: int,
-    slow: float,
-    m_rate_factor: float,
-    dt: float,
-    current: float,
-    split: bool,
+    s: Array, i: int, slow: float, m_rate_factor: float, dt: float, current: float, split: bool
 ) -> float:
     """Fraction of the last step at which lane i spiked.
 
@@ -234,7 +226,7 @@ def _spiked(
 
 
 @njit(cache=True)
-def _resting(s: NDArray[np.float64], rest: NDArray[np.float64]) -> bool:
+def _resting(s: Array, rest: Array) -> bool:
     """Test whether no lane has current in this interval and all are at rest."""
     for i in range(LANES):
         if s[_START + i] != 0.0 or s[_END + i] != 0.0:
@@ -246,7 +238,7 @@ def _resting(s: NDArray[np.float64], rest: NDArray[np.float64]) -> bool:
 
 
 @njit(cache=True)
-def at_rest(rest: NDArray[np.float64]) -> NDArray[np.float64]:
+def at_rest(rest: Array) -> Array:
     """Create the state of a block of LANES units at rest."""
     s = np.zeros(13 * LANES)
     for row in range(4):
@@ -258,17 +250,17 @@ def at_rest(rest: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @njit(cache=True, nogil=True)
 def interval(
-    s: NDArray[np.float64],
-    before: NDArray[np.float64],
-    after: NDArray[np.float64],
+    s: Array,
+    before: Array,
+    after: Array,
     begin: float,
     length: float,
     last: float,
     how: tuple[float, bool, float, float],
-    rest: NDArray[np.float64],
+    rest: Array,
     block: tuple[float, float, float],
-    spikes: NDArray[np.float64],
-    counts: NDArray[np.int64],
+    spikes: Array,
+    counts: Integers,
 ) -> float:
     """Advance a block through an interval from `begin` ms on, in which currents are linear.
 
@@ -306,14 +298,14 @@ def interval(
 
 @njit(cache=True, nogil=True)
 def integrate(
-    time: NDArray[np.float64],
-    current: NDArray[np.float64],
+    time: Array,
+    current: Array,
     how: tuple[float, bool, float, float],
-    rest: NDArray[np.float64],
+    rest: Array,
     block: tuple[float, float, float],
-    spikes: NDArray[np.float64],
-    counts: NDArray[np.int64],
-) -> NDArray[np.float64]:
+    spikes: Array,
+    counts: Integers,
+) -> Array:
     """Integrate n <= 16 units from rest over time (n_t,) ms with current (n_t, n), linear between.
 
     how: as in `interval`. block: potential in mV, current in µA/cm² and time in ms of a
