@@ -1,7 +1,7 @@
 """Simulation of afferent units: end organs, branching, conduction delay, noise, variation."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -47,8 +47,14 @@ LANES = 16
 
 @dataclass(frozen=True, kw_only=True)
 class _Setup:
-    """Parameters of a simulation from inputs of end organs to spikes, without times and step."""
+    """A simulation from inputs of end organs to spikes.
 
+    x_in (n_t, n_organs) mm of the end organs at time (n_t,) s; dt: longest step in s.
+    """
+
+    time: Array
+    x_in: Array
+    dt: float
     types: tuple[str, ...]
     columns: tuple[NDArray[np.intp], ...]
     rule: str
@@ -76,7 +82,7 @@ class _Setup:
         factors = [1.0 if vary is None else vary.gain(i) for i in range(len(self.types))]
         return np.array([GAINS[kind] for kind in self.types]) * factors
 
-    def sampled(self, units: Sequence[int], time: Array, x_in: Array, dt: float) -> Array:
+    def sampled(self, units: Sequence[int]) -> Array:
         """Choose the times at which the currents of units of one type are sampled.
 
         The error of straight lines in between is at most STRAIGHT dt / LARGEST_STEP, where steps
@@ -84,39 +90,38 @@ class _Setup:
         tolerance below LINES lowers both limits.
         """
         wanted = 1.0 if self.tolerance is None else min(1.0, self.tolerance / LINES)
-        straight = STRAIGHT * min(wanted, dt / LARGEST_STEP)
-        dt = min(dt, LARGEST_STEP * wanted**0.5)
+        straight = STRAIGHT * min(wanted, self.dt / LARGEST_STEP)
+        dt = min(self.dt, LARGEST_STEP * wanted**0.5)
         organ = self.organs.get(self.types[units[0]], END_ORGANS[self.types[units[0]]])
         steps: Array | float = dt
         if isinstance(organ, PoleZero):
             gain = float(np.max(self.gains[units]))
             bend = gain / LARGEST_CURRENT if self.generator == "saturating" else 0.0
             columns = np.concatenate([self.columns[i] for i in units])
-            steps = chord_steps(organ, time, x_in[:, columns], straight / gain, bend=bend)
+            x_in = self.x_in[:, columns]
+            steps = chord_steps(organ, self.time, x_in, straight / gain, bend=bend)
             steps = np.clip(steps, dt, LONGEST)
-        at = dense_times(time, steps)
+        at = dense_times(self.time, steps)
         if self.variation is None or not self.variation.noise:
             return at
-        knots = self.variation.knots(float(time[0]), float(time[-1]))
-        return np.unique(np.concatenate([at, knots[knots < time[-1]]]))
+        knots = self.variation.knots(float(self.time[0]), float(self.time[-1]))
+        return np.unique(np.concatenate([at, knots[knots < self.time[-1]]]))
 
-    def run(self, at: Array, currents: Array, dt: float, *, driven: bool) -> Firing:
+    def run(self, at: Array, currents: Array, *, driven: bool) -> Firing:
         """Integrate the membranes under currents (n_at, n_units) in µA/cm²."""
         if self.method is None:
-            return self.membrane.fire(at, currents, dt=dt, stimulus_driven=driven)
+            return self.membrane.fire(at, currents, dt=self.dt, stimulus_driven=driven)
         membrane = _squid(self.membrane, "tolerance: expected")
-        return membrane.fire(at, currents, dt=dt, method=self.method, stimulus_driven=driven)
+        return membrane.fire(at, currents, dt=self.dt, method=self.method, stimulus_driven=driven)
 
-    def branches(
-        self, units: Sequence[int], time: Array, x_in: Array, at: Array | None = None
-    ) -> list[Array]:
+    def branches(self, units: Sequence[int], at: Array | None = None) -> list[Array]:
         """Compute generator currents (n_at, n_branches) in µA/cm² of units of one type."""
         kind, columns = self.types[units[0]], [self.columns[i] for i in units]
         organs = [len(c) for c in columns]
         currents = transduce(
             kind,
-            time,
-            x_in[:, np.concatenate(columns)],
+            self.time,
+            self.x_in[:, np.concatenate(columns)],
             gain=np.repeat(self.gains[units], organs),
             generator=self.generator,
             at=at,
@@ -124,14 +129,12 @@ class _Setup:
         )
         return np.split(currents, np.cumsum(organs)[:-1], axis=1)
 
-    def combined(
-        self, units: Sequence[int], time: Array, x_in: Array, at: Array | None = None
-    ) -> Array:
+    def combined(self, units: Sequence[int], at: Array | None = None) -> Array:
         """Combine the currents of the branches of each unit by the rule: (n_at, n_units) in µA/cm².
 
         As many end organs of a type are filtered at once as `_DENSE` allows.
         """
-        out = np.empty((len(time if at is None else at), len(units)))
+        out = np.empty((len(self.time if at is None else at), len(units)))
         groups: list[list[int]] = []
         room = 0
         for k, i in enumerate(units):
@@ -141,7 +144,7 @@ class _Setup:
                 room = _DENSE // len(out) - len(self.columns[i])
             groups[-1].append(k)
         for group in groups:
-            currents = self.branches([units[k] for k in group], time, x_in, at)
+            currents = self.branches([units[k] for k in group], at)
             for k, branches in zip(group, currents, strict=True):
                 mean = self.rule == "mean"
                 out[:, k] = branches.mean(axis=1) if mean else branches.max(axis=1)
@@ -236,6 +239,9 @@ def simulate_units(
     membrane = membrane or HodgkinHuxley()
     method, dt = _integrator(membrane, rule, tolerance, float(time[-1] - time[0]), dt)
     setup = _Setup(
+        time=time,
+        x_in=x_in,
+        dt=dt,
         types=types,
         columns=columns,
         rule=rule,
@@ -246,16 +252,16 @@ def simulate_units(
         method=method,
         tolerance=tolerance,
     )
-    firing = _fire(setup, time, x_in, dt, driven=True)
+    firing = _fire(setup, driven=True)
     mean_in = np.column_stack([x_in[:, c].mean(axis=1) for c in columns])
     notes = remarks(names, firing)
     if not exact:
         notes += tuple(coarse_remarks(time, mean_in, types, names))
     if check:
-        notes += _changes(setup, time, x_in, dt, names, firing, exact=exact)
+        notes += _changes(setup, names, firing, exact=exact)
     by_type = sorted(range(len(types)), key=types.__getitem__)
     current = np.empty((len(time), len(types)))
-    current[:, by_type] = setup.combined(by_type, time, x_in)
+    current[:, by_type] = setup.combined(by_type)
     return SpikeTrains(
         types=types,
         names=names,
@@ -297,61 +303,50 @@ def _squid(membrane: object, what: str) -> HodgkinHuxley:
 
 
 def _changes(
-    setup: _Setup,
-    time: Array,
-    x_in: Array,
-    dt: float,
-    names: Sequence[str],
-    firing: Firing,
-    *,
-    exact: bool,
+    setup: _Setup, names: Sequence[str], firing: Firing, *, exact: bool
 ) -> tuple[str, ...]:
     """Describe units whose spike count depends on the step or, unless exact, on the sampling."""
-    half = _fire(setup, time, x_in, dt / 2, driven=False)
+    half = _fire(replace(setup, dt=setup.dt / 2), driven=False)
     notes = count_changes(names, firing.times, half.times, "the step of the membrane is halved")
     if exact:
         return notes
-    thin = np.unique(np.append(np.arange(0, len(time), 2), len(time) - 1))
-    coarse = _fire(setup, time[thin], x_in[thin], dt, driven=False)
-    change = "only every second sample is used"
+    thin = np.unique(np.append(np.arange(0, len(setup.time), 2), len(setup.time) - 1))
+    fewer = replace(setup, time=setup.time[thin], x_in=setup.x_in[thin])
+    coarse, change = _fire(fewer, driven=False), "only every second sample is used"
     return (*notes, *count_changes(names, firing.times, coarse.times, change))
 
 
-def _fire(setup: _Setup, time: Array, x_in: Array, dt: float, *, driven: bool) -> Firing:
+def _fire(setup: _Setup, *, driven: bool) -> Firing:
     """Simulate all units, by type and in groups whose currents fit in `_DENSE` values."""
     if setup.rule == "first":
-        races = [
-            _race(setup, i, time, x_in, setup.sampled([i], time, x_in, dt), dt, driven=driven)
-            for i in range(len(setup.types))
-        ]
+        races = [_race(setup, i, driven=driven) for i in range(len(setup.types))]
         return _joined(races, np.arange(len(races)))
     runs, order = [], []
     for kind in dict.fromkeys(setup.types):
         units = [i for i, other in enumerate(setup.types) if other == kind]
-        at = setup.sampled(units, time, x_in, dt)
+        at = setup.sampled(units)
         step = LANES * max(1, _DENSE // (LANES * len(at)))
         for start in range(0, len(units), step):
             some = units[start : start + step]
-            currents = setup.combined(some, time, x_in, at)
+            currents = setup.combined(some, at)
             for k, i in enumerate(some):
                 currents[:, k : k + 1] += setup.noise(i, at, 1)
-            runs.append(setup.run(at, currents, dt, driven=driven))
+            runs.append(setup.run(at, currents, driven=driven))
             order += some
     return _joined(runs, np.argsort(order))
 
 
-def _race(
-    setup: _Setup, unit: int, time: Array, x_in: Array, at: Array, dt: float, *, driven: bool
-) -> Firing:
+def _race(setup: _Setup, unit: int, *, driven: bool) -> Firing:
     """Simulate one membrane per branch of a unit; the first to fire resets the others."""
     from fefinger.neural.membranes.branched import race
 
-    (currents,) = setup.branches([unit], time, x_in, at)
+    at = setup.sampled([unit])
+    (currents,) = setup.branches([unit], at)
     currents = np.ascontiguousarray(currents + setup.noise(unit, at, currents.shape[1]))
     membrane = _squid(setup.membrane, "rule: expected for 'first'")
-    crossings = membrane.fire(at, currents, dt=dt).stimulus_driven.max() if driven else 0
+    crossings = membrane.fire(at, currents, dt=setup.dt).stimulus_driven.max() if driven else 0
     spikes = np.empty((1, int(2e3 * max(1.0, membrane.speed) * (at[-1] - at[0])) + 16))
-    constants = membrane.step_ms(dt), membrane.speed, membrane.rest(), membrane.block
+    constants = membrane.step_ms(setup.dt), membrane.speed, membrane.rest(), membrane.block
     count, peak, blocked, final = race(1e3 * at, currents, *constants, spikes[0])
     return Firing(
         times=(1e-3 * trimmed(spikes, np.array([count]))[0],),
