@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, choice, number
+from fefinger.support.checks import InputError, choice, set_number
 from fefinger.support.vocabulary import DRIVES, TYPES
 
 
@@ -109,9 +109,7 @@ class Recorded:
         """Check every parameter."""
         choice("drive", self.drive, DRIVES)
         for name, bounds in BOUNDS.items():
-            limits = {"at_least": bounds.low, "at_most": bounds.high}
-            value = number(name, getattr(self, name), unit=bounds.unit, **limits)
-            object.__setattr__(self, name, value)
+            set_number(self, name, at_least=bounds.low, at_most=bounds.high, unit=bounds.unit)
         if self.order not in (1.0, 2.0):
             raise InputError(f"order: expected 1 or 2, received {self.order:g}")
 

@@ -13,6 +13,7 @@ from fefinger.support.checks import (
     choices,
     integer,
     number,
+    set_number,
 )
 from fefinger.support.vocabulary import (
     DRIVES,
@@ -87,8 +88,8 @@ class Ask:
         """Check every field."""
         for name in ("force", "pressure", "strain", "fields"):
             boolean(f"ask.{name}", getattr(self, name))
+        set_number(self, "ask.rel_error", above=0, at_most=1)
         checked: dict[str, Any] = {
-            "rel_error": number("ask.rel_error", self.rel_error, above=0, at_most=1),
             "spikes": choices("ask.spikes", self.spikes, TYPES, TYPE_SYNONYMS),
             "depths": {
                 name: number(f"ask.depths.{name}", value, above=0, unit="mm")
@@ -101,7 +102,7 @@ class Ask:
         }
         integer("ask.trial", self.trial)
         if self.seconds is not None:
-            checked["seconds"] = number("ask.seconds", self.seconds, above=0, unit="s")
+            set_number(self, "ask.seconds", above=0, unit="s")
         if self.mechanics is not None and not isinstance(self.mechanics, str):
             raise InputError(f"ask.mechanics: expected a name, received {self.mechanics!r}")
         choice("ask.generator", self.generator, GENERATORS)

@@ -6,7 +6,7 @@ from typing import Any, Self
 
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.tissue import Hard, Tissue
-from fefinger.support.checks import InputError, choice, number
+from fefinger.support.checks import InputError, choice, number, set_number
 from fefinger.support.likely_units import FINGER
 from fefinger.support.outputs import check_input
 from fefinger.theory.relaxation import Prony
@@ -120,7 +120,7 @@ class Finger:
         self._default("tissue", library.default_tissue(self.subject_name, given=given))
         tissues = library.tissue_set(self.tissue)
         for size in ("width", "thickness"):
-            self._set_length(size)
+            set_number(self, f"finger.{size}", above=0, unit="mm")
             _check_size(size, getattr(self, size))
         lengths = tissues.lengths(self.width, self.thickness)
         radius = lengths["pad_radius"] or pawluk1997.quasistatic()[name].radius
@@ -132,7 +132,7 @@ class Finger:
             self._default("tip_tissue", lengths["tip_tissue"])
         if self.surface is None:
             self._default("tip_radius", lengths["tip_radius"])
-        self._set_length("pad_radius")
+        set_number(self, "finger.pad_radius", above=0, unit="mm")
         if not isinstance(self.bone, Hard):
             choice("finger.bone", self.bone, (RIGID,))
         if self.nail is not None and not isinstance(self.nail, Hard):
@@ -153,11 +153,6 @@ class Finger:
         if getattr(self, name) is None:
             object.__setattr__(self, name, value)
 
-    def _set_length(self, name: str) -> None:
-        """Check a length in mm."""
-        value = number(f"finger.{name}", getattr(self, name), above=0, unit="mm")
-        object.__setattr__(self, name, value)
-
     def _set_file(self, name: str) -> None:
         """Check a surface file; its path becomes text, as in a scene file."""
         given: Any = getattr(self, name)
@@ -177,7 +172,7 @@ class Finger:
         ):
             if getattr(self, name) is None:
                 continue
-            self._set_length(name)
+            set_number(self, f"finger.{name}", above=0, unit="mm")
             if getattr(self, file) is not None:
                 raise InputError(
                     f"finger.{name}: expected none beside finger.{file}, which says {says}, "

@@ -8,7 +8,7 @@ import numpy as np
 
 from fefinger.geometry import profiles
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, number, numbers
+from fefinger.support.checks import InputError, numbers, set_number
 
 
 TURNS = {"roll": (-180.0, 180.0), "angle": (0.0, 60.0), "tilt": (-45.0, 45.0)}
@@ -55,10 +55,10 @@ class Indenter(ABC):
     def __post_init__(self) -> None:
         """Check lengths, friction, angles and place."""
         for name in self.lengths:
-            self._set(name, above=0, unit="mm")
-        self._set("friction", at_least=0)
+            set_number(self, f"indenter.{name}", above=0, unit="mm")
+        set_number(self, "indenter.friction", at_least=0)
         if self.friction_kinetic is not None:
-            self._set("friction_kinetic", at_least=0)
+            set_number(self, "indenter.friction_kinetic", at_least=0)
             if self.kinetic > self.friction:
                 raise InputError(
                     "indenter.friction_kinetic: expected at most indenter.friction = "
@@ -66,13 +66,9 @@ class Indenter(ABC):
                 )
         for name, (low, high) in TURNS.items():
             if hasattr(self, name):
-                self._set(name, at_least=low, at_most=high, unit="degrees")
+                set_number(self, f"indenter.{name}", at_least=low, at_most=high, unit="degrees")
         if self.place is not None:
             object.__setattr__(self, "at", numbers("indenter.at", self.place, count=2, unit="mm"))
-
-    def _set(self, name: str, **limits: Any) -> None:
-        value = number(f"indenter.{name}", getattr(self, name), **limits)
-        object.__setattr__(self, name, value)
 
     @property
     @abstractmethod

@@ -10,7 +10,7 @@ from fefinger.scene.dots import Dots
 from fefinger.scene.indenter import Indenter, Placed, Plate, PlateLike, turned
 from fefinger.scene.texts import Braille, Letters
 from fefinger.scene.textured import Grating, Relief
-from fefinger.support.checks import numbers
+from fefinger.support.checks import numbers, set_number
 
 
 @final
@@ -155,7 +155,7 @@ class Edged(Placed):
     def __post_init__(self) -> None:
         """Check the edge besides, which has to fit."""
         super().__post_init__()
-        self._set("corner", above=0, at_most=self.width / 2, unit="mm")
+        set_number(self, "indenter.corner", above=0, at_most=self.width / 2, unit="mm")
 
     @property
     def narrowest(self) -> float:
@@ -211,7 +211,7 @@ class Pin(Edged):
 
     def __post_init__(self) -> None:
         """Take the edge from the width where it is left out, and check both."""
-        self._set("width", above=0, unit="mm")
+        set_number(self, "indenter.width", above=0, unit="mm")
         if self.corner is None:
             object.__setattr__(self, "corner", self.width / 5)
         super().__post_init__()

@@ -13,6 +13,7 @@ from fefinger.support.checks import (
     number,
     numbers,
     reject_unknown,
+    set_number,
 )
 from fefinger.support.vocabulary import RULES, TYPES
 
@@ -69,16 +70,11 @@ class Layout:
         if self.rule is not None:
             choice("ask.population.rule", self.rule, RULES)
         integer("ask.population.seed", self.seed)
-        self._number("distance", at_least=0.0, at_most=2000.0, unit="mm")
+        set_number(self, "ask.population.distance", at_least=0.0, at_most=2000.0, unit="mm")
         if self.spread is not None:
-            self._number("spread", at_least=0.0, at_most=3.0)
+            set_number(self, "ask.population.spread", at_least=0.0, at_most=3.0)
         if self.noise is not None:
-            self._number("noise", at_least=0.0, at_most=100.0, unit="µA/cm²")
-
-    def _number(self, name: str, **limits: Any) -> None:
-        """Check a field that is a number and store it as a float."""
-        value = number(f"ask.population.{name}", getattr(self, name), **limits)
-        object.__setattr__(self, name, value)
+            set_number(self, "ask.population.noise", at_least=0.0, at_most=100.0, unit="µA/cm²")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,7 +92,7 @@ class Scatter(Layout):
     def __post_init__(self) -> None:
         """Check radius and densities."""
         super().__post_init__()
-        self._number("radius", above=0.0, at_most=LARGEST_RADIUS, unit="mm")
+        set_number(self, "ask.population.radius", above=0.0, at_most=LARGEST_RADIUS, unit="mm")
         name = "ask.population.densities"
         checked = {
             kind: number(f"{name}.{kind}", value, above=0.0, at_most=1e4, unit="per cm²")
@@ -118,8 +114,8 @@ class Grid(Layout):
     def __post_init__(self) -> None:
         """Check spacing and radius."""
         super().__post_init__()
-        self._number("radius", above=0.0, at_most=LARGEST_RADIUS, unit="mm")
-        self._number("spacing", at_least=0.1, at_most=self.radius, unit="mm")
+        set_number(self, "ask.population.radius", above=0.0, at_most=LARGEST_RADIUS, unit="mm")
+        set_number(self, "ask.population.spacing", at_least=0.1, at_most=self.radius, unit="mm")
 
 
 @dataclass(frozen=True, kw_only=True)

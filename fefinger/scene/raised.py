@@ -12,7 +12,7 @@ import numpy as np
 from fefinger.geometry.profiles import flank_of, smooth_step
 from fefinger.scene.indenter import PlateLike
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError
+from fefinger.support.checks import InputError, set_number
 
 
 SAMPLES = 10
@@ -92,7 +92,7 @@ class Raised(PlateLike):
         super().__post_init__()
         check_flank_limits(self.flank_limits)
         if self.edge is not None:
-            self._set("edge", above=0, unit="mm")
+            set_number(self, "indenter.edge", above=0, unit="mm")
             check_edge(self.edge, self.height, self.flank_limits)
 
     @property

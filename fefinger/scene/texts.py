@@ -9,7 +9,7 @@ import numpy as np
 from fefinger.geometry import profiles
 from fefinger.scene.raised import FlankLimit, Raised
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError
+from fefinger.support.checks import InputError, set_number
 
 
 Extent = tuple[tuple[float, float], tuple[float, float]]
@@ -43,7 +43,7 @@ class Text(Raised):
     def __post_init__(self) -> None:
         """Check the text and its start besides."""
         super().__post_init__()
-        self._set("start", unit="mm")
+        set_number(self, "indenter.start", unit="mm")
         if not isinstance(self.text, str) or not self.text.strip() or len(self.text) > LARGEST_TEXT:
             raise InputError(
                 f"indenter.text: expected 1 to {LARGEST_TEXT} characters that are not all blank, "

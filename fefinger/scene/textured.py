@@ -13,7 +13,7 @@ from fefinger.geometry import profiles
 from fefinger.scene.indenter import PlateLike, turned
 from fefinger.scene.raised import FlankLimit, check_edge
 from fefinger.scene.relief_file import read_relief
-from fefinger.support.checks import InputError, number, numbers
+from fefinger.support.checks import InputError, number, numbers, set_number
 
 
 LEVEL = 1e-9
@@ -50,10 +50,10 @@ class Grating(PlateLike):
     def __post_init__(self) -> None:
         """Check ridge, shift and edge besides."""
         super().__post_init__()
-        self._set("ridge", above=0, below=self.period, unit="mm")
-        self._set("shift", unit="mm")
+        set_number(self, "indenter.ridge", above=0, below=self.period, unit="mm")
+        set_number(self, "indenter.shift", unit="mm")
         if self.edge is not None:
-            self._set("edge", above=0, unit="mm")
+            set_number(self, "indenter.edge", above=0, unit="mm")
             groove = self.period - self.ridge
             sizes = f"period = {self.period:g}, ridge = {self.ridge:g}"
             limit = FlankLimit("ridge", sizes, min(self.ridge, groove))

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from fefinger.support.checks import InputError, choice, number
+from fefinger.support.checks import InputError, choice, set_number
 from fefinger.support.vocabulary import EXPONENTIAL, SHARES
 from fefinger.theory.relaxation import Prony
 
@@ -52,13 +52,11 @@ class Tissue:
 
     def __post_init__(self) -> None:
         """Check every field."""
-        checked = {
-            "modulus": number("tissue.modulus", self.modulus, above=0, unit="kPa"),
-            "poisson": number("tissue.poisson", self.poisson, at_least=0, at_most=0.5),
-            "density": number("tissue.density", self.density, above=0, unit="kg/m³"),
-        }
+        set_number(self, "tissue.modulus", above=0, unit="kPa")
+        set_number(self, "tissue.poisson", at_least=0, at_most=0.5)
+        set_number(self, "tissue.density", above=0, unit="kg/m³")
         if self.thickness is not None:
-            checked["thickness"] = number("tissue.thickness", self.thickness, above=0, unit="mm")
+            set_number(self, "tissue.thickness", above=0, unit="mm")
         prony: Any = self.prony
         if prony is not None and not isinstance(prony, Prony):
             raise InputError(f"tissue.prony: expected a Prony, received {prony!r}")
@@ -75,11 +73,9 @@ class Tissue:
                 msg = f"tissue.{name}: expected none for the law {self.law!r}, received {value!r}"
                 raise InputError(msg)
         if self.exponent is not None:
-            checked["exponent"] = number("tissue.exponent", self.exponent, above=0)
+            set_number(self, "tissue.exponent", above=0)
         if self.share is not None:
-            checked["share"] = number("tissue.share", self.share, at_least=0, at_most=1)
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
+            set_number(self, "tissue.share", at_least=0, at_most=1)
 
 
 @dataclass(frozen=True)
@@ -104,7 +100,5 @@ class Hard:
 
     def __post_init__(self) -> None:
         """Check every field."""
-        modulus = number("hard.modulus", self.modulus, above=0, unit="kPa")
-        object.__setattr__(self, "modulus", modulus)
-        poisson = number("hard.poisson", self.poisson, at_least=0, at_most=0.5)
-        object.__setattr__(self, "poisson", poisson)
+        set_number(self, "hard.modulus", above=0, unit="kPa")
+        set_number(self, "hard.poisson", at_least=0, at_most=0.5)

@@ -59,6 +59,15 @@ def number(
     return result
 
 
+def set_number(record: object, field: str, **limits: Any) -> None:
+    """Check a number of a frozen record and store it as a float; limits as of `number`.
+
+    `field` is its name in messages, such as "indenter.edge", and ends with that in the record.
+    """
+    name = field.rpartition(".")[2]
+    object.__setattr__(record, name, number(field, getattr(record, name), **limits))
+
+
 def integer(name: str, value: Any, *, at_least: int = 0) -> int:
     """Return `value` if it is a whole number of `at_least` or more, or raise InputError."""
     if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
