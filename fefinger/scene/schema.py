@@ -7,7 +7,7 @@ The reader checks more: numbers that must fit together, files, and places on the
 import inspect
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import MISSING, fields
+from dataclasses import fields
 from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
@@ -21,7 +21,7 @@ from fefinger.scene.motion import LIMITS
 from fefinger.scene.motions import MOTIONS
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
 from fefinger.scene.tissue import Hard, Tissue
-from fefinger.scene.toml import FROM_FILE, SUBJECT
+from fefinger.scene.toml import FROM_FILE, SUBJECT, needed
 from fefinger.support.vocabulary import DRIVES, FAMILIES, GENERATORS, RULES, SHARES, TYPES
 from fefinger.theory.relaxation import Prony
 
@@ -104,7 +104,7 @@ def _kinds(part: str, kinds: Mapping[str, type[Any]], default: str | None) -> Sc
         keys = {"kind": {"const": kind}} | _keys(part, record)
         must = () if kind == default else ("kind",)
         form = {"title": kind, "description": summary(record)}
-        forms.append(form | _table(keys, required=(*must, *_needed(record))))
+        forms.append(form | _table(keys, required=(*must, *needed(record))))
         if part != "ask.population" and kind in FROM_FILE:
             reader = FROM_FILE[kind]
             text = f"{reader.format} file, looked up from the scene's"
@@ -122,15 +122,6 @@ def _table(keys: Schema, required: Iterable[str] = ()) -> Schema:
     """Return the schema of a table with no other keys."""
     must = {"required": list(required)} if required else {}
     return {"type": "object", "properties": keys, "additionalProperties": False, **must}
-
-
-def _needed(record: type[Any]) -> list[str]:
-    """Return the fields of a record that have no default."""
-    return [
-        each.name
-        for each in fields(record)
-        if each.default is MISSING and each.default_factory is MISSING
-    ]
 
 
 def _keys(part: str, record: type[Any]) -> Schema:
@@ -176,7 +167,7 @@ def _of_type(hint: Any) -> Schema:
         }
     if hint in (Tissue, Hard):
         part = "tissue" if hint is Tissue else "hard"
-        return _table(_keys(part, hint), required=() if hint is Tissue else _needed(hint))
+        return _table(_keys(part, hint), required=() if hint is Tissue else needed(hint))
     if hint is Prony:
         numbers = {"type": "array", "items": {"type": "number"}}
         keys = {name: _described("prony", name, numbers) for name in ("c", "v")}

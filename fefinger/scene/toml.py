@@ -223,7 +223,7 @@ def _home(key: str, name: str) -> str:
         return kinds
     if key in _finger_keys():
         return f"it belongs in [finger], as finger.{key}"
-    if key in [field.name for field in fields(Ask)]:
+    if key in _names(Ask):
         return f"it belongs in [ask], as ask.{key}"
     return _kinds(key, "motion") or _kinds(key, "indenter")
 
@@ -231,18 +231,13 @@ def _home(key: str, name: str) -> str:
 def _kinds(key: str, part: str) -> str:
     """Name the kinds of a part of a scene that know a key; empty where none does."""
     parts: Mapping[str, Mapping[str, type]] = {"motion": MOTIONS, "indenter": INDENTERS}
-    having = [
-        kind
-        for kind, cls in parts.get(part, {}).items()
-        if key in [each.name for each in fields(cls)]
-    ]
+    having = [kind for kind, cls in parts.get(part, {}).items() if key in _names(cls)]
     return f"{part}.{key} is a key of the {part}s {', '.join(map(repr, having))}" if having else ""
 
 
 def _finger_keys() -> tuple[str, ...]:
     """Names of the keys in [finger]."""
-    names = (field.name for field in fields(Finger) if field.name != "subject_name")
-    return (SUBJECT, *names)
+    return (SUBJECT, *(name for name in _names(Finger) if name != "subject_name"))
 
 
 def _prony(name: str, table: Mapping[str, Any]) -> dict[str, Prony]:
@@ -299,14 +294,26 @@ def _of_kind(part: str, cls: type[Any], table: dict[str, Any], folder: Path) -> 
 
 def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") -> Any:
     """Construct `cls` from a table; InputError for an unknown or missing key."""
-    _reject(name, table, [field.name for field in fields(cls)])
-    for field in fields(cls):
-        has_default = field.default is not MISSING or field.default_factory is not MISSING
-        if field.name not in table and not has_default:
-            needs = [f.name for f in fields(cls) if f.default is MISSING]
+    _reject(name, table, _names(cls))
+    needs = needed(cls)
+    for key in needs:
+        if key not in table:
             what = f"a {kind!r} {name} needs {', '.join(needs)}"
-            raise InputError(f"{name}.{field.name}: missing; {what}")
+            raise InputError(f"{name}.{key}: missing; {what}")
     return cls(**table)
+
+
+def needed(record: type[Any]) -> list[str]:
+    """Return the fields of a record that have no default."""
+    return [
+        each.name
+        for each in fields(record)
+        if each.default is MISSING and each.default_factory is MISSING
+    ]
+
+
+def _names(record: type[Any]) -> list[str]:
+    return [each.name for each in fields(record)]
 
 
 def _plain(record: Any) -> dict[str, Any]:
@@ -345,4 +352,4 @@ def keys(part: str, kind: Any) -> tuple[str, ...]:
         "ask.population": LAYOUTS,
     }
     record = kinds.get(part, {}).get(kind) if isinstance(kind, str) else None
-    return () if record is None else ("kind", *(field.name for field in fields(record)))
+    return () if record is None else ("kind", *_names(record))
