@@ -88,22 +88,18 @@ class Curve:
     def array_pressure(self, depth: ArrayLike) -> Array:
         """Compute the readings (n, 64) kPa of the array at depths (n,) mm."""
         depth = np.asarray(depth, float)
-        return np.asarray(
-            1e3 * self.force(depth)[:, None] * _columns(depth, self._few, self.shares)
-        )
+        return np.asarray(1e3 * self.force(depth)[:, None] * self.shares_at(depth))
+
+    def shares_at(self, depth: Array) -> Array:
+        """Interpolate the shares (n, 64) in 1/mm² at depths (n,) mm."""
+        return _columns(depth, np.linspace(0.0, self.deepest, SHARES), self.shares)
 
     def until(self, depth: float) -> "Curve":
         """Cut the curve off at a depth in mm; a shorter curve is unchanged."""
         if depth >= self.deepest:
             return self
         even, few = (np.linspace(0.0, depth, count) for count in (NODES, SHARES))
-        return replace(
-            self, q=self.power(even), deepest=depth, shares=_columns(few, self._few, self.shares)
-        )
-
-    @property
-    def _few(self) -> Array:
-        return np.linspace(0.0, self.deepest, SHARES)
+        return replace(self, q=self.power(even), deepest=depth, shares=self.shares_at(few))
 
     def _logarithm(self, depth: Array) -> Array:
         value = 1.5 * np.log(depth) + self.power(depth)
@@ -178,7 +174,7 @@ class Family:
         even, few = (np.linspace(0.0, self.deepest, count) for count in (NODES, SHARES))
         for weight, each in zip(weights.tolist(), self.curves, strict=True):
             q = q + weight * each.power(even)
-            shares = shares + weight * _columns(few, each._few, each.shares)
+            shares = shares + weight * each.shares_at(few)
         growth = None if len(self.shapes) > 1 else shape
         return Curve(q, self.deepest, shares, growth).until(self.reached)
 
@@ -221,8 +217,7 @@ class Family:
     def _shares_difference(self, one: Curve, other: Curve) -> Array:
         """Difference of the shares of `other` from those of `one`, (SHARES, 64)."""
         even = np.linspace(0.0, self.deepest, SHARES)
-        first, second = (_columns(even, each._few, each.shares) for each in (one, other))
-        return second - first
+        return other.shares_at(even) - one.shares_at(even)
 
 
 def family(shapes: Sequence[float], radius: float, press: Callable[[float], SlowPress]) -> Family:
