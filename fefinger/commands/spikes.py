@@ -14,7 +14,7 @@ OPTIONS = {
     "family": "--afferents",
     "trial": "--trial",
 }
-"""Options by the argument of `neural.series.spikes`, at which its messages begin."""
+"""Options by the argument of `neural.series.fire`, at which its messages begin."""
 
 
 @click.command()
@@ -71,9 +71,8 @@ def spikes(
     signals = read(source)
     with outputs.output(output) as folder:
         try:
-            trains = series.spikes(
-                signals.time,
-                dict(zip(signals.headers, signals.drive.T, strict=True)),
+            trains = series.fire(
+                signals,
                 types,
                 length=length,
                 corners=corners,
