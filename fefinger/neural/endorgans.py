@@ -51,7 +51,6 @@ class PoleZero:
     gain: float = 1.0
 
     def __post_init__(self) -> None:
-        """Check the corner frequencies."""
         finite = all(math.isfinite(f) and f >= 0 for f in (*self.zeros, *self.poles))
         poles = np.sort(self.poles)
         distinct = bool((np.diff(poles) > _APART * poles[1:]).all())

@@ -40,7 +40,6 @@ class Surface:
     areas: Array
 
     def __post_init__(self) -> None:
-        """Check the arrays."""
         n = len(self.points)
         shapes = (np.shape(self.points), np.shape(self.normals), np.shape(self.areas))
         if n < NEIGHBORS or shapes != ((n, 3), (n, 3), (n,)):

@@ -106,7 +106,6 @@ class Recorded:
     spread: float
 
     def __post_init__(self) -> None:
-        """Check every parameter."""
         choice("drive", self.drive, DRIVES)
         for name, bounds in BOUNDS.items():
             set_number(self, name, at_least=bounds.low, at_most=bounds.high, unit=bounds.unit)

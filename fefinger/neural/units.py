@@ -66,7 +66,6 @@ class _Setup:
     tolerance: float | None
 
     def __post_init__(self) -> None:
-        """Check the choices."""
         choice("generator", self.generator, GENERATORS)
         choice("rule", self.rule, RULES)
         reject_unknown("organs", self.organs, TYPES)

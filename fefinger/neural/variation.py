@@ -50,7 +50,6 @@ class Variation:
     trial: int = 0
 
     def __post_init__(self) -> None:
-        """Check the seed and the sizes."""
         integer("seed", self.seed)
         integer("trial", self.trial)
         if self.spread is not None:

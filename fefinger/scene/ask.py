@@ -85,7 +85,6 @@ class Ask:
     solver: str | None = None
 
     def __post_init__(self) -> None:
-        """Check every field."""
         for name in ("force", "pressure", "strain", "fields"):
             boolean(f"ask.{name}", getattr(self, name))
         set_number(self, "ask.rel_error", above=0, at_most=1)

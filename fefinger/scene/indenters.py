@@ -95,7 +95,6 @@ class Ellipsoid(Placed):
     at: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        """Check the half axes and the place."""
         radii = numbers("indenter.radii", self.radii, count=3, above=0, unit="mm")
         object.__setattr__(self, "radii", radii)
         super().__post_init__()

@@ -65,7 +65,6 @@ class Layout:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        """Check the fields that all layouts have."""
         boolean("ask.population.branched", self.branched)
         if self.rule is not None:
             choice("ask.population.rule", self.rule, RULES)
@@ -90,7 +89,6 @@ class Scatter(Layout):
     densities: Mapping[str, float] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
-        """Check radius and densities."""
         super().__post_init__()
         set_number(self, "ask.population.radius", above=0.0, at_most=LARGEST_RADIUS, unit="mm")
         name = "ask.population.densities"
@@ -112,7 +110,6 @@ class Grid(Layout):
     radius: float = 5.0
 
     def __post_init__(self) -> None:
-        """Check spacing and radius."""
         super().__post_init__()
         set_number(self, "ask.population.radius", above=0.0, at_most=LARGEST_RADIUS, unit="mm")
         set_number(self, "ask.population.spacing", at_least=0.1, at_most=self.radius, unit="mm")
@@ -130,7 +127,6 @@ class Line(Layout):
     branched: bool = False
 
     def __post_init__(self) -> None:
-        """Check the ends and the number."""
         super().__post_init__()
         for name in ("start", "stop"):
             place = numbers(f"ask.population.{name}", getattr(self, name), count=2, unit="mm")
@@ -153,7 +149,6 @@ class Places(Layout):
     branched: bool = False
 
     def __post_init__(self) -> None:
-        """Check the list."""
         super().__post_init__()
         name = "ask.population.places"
         given: Any = self.places

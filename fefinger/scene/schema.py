@@ -75,7 +75,6 @@ def schema() -> Schema:
 
 
 def _finger() -> Schema:
-    """Return the schema of the table [finger]."""
     keys = _keys("finger", Finger)
     keys[SUBJECT] = keys.pop("subject_name") | {"enum": list(pawluk1997.subjects())}
     hard = _table(_keys("hard", Hard), required=("modulus",))
@@ -86,7 +85,6 @@ def _finger() -> Schema:
 
 
 def _ask() -> Schema:
-    """Return the schema of the table [ask]."""
     keys = _keys("ask", Ask)
     keys["population"] = _kinds("ask.population", LAYOUTS, Scatter.kind)
     keys["spikes"]["items"] = {"enum": list(TYPES)}

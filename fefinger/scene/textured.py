@@ -119,7 +119,6 @@ class Relief(PlateLike):
     roll: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check the grid, the heights and the place."""
         for name in ("x", "y"):
             lines = numbers(f"indenter.{name}", getattr(self, name), unit="mm")
             if len(lines) < SAMPLES or any(after <= before for before, after in pairwise(lines)):

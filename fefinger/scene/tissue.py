@@ -51,7 +51,6 @@ class Tissue:
     density: float = DENSITY
 
     def __post_init__(self) -> None:
-        """Check every field."""
         set_number(self, "tissue.modulus", above=0, unit="kPa")
         set_number(self, "tissue.poisson", at_least=0, at_most=0.5)
         set_number(self, "tissue.density", above=0, unit="kg/m³")
@@ -99,6 +98,5 @@ class Hard:
     poisson: float = 0.3
 
     def __post_init__(self) -> None:
-        """Check every field."""
         set_number(self, "hard.modulus", above=0, unit="kPa")
         set_number(self, "hard.poisson", at_least=0, at_most=0.5)

@@ -257,7 +257,6 @@ def _prony(name: str, table: Mapping[str, Any]) -> dict[str, Prony]:
 
 
 def _ask(table: dict[str, Any]) -> Ask:
-    """Convert the table [ask]."""
     if "population" in table:
         given = _subtable("ask.population", table)
         kind = choice("ask.population.kind", given.pop("kind", Scatter.kind), LAYOUTS)
@@ -266,13 +265,11 @@ def _ask(table: dict[str, Any]) -> Ask:
 
 
 def _indenter(table: dict[str, Any], folder: Path) -> Indenter:
-    """Convert the table [indenter]."""
     kind = choice("indenter.kind", table.pop("kind", Flat.kind), INDENTERS, OBJECTS)
     return cast(Indenter, _of_kind("indenter", INDENTERS[kind], table, folder))
 
 
 def _motion(table: dict[str, Any], folder: Path) -> Motion:
-    """Convert the table [motion]."""
     if "kind" not in table:
         raise InputError(f"motion.kind: missing; expected one of {', '.join(map(repr, MOTIONS))}")
     kind = choice("motion.kind", table.pop("kind"), MOTIONS, MOVEMENTS)

@@ -67,7 +67,6 @@ class HodgkinHuxley:
     temperature: float = _MEASURED_AT
 
     def __post_init__(self) -> None:
-        """Check the divisor and the temperature."""
         number("rate_divisor", self.rate_divisor, at_least=1.0, at_most=100.0)
         number("temperature", self.temperature, at_least=0.0, at_most=40.0, unit="C")
 

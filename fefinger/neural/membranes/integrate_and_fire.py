@@ -38,7 +38,6 @@ class IntegrateAndFire:
     refractory: float = 0.038
 
     def __post_init__(self) -> None:
-        """Check the three numbers."""
         number("threshold", self.threshold, above=0.0, unit="µA/cm²")
         number("time_constant", self.time_constant, above=0.0, unit="s")
         number("refractory", self.refractory, at_least=0.0, unit="s")
