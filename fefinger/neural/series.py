@@ -124,9 +124,8 @@ def fire(
         What `read` or `given` returns. A column whose header begins with a type, as
         `FAI_displacement_mm`, drives a unit of that type; any other column a unit of each of
         `types`. Other names of types, such as RA, are refused.
-    types
-        Afferent types, by default all four for which the samples are not too coarse; the others are
-        noted.
+    types, generator, family, trial
+        As in `spikes`.
     length
         Skin displacement in mm per strain of 1: the depth of a small flat press over the strain at
         the end organ that it causes. For the family "recorded" the displacement is that of a pin 1
@@ -138,12 +137,6 @@ def fire(
     tolerance
         Allowed error of spike times in ms, which sets integrator and step; None: Runge-Kutta at
         50 us.
-    generator
-        As in `neural.units.simulate_units`.
-    family
-        Family of the afferents; "recorded" has neither tolerance nor generator.
-    trial
-        Number of the trial; units of "thesis" have no noise, so that they have only trial 0.
 
     Raises
     ------
