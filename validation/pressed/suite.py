@@ -29,15 +29,7 @@ WANTED = {
 """Errors that are aimed at in 95 % of the scenes: loading and hold, and retreat."""
 
 MISSES = {
-    ("loading", "force"): (
-        0.0396,
-        "the shape of the tissue is taken to depend on the depth alone, not on earlier stress",
-    ),
-    ("peak", "area"): (0.112, "shallow contacts on the coarse mesh are a few facets wide"),
-    ("retreat", "strain"): (
-        0.229,
-        "near and after lift-off the strain that is left is not that of the press at any depth",
-    ),
+    ("peak", "area"): (0.111, "shallow contacts on the coarse mesh are a few facets wide"),
 }
 """Errors that miss their aim: what they are known to be, and why."""
 
