@@ -11,6 +11,7 @@ from fefinger.fem.elements.assembly import numbering
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import System, factor, prepare
+from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh, volumes
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
@@ -38,6 +39,19 @@ class Solid:
     def planes(self) -> tuple[int, ...]:
         """Axes normal to the planes of symmetry, beyond which the body is its mirror image."""
         return (1,) if self.half else ()
+
+    @property
+    def sides(self) -> int:
+        """Number of copies of it in the whole finger: 2 of a half."""
+        return 2 if self.half else 1
+
+    def folded(self, points: Array) -> Array:
+        """Return the places in it (n, 3) mm of points of the whole finger."""
+        return mirror.to_half(points) if self.half else points
+
+    def unfolded(self, tensors: Array, points: Array) -> Array:
+        """Return tensors (..., n, 3, 3) at points (n, 3), given those at their `folded` places."""
+        return mirror.from_half(tensors, points) if self.half else tensors
 
     @property
     def loadable(self) -> Flags | None:

@@ -15,7 +15,6 @@ from fefinger.validation.human.presses import finger
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.laws import Law
 from fefinger.fem.hyperelastic.stress_kernels import PAIRS, moduli_of, stresses
-from fefinger.geometry import mirror
 from fefinger.mechanics.press import tabulated_press
 from fefinger.mechanics.press.constitutive import laws
 from fefinger.mechanics.press.problem import Press
@@ -73,8 +72,7 @@ def skin_speeds(name: str, force: float) -> tuple[float, float]:
     body = press.body
     normals = body.normals[on]
     points = body.space.points[on] - DEEP * normals
-    where = mirror.to_half(points) if body.half else points
-    probe = recovered_gradient_at(body.space, where, body.planes)
+    probe = recovered_gradient_at(body.space, body.folded(points), body.planes)
     amplitudes = weights @ table.modes.amplitudes[:count]
     gradients = (probe @ table.unknowns(amplitudes, probe.shape[1])).reshape(-1, 3, 3)
     skin, fast = laws(subject)[1], 1 / subject.prony.long_time

@@ -84,8 +84,7 @@ def impedance(tissue: str, preload: float) -> Complex:
             finger, solid, displaced(solid, loads), body.participation / o.omega_squared[:, None]
         ),
     )
-    sides = 2.0 if solid.half else 1.0
-    stiffness = sides * NEWTON_PER_MILLINEWTON * held.stiffness(BAND)
+    stiffness = solid.sides * NEWTON_PER_MILLINEWTON * held.stiffness(BAND)
     return np.asarray(PER_METER * stiffness / (2j * np.pi * BAND))
 
 

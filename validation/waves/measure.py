@@ -224,8 +224,7 @@ def truncation(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
         flexibility = (
             full.residual_flexibility[np.ix_(active, active)] / g + (part.T * receptance) @ part
         )
-        sides = 2.0 if solid.half else 1.0
-        stiffness = sides * 1e-3 * weights @ np.linalg.solve(flexibility, weights)
+        stiffness = solid.sides * 1e-3 * weights @ np.linalg.solve(flexibility, weights)
         yield {
             "relaxation": relaxation,
             "ratio": float(ratio),

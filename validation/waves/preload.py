@@ -102,7 +102,7 @@ class Preloaded:
             target = Target("depth", depth, self.elements.at_rest)
             pressure = self.equilibrium.find(self.state, target).pressure
             forces.append(float(self.gap.contact.projected @ pressure))
-        unit = NEWTON_PER_MILLINEWTON * self.press.sides
+        unit = NEWTON_PER_MILLINEWTON * self.press.body.sides
         return unit * (forces[1] - forces[0]) / (2 * part * self.depth)
 
     @cached_property
@@ -152,7 +152,7 @@ class Preloaded:
         answer += solver.solve(right - matrix @ answer)
         moved, pressure = answer[: len(free)], answer[len(free) :]
         force = travel @ pressure - coupled @ moved + along[free] @ coupled
-        return complex(NEWTON_PER_MILLINEWTON * self.press.sides * force)
+        return complex(NEWTON_PER_MILLINEWTON * self.press.body.sides * force)
 
     @cached_property
     def statics(self) -> tuple[float, float]:

@@ -135,7 +135,7 @@ def lateral(
     for begin, end in skin.passes():  # until all of it slips, it has moved as it was pulled
         slid[begin : min(skin.onset(begin, end)[0], end)] = 0.0
     pulled = friction[1:, None] * (pressure[1:] * areas)[..., None]
-    lost = -np.einsum("tvk,tvk->t", pulled, slid) * press.sides * NEWTON_PER_MILLINEWTON
+    lost = -np.einsum("tvk,tvk->t", pulled, slid) * press.body.sides * NEWTON_PER_MILLINEWTON
     return Lateral(
         shift=skin.shift,
         force=friction * force[:, None],

@@ -63,7 +63,7 @@ def solve(
 
     Errors as `load_or_solve`.
     """
-    thickness, wanted = press.finger.thickness, force / NEWTON_PER_MILLINEWTON / press.sides
+    thickness, wanted = press.finger.thickness, force / NEWTON_PER_MILLINEWTON / press.body.sides
 
     def reached_target(depth: float, borne: float) -> bool:
         return borne >= wanted and (not further or depth >= PART * thickness * (1 - 1e-9))
@@ -120,7 +120,7 @@ def _solved(
         with stages.stage("reference"):
             fields.append(reference_unknowns(whole, elements))
     pressure, travel = history.pressure, history.contact.projected
-    force = press.sides * pressure @ travel * NEWTON_PER_MILLINEWTON
+    force = press.body.sides * pressure @ travel * NEWTON_PER_MILLINEWTON
     pad, column = whole_pad(body, history.contact.neighborhood)
     return DepthTable(
         depth=solved,

@@ -120,7 +120,7 @@ class Vibrating:
     @property
     def _unit(self) -> float:
         """Force in N of the whole finger for one of 1 mN on the meshed part."""
-        return (2.0 if self.solid.half else 1.0) * NEWTON_PER_MILLINEWTON
+        return self.solid.sides * NEWTON_PER_MILLINEWTON
 
     def static(self, candidates: Integers) -> Static:
         """Return the static response to unit loads at some of the candidates (k,).
@@ -160,7 +160,7 @@ class Vibrating:
             held.modulus(frequency) * body.oscillators.omega_squared[-1]
         )
         strain, skin = self._read(held, static, frequency)
-        sides, unit = 2.0 if self.solid.half else 1.0, self._unit
+        unit = self._unit
         return Harmonic(
             frequency=frequency,
             stiffness_parts=apart(unit * stiffness),
@@ -171,7 +171,7 @@ class Vibrating:
             modes=held.frequencies[:LISTED],
             preload_depth=depth,
             preload_force=float(unit * pressure @ on_pad.projected),
-            contact_area=float(sides * on_pad.areas[active].sum()),
+            contact_area=float(self.solid.sides * on_pad.areas[active].sum()),
             notes=(CONTACT,),
         )
 
@@ -215,8 +215,8 @@ class Vibrating:
         n_sites = 0 if sites is None else len(sites.points)
         flat = rows[:, : 6 * n_sites].reshape(len(frequency), n_sites, 6)
         strain = tensor_from_voigt(flat.real) + 1j * tensor_from_voigt(flat.imag)
-        if self.solid.half and sites is not None:
-            strain = mirror.from_half(strain, sites.points)
+        if sites is not None:
+            strain = self.solid.unfolded(strain, sites.points)
         return strain, rows[:, 6 * n_sites :].reshape(len(frequency), -1, 3)
 
     def _check(self, frequency: Array) -> None:
@@ -246,8 +246,7 @@ def skin_line(solid: Operator) -> Integers:
 
 
 def _rows(solid: Operator, sites: Sites | None, line: Integers) -> sparse.csr_matrix:
-    where = sites.points if sites is not None else np.empty((0, 3))
-    where = mirror.to_half(where) if solid.half else where
+    where = solid.folded(sites.points if sites is not None else np.empty((0, 3)))
     strain = recovered_strain_at(solid.space, where, solid.planes)
     columns = (3 * line[:, None] + np.arange(3)).ravel()
     skin = sparse.eye(solid.space.n_unknowns, format="csr")[columns]

@@ -186,7 +186,7 @@ def stiffening(press: Press, table: TabulatedPress, depth: float) -> float:
     )
     projected = on_pad.projected[active]
     block = reduced.flexibility[np.ix_(active, active)]
-    linear = press.sides * NEWTON_PER_MILLINEWTON * projected @ np.linalg.solve(block, projected)
+    linear = body.sides * NEWTON_PER_MILLINEWTON * projected @ np.linalg.solve(block, projected)
     return float(tangent(table, depth) / linear)
 
 
@@ -221,7 +221,7 @@ def _added(
     relaxation: PreloadRelaxation,
 ) -> Response:
     """Add what inertia and the preload change to the answer at finite strain."""
-    unit = press.sides * NEWTON_PER_MILLINEWTON
+    unit = press.body.sides * NEWTON_PER_MILLINEWTON
     moving = unit * history.contact.pressure @ history.body.static.patch.projected
     resting = unit * still.contact.pressure @ still.reduced.patch.projected
     by_force, about = press.motion.control == "force", (press.motion, press.time)

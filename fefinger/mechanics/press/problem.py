@@ -10,7 +10,6 @@ import numpy as np
 from fefinger.fem.body import Body, Reduced, Solid
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.linalg.system import System
-from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import placement
 from fefinger.mechanics.press.discretization import FORCE_DEPTH, continued
@@ -165,13 +164,11 @@ class Press:
     @property
     def site_points(self) -> Array:
         """Places (n, 3) mm in the meshed part at which the sites are read; none without sites."""
-        points = self.sites.points if self.sites else np.empty((0, 3))
-        return mirror.to_half(points) if self.body.half else points
+        return self.body.folded(self.sites.points if self.sites else np.empty((0, 3)))
 
     def unfolded(self, strain: Array) -> Array:
         """Return tensors (..., n, 3, 3) at the sites, given those at `site_points`."""
-        half = self.body.half
-        return mirror.from_half(strain, self.sites.points) if half and self.sites else strain
+        return self.body.unfolded(strain, self.sites.points) if self.sites else strain
 
     @property
     def tangential(self) -> bool:
@@ -194,15 +191,10 @@ class Press:
         return self.body.system
 
     @property
-    def sides(self) -> int:
-        """Number of copies of the meshed part in the whole finger: 2 for a half model."""
-        return 2 if self.body.half else 1
-
-    @property
     def load_unit(self) -> float:
         """Factor from the unit of the motion, mm or N, to mm or mN on the meshed part."""
         by_depth = self.motion.control == "depth"
-        return 1.0 if by_depth else 1 / NEWTON_PER_MILLINEWTON / self.sides
+        return 1.0 if by_depth else 1 / NEWTON_PER_MILLINEWTON / self.body.sides
 
 
 def of_texture(scene: Scene, body: Solid, obstacle: Obstacle) -> Iterator[str]:

@@ -42,7 +42,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
             area = (pressure > 0) @ pad.areas if moves else surface.area(pressure > 0, gap)
             middle = centroid(pad, pressure)
             moment = whole_moment(contact.pressure @ on_pad.moment, half)
-        force = press.sides * contact.pressure @ on_pad.projected * NEWTON_PER_MILLINEWTON
+        force = press.body.sides * contact.pressure @ on_pad.projected * NEWTON_PER_MILLINEWTON
         strain = None
         if press.sites is not None:
             components = contact.elastic @ history.reduced.strain.T
@@ -199,7 +199,7 @@ def _kept_fields(press: Press, history: FiniteStrainHistory) -> Fields:
 def _between_steps(press: Press, history: FiniteStrainHistory) -> tuple[Array, Array]:
     """Return the pressure (n_t, n_candidates) kPa and the force (n_t,) N at all times."""
     pressure = history.steps.bounded(history.pressure)
-    force = press.sides * pressure @ history.contact.projected * NEWTON_PER_MILLINEWTON
+    force = press.body.sides * pressure @ history.contact.projected * NEWTON_PER_MILLINEWTON
     if press.motion.control == "force":  # that is prescribed between the steps as well
         ratio = np.divide(history.steps.path, force, out=np.ones_like(force), where=force > 0)
         pressure, force = pressure * ratio[:, None], force * ratio

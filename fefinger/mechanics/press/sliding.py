@@ -151,7 +151,7 @@ def lateral(press: Press, history: SmallStrainHistory, pad: Pad, column: Integer
         stick_area=np.asarray(sliding.sticking @ areas[: len(on.vertices)], dtype=np.float64),
         traction=traction if press.pressure else None,
         slip=slip if press.pressure else None,
-        work=press.sides * sliding.lost * 1e-3,  # mJ from µJ
+        work=press.body.sides * sliding.lost * 1e-3,  # mJ from µJ
         outcome=outcome(press, history),
     )
 

@@ -9,7 +9,6 @@ from fefinger.fem.body import solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
-from fefinger.geometry import mirror
 from fefinger.mechanics.press import dragged, elastic_press
 from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.depth_table import DepthTable
@@ -98,7 +97,7 @@ class TabulatedPress:
     def pressures(self, history: ContactHistory) -> Array:
         """Pressure (n_t, n_candidates) kPa: cut off at 0 and scaled to the force."""
         pushing = np.maximum(history.stress(self.pressure) / self.relaxed, 0.0)
-        unit = self.press.sides * NEWTON_PER_MILLINEWTON
+        unit = self.press.body.sides * NEWTON_PER_MILLINEWTON
         borne = unit * pushing @ self.contact.projected
         force = self.forces(history)
         factor = np.divide(force, borne, out=np.zeros_like(borne), where=borne > 0)
@@ -107,13 +106,12 @@ class TabulatedPress:
     def strain(self, points: Array) -> Array:
         """Logarithmic strain (n, n_points, 3, 3) at points of the whole finger, at the depths."""
         body = self.press.body
-        where = mirror.to_half(points) if body.half else points
-        probe = recovered_gradient_at(body.space, where, body.planes)
+        probe = recovered_gradient_at(body.space, body.folded(points), body.planes)
         modes = self.table.modes
         unknowns = self.table.unknowns(modes.amplitudes[: len(self.table.depth)], probe.shape[1])
         gradients = unknowns @ probe.T
         strain = logarithmic(gradients.reshape(len(gradients), -1, 3, 3))
-        return mirror.from_half(strain, points) if body.half else strain
+        return body.unfolded(strain, points)
 
     def displacement(self, weights: Array) -> Array:
         """Unknowns (n_t, n_unknowns) with the displacements of weights (n_t, n) of the depths."""

@@ -103,7 +103,7 @@ class Condensed:
             origin = getattr(touch, "origin", np.zeros(3))
             sites = central_sites(Ask(), finger.pulp, origin, touch.axis)
         self.sites = sites
-        where = mirror.to_half(self.sites.points) if half else self.sites.points
+        where = solid.folded(self.sites.points)
         probe = self.probe = partial(recovered_strain_at, solid.space, where, solid.planes)
         surface, reach, within = solid.space, problem.REACH * self.deepest, solid.loadable
         reduced = reduced_to_candidates(
@@ -115,7 +115,7 @@ class Condensed:
         )
         self.solid, self.patch, self.flexibility = solid, reduced.patch, reduced.flexibility
         self.touch, self.reduced = touch, reduced
-        self._sides, self._stiffening = 2.0 if half else 1.0, stiffening
+        self._sides, self._stiffening = solid.sides, stiffening
         self._state = lcp_compiled.lcp_state(reduced.flexibility)
         gap, areas = self.patch.gap, self.patch.projected
         self._memory = step_compiled.pad_state(gap, areas, *finger.prony.branches, tolerance)
@@ -265,7 +265,7 @@ def reduced_to_candidates(
 
 
 def read_summary(
-    now: Step, pad: step_compiled.PadState, output: step_compiled.Output, sides: float
+    now: Step, pad: step_compiled.PadState, output: step_compiled.Output, sides: int
 ) -> Step:
     """Set depth, force, area and center of pressure of a step, of a finger of so many `sides`."""
     force, now.contact_area, now.x, now.y = output.summary.tolist()

@@ -111,7 +111,7 @@ class Modal:
             elastic=np.zeros(count),
             strain=np.zeros(len(rows.T), dtype=kind),
         )
-        self._sides = 2.0 if still.solid.half else 1.0
+        self._sides = still.solid.sides
         strain = self._output.strain.reshape(-1, 6)
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._contact.lcp.x, strain)
         self._advance(self.dt, 0.0, by_force=False)  # compiles or loads what a step needs

@@ -156,7 +156,7 @@ class Pressed:
         now.depth = contact.depth
         now.force = float(stressed @ self._force) if force is None else force
         np.maximum(stressed @ self._pressure, 0.0, out=now.pressure)
-        unit = self._tabulated.press.sides * NEWTON_PER_MILLINEWTON
+        unit = self._tabulated.press.body.sides * NEWTON_PER_MILLINEWTON
         borne = unit * float(now.pressure @ self._travel)
         now.pressure *= now.force / borne if borne > 0 else 0.0
         load, x, y = (now.pressure @ self._loads).tolist()

@@ -53,8 +53,8 @@ def test_the_indenter_is_at_first_touch() -> None:
 def test_loads_are_those_of_the_meshed_part() -> None:
     by_force = ff.ForceRamp(1.0, 0.5)
     half, whole = (press(motion=by_force, indenter=ff.Flat(30, tilt)) for tilt in (0.0, 10.0))
-    assert (half.sides, half.load_unit) == (2, 500.0)
-    assert (whole.sides, whole.load_unit) == (1, 1000.0)
+    assert (half.body.sides, half.load_unit) == (2, 500.0)
+    assert (whole.body.sides, whole.load_unit) == (1, 1000.0)
     assert half.expected_depth == FORCE_DEPTH * FINGER.thickness
     by_depth = press()
     assert (by_depth.load_unit, by_depth.expected_depth) == (1.0, 0.4)
