@@ -132,12 +132,9 @@ def _around(space: Space, points: Array) -> Iterator[tuple[Integers, Array]]:
 
 def _gradient_rows(space: Space, cells: Integers, local: Array) -> sparse.csr_matrix:
     """Gradient (9 n, n_unknowns) at reference coordinates `local` (n, 3) of `cells` (n,)."""
-    element, n_local = space.scalar.elem, space.nodes.shape[1]
-    reference = np.array([element.lbasis(local.T, i)[1] for i in range(n_local)])
-    corners = space.points[space.vertices[cells]]
-    inverse = np.linalg.inv(np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2))
-    gradients = np.einsum("kjp,pjd->pkd", reference, inverse)
-    block = np.broadcast_to(gradients.transpose(0, 2, 1)[:, None], (len(cells), 3, 3, n_local))
+    reference = space.shape_gradients(local.T)
+    gradients = np.einsum("kjp,pjd->pkd", reference, space.jacobians[cells])
+    block = np.broadcast_to(gradients.transpose(0, 2, 1)[:, None], (len(cells), 3, 3, 10))
     rows = np.arange(9 * len(cells)).reshape(len(cells), 3, 3, 1)
     unknowns = 3 * space.nodes[cells][:, None, None, :] + np.arange(3)[:, None, None]
     return scattered(block, rows, unknowns, (9 * len(cells), space.n_unknowns)).tocsr()

@@ -69,6 +69,16 @@ class Space:
         displacements = (3 * self.nodes[:, :, None] + np.arange(3)).reshape(len(self.nodes), -1)
         return np.hstack([displacements, self.n_displacements + self.pressures])
 
+    @cached_property
+    def jacobians(self) -> Array:
+        """Gradients (n_cells, 3, 3) 1/mm of the three reference coordinates of each cell."""
+        corners = self.points[self.vertices]
+        return np.asarray(np.linalg.inv(np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2)))
+
+    def shape_gradients(self, places: Array) -> Array:
+        """Gradients (10, 3, n) of the quadratic shapes at reference coordinates (3, n)."""
+        return np.array([self.scalar.elem.lbasis(places, node)[1] for node in range(10)])
+
     @property
     def n_nodes(self) -> int:
         """Number of displacement nodes."""

@@ -155,8 +155,6 @@ def continuum(
     basis = space.scalar
     quadrature = basis.quadrature
     linear = Basis(basis.mesh, ElementTetP1(), quadrature=quadrature)
-    corners = space.points[space.vertices]
-    edges = np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2)
     scale = max(law.shear for k, law in tissues.items() if soft is None or k in soft)
     laws = {
         k: (law.shear, law.compressibility, law.share, law.exponent) for k, law in tissues.items()
@@ -166,11 +164,9 @@ def continuum(
     return Continuum(
         space=space,
         laws=np.array([laws[int(k)] for k in space.tissue]),
-        jacobians=np.ascontiguousarray(np.linalg.inv(edges)),
+        jacobians=np.ascontiguousarray(space.jacobians),
         weights=np.ascontiguousarray(basis.dx),
-        reference=np.array([basis.elem.lbasis(quadrature[0], i)[1].T for i in range(10)])
-        .transpose(1, 0, 2)
-        .copy(),
+        reference=space.shape_gradients(quadrature[0]).transpose(2, 0, 1).copy(),
         shapes=scale * np.array([np.asarray(f[0])[0] for f in linear.basis]).T.copy(),
         scale=scale,
         pattern=sparse.csr_matrix((np.zeros(len(columns)), columns, starts), shape=(n, n)),

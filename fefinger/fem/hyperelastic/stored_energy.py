@@ -36,11 +36,10 @@ class StoredEnergy:
         basis, self.tissue = space.scalar, space.tissue[chosen]
         x, y, z = basis.quadrature[0]
         self._linear = np.column_stack([1 - x - y - z, x, y, z])  # (n_q, 4)
-        gradients = [basis.elem.lbasis(basis.quadrature[0], node)[1].T for node in range(10)]
-        self._slopes = np.array(gradients).reshape(10, -1)  # (10, 3 n_q)
+        gradients = space.shape_gradients(basis.quadrature[0])
+        self._slopes = gradients.transpose(0, 2, 1).reshape(10, -1)  # (10, 3 n_q)
         self._nodes, self._vertices = space.nodes[chosen], space.vertices[chosen]
-        corners = space.points[self._vertices]
-        self._jacobians = np.linalg.inv(np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2))
+        self._jacobians = space.jacobians[chosen]
         self._weights = np.asarray(basis.dx)[chosen]  # (n_cells, n_q) mm³
         law = [laws[int(label)] for label in self.tissue]
         self._shear, compressibility, self._share, self._exponent = (
