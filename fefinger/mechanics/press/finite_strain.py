@@ -228,8 +228,7 @@ def follow_course(
             reach,
             spreads=elements.nearly_incompressible,
         )
-        pad = body.space.points[np.unique(body.pad)]
-        limits.check_under(press.motion, press.obstacle, pad, contact.on.beyond)
+        limits.check_under(press.motion, press.obstacle, body, contact.on.beyond)
         history = _on_candidates(press, elements, contact, course, stages, allowance)
         pressed = np.asarray((history.pressure > 0).any(axis=0))
         _check_contact(body, contact, history)
@@ -287,8 +286,7 @@ def _check_contact(body: Solid, contact: ContactSurface, history: FiniteStrainHi
     pressed = np.asarray(bearing.any(axis=0))
     placement.check_inside(body, on.vertices[pressed], deepest)
     if not pressed.any():
-        pad = body.space.points[np.unique(body.pad)]
-        raise InputError(limits.untouched(contact.obstacle, pad, deepest))
+        raise InputError(limits.untouched(contact.obstacle, body, deepest))
     places = contact.at_rest[: len(contact)] + history.moved[:, : len(contact)]
     ended = (bearing & contact.obstacle.beyond(places)).any()
     if ended or (pressed & on.obstacle_border).any():

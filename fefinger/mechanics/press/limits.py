@@ -6,11 +6,12 @@ import numpy as np
 
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.scene.motion import Motion
-from fefinger.support.arrays import Array, Flags
+from fefinger.support.arrays import Flags
 from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:
+    from fefinger.fem.body import Solid
     from fefinger.fem.contact.obstacle import Obstacle
 
 MESHLESS = "a mechanics without a mesh, if `fefinger explain` lists one that can"
@@ -29,20 +30,20 @@ FEWEST = 3
 """Vertices of the pad under a ball or another object that ends, below which it is not resolved."""
 
 
-def check_under(motion: Motion, obstacle: "Obstacle", pad: Array, beyond: Flags) -> None:
-    """Raise InputError if an indenter has too few vertices of the pad under it.
+def check_under(motion: Motion, obstacle: "Obstacle", body: "Solid", beyond: Flags) -> None:
+    """Raise InputError if an indenter has too few vertices of the pad of a body under it.
 
-    pad (n_pad, 3) mm: the vertices of the pad; beyond (n,): whether the indenter has ended at its
-    candidates.
+    beyond (n,): whether the indenter has ended at its candidates.
     """
     if len(beyond) and not (beyond.any() and (~beyond).sum() < FEWEST):
         return
     by_force = motion.control == "force"
-    raise InputError(NOTHING_UNDER if by_force else untouched(obstacle, pad, motion.peak))
+    raise InputError(NOTHING_UNDER if by_force else untouched(obstacle, body, motion.peak))
 
 
-def untouched(obstacle: "Obstacle", pad: Array, depth: float) -> str:
-    """Error message for a press to `depth` mm that moves no vertex of the pad (n_pad, 3) mm."""
+def untouched(obstacle: "Obstacle", body: "Solid", depth: float) -> str:
+    """Error message for a press to `depth` mm that moves no vertex of the pad of a body."""
+    pad = body.space.points[np.unique(body.pad)]
     under = np.isfinite(obstacle.gap(pad)[0]) & ~obstacle.beyond(pad)
     too_small = under.sum() < FEWEST  # however deep it goes
     return NOTHING_UNDER if too_small else unresolved(depth)

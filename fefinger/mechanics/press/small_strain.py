@@ -111,10 +111,10 @@ def _on_candidates(
     press: Press, candidates: Patch, stages: Stages, advance: Advance
 ) -> tuple[Reduced, History]:
     body, motion, obstacle = press.body, press.motion, press.obstacle
-    where, pad = press.site_points, body.space.points[np.unique(body.pad)]
     ended = obstacle.beyond(body.space.points[candidates.vertices])
-    limits.check_under(motion, obstacle, pad, ended)
+    limits.check_under(motion, obstacle, body, ended)
     with stages.stage("unit loads") as report:
+        where = press.site_points
         probe = recovered_strain_at(body.space, where, body.planes)
         reduced = sliding.reduce_to_patch(press, candidates, where, probe, report)
     with stages.stage("contact") as report:
@@ -125,7 +125,7 @@ def _on_candidates(
     pressed = (history.pressure > 0).any(axis=0)
     placement.check_inside(body, candidates.vertices[pressed], deepest)
     if not pressed.any():
-        raise InputError(limits.untouched(obstacle, pad, deepest))
+        raise InputError(limits.untouched(obstacle, body, deepest))
     if (pressed & candidates.obstacle_border).any():
         raise InputError(limits.rim_reached(len(candidates.vertices)))
     return reduced, history
