@@ -137,20 +137,30 @@ def touch_point(shape: Shape, touch: float | tuple[float, float]) -> Array:
     Raises InputError for a place that is not on the pad.
     """
     if isinstance(touch, tuple):
-        places = np.array([[touch[0], abs(touch[1]), PALMAR]])
-    else:
-        x = np.linspace(shape.cut, FOREMOST, RIDGE)[1:]
-        places = np.column_stack([x, 0 * x, np.full(len(x), PALMAR)])
-    on_skin = shape.skin.project(places, free=np.arange(3) == 2)
-    off = np.abs(shape.skin.level(on_skin)) > 1e-3
-    if isinstance(touch, tuple):
-        if off[0]:
+        place = palm(shape.skin, np.array(touch[:1]), abs(touch[1]))
+        if _off(shape.skin, place)[0]:
             message = f"indenter.at: expected a place (x, y) mm on the pad, received {touch}"
             raise InputError(message)
-        return np.asarray(on_skin[0])
+        return np.asarray(place[0])
+    ridge = palm(shape.skin, np.linspace(shape.cut, FOREMOST, RIDGE)[1:], 0.0)
     angle = np.radians(touch)
-    ahead = on_skin @ np.array([-np.sin(angle), 0.0, np.cos(angle)])
-    return np.asarray(on_skin[int(np.argmin(np.where(off, np.inf, ahead)))])
+    return foremost(shape.skin, ridge, np.array([-np.sin(angle), 0.0, np.cos(angle)]))
+
+
+def palm(skin: SmoothSurface, x: Array | float, y: Array | float) -> Array:
+    """Points (n, 3) of the palmar skin at places x, y mm, (n,) each or one for all."""
+    below = np.column_stack(np.broadcast_arrays(x, y, PALMAR))
+    return skin.project(below, free=np.arange(3) == 2)
+
+
+def foremost(skin: SmoothSurface, points: Array, axis: Array) -> Array:
+    """First of the points (n, 3) on the skin that a plate moving along `axis` touches, (3,)."""
+    return np.asarray(points[np.argmin(np.where(_off(skin, points), np.inf, points @ axis))])
+
+
+def _off(skin: SmoothSurface, points: Array) -> Flags:
+    """Whether a projection ended off the skin, (n,)."""
+    return np.asarray(np.abs(skin.level(points)) > 1e-3)
 
 
 def nail_of(recipe: Recipe, *, tip: float, middle: float, side: Callable[[Array], Array]) -> Nail:

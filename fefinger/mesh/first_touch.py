@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.geometry.profiles import directions
 from fefinger.mesh import extend
-from fefinger.mesh.finger_shape import FOREMOST, PALMAR, SmoothSurface
+from fefinger.mesh.finger_shape import FOREMOST, SmoothSurface, foremost, palm
 from fefinger.mesh.frame import FIT_RADIUS, curvature
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.scan import shape_of
@@ -39,12 +39,10 @@ def first_touch(recipe: Recipe, axis: ArrayLike) -> FirstTouch:
     across = directions(axis)
     x = np.linspace(shape.cut, FOREMOST, 200)[1:]
     y = np.linspace(-recipe.width / 3, recipe.width / 3, 41)
-    below = np.stack([*np.meshgrid(x, y), np.full((len(y), len(x)), PALMAR)], axis=-1)
-    palm = shape.skin.project(below.reshape(-1, 3), free=np.arange(3) == 2)
-    point = _foremost(shape.skin, palm, axis)
+    point = foremost(shape.skin, palm(shape.skin, *map(np.ravel, np.meshgrid(x, y))), axis)
     reach = 1.0
     for _ in range(ROUNDS):
-        point = _foremost(shape.skin, _patch(shape.skin, point, across, reach), axis)
+        point = foremost(shape.skin, _patch(shape.skin, point, across, reach), axis)
         reach *= ZOOM
     around = _patch(shape.skin, point, across, 1.5 * FIT_RADIUS) - point
     return FirstTouch(point, curvature(around, across, axis))
@@ -58,8 +56,7 @@ def at_cut(recipe: Recipe, axis: tuple[float, float, float], *, continued: bool 
     """
     shape, travel = _shape(recipe), np.array(axis)
     y = np.linspace(-recipe.width / 3, recipe.width / 3, 41)
-    below = np.column_stack([np.full(len(y), shape.cut), y, np.full(len(y), PALMAR)])
-    skin = shape.skin.project(below, free=np.arange(3) == 2)
+    skin = palm(shape.skin, shape.cut, y)
     if continued:
         slope = extend.palmar_slope(shape.skin.normals(skin[len(y) // 2 :][:1])[0])
         skin += np.array([-extend.LENGTH, 0.0, float(extend.rise(slope, extend.LENGTH))])
@@ -74,9 +71,3 @@ def _patch(skin: SmoothSurface, point: Array, across: Array, reach: float) -> Ar
     line = np.linspace(-reach, reach, COUNT)
     places = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
     return skin.project(point + places @ across)
-
-
-def _foremost(skin: SmoothSurface, points: Array, axis: Array) -> Array:
-    """First of the points (n, 3) on the skin that a plate moving along `axis` touches, (3,)."""
-    off = np.abs(skin.level(points)) > 1e-3
-    return np.asarray(points[int(np.argmin(np.where(off, np.inf, points @ axis)))])
