@@ -178,18 +178,6 @@ def _description(path: Path) -> str:
         return ""
 
 
-def _mesh(path: Path) -> str:
-    return str(json.loads(path.read_text(encoding="utf-8"))["name"])
-
-
-def _operator(path: Path) -> str:
-    return f"finger for `condensed`: {_body(path)}"
-
-
-def _modes(path: Path) -> str:
-    return f"finger for `modal`: {_body(path)}"
-
-
 def _body(path: Path) -> str:
     """Describe the finger of an operator or of modes from its identity."""
     identity = json.loads((path / "identity.json").read_text(encoding="utf-8"))
@@ -221,14 +209,6 @@ def _patch(path: Path) -> str:
     return f"object on a finger, for `condensed`: {points} points of the pad"
 
 
-def _table(path: Path) -> str:
-    return f"object on a finger, for `pressed`: table {_reach(path)}"
-
-
-def _press(path: Path) -> str:
-    return f"press of a calibration: {_reach(path)}"
-
-
 def _reach(path: Path) -> str:
     """Say how far a press with a depth in mm and a force in N goes."""
     import numpy as np
@@ -239,8 +219,12 @@ def _reach(path: Path) -> str:
 
 
 _DESCRIPTIONS: dict[str, Callable[[Path], str]] = {
-    **{"meshes": _mesh, "operators": _operator, "modes": _modes},
-    **{"patches": _patch, "presses": _press, "elastic": _table},
+    "meshes": lambda path: str(json.loads(path.read_text(encoding="utf-8"))["name"]),
+    "operators": lambda path: f"finger for `condensed`: {_body(path)}",
+    "modes": lambda path: f"finger for `modal`: {_body(path)}",
+    "patches": _patch,
+    "presses": lambda path: f"press of a calibration: {_reach(path)}",
+    "elastic": lambda path: f"object on a finger, for `pressed`: table {_reach(path)}",
 }
 
 
