@@ -14,6 +14,12 @@ from fefinger.support.tolerances import COMPLEMENTARITY
 PATIENCE = 12  # block exchanges without fewer violations before single ones take over
 EXCHANGES = 500  # limit; block exchanges may cycle, single ones of the last index (Murty) cannot
 
+ENDLESS = f"contact: expected a consistent contact set, found none in {EXCHANGES} exchanges"
+INDEFINITE = (
+    "contact: expected a positive definite flexibility of the pad, received another; take another "
+    "mesh (finger.resolution)"
+)
+
 
 class Complementarity:
     """Solver of w = F lambda + b >= 0, lambda >= 0, lambda . w = 0 for many b and one F.
@@ -58,11 +64,7 @@ class Complementarity:
                 # The last violation alone (Murty's rule): slow, but it cannot cycle.
                 wrong[: int(np.flatnonzero(wrong)[-1])] = False
             self.active = self.active ^ wrong
-        message = (
-            f"contact: expected a consistent contact set, found none in {EXCHANGES} exchanges; "
-            f"{PRESS_LESS}"
-        )
-        raise ConvergenceError(message)
+        raise ConvergenceError(f"{ENDLESS}; {PRESS_LESS}")
 
     def on_active(self, right: Array) -> Array:
         """Return x (n,), zero off the active set, with F x = `right` on it."""
@@ -84,9 +86,5 @@ class Complementarity:
             return partial(cho_solve, cho_factor(block, check_finite=False), check_finite=False)
         except LinAlgError as error:
             if not self.any_sign:
-                message = (
-                    "contact: expected a positive definite flexibility of the pad, received "
-                    "another; take another mesh (finger.resolution)"
-                )
-                raise ConvergenceError(message) from error
+                raise ConvergenceError(INDEFINITE) from error
         return partial(lu_solve, lu_factor(block, check_finite=False), check_finite=False)

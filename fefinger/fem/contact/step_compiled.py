@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from fefinger.fem.contact import complementarity
 from fefinger.fem.contact import lcp_compiled as contact
-from fefinger.fem.contact.complementarity import EXCHANGES
 from fefinger.fem.contact.lcp_compiled import (
     BEYOND,
     DONE,
@@ -296,10 +296,8 @@ def check(outcome: int, deepest: float = np.inf, *, advice: str = "take shorter 
     deepest: the largest depth in mm of the finger.
     """
     messages = {
-        ENDLESS: "contact: expected a consistent contact set, found none in "
-        f"{EXCHANGES} exchanges; {advice}",
-        SINGULAR: "contact: expected a positive definite flexibility of the pad, received another; "
-        "take another mesh (finger.resolution)",
+        ENDLESS: f"{complementarity.ENDLESS}; {advice}",
+        SINGULAR: complementarity.INDEFINITE,
         MISSED: f"force control: expected to reach the force within {CORRECTIONS} corrections, "
         f"did not; {advice}",
     }
