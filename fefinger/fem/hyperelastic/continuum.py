@@ -43,6 +43,11 @@ class HistoryStress:
     gains: Array
     past: Array
 
+    @property
+    def gain(self) -> float:
+        """Mean factor, which the tangent is about proportional to."""
+        return float(self.gains.mean())
+
 
 @dataclass(frozen=True)
 class Continuum:

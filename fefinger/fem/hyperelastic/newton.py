@@ -232,7 +232,7 @@ class Equilibrium:
 
         The iteration would oscillate: it converges for changes that are small beside K0.
         """
-        gain = float(target.history.gains.mean())
+        gain = target.history.gain
         skin = gain * self.body.scale / np.sqrt(self.contact.projected)
         factored = self._factored.fold_stiffness * gain / self._factored.gain
         change = np.abs(fold_stiffness - factored)
@@ -262,7 +262,7 @@ class Equilibrium:
         ConvergenceError
             If it is singular.
         """
-        body, gain = self.body, float(target.history.gains.mean())
+        body, gain = self.body, target.history.gain
         pressed = iterate.state.pressure > 0
         contact, support = iterate.gap.stiffness(), 0.0
         if consistent:
@@ -296,10 +296,8 @@ class Equilibrium:
         support (n,) kPa/mm: what was added to the tangent under the candidates; stiffness
         (n_unknowns, n_unknowns): the part of the tangent that the contact has.
         """
-        gain = float(target.history.gains.mean())
-        factored = FactoredTangent(
-            renewed, self.system.free, gap.loads, gain, support, gap.fold_stiffness
-        )
+        gain, free = target.history.gain, self.system.free
+        factored = FactoredTangent(renewed, free, gap.loads, gain, support, gap.fold_stiffness)
         if target.drag.any():
             factored.set_loads(gap, target.drag)
         if target.control == "force":  # else the obstacle stays where it is
@@ -321,14 +319,13 @@ class Equilibrium:
             If it is singular.
         """
         body, projected = self.body, self.contact.projected
-        gain = float(target.history.gains.mean())
         values = iterate.state.values
         definite = body.tangent(values, target.history, consistent=False)
         difference = body.tangent(values, target.history) - definite
         bends, spreads = iterate.gap.stiffness(), iterate.gap.spreading_stiffness()
         difference += spreads
         fixed = definite + bends
-        unit = gain * body.scale / float(np.sqrt(projected.sum()))
+        unit = target.history.gain * body.scale / float(np.sqrt(projected.sum()))
         leans = (iterate.state.pressure > 0) & (target.control == "depth")
         support = np.where(leans, SUPPORTS[-1] * unit, 0.0)
         while True:
@@ -365,7 +362,7 @@ class Equilibrium:
         mean_gap = gaps / projected  # mm; `gaps` are mm³
         near = (state.pressure > 0) | (mean_gap <= mean_gap.min() + NEAR * abs(state.depth))
         # K0 was made with another relaxation factor: K = K0 / gain_ratio.
-        gain_ratio = factored.gain / float(target.history.gains.mean())
+        gain_ratio = factored.gain / target.history.gain
         support = factored.support * (state.pressure > 0) / gain_ratio  # kPa/mm
         force = iterate.pulled @ state.pressure - loads @ (support * mean_gap) - iterate.inner  # mN
         at_same_contact = gain_ratio * factored.solve(force)  # mm, with pressures and depth kept
