@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from fefinger.validation.oracles import synthetic
+from fefinger.validation.oracles import approach, compliance, synthetic
 from fefinger.validation.thesis.ball import fit_ball
 from fefinger.validation.thesis.force_filter import two_pole
 
@@ -41,9 +41,9 @@ CALLS = [
     lambda: curvature.equivalent_radius(-1.0, -2.0),
     lambda: curvature.equivalent_radius(NAN, 2.0),
     lambda: curvature.equivalent_radius(0.0, 2.0),
-    lambda: curvature.series_modulus((NAN, 0.5)),
-    lambda: curvature.series_modulus((10.0, 0.6)),
-    lambda: curvature.series_modulus((10.0, NAN)),
+    lambda: compliance.series_modulus((NAN, 0.5)),
+    lambda: compliance.series_modulus((10.0, 0.6)),
+    lambda: compliance.series_modulus((10.0, NAN)),
     lambda: hertz.Hertz(NAN, 0.1, 34.0, 0.4),
     lambda: hertz.Hertz(10.0, 0.1, 34.0, 0.6),
     lambda: HERTZ.pressure(-1.0),
@@ -59,7 +59,7 @@ CALLS = [
     lambda: CONTACT.pressure(NAN),
     lambda: CONTACT.transform(NAN),
     lambda: indentation.paraboloid(STACK, NAN, contact_radius=1.0),
-    lambda: indentation.paraboloid_at(STACK, 10.0, depth=NAN),
+    lambda: approach.paraboloid_at(STACK, 10.0, depth=NAN),
     lambda: indentation.flat_punch(STACK, 1.0, depth=NAN),
     lambda: fingerpad.Fingerpad(NAN, 1.0, 1.0, PRONY),
     lambda: fingerpad.Fingerpad(INF, 1.0, 1.0, PRONY),

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from fefinger.validation.afferents.patterns import Pad
+from fefinger.validation.oracles.approach import paraboloid_at
 
 from fefinger.support.checks import ConvergenceError
-from fefinger.theory.contact import indentation, subsurface
+from fefinger.theory.contact import subsurface
 from fefinger.theory.contact.stack import Layer, Stack
 
 
@@ -21,7 +22,7 @@ def plate(at):
 @pytest.fixture(scope="module")
 def pressed():
     """Return the pressure under a plate 0.4 mm deep, and the exact contact."""
-    return PAD.pressure(plate, 0.4), indentation.paraboloid_at(LAYERS, 8.0, depth=0.4)
+    return PAD.pressure(plate, 0.4), paraboloid_at(LAYERS, 8.0, depth=0.4)
 
 
 def test_the_force_of_a_plate_is_that_of_the_exact_contact(pressed):

@@ -5,6 +5,8 @@ from functools import cache
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
+from fefinger.validation.oracles.approach import paraboloid_at
+from fefinger.validation.oracles.compliance import series_modulus
 from fefinger.validation.oracles.layer import Faced, Sheet
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import BALL_DEPTH, BALLS, SENSOR, ball
@@ -13,9 +15,8 @@ from numpy.typing import ArrayLike
 from fefinger.support.arrays import Array
 from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.array.sensor_fit import BlurredCap, SensorFit, search
-from fefinger.theory.contact.curvature import series_modulus
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.theory.contact.indentation import Contact, paraboloid_at
+from fefinger.theory.contact.indentation import Contact
 
 
 COVER = 2.0  # mm of RTV silicone on a rigid plane (A.1)

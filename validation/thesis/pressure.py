@@ -7,10 +7,10 @@ from functools import cache, partial
 import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles import goodwin
+from fefinger.validation.oracles.compliance import series_modulus
 from fefinger.validation.thesis.lumped import DIGITS, digits
 
 from fefinger.scene import pawluk1997
-from fefinger.theory.contact.curvature import series_modulus
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.fingerpad import Fingerpad, Reading
 from fefinger.theory.relaxation import hereditary_integral

@@ -1,7 +1,7 @@
-"""Curved and compliant objects: relative curvature, and compliance in series.
+"""Curved objects: the relative curvature of two surfaces in contact.
 
-Lengths in mm, moduli in kPa. Source: Pawluk (1997), section 3.5, Eq. 3.19 to 3.21; Johnson,
-Contact Mechanics, 1985.
+Lengths in mm. Source: Pawluk (1997), section 3.5, Eq. 3.19 and 3.20; Johnson, Contact Mechanics,
+1985.
 """
 
 import math
@@ -36,16 +36,3 @@ def equivalent_radius(first: float, second: float) -> float:
     """
     elastic.require_positive("equivalent_radius", first=first, second=second)
     return math.sqrt(first * second)
-
-
-def series_modulus(*solids: tuple[float, float]) -> float:
-    """Contact modulus E* in kPa with 1/E* = sum of (1 - nu²) / E over (E, nu) (Eq. 3.21 and A.3).
-
-    A rigid solid has an infinite E.
-    """
-    if not solids or not all(e > 0 and 0 <= nu <= 0.5 for e, nu in solids):
-        raise ValueError(f"solids: expected pairs (E > 0 kPa, nu in 0 to 0.5), received {solids}")
-    compliance = math.fsum((1 - poisson**2) / modulus for modulus, poisson in solids)
-    if compliance == 0:
-        raise ValueError("solids: expected at least one that deforms, received rigid ones only")
-    return 1 / compliance

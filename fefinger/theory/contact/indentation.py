@@ -20,7 +20,6 @@ from typing import Protocol
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
@@ -108,31 +107,6 @@ def paraboloid(body: LayeredBody, radius: float, *, contact_radius: float) -> Co
     lift, bowl = _solve(body, contact_radius)
     depth = float(bowl.sum() / lift.sum()) / radius
     return _contact(body, contact_radius, radius, depth=depth, phi=depth * lift - bowl / radius)
-
-
-def paraboloid_at(body: LayeredBody, radius: float, *, depth: float) -> Contact:
-    """Solve the contact of a rigid paraboloid at an approach of `depth` mm, by a root in a."""
-    elastic.require_positive("paraboloid", radius=radius, depth=depth)
-    guess = min(radius, math.sqrt(radius * depth))
-    widest = radius * (1 - 1e-12)
-
-    def excess(log_a: float) -> float:
-        contact = paraboloid(body, radius, contact_radius=min(math.exp(log_a), widest))
-        return math.log(contact.depth / depth)
-
-    low, high = math.log(guess) - 0.7, math.log(guess) + 0.7
-    # On a thin layer a tends to twice the Hertz value; under a stiff skin it falls far below it.
-    while excess(low) > 0:
-        low -= 0.7
-    while excess(high) < 0:
-        if high >= math.log(widest):
-            raise ValueError(
-                "paraboloid: expected a depth whose contact is at most as wide as the radius "
-                f"{radius:g} mm (small strain), received {depth:g}"
-            )
-        high += 0.7
-    a = math.exp(brentq(excess, low, high, xtol=1e-13, rtol=1e-13))
-    return paraboloid(body, radius, contact_radius=min(a, widest))
 
 
 def flat_punch(body: LayeredBody, contact_radius: float, *, depth: float) -> Contact:

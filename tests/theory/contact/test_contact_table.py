@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles.approach import paraboloid_at
 from oracles.solved_contact import load_within
 
 from fefinger.theory.contact.contact_table import STEP, TooWideError, tabulate, tabulate_to
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.theory.contact.indentation import paraboloid, paraboloid_at
+from fefinger.theory.contact.indentation import paraboloid
 from fefinger.theory.contact.stack import Layer, Stack
 from fefinger.theory.contact.subsurface import subsurface_field
 

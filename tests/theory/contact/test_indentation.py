@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles.approach import paraboloid_at
 from fefinger.validation.oracles.layer import Sheet
 from fefinger.validation.oracles.punch import FlatPunch
 from oracles.loads import circle_displacement
@@ -12,7 +13,7 @@ from scipy.integrate import quad
 from scipy.special import j0
 
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.theory.contact.indentation import flat_punch, paraboloid, paraboloid_at
+from fefinger.theory.contact.indentation import flat_punch, paraboloid
 from fefinger.theory.contact.stack import Layer, Stack
 
 

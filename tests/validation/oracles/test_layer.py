@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles.approach import paraboloid_at
 from fefinger.validation.oracles.layer import Faced, Sheet
 from oracles import thin_layer
 from oracles.solved_contact import surface_displacement
 
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.theory.contact.indentation import flat_punch, paraboloid, paraboloid_at, spectrum
+from fefinger.theory.contact.indentation import flat_punch, paraboloid, spectrum
 
 
 INCOMPRESSIBLE = Sheet(1.0, modulus=30.0, poisson=0.5)
