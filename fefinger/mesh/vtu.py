@@ -142,5 +142,4 @@ def _checked(path: str | Path) -> Path:
 
 
 def _hash(path: Path) -> str:
-    """Return the SHA-256 of a file."""
     return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -49,7 +49,6 @@ class Fingerpad:
     reading: Reading = "relaxed"
 
     def __post_init__(self) -> None:
-        """Check every parameter."""
         elastic.require_positive("fingerpad", radius=self.radius, m=self.m, b=self.b)
         if self.reading not in ("relaxed", "instantaneous"):
             msg = f"reading: expected 'relaxed' or 'instantaneous', received {self.reading!r}"

@@ -30,7 +30,6 @@ class Law:
     exponent: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check every number."""
         number("law.shear", self.shear, above=0, unit="kPa")
         number("law.compressibility", self.compressibility, at_least=0, unit="1/kPa")
         number("law.share", self.share, at_least=0, at_most=2)

@@ -35,7 +35,6 @@ class Stiffening:
     misfit: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check the numbers."""
         number("stiffening.b", self.b, above=0, unit="1/mm")
         number("stiffening.m", self.m, at_least=0, unit="1/mm")
         number("stiffening.misfit", self.misfit, at_least=0)

@@ -59,7 +59,6 @@ class ArraySensor:
     rate: float = 200.0
 
     def __post_init__(self) -> None:
-        """Check the sizes."""
         sizes = {"pitch": self.pitch, "sigma": self.sigma, "rate": self.rate}
         elastic.require_positive("sensor", elements=self.elements, **sizes)
         elastic.require_not_negative("sensor", noise=self.noise)

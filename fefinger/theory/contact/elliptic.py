@@ -48,7 +48,6 @@ class Elliptic:
     poisson: float
 
     def __post_init__(self) -> None:
-        """Check the ranges."""
         elastic.require_positive(
             "Elliptic",
             long_radius=self.long_radius,

@@ -40,7 +40,6 @@ class Hertz:
     poisson: float
 
     def __post_init__(self) -> None:
-        """Check the ranges."""
         elastic.require_positive("Hertz", radius=self.radius)
         elastic.require_not_negative("Hertz", depth=self.depth)
         elastic.require_elastic("Hertz", self.modulus, self.poisson)

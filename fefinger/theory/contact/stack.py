@@ -33,7 +33,6 @@ class Layer:
     poisson: float
 
     def __post_init__(self) -> None:
-        """Check the ranges."""
         if self.thickness != math.inf:
             elastic.require_positive("Layer", thickness=self.thickness)
         elastic.require_elastic("Layer", self.modulus, self.poisson)
@@ -66,7 +65,6 @@ class Stack:
     base: Base = "bonded"
 
     def __post_init__(self) -> None:
-        """Check the order of the layers and the base."""
         object.__setattr__(self, "layers", tuple(self.layers))
         if not self.layers:
             raise ValueError("Stack: expected at least one layer, received none")

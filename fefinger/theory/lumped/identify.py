@@ -233,7 +233,6 @@ def _sigma(record: RampHold, values: Array) -> Array:
 
 
 def _check_terms(terms: int) -> None:
-    """Check the number of exponentials."""
     if terms < 1 or terms != int(terms):
         msg = f"terms: expected a whole number of exponentials, 1 or more, received {terms!r}"
         raise ValueError(msg)

@@ -49,7 +49,6 @@ class Spring:
     x0: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check the parameters."""
         finite = all(map(math.isfinite, (self.b, self.m, self.x0)))
         if not finite or self.b <= 0 or self.m <= 0:
             msg = f"spring: expected b > 0 N/mm, m > 0 1/mm and a finite x0, received {self}"
