@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 
 from fefinger.fem.contact.obstacle import Rigid
 from fefinger.fem.contact.rim_fit import fit_rims
+from fefinger.fem.elements.assembly import numbering
 from fefinger.geometry.finger_mesh import triangle_areas
 from fefinger.support.arrays import Array, Flags, Integers
 
@@ -167,8 +168,7 @@ class CandidateSurface:
         offset = projected * stretch[..., None] / edge[:, None, None]
         fit_rims(near, offset, pressed, np.ascontiguousarray(gap), fits, fitted)
         phi, bend = fits[..., 0], fits[..., 1] / edge  # and the curvature of its zero level in 1/mm
-        place = np.zeros(len(pressed), dtype=np.int64)
-        place[rim] = np.arange(len(rim))
+        place = numbering(rim, len(pressed))
         corner, shape = place[self.triangles[crossed]], (len(gap), int(crossed.sum()))
         corners = np.tile(self._across[self.triangles[crossed]], (len(gap), 1, 1))
         share, chord = (

@@ -113,8 +113,7 @@ def dissect(
     if len(last):
         pieces.append((last, NOTHING, (root,)))
     order = np.concatenate([pivots for pivots, _, _ in pieces])
-    rank = np.empty(len(order), dtype=np.int64)
-    rank[order] = np.arange(len(order))
+    rank = numbering(order, len(order))
     stops = np.cumsum([len(pivots) for pivots, _, _ in pieces])
     fronts = tuple(
         Front(

@@ -13,6 +13,7 @@ import numpy as np
 from scipy import sparse
 
 from fefinger.fem.condensation import Operator
+from fefinger.fem.elements.assembly import numbering
 from fefinger.fem.elements.mass import mass
 from fefinger.fem.modes import Modes, modes_of
 from fefinger.mechanics.press.operator_cache import MODES, modes_folder, modes_identity
@@ -88,8 +89,7 @@ def finger_modes(
     scale = finger.skin.modulus / light
     omega_squared = np.concatenate([each.omega_squared for each in sets]) * scale
     order = np.argsort(omega_squared, kind="stable")
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order))
+    place = numbering(order, len(order))
     split = np.split(place, np.cumsum([len(each.omega_squared) for each in sets])[:-1])
     norm = 1.0 / np.sqrt(light * len(sets))
     parts = tuple(

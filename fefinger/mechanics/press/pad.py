@@ -4,6 +4,7 @@ import numpy as np
 
 from fefinger.fem.body import Solid
 from fefinger.fem.contact.patch import Neighborhood, Patch
+from fefinger.fem.elements.assembly import numbering
 from fefinger.geometry.finger_mesh import triangle_areas
 from fefinger.geometry.mirror import Halves
 from fefinger.results.records import Pad
@@ -43,13 +44,10 @@ def whole_pad(body: Solid, on: Neighborhood | Patch) -> tuple[Pad, Integers]:
     """Return the pad of the whole finger, and the index in `on` of each of its points."""
     vertices, areas = on.vertices, on.areas
     points, normals = body.space.points[vertices], body.normals[vertices]
-    column = np.arange(len(points))
-    number = np.full(len(body.space.points), -1, dtype=np.int64)
-    number[vertices] = column
-    triangles = number[on.triangles]
+    triangles = numbering(vertices, len(body.space.points))[on.triangles]
     triangles = triangles[(triangles >= 0).all(axis=1)]
     if not body.half:
-        return Pad(points, areas, normals, triangles), column
+        return Pad(points, areas, normals, triangles), np.arange(len(points))
     halves = Halves.of(points)
     pad = Pad(
         points=halves.vectors(points),
