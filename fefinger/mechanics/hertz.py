@@ -5,6 +5,7 @@ elements. `theory/contact/ting.py` extends it to unloading, loss of contact and 
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -253,36 +254,33 @@ def _thinness(case: Situation) -> float:
     return widest(case) / case.finger.pulp
 
 
-def _reasons_of_size(case: Situation) -> list[Reason]:
-    reasons = []
+def _reasons_of_size(case: Situation) -> Iterator[Reason]:
     thin = _thinness(case)
     if thin > THIN:
         reason = (
             f"contact radius / tissue thickness = {format_excess(thin, THIN)}: with the bone below "
             f"it takes more than {1 + STIFFENING * thin:.2g} times the force"
         )
-        reasons.append(Reason("motion", reason))
+        yield Reason("motion", reason)
     contrast = case.finger.skin.modulus / case.finger.subcutaneous.modulus
     if max(contrast, 1 / contrast) > CONTRAST:
         reason = (
             f"skin modulus / subcutaneous modulus = {contrast:.2g}, not within {CONTRAST:g}: the "
             "half-space has one modulus"
         )
-        reasons.append(Reason("finger.skin.modulus", reason))
+        yield Reason("finger.skin.modulus", reason)
     steep = widest(case) / case.indenter.least_radius
     if steep > STEEP:
         reason = f"contact radius / radius of the object = {format_excess(steep, STEEP)}: it is no "
-        reasons.append(Reason("motion", f"{reason}paraboloid"))
-    return reasons
+        yield Reason("motion", f"{reason}paraboloid")
 
 
-def reasons_of_place(case: Situation) -> list[Reason]:
-    """Return the reasons why one pad radius is not valid where the pad is touched."""
-    reasons = []
+def reasons_of_place(case: Situation) -> Iterator[Reason]:
+    """Yield the reasons why one pad radius is not valid where the pad is touched."""
     if case.finger.surface is not None:
         radius = f"{case.finger.pad_radius:g} mm"
         reason = f"finger.surface: the scan is left out; a pad of pad_radius = {radius} replaces it"
-        reasons.append(Reason("finger.surface", reason))
+        yield Reason("finger.surface", reason)
     flat = case.indenter.flat
     if flat is not None:
         if abs(flat.angle - STANDARD.angle) > ASIDE:
@@ -290,13 +288,12 @@ def reasons_of_place(case: Situation) -> list[Reason]:
                 f"angle = {flat.angle:g} degrees is not within {ASIDE:g} of "
                 f"{STANDARD.angle:g}: Hertz contact does not depend on the angle"
             )
-            reasons.append(Reason("indenter.angle", reason))
+            yield Reason("indenter.angle", reason)
         if flat.tilt:
             reason = f"tilt = {flat.tilt:g} > 0 degrees: R is that of the middle"
-            reasons.append(Reason("indenter.tilt", reason))
-        return reasons
+            yield Reason("indenter.tilt", reason)
+        return
     away = distance(case.indenter)
     if away > NEAR:
         reason = f"distance of indenter.at from the middle = {format_excess(away, NEAR)} mm"
-        reasons.append(Reason("indenter.at", f"{reason}: R is that of the middle"))
-    return reasons
+        yield Reason("indenter.at", f"{reason}: R is that of the middle")

@@ -6,6 +6,7 @@ relaxation then run on that small dense problem (`press/small_strain.py`). What 
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 from fefinger.mechanics import hertz, layered
@@ -79,25 +80,23 @@ def unmeshable(case: Situation) -> tuple[Reason, ...]:
     return (Reason("finger" if at is None else "", reason),) if reason else ()
 
 
-def unmeasured(finger: Finger) -> list[Reason]:
-    """Return the tissues outside of the range in which mesh errors were measured."""
+def unmeasured(finger: Finger) -> Iterator[Reason]:
+    """Yield the tissues outside of the range in which mesh errors were measured."""
     layers = (finger.skin, finger.subcutaneous)
     contrast = layers[0].modulus / layers[1].modulus
-    reasons = []
     if max(contrast, 1 / contrast) > CONTRAST:
         reason = (
             f"skin modulus / subcutaneous modulus = {contrast:.3g}, not within {CONTRAST:g}: "
             "errors are not measured there"
         )
-        reasons.append(Reason("finger.skin.modulus", reason))
+        yield Reason("finger.skin.modulus", reason)
     for (name, most), layer in zip(largest_exponents().items(), layers, strict=True):
         if (layer.exponent or 0.0) > most:
             reason = (
                 f"exponent of {name} = {layer.exponent:.3g} > {most:.3g}: errors are not measured "
                 "there"
             )
-            reasons.append(Reason(f"finger.{name}", reason))
-    return reasons
+            yield Reason(f"finger.{name}", reason)
 
 
 def too_small(case: Situation) -> tuple[Reason, ...]:
@@ -120,9 +119,8 @@ def too_small(case: Situation) -> tuple[Reason, ...]:
     return (Reason("finger.resolution", reason),)
 
 
-def too_soft(finger: Finger) -> list[Reason]:
-    """Return the hard parts soft enough for their relaxation, which is wrong here, to matter."""
-    reasons = []
+def too_soft(finger: Finger) -> Iterator[Reason]:
+    """Yield the hard parts soft enough for their relaxation, which is wrong here, to matter."""
     for part, least in HARD.items():
         material, field = getattr(finger, part), f"finger.{part}.modulus"
         ratio = material.modulus / finger.skin.modulus if isinstance(material, Hard) else least
@@ -131,8 +129,7 @@ def too_soft(finger: Finger) -> list[Reason]:
                 f"{field} / finger.skin.modulus = {ratio:.3g} < {least:g}: it relaxes with the "
                 "tissue here"
             )
-            reasons.append(Reason(field, reason))
-    return reasons
+            yield Reason(field, reason)
 
 
 cost, once = small_strain_cost.linear_seconds, small_strain_cost.mesh_seconds

@@ -253,7 +253,7 @@ def test_time_steps_follow_the_motion(motion: Motion, fast: bool) -> None:
 @pytest.mark.parametrize("tissue", sorted(filter(library.fitted_to, library.TISSUE_SETS)))
 def test_the_tissue_of_no_subject_is_beyond_what_was_measured_and_a_stiffer_one_is(tissue):
     finger = ff.Finger.subject("a.h.", tissue=tissue)
-    assert linear.unmeasured(finger) == []
+    assert not list(linear.unmeasured(finger))
     most = measured_tissue.largest_exponents()["skin"]
     stiffer = replace(finger, skin=replace(finger.skin, exponent=1.01 * most))
     assert [reason.field for reason in linear.unmeasured(stiffer)] == ["finger.skin"]

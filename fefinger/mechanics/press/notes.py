@@ -1,5 +1,7 @@
 """Notes, and reasons against them, that several mechanics share."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from fefinger.mechanics.refusals import Reason
@@ -46,20 +48,18 @@ def normalization_notes(prony: Prony) -> tuple[str, ...]:
     return (f"Published Prony weights sum to {total:.4g}; here they are divided by that sum.",)
 
 
-def separate_relaxation_reasons(finger: Finger) -> tuple[Reason, ...]:
-    """List the options by which the tissues do not share one relaxation function."""
-    reasons = []
+def separate_relaxation_reasons(finger: Finger) -> Iterator[Reason]:
+    """Yield the options by which the tissues do not share one relaxation function."""
     if finger.relaxation != "whole":
         reason = (
             f"finger.relaxation = {finger.relaxation!r}: this mechanics relaxes the whole stress"
         )
-        reasons.append(Reason("finger.relaxation", reason))
+        yield Reason("finger.relaxation", reason)
     for layer in ("skin", "subcutaneous"):
         field = f"finger.{layer}.prony"
         if getattr(finger, layer).prony not in (None, finger.prony):
             reason = f"{field}: set, but this mechanics relaxes all tissue with one function"
-            reasons.append(Reason(field, reason))
-    return tuple(reasons)
+            yield Reason(field, reason)
 
 
 def finger_notes(finger: Finger) -> tuple[str, ...]:
@@ -87,18 +87,16 @@ def stiffens(finger: Finger) -> bool:
     return any(layer.law in EXPONENTIAL for layer in (finger.skin, finger.subcutaneous))
 
 
-def elastic_hard_parts_reasons(finger: Finger) -> tuple[Reason, ...]:
-    """List an elastic bone, and a nail that is not fixed."""
-    reasons = []
+def elastic_hard_parts_reasons(finger: Finger) -> Iterator[Reason]:
+    """Yield an elastic bone, and a nail that is not fixed."""
     if isinstance(finger.bone, Hard):
         reason = (
             f"finger.bone.modulus = {finger.bone.modulus:.3g} kPa: this mechanics has a rigid bone"
         )
-        reasons.append(Reason("finger.bone", reason))
+        yield Reason("finger.bone", reason)
     if finger.nail is not None:
         reason = "finger.nail: set, but this mechanics holds the nail with the bone"
-        reasons.append(Reason("finger.nail", reason))
-    return tuple(reasons)
+        yield Reason("finger.nail", reason)
 
 
 def tangential_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
@@ -119,27 +117,25 @@ def friction_reasons(indenter: Indenter) -> tuple[Reason, ...]:
     return (Reason("indenter.friction", reason),)
 
 
-def finite_sliding_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
-    """List the options of sliding and friction that finite strain does not support."""
-    reasons = []
+def finite_sliding_reasons(motion: Motion, indenter: Indenter) -> Iterator[Reason]:
+    """Yield the options of sliding and friction that finite strain does not support."""
     if motion.turns_plate:
         reason = (
             f"motion.kind = {motion.kind!r}: its plate does not turn, as by motion.angle or tilt"
         )
-        reasons.append(Reason("motion.angle", reason))
+        yield Reason("motion.angle", reason)
     if motion.slides and indenter.flat is None:
         reason = (
             f"motion.kind = {motion.kind!r}, indenter.kind = {indenter.kind!r}: a smooth plate "
             "alone slides at finite strain"
         )
-        reasons.append(Reason("motion.kind", reason))
+        yield Reason("motion.kind", reason)
     if indenter.friction > 0 and not motion.straight:
         reason = (
             f"indenter.friction = {indenter.friction:g} > 0, motion.kind = {motion.kind!r}: its "
             "friction is that of a plate that slides along a line; stick is left out"
         )
-        reasons.append(Reason("indenter.friction", reason))
-    return tuple(reasons)
+        yield Reason("indenter.friction", reason)
 
 
 def turning_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
@@ -163,7 +159,7 @@ def turning_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
 
 def hard_parts_notes(finger: Finger) -> tuple[str, ...]:
     """Return notes on how bone and nail are held, and on their materials."""
-    if not elastic_hard_parts_reasons(finger):
+    if not any(elastic_hard_parts_reasons(finger)):
         return (RIGID_BONE,)
     bone, nail = "The bone is rigid.", "The nail is held, as glued in the experiment."
     if isinstance(finger.bone, Hard):
