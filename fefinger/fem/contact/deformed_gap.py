@@ -90,7 +90,7 @@ class DeformedGap:
         _, rows, slots = self.contact.columns
         data = np.zeros(len(rows))
         gap_kernels.add_loads(
-            self.contact.on.hats,
+            self.contact.on.part.hats,
             self.contact.on.part.quadratic,
             self.gradient,
             self._slope,
@@ -148,7 +148,7 @@ class DeformedGap:
         fixes the displacement. Second derivatives of g and, of the order of the gap, of J are left
         out.
         """
-        weights = -self._slope * self._spread_over(self._multipliers, self.contact.on.hats)
+        weights = -self._slope * self._spread_over(self._multipliers, self.contact.on.part.hats)
         spreading = self.spreading.swapaxes(1, 2).reshape(self._along.shape)
         block = np.einsum("tq,tqi,tqj->tij", weights, self._along, spreading)
         return self._assembled(block + block.swapaxes(1, 2))
@@ -163,7 +163,7 @@ class DeformedGap:
     @cached_property
     def _hats(self) -> Array:
         """Weights times hats (n_tri, 3, n_q) mm² on the deformed pad."""
-        return np.asarray(self.contact.on.hats * self.spread[:, None])
+        return np.asarray(self.contact.on.part.hats * self.spread[:, None])
 
     @cached_property
     def _along(self) -> Array:
@@ -245,7 +245,7 @@ class ContactSurface:
     @cached_property
     def projected(self) -> Array:
         """The integrals m (n,) mm² of the hats: closure of the gaps per mm of travel."""
-        return self.on.integrated(self.on.hats)
+        return self.on.integrated(self.on.part.hats)
 
     @cached_property
     def sizes(self) -> Array:

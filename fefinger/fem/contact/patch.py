@@ -8,7 +8,6 @@ w >= 0, lambda >= 0, lambda . w = 0, with no penalty. The force along the axis i
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -133,11 +132,6 @@ class Candidates:
     obstacle_border: Flags
     beyond: Flags
 
-    @cached_property
-    def hats(self) -> Array:
-        """Weights times hats (n_tri, 3, n_q) mm²."""
-        return np.asarray(self.part.linear[None] * self.part.weights[:, None, :])
-
     def integrated(self, density: Array) -> Array:
         """Assemble integrals (n,) of the candidates from densities (n_tri, 3, n_q)."""
         owned = self.owner >= 0
@@ -196,12 +190,12 @@ def patch(
 ) -> Patch:
     """Build the patch: the `candidates`, their unit loads and gaps, and their neighborhood."""
     chosen = candidates(space, triangles, normals, obstacle, reach, rings, within)
-    part, owner, vertices, hats = chosen.part, chosen.owner, chosen.vertices, chosen.hats
+    part, owner, vertices = chosen.part, chosen.owner, chosen.vertices
     distance, direction = obstacle.gap(chosen.places)
     cosine = direction @ obstacle.axis
 
     def integrated(density: Array) -> Array:
-        return chosen.integrated(hats * density[:, None])
+        return chosen.integrated(part.hats * density[:, None])
 
     arm = np.cross(part.places, direction)
     around = neighborhood(space, triangles, normals, obstacle, reach, vertices, rings + RINGS)
@@ -210,7 +204,7 @@ def patch(
     return Patch(
         vertices=vertices,
         triangles=part.triangles,
-        loads=_loads(space, part, hats, direction, owner, len(vertices)),
+        loads=_loads(space, part, direction, owner, len(vertices)),
         gap=integrated(cosine * distance),
         projected=integrated(cosine),
         moment=np.stack([integrated(arm[..., k]) for k in range(3)], axis=1),
@@ -224,20 +218,17 @@ def patch(
     )
 
 
-def hats_of(space: Space, on: Patch) -> tuple[Trace, Array, Integers]:
-    """Return the trace of a patch, its hats (n_tri, 3, n_q) mm² and the candidates at the corners.
-
-    The latter (n_tri, 3) are -1 where there is none.
-    """
-    part, column = trace(space, on.triangles), numbering(on.vertices, len(space.points))
-    return part, part.linear[None] * part.weights[:, None, :], column[part.triangles]
+def trace_of(space: Space, on: Patch) -> tuple[Trace, Integers]:
+    """Return the trace of a patch and the candidates at its corners (n_tri, 3), -1 for none."""
+    part = trace(space, on.triangles)
+    return part, numbering(on.vertices, len(space.points))[part.triangles]
 
 
 def directed(space: Space, on: Patch, direction: Array) -> sparse.csc_matrix:
     """Return unit loads (n_unknowns, n) of the hats of a patch along one direction (3,)."""
-    part, hats, owner = hats_of(space, on)
+    part, owner = trace_of(space, on)
     along = np.broadcast_to(direction, part.places.shape)
-    return _loads(space, part, hats, along, owner, len(on.vertices))
+    return _loads(space, part, along, owner, len(on.vertices))
 
 
 def neighborhood(
@@ -258,9 +249,9 @@ def neighborhood(
 
 
 def _loads(
-    space: Space, part: Trace, hats: Array, direction: Array, owner: Integers, count: int
+    space: Space, part: Trace, direction: Array, owner: Integers, count: int
 ) -> sparse.csc_matrix:
     """Return unit loads (n_unknowns, count): integrals of psi_j n . v for all displacements v."""
-    block = np.einsum("tjq,kq,tqc->tkcj", hats, part.quadratic, direction)
+    block = np.einsum("tjq,kq,tqc->tkcj", part.hats, part.quadratic, direction)
     rows = 3 * part.nodes[:, :, None, None] + np.arange(3)[:, None]
     return scattered(block, rows, owner[:, None, None, :], (space.n_unknowns, count)).tocsc()

@@ -15,7 +15,7 @@ import numpy as np
 from scipy import sparse
 
 from fefinger.fem.contact.obstacle import FAR, Obstacle, Rigid
-from fefinger.fem.contact.patch import Patch, hats_of, smooth_places
+from fefinger.fem.contact.patch import Patch, smooth_places, trace_of
 from fefinger.fem.elements.assembly import scattered
 from fefinger.fem.elements.spaces import Space
 from fefinger.geometry.profiles import Plane, frame
@@ -143,11 +143,11 @@ class Travel:
     @classmethod
     def of(cls, space: Space, normals: Array, on: Patch, obstacle: Obstacle) -> Self:
         """Place an obstacle at first touch over a patch whose loads act along its axis."""
-        part, hats, owner = hats_of(space, on)
+        part, owner = trace_of(space, on)
         places = smooth_places(space.points, normals, part).reshape(-1, 3)
         numbers = np.arange(len(places)).reshape(len(owner), 1, -1)
         shape = (len(on.vertices), len(places))
-        weights = scattered(hats, owner[:, :, None], numbers, shape).tocsr()
+        weights = scattered(part.hats, owner[:, :, None], numbers, shape).tocsr()
         vertices = Heights.over(obstacle, space.points[on.vertices])
         return cls(Heights.over(obstacle, places), weights, vertices)
 

@@ -150,6 +150,11 @@ class Trace:
     slopes: Array
     sides: Array
 
+    @cached_property
+    def hats(self) -> Array:
+        """Weights times the linear shape functions (n_tri, 3, n_q) mm²."""
+        return self.linear[None] * self.weights[:, None, :]
+
 
 def trace(space: Space, triangles: Integers) -> Trace:
     """Return the traces of the space on vertex triples (n_tri, 3)."""

@@ -64,7 +64,7 @@ def test_the_loads_are_the_derivatives_of_the_gaps_per_deformed_area(
     slope = 1.0 - MOST * np.tanh(found.distance * BEND / (MOST * contact.sizes))
     gap = found.weighted / (found.steepness * contact.projected)
     area = contact.on.integrated(
-        contact.on.hats * (slope * (ahead.spread - behind.spread))[:, None]
+        contact.on.part.hats * (slope * (ahead.spread - behind.spread))[:, None]
     )
     change = (ahead.weighted - behind.weighted - gap * area) / (2 * h)
     assert found.steepness * (found.loads.T @ along) == pytest.approx(change, rel=1e-7, abs=1e-8)
@@ -85,7 +85,7 @@ def test_the_gaps_close_as_fast_as_their_weights_and_the_force_along_the_axis_sa
 def test_the_bed_resists_what_closes_the_gaps_and_nothing_else():
     space, contact, _ = surface(Plane())
     found = contact.at(moved(space, contact, 2))
-    area = contact.on.integrated(contact.on.hats * found.spread[:, None]).sum()
+    area = contact.on.integrated(contact.on.part.hats * found.spread[:, None]).sum()
     support = found.support(np.ones(len(contact), dtype=bool))
     rigid, across = np.zeros((2, space.n_unknowns))
     rigid[: space.n_displacements] = np.tile(AXIS, space.n_nodes)
@@ -133,7 +133,7 @@ def test_a_facet_that_is_flat_has_its_mean_gap_and_one_that_is_folded_has_less()
     folds = {}
     for fold in (0.02, 0.04):
         bent = contact.at(raised(space, fold * size * (top * 2.0 / 3.0 - middle)))
-        hats = contact.on.hats * bent.spread[:, None]
+        hats = contact.on.part.hats * bent.spread[:, None]
         mean = contact.on.integrated(hats * bent.distance[:, None])
         folds[fold] = (mean - bent.weighted) / size
     assert (folds[0.02] > 0).all()
@@ -176,7 +176,7 @@ def test_an_undeformed_surface_has_the_gaps_of_small_strain():
     flat = np.zeros_like(space.points)
     small = patch(space, top, flat, contact.obstacle, reach=2.0)
     rest = contact.at(State(np.zeros(space.n_unknowns), np.zeros(len(contact)), 0.0))
-    mean = contact.on.integrated(contact.on.hats * rest.distance[:, None])
+    mean = contact.on.integrated(contact.on.part.hats * rest.distance[:, None])
     assert mean == pytest.approx(small.gap, abs=1e-15)
     assert rest.loads.sum(axis=0) == pytest.approx(small.loads.sum(axis=0))
 
