@@ -79,16 +79,20 @@ def gradient_at_vertices(space: Space) -> sparse.csr_matrix:
 
     A vertex gets the same mean over its cells as in `strain_at_vertices`.
     """
-    n_cells = len(space.vertices)
-    volumes = space.scalar.dx.sum(axis=1)
-    total = np.bincount(space.vertices.ravel(), np.repeat(volumes, 4), len(space.points))
-    mean = sparse.csr_matrix((9 * len(space.points), space.n_unknowns))
-    for corner in range(4):
-        local = np.tile(np.eye(4)[corner, 1:], (n_cells, 1))
-        rows = _gradient_rows(space, np.arange(n_cells), local)
-        vertex = space.vertices[:, corner]
-        mean = mean + _mean(vertex, volumes / total[vertex], len(space.points)) @ rows
-    return mean.tocsr()
+    count, volumes = len(space.points), space.scalar.dx.sum(axis=1)
+    total = np.bincount(space.vertices.ravel(), np.repeat(volumes, 4), count)
+    share = volumes[:, None] / total[space.vertices]
+    corners = space.shape_gradients(np.eye(4)[:, 1:].T)
+    gradients = np.einsum("ec,kjc,ejd->ecdk", share, corners, space.jacobians, optimize=True)
+    rows = 3 * space.vertices[:, :, None, None] + np.arange(3)[:, None]
+    columns = space.nodes[:, None, None, :]
+    slopes = scattered(gradients, rows, columns, (3 * count, space.n_nodes)).tocsr()
+    # The same for each component i of the displacement, as rows 9 p + 3 i + j of vertex p.
+    i, j = (each.ravel() for each in np.indices((3, 3)))
+    rows_of = slopes[(3 * np.arange(count)[:, None] + j).ravel()]
+    component = np.repeat(np.tile(i, count), np.diff(rows_of.indptr))
+    unknowns = (rows_of.data, 3 * rows_of.indices + component, rows_of.indptr)
+    return sparse.csr_matrix(unknowns, shape=(9 * count, space.n_unknowns))
 
 
 def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
