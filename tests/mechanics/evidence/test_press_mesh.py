@@ -254,7 +254,7 @@ def test_small_strain_on_a_calibrated_finger_has_the_error_of_its_press(name, qu
     for subject, row in (("a.h.", ROWS["a.h./flat-30"]), ("d.p.", ROWS["d.p./flat-30"])):
         there = case(Flat(30), row["depth_mm"][6], subject=subject)
         known = row["errors"][label][quantity][6]
-        tabulation = (1 - min(known, 1.0)) * tabulation_error.error(there, quantity)
+        tabulation = (1 - min(known, 1.0)) * tabulation_error.error(there, quantity, table=False)
         of_steps = read(TIME_STEPS)["rows"].get(name, {}).get(quantity, 0.0)
         assert get(name).error(there, quantity)[0] == pytest.approx(
             np.hypot(known + tabulation, of_steps)
@@ -280,7 +280,7 @@ def test_of_a_motion_small_strain_leaves_out_what_relaxation_leaves_of_it() -> N
     found = np.sqrt(get("linear").error(there)[0] ** 2 - of_steps**2)
     share = wrong / borne
     assert share > 1.02 * known, "nothing would be seen of it"
-    through = tabulation_error.error(there, "force")
+    through = tabulation_error.error(there, "force", table=False)
     assert found == pytest.approx(share + (1 - share) * through, rel=1e-3)
 
 
@@ -353,7 +353,7 @@ def test_on_published_tissue_small_strain_has_the_error_of_the_same_object(name,
     edged = object_ != "flat-60"
     about = depth * np.linspace(0.8, 1.25, 9) if edged else np.array([depth])
     known = np.interp(about, parts, curve).max()
-    tabulation = tabulation_error.error(Situation.of(there), "area")
+    tabulation = tabulation_error.error(Situation.of(there), "area", table=False)
     of_steps = read(TIME_STEPS)["rows"].get(name, {}).get("area", 0.0)
     of_mesh = press_mesh.error(Candidate("solid", "standard"), Situation.of(there), "area").error
     least = of_mesh if name != "layered" else 0.0
