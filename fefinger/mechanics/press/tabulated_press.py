@@ -74,7 +74,7 @@ class TabulatedPress:
         return np.interp(depth, self.table.nodes, self.force)
 
     @property
-    def relaxed(self) -> float:
+    def long_time(self) -> float:
         """Long-time value of G, which forces and pressures of the relaxed finger are divided by."""
         return self.press.finger.prony.long_time
 
@@ -86,17 +86,17 @@ class TabulatedPress:
         if motion.control == "depth":
             return press_by_depth(prony, time, value, *over)
         nodes, measure = over
-        return press_by_force(prony, time, value, nodes, self.force / self.relaxed, measure)
+        return press_by_force(prony, time, value, nodes, self.force / self.long_time, measure)
 
     def forces(self, history: ContactHistory) -> Array:
         """Force (n_t,) N: the prescribed one to the last digit."""
         if self.press.motion.control == "force":
             return np.asarray(self.press.motion.value(history.time), dtype=np.float64)
-        return history.stress(self.force) / self.relaxed
+        return history.stress(self.force) / self.long_time
 
     def pressures(self, history: ContactHistory) -> Array:
         """Pressure (n_t, n_candidates) kPa: cut off at 0 and scaled to the force."""
-        pushing = np.maximum(history.stress(self.pressure) / self.relaxed, 0.0)
+        pushing = np.maximum(history.stress(self.pressure) / self.long_time, 0.0)
         unit = self.press.body.sides * NEWTON_PER_MILLINEWTON
         borne = unit * pushing @ self.contact.projected
         force = self.forces(history)
@@ -182,7 +182,7 @@ def tabulated_response(
             area = np.interp(history.edge, table.nodes, table.bounded(table.area))
             middle = centroid(pad, seen_pressure)
             gap = gaps[:, column]
-            stressed = history.stress_weights @ table.between / tabulated.relaxed
+            stressed = history.stress_weights @ table.between / tabulated.long_time
             moment = whole_moment(stressed @ table.moment, half)
     with stages.stage("strain"):
         strain = None

@@ -86,7 +86,7 @@ class Pressed:
         self._strain = np.ascontiguousarray(strain.reshape(len(strain), -1))
         # Elastic values of the modulus at t = 0, as the springs take them.
         self._pressure, self._force = (
-            each / tabulated.relaxed for each in (tabulated.pressure, tabulated.force)
+            each / tabulated.long_time for each in (tabulated.pressure, tabulated.force)
         )
         self._travel, self._between = tabulated.contact.projected, table.between
         self._area = table.bounded(table.area)
