@@ -69,7 +69,7 @@ def _spent(mechanics: str, case: Situation, bodies: float) -> float:
 
 
 def areas(case: Situation) -> float:
-    """Return how often the area of contact is read, in units of that under a plate."""
+    """Number of contact areas that are read, each counted by its cost over that under a plate."""
     return case.changes * (1.0 if case.indenter.flat is not None else NARROW)
 
 

@@ -121,8 +121,10 @@ class DepthTable:
         sqrt(d F) exp(s), but for a factor: the geometric mean of the force F, with which all of the
         finger would recover as one, and of d exp(2 s), which of tissue that does not stiffen is the
         depth d, as in the theory of a linear body. s is the mean exponent of the energies. Of
-        fourteen such means it has the smallest errors in the scenes "rules" of
-        `fefinger.validation.pressed.scenes`; the scenes "held-out" had no part in the choice.
+        fourteen such means it has, on retreat, the smallest error of force or depth (2.4 % in root
+        mean square) and of strain (8.3 %, as two others) in the scenes "rules" of
+        `fefinger.validation.pressed.scenes` and 20 trapezoids of force; the scenes "held-out" had
+        no part in the choice.
         """
         exponent = np.maximum.accumulate(np.maximum(self.bounded(self.stiffening), 0.0))
         secant = np.append(0.0, self.force_at_nodes[1:] / self.nodes[1:])
