@@ -69,7 +69,7 @@ def _spent(mechanics: str, case: Situation, bodies: float) -> float:
 
 
 def areas(case: Situation) -> float:
-    """Number of contact areas that are read, each counted by its cost over that under a plate."""
+    """Count the contact areas that are read, each by its cost over that of one under a plate."""
     return case.changes * (1.0 if case.indenter.flat is not None else NARROW)
 
 
