@@ -228,7 +228,7 @@ class Search:
         with work.stage("array"):
             shape = self._array(result) if has_frames else {}
         adapted, ripple = replace(start, pad_radius=radius), trial.curves.ripple
-        fit_remarks = (*work.ended(result.curve.deepest), *_undetermined(radius, power))
+        fit_remarks = (*work.ended(result.law.curve.deepest), *_undetermined(radius, power))
         return outcome(
             self.wanted, adapted, result, work.stages, "solid", shape, ripple, fit_remarks
         )
@@ -271,7 +271,7 @@ class Search:
         forces = self._forces(curves, radius, radius_sd)
         starts = forces.starts() if near is None else [near.solution.values]
         solution = solve(forces.residual, forces.unknowns, starts)
-        return FitResult(solution, *forces.curve(solution.values))
+        return FitResult(solution, forces.law(solution.values))
 
     def _radius(
         self, curves: Family, radii: tuple[float, float], last: FitResult
@@ -303,7 +303,7 @@ class Search:
             return SCATTER * radius
         noise = pad.ROUNDING
         if self.frames is not None:
-            noise = pad.scatter(result.curve, result.factor, result.prony)
+            noise = pad.scatter(result.law)
         return radius * math.hypot(noise / fitted / power, MESH)
 
     def _on_final_mesh(
@@ -348,8 +348,8 @@ class Search:
     def _deep_enough(self, curves: Family, radius: float, result: FitResult) -> float:
         """Depth in mm of a press that covers the fitted data, at most that of the family."""
         whole = self._forces(replace(curves, reached=math.inf), radius)
-        unlimited = FitResult(result.solution, *whole.curve(result.solution.values))
-        frames = pad.slow_press(unlimited.curve, unlimited.factor, unlimited.prony)[-1]
+        unlimited = FitResult(result.solution, whole.law(result.solution.values))
+        frames = pad.slow_press(unlimited.law)[-1]
         deep = max(float(frames), reach(self.wanted, unlimited))
         return min(round(DEEPER * deep, 2), curves.deepest)
 
@@ -372,4 +372,4 @@ def _undetermined(radius: float, power: float | None) -> tuple[str, ...]:
 
 def pad_fit(result: FitResult) -> pad.PadFit:
     """Apply the thesis's fit to the simulated frames of a finger."""
-    return pad.thesis_fit(pad.simulated(result.curve, result.factor, result.prony))
+    return pad.thesis_fit(pad.simulated(result.law))

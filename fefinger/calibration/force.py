@@ -1,30 +1,22 @@
-"""Residuals of a calibration: stiffness and relaxation of a subject, or the force of a record.
-
-The finger is described by its relaxed force curve P and one G: T = P / c0 is the instantaneous
-force, and the force at any rate is the integral of G(t - s) dT(s) while the contact grows.
-"""
+"""Residuals of a calibration: stiffness and relaxation of a subject, or the force of a record."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from fefinger.calibration.curve import Curve, Family
+from fefinger.calibration.force_law import ForceLaw
 from fefinger.calibration.inverse import Unknown, Values
 from fefinger.calibration.targets import RecordTarget, SubjectTarget
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
-from fefinger.theory.contact.ting import press_by_depth, radius_nodes
-from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.theory.relaxation import Prony
 
 
 MODULUS, SHAPE, RATIO, RADIUS, TOUCH = "modulus", "exponent", "skin_ratio", "pad_radius", "x0"
 GAIN, GROWTH = "t_b", "t_m"
-
-NODES = 96
-"""Number of depths at which a curve is tabulated for a contact history."""
 
 SHARE_SD, RATE_SD = 0.35, 1.0
 """Standard deviations of the logarithms of ci / c0 and vi: the scatter of Table 3.1, widened."""
@@ -129,7 +121,24 @@ class Forces:
             shapes = np.linspace(low, high, 5)[1:4].tolist()
         return [self._start(shape) for shape in shapes]
 
-    def curve(self, values: Values) -> tuple[Curve, float]:
+    def law(self, values: Values) -> ForceLaw:
+        """Evaluate the force law of the values."""
+        curve, factor = self._curve(values)
+        return ForceLaw(curve, prony_of(values), factor)
+
+    def residual(self, values: Values) -> Array:
+        """Compute the residuals (n_residuals,) in standard deviations of the data."""
+        law = self.law(values)
+        if isinstance(self.target, RecordTarget):
+            force = law.loading(self.target.time, self.target.position - values[TOUCH])
+            return self.target.residuals(force)
+        stiffnesses = law.stiffness(self.target.force) - self.target.stiffness
+        relaxation = law.prony.relaxation(self.target.time) - self.target.relaxation
+        return np.concatenate(
+            [stiffnesses / self.target.stiffness_sd, relaxation / self.target.relaxation_sd]
+        )
+
+    def _curve(self, values: Values) -> tuple[Curve, float]:
         """Evaluate the relaxed curve of the values, and the factor on its force."""
         radius = values.get(RADIUS, self.radius)
         if len(self.family.shapes) == 1:
@@ -137,25 +146,11 @@ class Forces:
         ratio = values.get(RATIO, self.ratio) / self.ratio
         return self.family.at(values[SHAPE], radius, ratio), values[MODULUS] / self.modulus
 
-    def residual(self, values: Values) -> Array:
-        """Compute the residuals (n_residuals,) in standard deviations of the data."""
-        curve, factor = self.curve(values)
-        prony = prony_of(values)
-        if isinstance(self.target, RecordTarget):
-            force = loading(
-                curve, factor, prony, self.target.time, self.target.position - values[TOUCH]
-            )
-            return self.target.residuals(force)
-        at = stiffness(curve, factor, prony, self.target.force)
-        stiffnesses = (at - self.target.stiffness) / self.target.stiffness_sd
-        relaxation = prony.relaxation(self.target.time) - self.target.relaxation
-        return np.concatenate([stiffnesses, relaxation / self.target.relaxation_sd])
-
     def _start(self, shape: float) -> Values:
         """Make the start at a shape of the law, with a modulus from the target's largest force."""
         solid = len(self.family.shapes) > 1
         values = {SHAPE: shape, MODULUS: self.modulus} if solid else {GROWTH: shape, GAIN: 1.0}
-        curve, _ = self.curve(values)
+        curve, _ = self._curve(values)
         if isinstance(self.target, RecordTarget):
             spring, prony = self.target.lumped.spring, self.target.lumped.prony
             top = float(spring.force(self.target.position).max())
@@ -166,24 +161,3 @@ class Forces:
         if solid:
             return {SHAPE: shape, MODULUS: float(np.clip(factor * self.modulus, 0.5, 1e3))}
         return {GROWTH: shape, GAIN: float(np.clip(factor, 2e-3, 5e2))}
-
-
-def stiffness(curve: Curve, factor: float, prony: Prony, force: ArrayLike) -> Array:
-    """Compute dT/dx in N/mm where the instantaneous force T is `force` in N."""
-    relaxed = prony.long_time * np.asarray(force, float) / factor
-    return curve.stiffness(curve.depth(relaxed)) * factor / prony.long_time
-
-
-def loading(curve: Curve, factor: float, prony: Prony, time: Array, depth: Array) -> Array:
-    """Compute the force in N of a growing contact, at depths in mm."""
-    return hereditary_integral(prony, time, factor * curve.force(depth)) / prony.long_time
-
-
-def predicted(curve: Curve, factor: float, prony: Prony, time: Array, depth: Array) -> Array:
-    """Predict the force in N of any motion with depths (n_t,) mm from first touch.
-
-    Valid on unloading, detachment and renewed contact (`theory/contact/ting.py`).
-    """
-    nodes = radius_nodes(max(float(depth.max()), 1e-6), NODES)
-    history = press_by_depth(prony, time, depth, nodes)
-    return history.stress(factor * curve.force(nodes) / prony.long_time)

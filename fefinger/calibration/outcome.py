@@ -8,17 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.calibration import pad_radius
-from fefinger.calibration.curve import Curve
-from fefinger.calibration.force import (
-    MODULUS,
-    RADIUS,
-    SHAPE,
-    TOUCH,
-    loading,
-    predicted,
-    prony_of,
-    stiffness,
-)
+from fefinger.calibration.force import MODULUS, RADIUS, SHAPE, TOUCH
+from fefinger.calibration.force_law import ForceLaw
 from fefinger.calibration.inverse import Solution
 from fefinger.calibration.record import LENGTHS, Calibration, Stage, parameters_of, tissue
 from fefinger.calibration.targets import RecordTarget, SubjectTarget
@@ -31,7 +22,6 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.lumped import confidence
 from fefinger.theory.lumped.spring import contact_force
-from fefinger.theory.relaxation import Prony
 
 
 LAW = "demiray"
@@ -64,16 +54,10 @@ SWING = 0.5
 
 @dataclass(frozen=True)
 class FitResult:
-    """Result of a fit: the solution, the curve and the factor on its force."""
+    """Result of a fit: the solution, and the force law of its values."""
 
     solution: Solution
-    curve: Curve
-    factor: float
-
-    @property
-    def prony(self) -> Prony:
-        """G of the solution."""
-        return prony_of(self.solution.values)
+    law: ForceLaw
 
 
 def layer(tissue: Tissue, exponent: float) -> Tissue:
@@ -117,7 +101,7 @@ def outcome(
         exponent = round(solution.values[SHAPE], 4)
         if isinstance(wanted, RecordTarget):
             sentences.append(f"exponent, c0, c1, v1 ...: {ONE_G}")
-    fitted = stiffening(finger, exponent, factor)
+    fitted, curve = stiffening(finger, exponent, factor), result.law.curve
     parameters, correlations = parameters_of(solution)
     residuals = {"misfit": solution.misfit, **_misfits(wanted, result), **array}
     residuals["distance of the curve from the last press"] = ripple
@@ -133,11 +117,11 @@ def outcome(
         status=_status(wanted, solution, residuals, stages),
         skin=tissue(fitted.skin),
         subcutaneous=tissue(fitted.subcutaneous),
-        prony=result.prony,
-        deepest=result.curve.deepest,
-        q=tuple((result.curve.q + math.log(result.factor)).tolist()),
-        shares=tuple(tuple(row) for row in np.round(result.curve.shares, 9).tolist()),
-        growth=result.curve.growth,
+        prony=result.law.prony,
+        deepest=curve.deepest,
+        q=tuple((curve.q + math.log(result.law.factor)).tolist()),
+        shares=tuple(tuple(row) for row in np.round(curve.shares, 9).tolist()),
+        growth=curve.growth,
         checks=sinusoids(wanted, result) if isinstance(wanted, SubjectTarget) else {},
     )
 
@@ -182,9 +166,8 @@ def sinusoids(wanted: SubjectTarget, result: FitResult) -> dict[str, dict[str, f
     The subject is represented by the lumped model, which can lose contact. Its touch is set for
     equal elastic force at the operating point, as the thesis shifts its x0 by up to 80 um.
     """
-    prony, spring = result.prony, wanted.spring
-    deep = float(spring.position(OPERATING))
-    offset = float(result.curve.depth(prony.long_time * OPERATING / result.factor)) - deep
+    spring, deep = wanted.spring, float(wanted.spring.position(OPERATING))
+    offset = float(result.law.depth(OPERATING)) - deep
     out = {}
     for frequency in FREQUENCIES:
         motion = RampSinusoid(
@@ -193,7 +176,7 @@ def sinusoids(wanted: SubjectTarget, result: FitResult) -> dict[str, dict[str, f
         time = np.linspace(0.0, motion.duration, 1201)
         depth = motion.value(time)
         measured = contact_force(spring, wanted.prony, time, depth)
-        model = predicted(result.curve, result.factor, prony, time, depth + offset)
+        model = result.law.predicted(time, depth + offset)
         out[f"{frequency} Hz"] = errors(measured, model)
     return out
 
@@ -205,14 +188,13 @@ def line(force: ArrayLike, stiffness: ArrayLike) -> tuple[float, float]:
 
 
 def _misfits(wanted: SubjectTarget | RecordTarget, result: FitResult) -> dict[str, float]:
-    prony = result.prony
     if isinstance(wanted, RecordTarget):
         depth = wanted.position - result.solution.values[TOUCH]
-        model = loading(result.curve, result.factor, prony, wanted.time, depth)
+        model = result.law.loading(wanted.time, depth)
         return {"force rms in N": float(np.sqrt(np.mean((model - wanted.force) ** 2)))} | errors(
             wanted.force, model
         )
-    fitted = stiffness(result.curve, result.factor, prony, wanted.force)
+    fitted = result.law.stiffness(wanted.force)
     m, b = line(wanted.force, fitted)
     return {
         "m": m,
@@ -229,8 +211,7 @@ def reach(wanted: SubjectTarget | RecordTarget, result: FitResult) -> float:
     """Largest depth in mm of the target."""
     if isinstance(wanted, RecordTarget):
         return float(wanted.position.max() - result.solution.values[TOUCH])
-    relaxed = result.prony.long_time * wanted.force[-1]
-    return float(result.curve.depth(relaxed / result.factor))
+    return float(result.law.depth(wanted.force[-1]))
 
 
 def _unidentified(
@@ -241,10 +222,10 @@ def _unidentified(
         f"{name}: at its bound, the data favor values beyond it"
         for name in result.solution.at_bounds
     ]
-    deep = reach(wanted, result)
-    if deep > result.curve.deepest:
+    deep, deepest = reach(wanted, result), result.law.curve.deepest
+    if deep > deepest:
         sentences.append(
-            f"the presses reach {result.curve.deepest:.3g} mm, the target {deep:.3g} mm: beyond "
+            f"the presses reach {deepest:.3g} mm, the target {deep:.3g} mm: beyond "
             "the presses the logarithm of the force is extrapolated linearly"
         )
     if isinstance(wanted, RecordTarget):
@@ -274,7 +255,7 @@ def _unidentified(
             "was tried is closer"
         )
     if array:
-        top = pad_radius.heaviest(result.curve, result.factor, result.prony)
+        top = pad_radius.heaviest(result.law)
         if top < pad_radius.HEAVIEST:
             sentences.append(
                 f"pad_radius: the frames of this finger end at {top:.2g} N, where its presses end, "

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.calibration.curve import Curve
 from fefinger.calibration.force import RADII
+from fefinger.calibration.force_law import ForceLaw
 from fefinger.calibration.targets import Frames, aligned
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
@@ -64,18 +64,18 @@ class PadFit:
     error: float
 
 
-def slow_press(curve: Curve, factor: float, prony: Prony, heaviest: float = HEAVIEST) -> Array:
+def slow_press(law: ForceLaw, heaviest: float = HEAVIEST) -> Array:
     """Depths (n,) mm of a slow press to `heaviest` N, or to the end of the curve."""
-    depth = np.linspace(0.0, curve.deepest, 400)
-    force = slow(prony, depth, factor * curve.force(depth))
+    depth = np.linspace(0.0, law.curve.deepest, 400)
+    force = slow(law.prony, depth, law.relaxed(depth))
     last = min(int(np.searchsorted(force, heaviest)) + 1, len(depth))
     return np.linspace(0.0, float(depth[last - 1]), 200)
 
 
-def heaviest(curve: Curve, factor: float, prony: Prony) -> float:
+def heaviest(law: ForceLaw) -> float:
     """Force in N of a slow press at the end of the curve."""
-    depth = np.linspace(0.0, curve.deepest, 400)
-    return float(slow(prony, depth, factor * curve.force(depth))[-1])
+    depth = np.linspace(0.0, law.curve.deepest, 400)
+    return float(slow(law.prony, depth, law.relaxed(depth))[-1])
 
 
 def slow(prony: Prony, depth: Array, relaxed: Array) -> Array:
@@ -83,18 +83,11 @@ def slow(prony: Prony, depth: Array, relaxed: Array) -> Array:
     return hereditary_integral(prony, depth / SLOW, relaxed) / prony.long_time
 
 
-def simulated(
-    curve: Curve,
-    factor: float,
-    prony: Prony,
-    *,
-    seed: int | None = None,
-    heaviest: float = HEAVIEST,
-) -> Frames:
+def simulated(law: ForceLaw, *, seed: int | None = None, heaviest: float = HEAVIEST) -> Frames:
     """Simulate frames of the array on a slow press; `seed` of its noise, None for no noise."""
     sensor = ArraySensor()
-    depth = slow_press(curve, factor, prony, heaviest)
-    readings = slow(prony, depth, factor * curve.array_pressure(depth))
+    depth = slow_press(law, heaviest)
+    readings = slow(law.prony, depth, law.array_pressure(depth))
     chosen = np.linspace(0, len(depth) - 1, LEVELS + 1).astype(int)[1:]
     readings = readings[chosen]
     if seed is not None:
@@ -160,9 +153,9 @@ def nearer(
     return float(np.clip(radius, min(radii) / WITHIN, max(radii) * WITHIN))
 
 
-def scatter(curve: Curve, factor: float, prony: Prony) -> float:
+def scatter(law: ForceLaw) -> float:
     """Simulate the standard deviation of the fitted R in mm due to the noise of the array."""
-    fits = [thesis_fit(simulated(curve, factor, prony, seed=seed)).radius for seed in range(SEEDS)]
+    fits = [thesis_fit(simulated(law, seed=seed)).radius for seed in range(SEEDS)]
     return float(np.std(fits, ddof=1))
 
 
@@ -186,17 +179,15 @@ class PressureProfile:
     thesis: Array
 
 
-def profile(
-    curve: Curve, factor: float, prony: Prony, subject: str, force: float
-) -> PressureProfile:
+def profile(law: ForceLaw, subject: str, force: float) -> PressureProfile:
     """Compute the pressure profiles of finger and thesis at a force in N of a slow press.
 
     If the curve ends before that force, both are at the force where it ends.
     """
     sensor = ArraySensor()
-    depth = slow_press(curve, factor, prony, force)
-    readings = slow(prony, depth, factor * curve.array_pressure(depth))[-1]
-    reached = float(slow(prony, depth, factor * curve.force(depth))[-1])
+    depth = slow_press(law, force)
+    readings = slow(law.prony, depth, law.array_pressure(depth))[-1]
+    reached = float(slow(law.prony, depth, law.relaxed(depth))[-1])
     frames = aligned(np.zeros((1, len(readings))), readings[None], sensor)
     row = pawluk1997.quasistatic()[subject]
     pad = Fingerpad(row.radius, row.m, row.b, pawluk1997.relaxation()[subject])

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.calibration.curve import Curve
-from fefinger.calibration.force import predicted
+from fefinger.calibration.force_law import ForceLaw
 from fefinger.calibration.inverse import Solution
 from fefinger.results.candidate import MECHANICS
 from fefinger.scene.tissue import Tissue
@@ -101,14 +101,17 @@ class Calibration:
         """The relaxed force in N against the depth in mm."""
         return Curve(np.array(self.q), self.deepest, np.array(self.shares), self.growth)
 
+    @property
+    def law(self) -> ForceLaw:
+        """The force at any rate."""
+        return ForceLaw(self.curve, self.prony)
+
     def predict(self, time: ArrayLike, depth: ArrayLike) -> Array:
         """Predict the force (n_t,) N of any motion with depths (n_t,) mm from first touch.
 
         Unloading, detachment and renewed contact are included.
         """
-        return predicted(
-            self.curve, 1.0, self.prony, np.asarray(time, float), np.asarray(depth, float)
-        )
+        return self.law.predicted(np.asarray(time, float), np.asarray(depth, float))
 
     def record(self) -> dict[str, Any]:
         """Convert the calibration to plain values."""

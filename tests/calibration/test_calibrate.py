@@ -11,7 +11,7 @@ import pytest
 import fefinger as ff
 from fefinger.__main__ import main
 from fefinger.calibration import calibrate, jobs, pad_radius, press_store, targets
-from fefinger.calibration.force import predicted
+from fefinger.calibration.force_law import ForceLaw
 from fefinger.calibration.outcome import errors, refuse_gross, stiffening
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import LATER, PART, SPARE
@@ -28,7 +28,7 @@ def record_of(one, factor, x0):
     time = np.concatenate([np.arange(0, 0.033, 2e-4), 0.033 + np.geomspace(2e-4, 5, 900)])
     even = np.arange(0, 5, 4e-4)
     position = np.minimum(60 * time, 1.98)
-    force = np.interp(even, time, predicted(one, factor, PRONY, time, position - x0))
+    force = np.interp(even, time, ForceLaw(one, PRONY, factor).predicted(time, position - x0))
     rng = np.random.default_rng(1)
     noise = rng.normal(0, 3e-3, (2, len(even)))
     return np.column_stack([even, np.minimum(60 * even, 1.98) + noise[0], force + noise[1]])
@@ -38,7 +38,7 @@ def wave_on(one, factor, x0):
     """Return a table of time s, position mm and force N of a sinusoid about a depth."""
     time = np.arange(0, 1, 5e-4)
     position = x0 + np.minimum(20 * time, 1.0) + 0.2 * np.sin(25 * time)
-    force = predicted(one, factor, PRONY, time, position - x0)
+    force = ForceLaw(one, PRONY, factor).predicted(time, position - x0)
     return np.column_stack([time, position, force])
 
 

@@ -9,7 +9,8 @@ import pytest
 from fefinger.validation.oracles import synthetic, taylor
 
 from fefinger.calibration import inverse, targets
-from fefinger.calibration.force import Forces, prony_of, stiffness
+from fefinger.calibration.force import Forces, prony_of
+from fefinger.calibration.force_law import ForceLaw
 from fefinger.calibration.outcome import line
 from fefinger.scene import pawluk1997
 from fefinger.scene.finger import Finger
@@ -47,12 +48,12 @@ def test_stiffness_against_force_does_not_know_the_scale_of_depth(law):
     force = np.array([0.5, 2.0])
     x = one.depth(0.3 * force / 1.7)
     slope = 1.7 * (one.force(x + 1e-5) - one.force(x - 1e-5)) / 2e-5 / 0.3
-    np.testing.assert_allclose(stiffness(one, 1.7, PRONY, force), slope, rtol=1e-6)
+    np.testing.assert_allclose(ForceLaw(one, PRONY, 1.7).stiffness(force), slope, rtol=1e-6)
 
 
 def test_a_finger_of_the_family_is_found_again_from_its_own_stiffness(law):
     wanted = targets.subject("a.h.")
-    k = stiffness(law.at(2.4, 14.0), 25.0 / 34.0, wanted.prony, wanted.force)
+    k = ForceLaw(law.at(2.4, 14.0), wanted.prony, 25.0 / 34.0).stiffness(wanted.force)
     forces = Forces(replace(wanted, stiffness=k), law, 34.0, 3.0, 14.0)
     found = inverse.solve(forces.residual, forces.unknowns, forces.starts())
     for name, value in {"exponent": 2.4, "modulus": 25.0}.items():  # the prior of 34 kPa pulls

@@ -8,7 +8,6 @@ from fefinger.validation.calibration.report import calibrated, rows
 from fefinger.validation.calibration.split import PARTS
 
 from fefinger.calibration import targets
-from fefinger.calibration.force import stiffness
 from fefinger.scene import library, pawluk1997
 from fefinger.view.figures import INK, WIDE, figure, style
 
@@ -68,7 +67,7 @@ def _stiffness() -> Any:
     axes = made.subplots()
     for name, color in zip(rows(), COLORS, strict=False):
         wanted, calibration = targets.subject(name), calibrated(name)
-        stiffnesses = stiffness(calibration.curve, 1.0, calibration.prony, wanted.force)
+        stiffnesses = calibration.law.stiffness(wanted.force)
         axes.plot(wanted.force, wanted.stiffness, "--", color=color)
         axes.plot(wanted.force, stiffnesses, color=color, label=name)
     axes.set_xlabel("T / N")

@@ -13,14 +13,14 @@ import numpy as np
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
 from fefinger.calibration.calibrate import SMALLER
-from fefinger.calibration.curve import Curve, family
-from fefinger.calibration.force import Forces, prony_of
+from fefinger.calibration.curve import family
+from fefinger.calibration.force import Forces
 from fefinger.calibration.inverse import solve
 from fefinger.calibration.outcome import FitResult, layer, line, stiffening
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import SlowPress, press
-from fefinger.calibration.targets import Frames, SubjectTarget, aligned
+from fefinger.calibration.targets import Frames, aligned
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard
@@ -139,11 +139,10 @@ def of_finger(name: str, finger: Finger, law: Laws) -> Fitted | None:
     done = fit(finger, law)
     if done is None:
         return None
-    solution, curve, factor = done.solution, done.curve, done.factor
-    prony = prony_of(solution.values)
-    frames = pad.simulated(curve, factor, prony, heaviest=FORCE)
+    solution, wanted = done.solution, targets.subject(finger.subject_name)
+    frames = pad.simulated(done.law, heaviest=FORCE)
     thesis_fit, last = pad.thesis_fit(frames), frames.pressure[-1]
-    m, b = _line(targets.subject(finger.subject_name), curve, factor, prony)
+    m, b = line(wanted.force, done.law.stiffness(wanted.force))
     return Fitted(
         name,
         *(thesis_fit.radius, thesis_fit.m, thesis_fit.c0_b, thesis_fit.error),
@@ -170,7 +169,7 @@ def fit(finger: Finger, law: Laws, exponents: tuple[float, ...] = EXPONENTS) -> 
     forces = Forces(wanted, curves, modulus, 1.0, finger.pad_radius)
     free = [replace(each, prior=None) for each in forces.unknowns if not each.held]
     solution = solve(forces.residual, free, forces.starts())
-    return FitResult(solution, *forces.curve(solution.values))
+    return FitResult(solution, forces.law(solution.values))
 
 
 def _pressed(
@@ -186,12 +185,6 @@ def _pressed(
             yield exponent, pressed
 
 
-def _line(wanted: SubjectTarget, curve: Curve, factor: float, prony: Prony) -> tuple[float, float]:
-    from fefinger.calibration.force import stiffness
-
-    return line(wanted.force, stiffness(curve, factor, prony, wanted.force))
-
-
 def of_fingers(subject: str) -> list[dict[str, float | str]]:
     """Return the changes of the finger of a subject, on the coarse mesh."""
     start = Work(targets.finger_of(subject, resolution="coarse"), None).finger
@@ -201,18 +194,18 @@ def of_fingers(subject: str) -> list[dict[str, float | str]]:
 
 def of_reading(calibration: Calibration) -> list[Found]:
     """Return the changes of the array and of how it is read, for a calibrated finger."""
-    sensor, curve, prony = ArraySensor(), calibration.curve, calibration.prony
-    plain = pad.simulated(curve, 1.0, prony)
+    sensor, law = ArraySensor(), calibration.law
+    plain = pad.simulated(law)
     inner = plain.distance < 6.0
     near = Frames(plain.depth[:, inner], plain.pressure[:, inner], plain.distance[inner])
     clipped = np.where(plain.pressure < sensor.noise, 0.0, plain.pressure)
     about = np.hypot(*sensor.positions.T)
     made = {
         "frames as they are": plain,
-        "pressed to 0.54 N": pad.simulated(curve, 1.0, prony, heaviest=0.54),
-        "pressed to 1.1 N": pad.simulated(curve, 1.0, prony, heaviest=1.1),
-        "tissue that does not relax": pad.simulated(curve, 1.0, Prony((1.0,), ())),
-        "noise of 0.5 kPa": pad.simulated(curve, 1.0, prony, seed=0),
+        "pressed to 0.54 N": pad.simulated(law, heaviest=0.54),
+        "pressed to 1.1 N": pad.simulated(law, heaviest=1.1),
+        "tissue that does not relax": pad.simulated(replace(law, prony=Prony((1.0,), ()))),
+        "noise of 0.5 kPa": pad.simulated(law, seed=0),
         "readings below 0.5 kPa dropped": replace(plain, pressure=clipped),
         "elements within 6 mm": near,
         "about the middle of the array": replace(plain, distance=about),
@@ -224,12 +217,14 @@ def of_reading(calibration: Calibration) -> list[Found]:
 
 def of_force(calibration: Calibration) -> list[Found]:
     """Apply the thesis's fit to contacts of Hertz's shape and the printed R, by their force."""
-    subject, curve, prony = calibration.target, calibration.curve, calibration.prony
+    subject, law = calibration.target, calibration.law
     radius, row = pad.printed(subject).radius, pawluk1997.lumped()[subject]
-    depth = pad.slow_press(curve, 1.0, prony)
+    depth = pad.slow_press(law)
     relaxed = row.prony.long_time * row.b / row.m
     top = float(np.log1p(pad.HEAVIEST / relaxed) / row.m)
-    made = {"force of the calibrated finger": (depth, pad.slow(prony, depth, curve.force(depth)))}
+    made = {
+        "force of the calibrated finger": (depth, pad.slow(law.prony, depth, law.relaxed(depth)))
+    }
     for early in (0.0, EARLY):
         deep = np.linspace(0.0, top + early, len(depth))
         force = relaxed * np.expm1(row.m * np.maximum(deep - early, 0.0))

@@ -17,7 +17,7 @@ from fefinger.validation.case import Case, Expected, Noted
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
 from fefinger.calibration.curve import Curve, curve
-from fefinger.calibration.force import stiffness
+from fefinger.calibration.force_law import ForceLaw
 from fefinger.calibration.outcome import FREQUENCIES, line, stiffening
 from fefinger.calibration.slow_press import press
 from fefinger.calibration.targets import SubjectTarget
@@ -140,9 +140,8 @@ def first_stiffness(subject: str) -> Noted:
     calibration, wanted, one = calibrated(subject), targets.subject(subject), fresh(subject)
     last = float(one.force(one.deepest)) / calibration.prony.long_time
     force = wanted.force[wanted.force <= last]
-    new, old = (
-        line(force, stiffness(c, 1.0, calibration.prony, force)) for c in (one, calibration.curve)
-    )
+    laws = ForceLaw(one, calibration.prony), calibration.law
+    new, old = (line(force, law.stiffness(force)) for law in laws)
     note = f"Over forces up to {force[-1]:.2g} of {wanted.force[-1]:.2g} N."
     return Noted(calibration.residuals["b"] + new[1] - old[1], note)
 
@@ -154,10 +153,8 @@ def radius_again(subject: str) -> Noted:
     """
     calibration, one = calibrated(subject), fresh(subject)
     deep = min(one.deepest, calibration.deepest)
-    frames = [
-        pad.simulated(c.until(deep), 1.0, calibration.prony) for c in (one, calibration.curve)
-    ]
-    new, old = (pad.thesis_fit(each).radius for each in frames)
+    laws = (ForceLaw(c.until(deep), calibration.prony) for c in (one, calibration.curve))
+    new, old = (pad.thesis_fit(pad.simulated(law)).radius for law in laws)
     note = (
         f"Compared to {deep:.2f} mm, where the shorter press ends, of {calibration.deepest:.2f} mm."
     )
@@ -221,8 +218,8 @@ def width_again(subject: str, stored: dict[str, Any]) -> float:
     At the force of the report, or where the new press ends.
     """
     calibration = calibrated(subject)
-    new = pad.profile(fresh(subject), 1.0, calibration.prony, subject, stored["force_N"])
-    old = pad.profile(calibration.curve, 1.0, calibration.prony, subject, new.force)
+    new = pad.profile(ForceLaw(fresh(subject), calibration.prony), subject, stored["force_N"])
+    old = pad.profile(calibration.law, subject, new.force)
     finger, thesis = (
         width(*(np.array(stored[key]) for key in ("distance_mm", name)))
         for name in ("finger_kPa", "thesis_kPa")

@@ -20,7 +20,8 @@ from fefinger.validation.problems.chain import SUBJECTS
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import slow_press, targets
 from fefinger.calibration.curve import curve
-from fefinger.calibration.force import prony_of, stiffness
+from fefinger.calibration.force import prony_of
+from fefinger.calibration.force_law import ForceLaw
 from fefinger.calibration.outcome import stiffening
 from fefinger.mechanics import solid
 from fefinger.results import pressure
@@ -136,8 +137,8 @@ def figures(step: str, finger: Finger) -> Figures:
     """Press the finger of a subject whose tissue is fitted."""
     assert finger.subject_name is not None
     wanted, prony = targets.subject(finger.subject_name), finger.prony
-    one, _ = curve(slow_press.press(finger, "solid"))
-    fitted = stiffness(one, 1.0, prony, wanted.force)
+    law = ForceLaw(curve(slow_press.press(finger, "solid"))[0], prony)
+    fitted = law.stiffness(wanted.force)
     rest = [
         (fitted - wanted.stiffness) / wanted.stiffness_sd,
         (prony.relaxation(wanted.time) - wanted.relaxation) / wanted.relaxation_sd,
@@ -157,8 +158,8 @@ def figures(step: str, finger: Finger) -> Figures:
         pulp.modulus,
         pulp.exponent or 0.0,
         float(sum(each @ each for each in rest)) / (sum(map(len, rest)) - FITTED),
-        pad.thesis_fit(pad.simulated(one, 1.0, prony)).radius,
-        min(pad.heaviest(one, 1.0, prony), pad.HEAVIEST),
+        pad.thesis_fit(pad.simulated(law)).radius,
+        min(pad.heaviest(law), pad.HEAVIEST),
         float(response.force[-1]),
         float(response.contact_area[-1]),
         highest,

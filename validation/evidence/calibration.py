@@ -37,10 +37,7 @@ def row(subject: str) -> dict[str, Any]:
 
 def profiles(calibration: Calibration) -> list[dict[str, Any]]:
     """Return pressure against distance at FORCES, of the calibrated finger and of Table 3.2."""
-    made = [
-        pad_radius.profile(calibration.curve, 1.0, calibration.prony, calibration.target, force)
-        for force in FORCES
-    ]
+    made = [pad_radius.profile(calibration.law, calibration.target, force) for force in FORCES]
     return [
         {
             "force_N": round(each.force, 4),
