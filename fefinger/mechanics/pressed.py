@@ -9,6 +9,7 @@ of 5 mm are shipped. What the tabulation leaves out is measured against `solid` 
 """
 
 import math
+from dataclasses import replace
 
 from fefinger.mechanics import layered, linear, solid
 from fefinger.mechanics.evidence import tabulation_error
@@ -37,7 +38,7 @@ NOTES = (
     "relaxes, and until the indenter retreats the deformation is taken to depend on the depth "
     "alone, not on the speed.",
     "On retreat and after lift-off the tissue recovers as in nested contacts that relax one by "
-    "one, more slowly where it stiffens; strain is less certain there than under load.",
+    "one, more slowly where it stiffens.",
     QUASISTATIC,
 )
 
@@ -93,4 +94,8 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     from fefinger.mechanics.press import tabulated_press
 
     notes = (*NOTES, RIGID_BONE)
-    return tabulated_press.respond(scene, progress, mechanics=name, notes=notes)
+    response = tabulated_press.respond(scene, progress, mechanics=name, notes=notes)
+    if not tabulation_error.retreats(scene.motion):
+        return response
+    part = float(response.depth.max()) / scene.finger.thickness
+    return replace(response, notes=(*response.notes, tabulation_error.on_retreat(part)))

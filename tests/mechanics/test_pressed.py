@@ -9,6 +9,7 @@ import pytest
 
 from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.evidence import tabulation_error
+from fefinger.mechanics.evidence.table import TABULATION, table
 from fefinger.mechanics.press import depth_table_store, elastic_press
 from fefinger.mechanics.press.depth_table import SHALLOWEST, STEP, DepthTable, DisplacementBasis
 from fefinger.mechanics.press.elastic_press import depths
@@ -16,6 +17,7 @@ from fefinger.mechanics.realtime.pressed import Pressed
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
 from fefinger.mesh.symmetric import whole
+from fefinger.results.candidate import Candidate
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -107,6 +109,8 @@ def test_relaxation_is_carried_within_the_stated_errors(motion) -> None:
     assert strain < tabulation_error.error(case, "strain") < 0.1
     # On retreat too, where a shape that depends on the depth alone is off by .2 of the peak.
     assert apart(wrong.strain, right.strain) < 0.1
+    noted = tabulation_error.on_retreat(case.depth_over_thickness)
+    assert (noted in wrong.notes) == tabulation_error.retreats(motion)
     assert wrong.force.min() >= 0.0
     assert (wrong.pressure >= 0.0).all()
 
@@ -304,6 +308,14 @@ def test_the_error_of_tabulation_is_larger_on_retreat() -> None:
     )
     errors = [tabulation_error.error(case, "force") for case in (advancing, back)]
     assert 0.01 < errors[0] < errors[1] < 0.1
+
+
+def test_errors_on_retreat_are_noted_with_a_margin_over_the_measured_ones() -> None:
+    noted = tabulation_error.on_retreat(0.1)
+    strain, area = (float(number) for number in re.findall(r"([\d.]+) %", noted))
+    rows = table().all(TABULATION, "error of strain on retreat", Candidate("pressed"))
+    about = [row.value for row in rows if 0.09 < row.conditions["part"] < 0.11]
+    assert 100 * max(about) < strain < area
 
 
 @pytest.mark.parametrize("part", [0.02, 0.03, 0.05, 0.07])

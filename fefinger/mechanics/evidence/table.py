@@ -171,8 +171,9 @@ def _tabulation(name: str) -> Iterator[Measured]:
         errors = dict(row["peak"])
         if "force" in row["loading"]:  # else the force is prescribed
             errors["force"] = row["loading"]["force"]
-        if "force" in row["retreat"]:
-            errors["force on retreat"] = row["retreat"]["force"]
+        for quantity in ("force", "strain", "area"):
+            if quantity in row["retreat"]:
+                errors[f"{quantity} on retreat"] = row["retreat"][quantity]
         conditions, scene = {"part": row["part"]}, row["scene"]["name"]
         for quantity, error in errors.items():
             what = f"error of {quantity}"

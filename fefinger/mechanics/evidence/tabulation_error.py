@@ -90,15 +90,26 @@ def error(case: Situation, quantity: str, *, table: bool = True) -> float:
     rows, relaxing = _rows(quantity), RELAXING
     if quantity == "force" and retreats(case.motion):
         rows, relaxing = [*rows, *_rows("force on retreat")], RELAXING_BACK
-    pairs = [(row.conditions["part"], row.value) for row in rows]
-    part = case.depth_over_thickness
-    largest = largest_about(part, pairs, quantity)
+    largest = largest_about(case.depth_over_thickness, _by_part(rows), quantity)
     if relaxing == RELAXING_BACK:
         largest = max(largest, LEAST_BACK)
     share = min(1.0, (1.0 - case.finger.prony.long_time) / relaxing)
     if not table:
         return (SMALL_STRAIN if quantity == "force" else 1.0) * MARGIN * largest * share
     return MARGIN * largest * share + between_depths(case, quantity) * (1.0 - share)
+
+
+def on_retreat(part: float) -> str:
+    """State the errors on retreat at a relative depth, which are larger than those at the peak."""
+    strain, area = (
+        MARGIN * largest_about(part, _by_part(_rows(f"{name} on retreat")), name)
+        for name in ("strain", "area")
+    )
+    return (
+        "Errors are stated where the force is largest. Where the indenter retreats, what the "
+        f"tabulation leaves out is up to {percent(strain)} of the largest strain at the end organs "
+        f"and {percent(area)} of the largest contact area (reports/{TABULATION})."
+    )
 
 
 def between_depths(case: Situation, quantity: str) -> float:
@@ -128,6 +139,11 @@ def largest_about(part: float, errors: Sequence[tuple[float, float]], quantity: 
         nearest = sorted(errors, key=lambda pair: abs(math.log(pair[0] / part)))
         about += [value for _, value in nearest[:FEWEST]]
     return max(about)
+
+
+def _by_part(rows: Sequence[Measured]) -> list[tuple[float, float]]:
+    """Return pairs of relative depth and error."""
+    return [(row.conditions["part"], row.value) for row in rows]
 
 
 def _rows(quantity: str) -> list[Measured]:
