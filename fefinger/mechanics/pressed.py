@@ -95,7 +95,8 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 
     notes = (*NOTES, RIGID_BONE)
     response = tabulated_press.respond(scene, progress, mechanics=name, notes=notes)
-    if not tabulation_error.retreats(scene.motion):
-        return response
+    prony = scene.finger.prony
+    if prony.long_time == 1.0 or not tabulation_error.retreats(scene.motion):
+        return response  # elastic tissue comes back as it went
     part = float(response.depth.max()) / scene.finger.thickness
-    return replace(response, notes=(*response.notes, tabulation_error.on_retreat(part)))
+    return replace(response, notes=(*response.notes, tabulation_error.on_retreat(part, prony)))

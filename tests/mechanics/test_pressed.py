@@ -109,7 +109,7 @@ def test_relaxation_is_carried_within_the_stated_errors(motion) -> None:
     assert strain < tabulation_error.error(case, "strain") < 0.1
     # On retreat too, where a shape that depends on the depth alone is off by .2 of the peak.
     assert apart(wrong.strain, right.strain) < 0.1
-    noted = tabulation_error.on_retreat(case.depth_over_thickness)
+    noted = tabulation_error.on_retreat(case.depth_over_thickness, asked.finger.prony)
     assert (noted in wrong.notes) == tabulation_error.retreats(motion)
     assert wrong.force.min() >= 0.0
     assert (wrong.pressure >= 0.0).all()
@@ -311,7 +311,7 @@ def test_the_error_of_tabulation_is_larger_on_retreat() -> None:
 
 
 def test_errors_on_retreat_are_noted_with_a_margin_over_the_measured_ones() -> None:
-    noted = tabulation_error.on_retreat(0.1)
+    noted = tabulation_error.on_retreat(0.1, FINGER.prony)
     strain, area = (float(number) for number in re.findall(r"([\d.]+) %", noted))
     rows = table().all(TABULATION, "error of strain on retreat", Candidate("pressed"))
     about = [row.value for row in rows if 0.09 < row.conditions["part"] < 0.11]

@@ -19,6 +19,7 @@ from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.scene.motion import Motion
 from fefinger.support.text import percent
+from fefinger.theory.relaxation import Prony
 
 
 MARGIN = 1.2
@@ -42,9 +43,9 @@ RELAXING = 0.67
 """Least 1 - G(infinity) of the scenes that were measured."""
 
 RELAXING_BACK = 0.25
-"""The same for the force on retreat, whose error grows less than the relaxation: in trapezoids to
-0.03 and 0.1 of the thickness it is up to 2.0 % of the peak where 0.1 relaxes, 2.6 % where 0.3 does,
-and 2.7 % at 0.67."""
+"""The same for retreat, where the error of the force grows less than the relaxation: in trapezoids
+to 0.03 and 0.1 of the thickness it is up to 2.0 % of the peak where 0.1 relaxes, 2.6 % where 0.3
+does, and 2.7 % at 0.67."""
 
 LEAST_BACK = 0.031
 """Least error of the force on retreat, without MARGIN: in trapezoids of the plate at 30 degrees and
@@ -99,10 +100,11 @@ def error(case: Situation, quantity: str, *, table: bool = True) -> float:
     return MARGIN * largest * share + between_depths(case, quantity) * (1.0 - share)
 
 
-def on_retreat(part: float) -> str:
+def on_retreat(part: float, prony: Prony) -> str:
     """State the errors on retreat at a relative depth, which are larger than those at the peak."""
+    share = min(1.0, (1.0 - prony.long_time) / RELAXING_BACK)
     strain, area = (
-        MARGIN * largest_about(part, _by_part(_rows(f"{name} on retreat")), name)
+        MARGIN * share * largest_about(part, _by_part(_rows(f"{name} on retreat")), name)
         for name in ("strain", "area")
     )
     return (
