@@ -14,6 +14,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
+from tokenize import TokenError
 from zipfile import BadZipFile
 
 from fefinger.support.atomic_write import lock, temporary_folder
@@ -30,7 +31,10 @@ DAY = 24 * 3600.0
 ABANDONED = DAY
 """Age in s from which an unfinished entry counts as abandoned by its process."""
 
-DAMAGED = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
+DAMAGED = (
+    *(OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error),
+    *(NotImplementedError, RuntimeError, SyntaxError, TokenError),  # of damaged headers
+)
 """Errors of reading missing or damaged arrays, which are then made again."""
 
 BUILDING, LEAVING = ".building-", ".leaving-"

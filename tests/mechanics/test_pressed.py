@@ -12,7 +12,7 @@ from fefinger.mechanics.evidence import tabulation_error
 from fefinger.mechanics.evidence.table import TABULATION, table
 from fefinger.mechanics.press import depth_table_store, elastic_press
 from fefinger.mechanics.press.depth_table import SHALLOWEST, STEP, DepthTable, DisplacementBasis
-from fefinger.mechanics.press.elastic_press import depths
+from fefinger.mechanics.press.elastic_press import FEWEST, depths
 from fefinger.mechanics.realtime.pressed import Pressed
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
@@ -210,6 +210,45 @@ def test_depths_reach_what_is_needed_on_one_grid(least: float, count: int) -> No
     assert grid[0] == 0.0
     assert grid[-1] >= least * (1 - 1e-9)
     assert np.allclose(grid[1:20], depths(10.0, 0.1)[1:20])
+    shallow = depths(10.0, least, FEWEST)
+    assert shallow[-1] >= least * (1 - 1e-9)
+    assert np.array_equal(shallow, grid[: len(shallow)])
+
+
+def test_a_light_touch_is_the_same_after_a_deeper_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    light, deep = (
+        replace(scene(Trapezoid(20, depth, hold=0.05)), indenter=Sphere(radius=6.0))
+        for depth in (0.06, 1.0)
+    )
+    first = pressed.respond(light)
+    pressed.respond(deep)
+    again = pressed.respond(light)
+    # To the tolerance of the equilibria, and of strain that of splines through all depths.
+    limits = {"force": 1e-4, "contact_area": 1e-3, "strain": 0.01}
+    for name, limit in limits.items():
+        assert apart(getattr(again, name), getattr(first, name)) < limit
+
+
+def test_a_press_on_which_the_mesh_resolves_hardly_a_contact_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(elastic_press, "RESOLVED", 30)
+    with pytest.raises(InputError, match="smaller than a facet of the pad; press deeper"):
+        pressed.respond(replace(scene(Ramp(20, 0.03)), indenter=Sphere(radius=5.5)))
+    assert not list(tmp_path.rglob("*.npz")), "it is not stored"
+
+
+def test_a_force_beyond_the_deepest_table_is_refused_without_another_press(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(elastic_press, "FARTHEST", 0.15)
+    monkeypatch.setattr(elastic_press, "solve", lambda *_, **__: pytest.fail("solved again"))
+    with pytest.raises(InputError, match="expected one that the relaxed finger bears"):
+        pressed.respond(scene(ForceRampHold(20, 80.0, hold=0.05)))
 
 
 def test_a_press_is_the_same_after_it_was_written_and_read(tmp_path: Path) -> None:

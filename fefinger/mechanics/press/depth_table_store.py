@@ -30,7 +30,7 @@ from fefinger.support.checks import InputError
 if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
 
-FORMAT = 4
+FORMAT = 5
 """Raised when the solver, the depths or the files change, so that tables are solved again."""
 
 PREFIX = "press-"

@@ -12,7 +12,7 @@ import numpy as np
 
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.load_path import Path, StressHistory
-from fefinger.mechanics.press import depth_table_store
+from fefinger.mechanics.press import depth_table_store, limits
 from fefinger.mechanics.press.constitutive import laws
 from fefinger.mechanics.press.depth_table import DepthTable, DisplacementBasis
 from fefinger.mechanics.press.fields import stiffening
@@ -32,25 +32,25 @@ from fefinger.support.progress import Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-PART, STEPS, FIRST, FEWEST = 0.16, 20, 2, 16
+PART, STEPS, FIRST, FEWEST = 0.16, 20, 2, 8
 """Depth over the thickness of the finger that STEPS steps reach; the first that is solved, below
-which no mesh resolves the contact; and those of a press that goes no deeper than it has to."""
+which no mesh resolves the contact; and the last one at least, also of a lighter press."""
+
+RESOLVED = 2
+"""Least number of depths with a force: between fewer, none can be interpolated."""
 
 FARTHEST = 0.32
 """Depth over the thickness to which a force is sought; tissue is 0.5 of it thick under the pad."""
 
 
-def depths(thickness: float, least: float) -> Array:
-    """Return depths (n,) mm from 0 to at least `least`, and at least PART of the thickness."""
+def depths(thickness: float, least: float, steps: int = STEPS) -> Array:
+    """Return depths (n,) mm from 0 to at least `least`, and those of `steps` steps at least.
+
+    All tables of a finger have the same depths, so that a deeper one changes no answer.
+    """
     deep = PART * thickness
-    last = max(STEPS, int(np.ceil(STEPS * np.sqrt(least / deep) * (1 - 1e-9))))
-    steps = np.arange(FIRST, last + 1) / STEPS
-    return np.concatenate([[0.0], deep * steps**2])
-
-
-def depths_up_to(depth: float) -> Array:
-    """Return depths (n,) mm from 0 to a depth in mm, for a table that goes no deeper."""
-    return np.asarray(depth * (np.concatenate([[0.0], np.arange(1.0, FEWEST + 1)]) / FEWEST) ** 2)
+    last = max(steps, int(np.ceil(STEPS * np.sqrt(least / deep) * (1 - 1e-9))))
+    return np.concatenate([[0.0], deep * (np.arange(FIRST, last + 1) / STEPS) ** 2])
 
 
 def solve(
@@ -64,25 +64,23 @@ def solve(
     Errors as `load_or_solve`.
     """
     thickness, wanted = press.finger.thickness, force / NEWTON_PER_MILLINEWTON / press.body.sides
+    steps = STEPS if further else FEWEST
+    enough = depths(thickness, 0.0, steps)[-1] * (1 - 1e-9)
 
     def reached_target(depth: float, borne: float) -> bool:
-        return borne >= wanted and (not further or depth >= PART * thickness * (1 - 1e-9))
+        return borne >= wanted and depth >= enough
 
-    tried = depths(thickness, FARTHEST * thickness if force else least)
+    tried = depths(thickness, FARTHEST * thickness if force else least, steps)
     if press.standard:  # the reference press is one of its depths
         tried = np.union1d(tried, REFERENCE_DEPTH)
     if force:
-        table = _solved(press, tried, stages, reached_target)
-        if further or len(table.depth) > FEWEST:
-            return table
-        return _solved(press, depths_up_to(table.deepest), stages)
-    if further:
-        try:
-            return _solved(press, tried, stages)
-        except (InputError, ConvergenceError):
-            if not least:
-                raise
-    return _solved(press, depths_up_to(least), stages)
+        return _solved(press, tried, stages, reached_target)
+    try:
+        return _solved(press, tried, stages)
+    except (InputError, ConvergenceError):
+        if not least:
+            raise
+    return _solved(press, np.append(tried[tried < least * (1 - 1e-9)], least), stages)
 
 
 def _solved(
@@ -103,11 +101,10 @@ def _solved(
         sites=None,
         reference=None,
     )
-    times = np.arange(len(wanted), dtype=np.float64)
-    course = Course(
-        Path("depth", times, lambda time: float(np.interp(time, times, wanted))),
+    course = Course(  # at 1 mm/s
+        Path("depth", wanted, float),
         lambda: StressHistory(elements, {}),
-        LoadSteps(times, wanted, np.arange(len(wanted)), times, np.array([0, len(wanted) - 1])),
+        LoadSteps(wanted, wanted, np.arange(len(wanted)), wanted, np.array([0, len(wanted) - 1])),
         frozenset(range(len(wanted))),
         reached_target,
     )
@@ -121,6 +118,8 @@ def _solved(
             fields.append(reference_unknowns(whole, elements))
     pressure, travel = history.pressure, history.contact.projected
     force = press.body.sides * pressure @ travel * NEWTON_PER_MILLINEWTON
+    if (force > 0).sum() < RESOLVED:
+        raise InputError(limits.unresolved(float(solved[-1])))
     pad, column = whole_pad(body, history.contact.neighborhood)
     return DepthTable(
         depth=solved,
@@ -150,9 +149,10 @@ def load_or_solve(
 
     def stored() -> DepthTable | None:
         table = depth_table_store.at_hand(press.finger, indenter, press.mesh)
-        if table is None or table.deepest < least * (1 - 1e-9) or table.force[-1] < force:
+        if table is None or table.deepest < least * (1 - 1e-9):
             return None
-        return table
+        sought = table.deepest < FARTHEST * press.finger.thickness * (1 - 1e-9)
+        return None if sought and table.force[-1] < force else table
 
     table = stored()
     if table is not None:
