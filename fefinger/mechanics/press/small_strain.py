@@ -94,13 +94,20 @@ def solve_contact(
         candidates = _candidates(press, reach, rings)
         try:
             reduced, history = _on_candidates(press, candidates, stages, advance or quasistatic)
+            pressed = (history.pressure > 0).any(axis=0)
+            reached = candidates.border & pressed
+            spread = bool(reached.any())
+            if not spread or rings == problem.ATTEMPTS - 1:
+                # Not before: with too few candidates a prescribed force presses too deep.
+                deepest = float(history.depth.max())
+                limits.check_reached(press.motion, press.finger.pulp, deepest)
+                placement.check_inside(press.body, candidates.vertices[pressed], deepest)
+            if not spread:
+                return reduced, history
         except InputError:
             if _touches_outside(press, reach):  # without that skin the press is another
                 raise OutsideError(limits.OUTSIDE) from None
             raise
-        reached = candidates.border & (history.pressure > 0).any(axis=0)
-        if not reached.any():
-            return reduced, history
         if press.body.cut_off(candidates.vertices[reached]):
             raise OutsideError(limits.OUTSIDE)
         reach *= problem.GROW
@@ -120,12 +127,9 @@ def _on_candidates(
     with stages.stage("contact") as report:
         value = press.load_unit * motion.value(press.time)
         history = advance(press, reduced, Prescribed(motion.control, press.time, value), report)
-    deepest = float(history.depth.max())
-    limits.check_reached(motion, press.finger.pulp, deepest)
     pressed = (history.pressure > 0).any(axis=0)
-    placement.check_inside(body, candidates.vertices[pressed], deepest)
     if not pressed.any():
-        raise InputError(limits.untouched(obstacle, body, deepest))
+        raise InputError(limits.untouched(obstacle, body, float(history.depth.max())))
     if (pressed & candidates.obstacle_border).any():
         raise InputError(limits.rim_reached(len(candidates.vertices)))
     return reduced, history
