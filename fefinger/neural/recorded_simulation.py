@@ -19,7 +19,7 @@ from fefinger.neural.checked_signals import (
 from fefinger.neural.membranes import IntegrateAndFire
 from fefinger.neural.recorded import Recorded, fitted, units_of
 from fefinger.neural.trains import SpikeTrains
-from fefinger.neural.variation import Variation, numbered
+from fefinger.neural.variation import Variation
 from fefinger.support.arrays import Array
 from fefinger.support.checks import choice, number
 from fefinger.support.vocabulary import RECORDED_RULES
@@ -97,6 +97,7 @@ def simulate_recorded(
     positions = unit_array("positions", positions, (len(types), 3))
     depths = unit_array("depths", depths, (len(types),))
     x_in = combined(organs, columns, rule)
+    variation = (variation or Variation(seed=0, noise=None)).for_units(types)
     units = _units(types, parameters, variation)
     steps = np.array([LONGEST[kind] for kind in types])
     if step is not None:
@@ -126,8 +127,8 @@ def simulate_recorded(
         delays=later.copy(),
         positions=positions,
         depths=depths,
-        seed=0 if variation is None else variation.seed,
-        trial=0 if variation is None else variation.trial,
+        seed=variation.seed,
+        trial=variation.trial,
         notes=notes,
     )
 
@@ -143,14 +144,11 @@ def combined(organs: Array, columns: Sequence[NDArray[np.intp]], rule: str) -> A
 
 
 def _units(
-    types: Sequence[str], parameters: Mapping[str, Recorded] | None, variation: Variation | None
+    types: Sequence[str], parameters: Mapping[str, Recorded] | None, variation: Variation
 ) -> "Units":
     """Arrays of the parameters of units, with their variation."""
     by_type = {**fitted(), **(parameters or {})}
     chosen = [by_type[kind] for kind in types]
-    if variation is None:
-        return units_of(chosen, numbers=numbered(types))
-    variation = variation.for_units(types)
     noise = variation.noise
     return units_of(
         chosen,
