@@ -71,13 +71,15 @@ def spikes(
         Afferent types, by default all four for which the samples are not too coarse; the others are
         noted.
     length
-        Skin displacement in mm per strain of 1; of "recorded" that of the fit by default.
+        Skin displacement in mm per strain of 1: the depth of a small flat press over the strain at
+        the end organ that it causes; of "recorded" that of the fit by default.
     corners
         Take straight lines between the samples as exact, corners included. Otherwise samples that
         are too coarse for a type that is named are refused, and units whose spike count differs for
-        a smooth curve through the samples are noted.
+        a smooth curve through the samples, or for every second of them, are noted.
     tolerance
-        Allowed error of spike times in ms, of the family "thesis".
+        Allowed error of spike times in ms, of the family "thesis", which sets integrator and step;
+        by default Runge-Kutta at 50 µs.
     generator
         Law from end organ to current, of the family "thesis": "saturating" or "linear".
     family
@@ -90,8 +92,9 @@ def spikes(
     ------
     InputError
         Series that do not fit, are not finite, or are beyond 10 mm or a strain of 1; times that
-        decrease; an unknown type, family or name of a series; a strain without a length; samples
-        too coarse for a type; a choice that the family does not have.
+        decrease; an unknown type, family or name of a series; a type given twice; a strain without
+        a length; samples too coarse for a type that is named, or for all; a choice that the family
+        does not have.
     """
     return fire(
         given(time, displacement),
@@ -116,34 +119,9 @@ def fire(
     family: str = FAMILIES[0],
     trial: int = 0,
 ) -> "SpikeTrains":
-    """Simulate the spikes of units that these signals drive.
+    """Simulate the spikes of units that these signals, of `read` or `given`, drive.
 
-    Parameters
-    ----------
-    signals
-        What `read` or `given` returns. A column whose header begins with a type, as
-        `FAI_displacement_mm`, drives a unit of that type; any other column a unit of each of
-        `types`. Other names of types, such as RA, are refused.
-    types, generator, family, trial
-        As in `spikes`.
-    length
-        Skin displacement in mm per strain of 1: the depth of a small flat press over the strain at
-        the end organ that it causes. For the family "recorded" the displacement is that of a pin 1
-        mm wide, and the length by default that of its fit.
-    corners
-        Take straight lines between the samples as exact, corners included. Otherwise units whose
-        spike count differs for a smooth curve through the samples, or for every second of them, are
-        noted.
-    tolerance
-        Allowed error of spike times in ms, which sets integrator and step; None: Runge-Kutta at
-        50 us.
-
-    Raises
-    ------
-    InputError
-        An unknown type or one given twice, a column named like one, a strain without a length,
-        samples too coarse for the frequencies of a type that was named or of all, an unknown family
-        or a choice that it does not have.
+    Options and errors are those of `spikes`.
     """
     from fefinger.neural.checked_signals import count_changes
     from fefinger.neural.variation import Variation
