@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation.problems import published
+from oracles.differences import gradient
 
 import fefinger as ff
 from fefinger.mechanics import hertz, linear
@@ -47,18 +48,9 @@ def test_touching_the_dent_again_is_weaker_than_touching_rested_skin():
 def test_strain_is_the_gradient_of_the_displacement(poisson):
     field = Hertz(12.0, 0.4, 50.0, poisson)
     r, z = np.array([0.7, 2.0, 3.1]), np.array([0.4, 1.2, 0.6])
-    step = 1e-5
-
-    def slopes(dr, dz):
-        right, left = field.displacement(r + dr, z + dz), field.displacement(r - dr, z - dz)
-        return (right - left) / (2 * step)
-
-    along, down = slopes(step, 0), slopes(0, step)
-    around = field.displacement(r, z)[0] / r
-    want = np.stack([along[0], around, down[1], (down[0] + along[1]) / 2])
     body = hertz.HalfSpace(12.0, 50.0, poisson)
     got = body.strain(np.array([0.4]), r, z)[0]
-    assert got == pytest.approx(want, abs=1e-7)
+    assert got == pytest.approx(gradient(field.displacement, r, z), abs=1e-7)
     if poisson == 0.5:
         assert got[:3].sum(axis=0) == pytest.approx(0, abs=1e-14)
 
