@@ -93,10 +93,11 @@ def test_sampling_the_same_signal_more_finely_gives_the_same_spikes(generator):
 
 def test_a_flat_press_of_the_reference_gives_the_one_dimensional_case():
     time, x = press(hold=0.5)
-    strain = (x / 0.2)[:, None, None, None] * np.array([FLAT] * 4)
-    x_in = equivalent_displacements(strain, np.array([UP] * 4), TYPES, REFERENCE)
-    trains = simulate_units(time, x_in, types=TYPES)
-    np.testing.assert_allclose(trains.x_in, np.tile(x[:, None], 4), rtol=1e-12, atol=1e-15)
+    sites, unit = ("SAI", *TYPES, "FAI", "SAI"), [0, 0, 1, 2, 3, 2, 0]
+    strain = (x / 0.2)[:, None, None, None] * np.array([FLAT] * 7)
+    x_in = equivalent_displacements(strain, np.array([UP] * 7), sites, REFERENCE)
+    np.testing.assert_allclose(x_in, np.tile(x[:, None], 7), rtol=1e-12, atol=1e-15)
+    trains = simulate_units(time, x_in, types=TYPES, unit=unit)
     np.testing.assert_array_equal(trains.count(), respond(time, x).count())
 
 
@@ -158,14 +159,14 @@ def test_counts_that_change_are_named():
     ("time", "drive", "options", "message"),
     [
         ([0, 1], np.zeros((2, 1)), {"types": ("SA1",)}, "Did you mean 'SAI'"),
-        ([0, 1], np.zeros((2, 0)), {"types": ()}, "one afferent unit or more"),
+        ([0, 1], np.zeros((2, 0)), {"types": ()}, "one afferent unit or more, received none"),
         ([0, 1], np.zeros((2, 2)), {"types": ("SAI",)}, "expected \\(n_t,\\)"),
         ([0, 0.5, 0.2], np.zeros((3, 1)), {"types": ("SAI",)}, "never decrease"),
         ([0, 1e6], np.zeros((2, 1)), {"types": ("SAI",)}, "at most 3600 s in one run"),
         ([0, 1], np.full((2, 1), np.nan), {"types": ("SAI",)}, "finite values"),
         ([0, np.nan], np.zeros((2, 1)), {"types": ("SAI",)}, "finite values"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "generator": "quadratic"}, "generator"),
-        ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "names": ("a", "b")}, "received 2"),
+        ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "names": ("a", "b")}, "names: .*received 2"),
         ([0, 1], np.zeros((2, 2)), {"types": ("SAI",) * 2, "names": ("a", "a")}, "received a more"),
         ([0, 1], np.zeros((2, 2)), {"types": ("SAI",) * 2, "names": "ab"}, "received 'ab'"),
         ([0, 1], np.zeros((2, 1)), {"types": ("SAI",), "dt": 0.0}, "dt: expected a finite"),

@@ -46,18 +46,21 @@ def test_a_finer_tolerance_never_takes_a_coarser_way():
             assert steps == sorted(steps, reverse=True)
 
 
-@pytest.mark.parametrize(("method", "order"), [("splitting", 2), ("runge-kutta", 4)])
-def test_the_error_falls_with_the_order_also_on_uneven_samples(method, order):
+@pytest.mark.parametrize(
+    ("method", "order", "largest"), [("splitting", 2, 0.03), ("runge-kutta", 4, 1e-3)]
+)
+def test_the_error_falls_with_the_order_also_on_uneven_samples(method, order, largest):
     time = np.array([0.0, 0.31e-3, 2e-3, 2e-3, 2.05e-3, 4.3e-3, 12e-3])
     current = np.array([15.0, 22.0, 15.0, 3.0, 3.0, -2.0, 4.0])
     (truth,) = STANDARD.fire(time, current, method="adaptive").final
-    steps = np.array([4e-5, 2e-5, 1e-5])
+    steps = np.array([5e-5, 2.5e-5, 1.25e-5])
     errors = [
         np.abs(STANDARD.fire(time, current, method=method, dt=dt).final[0] - truth).max()
         for dt in steps
     ]
     slopes = np.diff(np.log(errors)) / np.diff(np.log(steps))
-    assert np.all(np.abs(slopes - order) < 0.4), (slopes, errors)
+    assert np.all(np.abs(slopes - order) < 0.3), (slopes, errors)
+    assert errors[0] < largest
 
 
 @pytest.mark.parametrize("edge", [0.0, 1e-12, 1e-9])

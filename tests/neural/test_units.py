@@ -12,7 +12,6 @@ from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import transduce
 from fefinger.neural.membranes import HodgkinHuxley
-from fefinger.neural.reference import Reference, equivalent_displacements
 from fefinger.neural.units import simulate_units
 from fefinger.neural.variation import Variation
 from fefinger.support.checks import InputError
@@ -177,18 +176,6 @@ def test_noise_does_not_depend_on_the_step():
     np.testing.assert_allclose(coarse, fine, atol=2e-5)
 
 
-def test_strain_at_the_sites_becomes_displacement_and_then_spikes():
-    flat, up = np.diag([0.04, 0.05, -0.1]), np.array([0.0, 0.0, 1.0])
-    reference = Reference(0.2, TYPES, np.array([up] * 4), np.array([flat] * 4))
-    strain = (RAMP / 0.2)[:, None, None, None] * np.array([flat] * 5)
-    of_site = ("SAI", "SAI", "FAI", "SAI", "FAI")
-    x_in = equivalent_displacements(strain, np.array([up] * 5), of_site, reference)
-    np.testing.assert_allclose(x_in, np.tile(RAMP[:, None], 5), rtol=1e-12)
-    both = simulate_units(TIME, x_in, types=("SAI", "FAI"), unit=[0, 0, 1, 0, 1], check=False)
-    single = simulate_units(TIME, x_in[:, [0, 2]], types=("SAI", "FAI"), check=False)
-    np.testing.assert_array_equal(both.count(), single.count())
-
-
 class Other:
     """A membrane of another kind."""
 
@@ -198,11 +185,9 @@ class Other:
     [
         ({"unit": [0, 2]}, "each of 1 units; received \\[0, 2\\]"),
         ({"unit": [0.0, 0.5]}, "index of the unit"),
-        ({"types": ()}, "one afferent unit or more, received none"),
-        ({"types": ("SA",)}, "Did you mean"),
         ({"rule": "sum"}, "rule: expected one of 'mean', 'max', 'first'"),
         ({"delays": -1.0}, "delays: expected one or 1 times"),
-        ({"names": ("a", "b")}, "names: expected 1"),
+        ({"depths": [1.0, 2.0]}, r"depths: expected \(1,\) mm for 1 units, received \(2,"),
         ({"variation": Variation(seed=1, numbers=(0, 1))}, "numbers: expected one for each of 1"),
         (
             {"rule": "first", "membrane": Other()},
@@ -269,11 +254,6 @@ def test_draws_of_units_are_none_of_those_of_places():
 def test_filters_that_no_unit_would_have_are_refused(organs, message):
     with pytest.raises(InputError, match=message):
         one([1.0], organs=organs)
-
-
-def test_depths_that_do_not_fit_are_refused():
-    with pytest.raises(InputError, match=r"depths: expected \(1,\) mm for 1 units, received \(2,"):
-        one([1.0], depths=[1.0, 2.0])
 
 
 def fired(x, times, kind, **options):
