@@ -1,13 +1,12 @@
 """Figures of chapters 4 and 5 of Pawluk (1997), drawn from the models in the thesis's own axes."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from fefinger.validation.neural import gains, ramps, skin
 from fefinger.validation.neural.filters import SLOW, same_rate
 from fefinger.validation.neural.sweep import MODELS, SLOWED, STANDARD, impulses, swing
-from numpy.typing import ArrayLike
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
@@ -102,12 +101,23 @@ def _axes(rows: int = 1, **options: Any) -> tuple[Any, Any]:
 
 
 def _response(name: str) -> Any:
+    from matplotlib import colormaps
+
     model, table = MODELS[name], impulses(name)
     shown = np.flatnonzero(np.nan_to_num(table).max(axis=0) > 0)
     shown = shown[np.unique(np.linspace(0, len(shown) - 1, LEVELS).astype(int))]
     levels = 20.0 * np.log10(model.amplitudes / model.largest)
-    curves = {f"{levels[i]:.0f}": table[:, i] for i in shown}
-    return frequency_response(model.frequencies, curves, size=SIZE)
+    drawn, axis = _axes()
+    shades = colormaps["viridis"](np.linspace(0.0, 0.88, len(shown)))  # large to small
+    for i, color in zip(shown, shades, strict=True):
+        curve = np.where(table[:, i] > 0, table[:, i], np.nan)
+        label = f"{levels[i]:.0f}"
+        axis.plot(model.frequencies, curve, "o-", ms=3, lw=1.3, color=color, label=label)
+    axis.set(xscale="log", yscale="log", xlabel="frequency / Hz", ylabel="impulses / cycle")
+    axis.set_xticks(model.frequencies, [f"{f:g}" for f in model.frequencies])
+    axis.minorticks_off()
+    axis.legend(ncols=1 + len(shown) // 8, fontsize=7, title="amplitude / dB", title_fontsize=7)
+    return drawn
 
 
 def _seven() -> Any:
@@ -264,28 +274,3 @@ def _population() -> Any:
     bottom.set(xlabel="y (radial) / mm", ylabel="rate / Hz")
     top.legend()
     return drawn
-
-
-def frequency_response(
-    frequencies: ArrayLike,
-    curves: Mapping[str, ArrayLike],
-    *,
-    size: tuple[float, float] = (5.6, 3.6),
-) -> Any:
-    """Draw impulses per cycle over frequency in Hz, one curve for each name; zeros are left out."""
-    from matplotlib import colormaps
-
-    with style():
-        drawn = figure(*size)
-        axis = drawn.subplots()
-        shades = colormaps["viridis"](np.linspace(0.0, 0.88, len(curves)))  # large to small
-        for (name, values), color in zip(curves.items(), shades, strict=True):
-            shown = np.where(np.asarray(values, float) > 0, values, np.nan)
-            axis.plot(frequencies, shown, "o-", ms=3, lw=1.3, color=color, label=name)
-        axis.set(xscale="log", yscale="log", xlabel="frequency / Hz", ylabel="impulses / cycle")
-        axis.set_xticks(np.asarray(frequencies), [f"{f:g}" for f in np.asarray(frequencies)])
-        axis.minorticks_off()
-        axis.legend(
-            ncols=1 + len(curves) // 8, fontsize=7, title="amplitude / dB", title_fontsize=7
-        )
-        return drawn

@@ -8,12 +8,11 @@ import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.neural.preliminary import spring
 from fefinger.validation.neural.sweep import (
-    IN_RANGE,
     SLOWED,
     SPRING,
     THESIS,
     current,
-    retracting,
+    later,
     swing,
     tallest,
 )
@@ -188,17 +187,11 @@ def _sensitivity() -> Iterator[Case]:
         yield Case(
             f"4.3.4: FA filter, {frequency:g} Hz: share in the retraction with the poles of FAII, "
             "less that with those of FAI",
-            partial(_later, frequency),
+            partial(later, "FAII", "FAI", frequency),
             Expected.between(0.2, 1.0, "1"),
             f"{THESIS}4.3.4: FAII was chosen to respond more to the retraction",
             reason="a fifth of the impulses or more",
         )
-
-
-def _later(frequency: float) -> float:
-    """Return the share in the retraction of FAII less that of FAI."""
-    fast = [retracting(END_ORGANS[k], SLOWED, frequency, IN_RANGE) for k in ("FAI", "FAII")]
-    return fast[1] - fast[0]
 
 
 def _forces() -> Iterator[Case]:

@@ -15,6 +15,7 @@ from fefinger.validation.neural.sweep import (
     STANDARD,
     THESIS,
     impulses,
+    later,
     retracting,
     swing,
 )
@@ -99,14 +100,14 @@ def _phases() -> Iterator[Case]:
     )
     yield Case(
         "4.3.4: share in the retraction at 0.5 Hz, SAII less SAI",
-        partial(_more, 0.5),
+        partial(later, "SAII", "SAI", 0.5),
         Expected.between(0.02, 0.5, "1"),
         f"{THESIS}4.3.4: SAII was allowed a bit of a response on the retraction as well",
         reason="more than SAI by two percent of the impulses or more",
     )
     yield Case(
         "4.3.4: at 2 Hz too SAII responds more in the retraction than SAI (1: yes)",
-        lambda: float(_more(2.0) > 0),
+        lambda: float(later("SAII", "SAI", 2.0) > 0),
         Expected(0.0, 0.0, "1"),
         "Eq. 4.3: at 2 Hz SAII leads by 54 degrees, SAI by 24",
         printed=1.0,
@@ -123,12 +124,6 @@ def _accelerated(membrane: Membrane) -> float:
     """Return the mean share in the retraction of the second derivative, 0.5 to 64 Hz."""
     octaves = [2.0**k for k in range(-1, 7)]
     return float(np.mean([retracting(SECOND, membrane, f, IN_RANGE) for f in octaves]))
-
-
-def _more(frequency: float) -> float:
-    """Return the share in the retraction of SAII less that of SAI."""
-    slow = [retracting(END_ORGANS[k], SLOWED, frequency, IN_RANGE) for k in ("SAI", "SAII")]
-    return slow[1] - slow[0]
 
 
 def _locking(*, quick: bool) -> Iterator[Case]:

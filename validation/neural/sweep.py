@@ -189,6 +189,13 @@ def retracting(organ: Organ, membrane: Membrane, frequency: float, currents: Arr
     return float(np.mean(shares))
 
 
+def later(kind: str, other: str, frequency: float) -> float:
+    """Return the share in the retraction of an end organ, less that of another; rates / 6."""
+    organs = END_ORGANS[kind], END_ORGANS[other]
+    shares = [retracting(organ, SLOWED, frequency, IN_RANGE) for organ in organs]
+    return shares[0] - shares[1]
+
+
 def tallest(organ: Organ, frequency: float) -> float:
     """Return the largest current that an amplitude of 1 gives at a frequency."""
     return float(current(organ, frequency, np.arange(1000) / 1000).max())
