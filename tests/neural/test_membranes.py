@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fefinger.validation.neural.membrane import ONSETS, RATES, SINGLE, onset, single
+from fefinger.validation.neural.membrane import RATES, SINGLE, single
 
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support.checks import InputError
@@ -56,11 +56,6 @@ def test_a_short_pulse_gives_the_known_action_potential():
     pulse = STANDARD.fire([0, 1e-3, 1e-3, 0.05], [20.0, 20.0, 0.0, 0.0], dt=1e-5)
     assert pulse.peak_mV[0] == pytest.approx(105.5, abs=0.05)
     assert len(pulse.times[0]) == 1
-
-
-@pytest.mark.parametrize(("divisor", "expected"), ONSETS.items())
-def test_repetitive_firing_to_a_step_begins_at_the_known_current(divisor, expected):
-    assert onset(divisor) == pytest.approx(expected, abs=5e-4)
 
 
 @pytest.mark.parametrize(("divisor", "expected"), SINGLE.items())

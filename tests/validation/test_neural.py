@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation import suites
-from fefinger.validation.neural import filters, gains, phases, ramps, sinusoids, sweep
+from fefinger.validation.neural import gains, phases, ramps, sinusoids, sweep
 from fefinger.validation.neural.connor_stevens import ConnorStevens
 
 from fefinger.neural.membranes import IntegrateAndFire
@@ -106,10 +106,6 @@ def test_retraction_is_the_second_half_of_the_cycle():
 def test_a_damped_ramp_is_silent_in_the_hold_and_a_spring_is_not():
     assert ramps.holding("damper", 8.0) == 0
     assert ramps.holding("spring", 8.0) > 10
-
-
-def test_the_printed_form_of_5_8_is_the_limit_of_a_stiff_nerve():
-    assert filters.printed_share(1e6) == pytest.approx(1.0, abs=1e-6)
 
 
 def test_figures_are_in_the_axes_of_the_thesis():
