@@ -7,12 +7,9 @@ from functools import cache
 
 import numpy as np
 from fefinger.validation.afferents import experiments
-from fefinger.validation.afferents.vibration import SEED
+from fefinger.validation.afferents.vibration import Probed
 
-from fefinger.neural import recorded_compiled as compiled
-from fefinger.neural.recorded import Recorded, units_of
-from fefinger.neural.recorded_simulation import LONGEST
-from fefinger.neural.recorded_vectorized import fire
+from fefinger.neural.recorded import Recorded
 from fefinger.support.arrays import Array
 
 
@@ -60,9 +57,7 @@ def falls(unit: Recorded, drift: float = 0.0) -> Array:
     """Falls (n,) of the rate of the unit in the first 12 s of the holds at DEPTHS."""
     time, drives = driven(drift)
     x = unit.length * np.repeat(drives, TRIALS, axis=1)
-    units = units_of([unit] * x.shape[1], seed=SEED)
-    states = compiled.rested(units, x[0])
-    times, _ = fire(units, states, time, x, np.full(x.shape[1], LONGEST["SAI"]))
+    times = Probed("SAI", unit, 0.0).fire(time, x, np.ones(x.shape[1]))
     out = []
     for i, depth in enumerate(DEPTHS):
         since = np.concatenate(times[i * TRIALS : (i + 1) * TRIALS]) - depth / SPEED
