@@ -66,7 +66,7 @@ class Finger:
         Name of the tissue set of the library, or a file (.toml) of `fefinger calibrate`, that gives
         the defaults of `skin` and `subcutaneous`; a set that was fitted to a finger also gives its
         pad radius, its tip and its relaxation. By default that of the subject, of other fingers
-        that of the means of Table 2.1; where `skin` or `subcutaneous` is given, "maeno1998".
+        that of the means of Table 2.1.
     prony
         Relaxation of all soft tissues; by default Table 3.1, of the subject or the means.
     relaxation
@@ -115,9 +115,7 @@ class Finger:
         name = self.subject_name or "means"
         if self.subject_name is not None:
             choice("finger.subject", self.subject_name, pawluk1997.subjects())
-        layers: tuple[Any, ...] = (self.skin, self.subcutaneous)
-        given = any(layer is not None for layer in layers)
-        self._default("tissue", library.default_tissue(self.subject_name, given=given))
+        self._default("tissue", library.default_tissue(self.subject_name))
         tissues = library.tissue_set(self.tissue)
         for size in ("width", "thickness"):
             set_number(self, f"finger.{size}", above=0, unit="mm")
@@ -232,7 +230,8 @@ class Finger:
         A stored result is read this way: the files of tissue and surface may have moved since.
         """
         named = {name: values.pop(name) for name in FILES if name in values}
-        finger = cls(**values)
+        # A set that gives no lengths: those that were left out stay so.
+        finger = cls(tissue=library.PUBLISHED, **values)
         for name, value in named.items():
             object.__setattr__(finger, name, value)
         return finger

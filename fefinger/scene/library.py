@@ -246,16 +246,14 @@ def fitted_to(tissue: str) -> str | None:
 
 
 PUBLISHED = "maeno1998"
-"""Set that gives the values that a finger with tissue values of its own leaves out."""
+"""Published set on which mechanics were compared."""
 
 
-def default_tissue(subject: object, *, given: bool) -> str:
+def default_tissue(subject: object) -> str:
     """Name of the tissue set of a finger that names none: that which was fitted to the subject.
 
-    Of other fingers, that which was fitted to the means; where values are `given`, PUBLISHED.
+    Of other fingers, that which was fitted to the means. Values of a layer change it.
     """
-    if given:
-        return PUBLISHED
     # Values of another type are refused later, with a sentence.
     if isinstance(subject, str) and subject in _FITTED:
         return calibrated_name(subject)

@@ -161,8 +161,7 @@ def _finger(table: dict[str, Any], folder: Path | None) -> Finger:
         for name in ("surface", "bone_surface"):
             if isinstance(table.get(name), str):
                 table[name] = str(folder / table[name])
-        written = any(layer in table for layer in LAYERS)
-        tissue = table.get("tissue", library.default_tissue(subject, given=written))
+        tissue = table.get("tissue", library.default_tissue(subject))
         if isinstance(tissue, str) and tissue.endswith(library.TISSUE_FILE):
             tissue = table["tissue"] = str(folder / tissue)
         tissues = library.tissue_set(tissue)
@@ -172,8 +171,10 @@ def _finger(table: dict[str, Any], folder: Path | None) -> Finger:
         name = f"finger.{layer}"
         if layer in table:
             given = _subtable(name, table)
-            values = bases.get(layer, {}) | given | _prony(name, given)
-            table[layer] = _material(Tissue, name, values)
+            base = bases.get(layer, {})
+            if given.get("law", base.get("law")) != base.get("law"):  # it has other parameters
+                base = base | {"exponent": None, "share": None}
+            table[layer] = _material(Tissue, name, base | given | _prony(name, given))
     for part in ("bone", "nail"):
         if isinstance(table.get(part), Mapping):
             table[part] = _material(Hard, f"finger.{part}", dict(table[part]))

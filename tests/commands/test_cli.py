@@ -337,7 +337,7 @@ def test_layers_that_are_not_those_of_the_set_that_is_named_are_told():
     )
     assert not any("fitted" in sentence for sentence in message)
     assert origin_notes(ff.Finger.subject("a.h.", skin=ff.Tissue(90, 0.48, 1.0))) == (
-        "The tissue differs from maeno1998: finger.skin as given in the scene.",
+        "The tissue differs from calibrated_ah: finger.skin as given in the scene.",
     )
 
 

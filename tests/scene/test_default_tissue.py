@@ -1,5 +1,7 @@
 """Which tissue a finger has that names none."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -26,15 +28,21 @@ def test_any_other_finger_has_the_tissue_of_the_means(finger: Finger) -> None:
     assert finger.tissue == "calibrated_means"
 
 
-def test_where_values_are_given_the_rest_is_published() -> None:
-    assert Finger.subject("a.h.", skin=Tissue(100, 0.48, 1.0)).tissue == library.PUBLISHED
-    scene = Scene.from_toml(
-        '[finger]\nsubject = "a.h."\n[finger.skin]\nmodulus = 100\n'
+def _with_skin(line: str) -> Finger:
+    return Scene.from_toml(
+        f'[finger]\nsubject = "a.h."\n[finger.skin]\n{line}\n'
         '[motion]\nkind = "ramp"\nspeed = 1\ndepth = 1\n'
-    )
-    assert scene.finger.tissue == library.PUBLISHED
-    assert scene.finger.skin.modulus == 100
-    assert scene.finger.subcutaneous == library.maeno1998().subcutaneous
+    ).finger
+
+
+def test_values_of_a_layer_change_the_tissue_of_the_finger_and_nothing_else() -> None:
+    own = Finger.subject("a.h.")
+    assert _with_skin(f"poisson = {own.skin.poisson}") == own
+    assert _with_skin("modulus = 100") == replace(own, skin=replace(own.skin, modulus=100))
+    soft = replace(own.skin, law="neo-hookean", exponent=None)
+    assert _with_skin('law = "neo-hookean"') == replace(own, skin=soft)
+    skin = Tissue(100, 0.48, 1.0)
+    assert Finger.subject("a.h.", skin=skin) == replace(own, skin=skin)
 
 
 def test_the_set_of_the_means_is_that_of_its_report() -> None:
