@@ -19,7 +19,7 @@ result.Result         `save`, `load` and `show`; its page is written by `pages/r
 Where else to look:
 
 friction              `mechanics/press/sliding.py` at small strain (solved in
-                      `fem/contact/sliding_march.py`), `mechanics/press/dragged.py` at finite strain
+                      `fem/contact/march.py`), `mechanics/press/dragged.py` at finite strain
 table of `pressed`    `mechanics/press/elastic_press.py`: `load_or_solve` reads it, or solves and
                       stores it; its files are written by `depth_table_store.write`
 stated error          `plan._rung`: `error` of the mechanics, and that of neglecting inertia

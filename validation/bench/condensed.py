@@ -18,12 +18,13 @@ import numpy as np
 from fefinger.validation.bench import superlu
 from fefinger.validation.bench.fem import timed
 from fefinger.validation.bench.suites import Figure, Progress
-from fefinger.validation.oracles.march import march
+from fefinger.validation.oracles.march import march as plain
 from fefinger.validation.problems import published
 
 from fefinger.fem.body import body
 from fefinger.fem.condensation import Compliance, palmar
-from fefinger.fem.contact import lcp_compiled, step_compiled
+from fefinger.fem.contact import lcp_compiled
+from fefinger.fem.contact.march import march
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
@@ -242,8 +243,8 @@ def _agreement(finger: Condensed) -> list[Figure]:
     answers, seconds = [], []
     memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
     few = Prescribed("depth", prescribed.time[:2], depth[:2])
-    step_compiled.march(finger.flexibility, on_pad.gap, on_pad.projected, memory, few)  # compiles
-    for method in (step_compiled.march, march):
+    march(finger.flexibility, on_pad.gap, on_pad.projected, memory, few)  # compiles
+    for method in (march, plain):
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
         begun = time.thread_time()
         history = method(finger.flexibility, on_pad.gap, on_pad.projected, memory, prescribed)

@@ -16,8 +16,8 @@ from fefinger.validation.fem import hertz
 from fefinger.validation.problems import published
 
 from fefinger.fem import body
+from fefinger.fem.contact.march import march
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.contact.step_compiled import march
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.fem.elements.forms import stiffness
 from fefinger.fem.elements.probe import strain_at

@@ -15,7 +15,7 @@ from fefinger.validation.oracles.layer import Sheet
 from fefinger.validation.problems.grids import quarter
 from fefinger.validation.problems.quarter import Quarter, outer
 
-from fefinger.fem.contact.step_compiled import march
+from fefinger.fem.contact.march import march
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.forms import Elastic
 from fefinger.scene import pawluk1997

@@ -16,7 +16,7 @@ from fefinger.validation.problems.shear_block import ShearBlock
 
 from fefinger.fem.contact import friction_state, friction_step, step_compiled
 from fefinger.fem.contact.lcp_compiled import DONE
-from fefinger.fem.contact.sliding_march import sticks
+from fefinger.fem.contact.march import sticks
 from fefinger.support.arrays import Array, Flags
 
 

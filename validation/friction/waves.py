@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.fem.contact.sliding_march import slide
+from fefinger.fem.contact.march import Path, march
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.support.arrays import Array, Flags
 from fefinger.theory.relaxation import Prony
@@ -69,14 +69,13 @@ def drag(speed: float) -> tuple[float, float]:
     time = np.concatenate([[0.0, rest], rest + steps[1:]])
     shift = np.zeros((len(time), 2))
     shift[1:, 0] = speed * steps
-    history = slide(
+    history = march(
         flexibility(wave),
-        # A wave has the distances and slopes that `slide` reads of `Heights`, without a pad.
-        wave,  # type: ignore[arg-type]
+        # A wave has the distances and slopes that `march` reads of `Heights`, without a pad.
+        Path(wave, shift),  # type: ignore[arg-type]
         np.full(NODES, wave.share),
         Relaxation(np.array(PRONY.weights), np.array(PRONY.v), NODES),
         Prescribed("depth", time, np.full(len(time), DEPTH)),
-        shift,
     )
     assert (history.pressure > 0).all()
     assert history.sliding is not None

@@ -14,7 +14,7 @@ from fefinger.validation.problems.quarter import Indenter
 
 from fefinger.fem import condensation
 from fefinger.fem.body import Solid
-from fefinger.fem.contact import step_compiled
+from fefinger.fem.contact.march import march
 from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.fem.elements.forms import Elastic, stiffness
@@ -114,9 +114,7 @@ class HalfSpaceQuarter:
         count = len(self.patch.vertices)
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), count)
         prescribed = Prescribed("depth", time, depth)
-        history = step_compiled.march(
-            self.flexibility, self.patch.gap, self.patch.projected, memory, prescribed
-        )
+        history = march(self.flexibility, self.patch.gap, self.patch.projected, memory, prescribed)
         if (history.pressure[:, self.patch.border] > 0).any():
             message = "block: contact reached the rim of its candidates"
             raise AssertionError(message)

@@ -5,7 +5,6 @@ per Prony term, so that the history needs no product with F. A factor t on the e
 thesis's modulus t(u) over a constant one) enters as y = t q.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -22,15 +21,9 @@ from fefinger.fem.contact.lcp_compiled import (
     Floats,
     LcpState,
 )
-from fefinger.fem.contact.viscoelastic import (
-    CORRECTIONS,
-    History,
-    Prescribed,
-    Relaxation,
-    corrected,
-)
+from fefinger.fem.contact.viscoelastic import CORRECTIONS, corrected
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.checks import PRESS_LESS, ConvergenceError, InputError
+from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, LEAST_FORCE, SMALL_FORCE
 
 
@@ -310,35 +303,3 @@ def check(outcome: int, deepest: float = np.inf, *, advice: str = "take shorter 
         raise InputError(message)
     if outcome != DONE:
         raise ConvergenceError(messages[outcome])
-
-
-def march(
-    flexibility: Array,
-    gap: Array,
-    projected: Array,
-    relaxation: Relaxation,
-    prescribed: Prescribed,
-    progress: Callable[[float], None] = lambda fraction: None,
-) -> History:
-    """Compute the contact history of a body at rest before `prescribed.time[0]`.
-
-    flexibility (n, n) mm per kPa mm², gap (n,) mm³ and projected (n,) mm² are those of the patch,
-    for the relaxed body; the first value of `prescribed` is reached by a jump.
-
-    Raises
-    ------
-    ConvergenceError
-        If the contact or the depth under force control does not converge.
-    """
-    s = contact.lcp_state(flexibility)
-    m = pad_state(gap, projected, relaxation.weights, relaxation.rates)
-    time, by_force = prescribed.time, prescribed.control == "force"
-    m.peak[0] = prescribed.value.max(initial=0.0)
-    shape = (len(time), len(gap))
-    depth, pressure, elastic = np.empty(len(time)), np.empty(shape), np.empty(shape)
-    for k, target in enumerate(prescribed.value):
-        dt = float(time[k] - time[k - 1]) if k else 0.0
-        check(step(s, m, dt, float(target), by_force), advice=PRESS_LESS)
-        depth[k], pressure[k], elastic[k] = m.depth[0], s.x, m.elastic
-        progress((k + 1) / len(time))
-    return History(depth, pressure, elastic, int(s.counts[contact.SOLVED]))

@@ -8,9 +8,9 @@ from scipy import sparse
 
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.condensation import Operator
+from fefinger.fem.contact.march import Path, march, march_with_friction
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import Patch, directed, patch
-from fefinger.fem.contact.sliding_march import slide, slide_with_friction
 from fefinger.fem.contact.travel import Heights, Travel, envelope
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.geometry.profiles import frame
@@ -108,11 +108,12 @@ def solve_sliding_contact(
     """
     on = reduced.patch
     travel = Travel.of(press.body.space, press.body.normals, on, press.obstacle)
-    shift = press.motion.shift(press.time)
-    rest = travel, on.projected, relaxation, prescribed, shift, report, press.inclines
+    path = Path(travel, press.motion.shift(press.time), press.inclines)
+    rest = path, on.projected, relaxation, prescribed, report
     if press.friction:
-        return slide_with_friction(reduced.flexibility, (press.friction, press.kinetic), *rest)
-    return slide(reduced.flexibility, *rest)
+        mu = press.friction, press.kinetic
+        return march_with_friction(reduced.flexibility, mu, *rest)
+    return march(reduced.flexibility, *rest)
 
 
 def distances(press: Press, on: Patch) -> Array:

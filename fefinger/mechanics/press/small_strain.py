@@ -9,8 +9,8 @@ import numpy as np
 
 from fefinger.fem.body import Body, Reduced, body, reduce
 from fefinger.fem.condensation import OutsideError
+from fefinger.fem.contact.march import march
 from fefinger.fem.contact.patch import Patch, patch
-from fefinger.fem.contact.step_compiled import march
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry.finger_mesh import FingerMesh

@@ -17,8 +17,8 @@ import numpy as np
 
 from fefinger.fem.body import Reduced
 from fefinger.fem.contact import friction_state, friction_step, lcp_compiled, step_compiled
+from fefinger.fem.contact.march import sticks
 from fefinger.fem.contact.patch import Patch
-from fefinger.fem.contact.sliding_march import sticks
 from fefinger.fem.contact.travel import Travel
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry.profiles import frame

@@ -7,7 +7,7 @@ import pytest
 from fefinger.validation.fem import hertz
 
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.step_compiled import march
+from fefinger.fem.contact.march import march
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
