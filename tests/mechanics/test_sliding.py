@@ -219,27 +219,6 @@ def loops(kept: Path) -> dict[float, Sliding]:
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.3])
-def test_a_step_that_is_refused_leaves_the_finger_as_it_was(loops, mu):
-    finger = loops[mu]
-
-    def trace(spoiled: bool) -> list:
-        finger.reset()
-        rows = []
-        for k in range(6):
-            if spoiled and k == 3:
-                with pytest.raises(InputError, match="candidates"):
-                    finger.step(2.5, (3.0, 1.0), 1e-3)
-                with pytest.raises(InputError, match="shift: expected two finite"):
-                    finger.step(0.5, (0.0, float("nan")), 1e-3)
-            now = finger.step(0.5, (0.1 * k, 0.0), 1e-3)
-            sliding = *now.lateral_force, now.work, now.stick_area
-            rows.append([now.force, *sliding, *now.strain.ravel()])
-        return rows
-
-    assert np.array(trace(True)) == pytest.approx(np.array(trace(False)), rel=1e-9, abs=1e-12)
-
-
-@pytest.mark.parametrize("mu", [0.0, 0.3])
 def test_a_loop_reaches_its_force_and_forgets_on_reset(loops, mu):
     finger = loops[mu]
     finger.reset()

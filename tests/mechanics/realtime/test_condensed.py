@@ -1,6 +1,5 @@
 """A finger that is driven from a loop."""
 
-import copy
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
@@ -351,31 +350,3 @@ def test_where_the_indenter_ends_and_where_the_pad_ends_are_told_apart() -> None
         tile.step(1.0, 1e-3)
     with pytest.raises(InputError, match=r"deepest: expected a depth .* received 2 mm"):
         Condensed(FINGER, ff.Flat(60), deepest=2.0)
-
-
-@pytest.mark.parametrize(
-    ("refused", "words"),
-    [
-        (lambda f: f.step(3.0, 5e-3), "contact at their rim"),
-        (lambda f: f.step_contact(3.0, 5e-3), "contact at their rim"),
-        (lambda f: f.step_force(50.0, 5e-3), "contact at their rim"),
-    ],
-)
-def test_a_refused_step_leaves_the_finger_as_it_was(
-    finger: Condensed, refused: Callable, words: str
-) -> None:
-    finger.reset()
-    for depth in (0.3, 0.8):
-        before = copy.deepcopy(finger.step(depth, 5e-3))
-    with pytest.raises(InputError, match=words):
-        refused(finger)
-    for name in ("depth", "force", "contact_area", "x", "y", "pressure", "strain"):
-        np.testing.assert_array_equal(getattr(finger.now, name), getattr(before, name))
-    found = copy.deepcopy(finger.step(0.7, 5e-3))
-    finger.reset()
-    for depth in (0.3, 0.8, 0.7):
-        expected = finger.step(depth, 5e-3)
-    assert found.force == pytest.approx(expected.force, rel=1e-12)
-    scale = expected.pressure.max()
-    np.testing.assert_allclose(found.pressure, expected.pressure, atol=1e-11 * scale)
-    np.testing.assert_allclose(found.strain, expected.strain, atol=1e-12)

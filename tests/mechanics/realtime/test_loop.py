@@ -1,4 +1,8 @@
-"""Fingers in real time: their text, the families of their units, and the warning of soft tissue."""
+"""Fingers in real time: text, families of units, refused steps, and the warning of soft tissue."""
+
+import copy
+from collections.abc import Callable
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -14,6 +18,7 @@ from fefinger.support.text import percent
 
 SOFT = ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse")
 STIFFENING = ff.Finger.subject("a.h.", resolution="coarse")
+RIM = "contact at their rim"
 SITES = Sites(np.array([[0, 0, 0.9]]), -np.eye(3)[2:], np.array([0.8]), ("SAI",))
 
 
@@ -65,6 +70,78 @@ def test_a_force_beyond_the_press_is_refused_with_the_largest_one() -> None:
         finger.step_force(50.0, 1e-3)
     most = float(str(caught.value).split()[4].rstrip(","))
     assert finger.step_force(0.99 * most, 1e-3).force == pytest.approx(0.99 * most)
+
+
+def slide(finger: ff.Sliding, depth: float) -> object:
+    return finger.step(depth, (0.2 * depth, 0.1), 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("make", "take", "refused"),
+    [
+        (
+            lambda: ff.Condensed(SOFT, ff.Flat(30), deepest=0.8),
+            lambda f, depth: f.step(depth, 5e-3),
+            [
+                (lambda f: f.step(3.0, 5e-3), RIM),
+                (lambda f: f.step_contact(3.0, 5e-3), RIM),
+                (lambda f: f.step_force(50.0, 5e-3), RIM),
+            ],
+        ),
+        (
+            lambda: ff.Pressed(SOFT, ff.Flat(30), deepest=0.8),
+            lambda f, depth: f.step(depth, 5e-3),
+            [
+                (lambda f: f.step(3.0, 5e-3), "depth: expected .* at most 0.8"),
+                (lambda f: f.step_force(50.0, 5e-3), "give a larger `deepest`"),
+            ],
+        ),
+        (
+            lambda: ff.Modal(SOFT, ff.Flat(30), deepest=0.8),
+            lambda f, depth: f.step(depth, 1e-4),
+            [
+                (lambda f: f.step(3.0, 1e-4), RIM),
+                (lambda f: f.step(0.5, 1e-3), r"of at most 0\.0001 s"),
+            ],
+        ),
+        (
+            lambda: ff.Rolling(SOFT, angles=(15, 35), deepest=0.8, sites=SITES),
+            lambda f, depth: f.step(depth, 20 + 10 * depth, 5e-3),
+            [(lambda f: f.step(3.0, 33.0, 5e-3), RIM)],
+        ),
+        *(
+            (
+                lambda mu=mu: ff.Sliding(SOFT, ff.Dots(2.5, friction=mu), deepest=0.8),
+                slide,
+                [
+                    (lambda f: f.step(2.5, (3.0, 1.0), 1e-3), "candidates"),
+                    (lambda f: f.step(0.5, (0.0, np.nan), 1e-3), "shift: expected two finite"),
+                ],
+            )
+            for mu in (0.0, 0.3)
+        ),
+    ],
+    ids=["condensed", "pressed", "modal", "rolling", "sliding", "sliding with friction"],
+)
+def test_a_refused_step_leaves_the_finger_as_it_was(
+    make: Callable, take: Callable, refused: list[tuple[Callable, str]]
+) -> None:
+    finger = make()
+    for depth in (0.3, 0.6):
+        before = copy.deepcopy(take(finger, depth))
+    for step, words in refused:
+        with pytest.raises(ff.InputError, match=words):
+            step(finger)
+    for field in fields(before):
+        np.testing.assert_array_equal(getattr(finger.now, field.name), getattr(before, field.name))
+    found = copy.deepcopy(take(finger, 0.5))
+    finger.reset()
+    for depth in (0.3, 0.6, 0.5):
+        expected = take(finger, depth)
+    for field in fields(expected):
+        wanted = getattr(expected, field.name)
+        close = {"rtol": 1e-9, "atol": 1e-9 * np.abs(wanted).max()}
+        np.testing.assert_allclose(getattr(found, field.name), wanted, **close)
 
 
 def test_a_finger_and_a_step_are_a_line_with_units() -> None:

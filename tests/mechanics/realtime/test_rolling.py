@@ -1,6 +1,5 @@
 """A plate that rolls over the finger."""
 
-import copy
 from dataclasses import replace
 
 import numpy as np
@@ -110,20 +109,3 @@ def test_angles_and_depths_that_were_not_given_get_a_sentence(rolling: Rolling) 
 def test_angles_that_no_plate_has_get_a_sentence(angles: tuple) -> None:
     with pytest.raises(InputError, match=r"angles?: expected"):
         Rolling(FINGER, angles=angles, deepest=1.2, sites=SITES)
-
-
-def test_a_refused_step_leaves_the_finger_as_it_was(rolling: Rolling) -> None:
-    for depth, angle in ((0.4, 20.0), (0.7, 24.0)):
-        before = copy.deepcopy(rolling.step(depth, angle, 5e-3))
-    with pytest.raises(InputError, match="contact at their rim"):
-        rolling.step(3.0, 33.0, 5e-3)
-    for name in ("depth", "force", "contact_area", "x", "y", "pressure", "strain"):
-        np.testing.assert_array_equal(getattr(rolling.now, name), getattr(before, name))
-    found = copy.deepcopy(rolling.step(0.6, 30.0, 5e-3))
-    rolling.reset()
-    for depth, angle in ((0.4, 20.0), (0.7, 24.0), (0.6, 30.0)):
-        expected = rolling.step(depth, angle, 5e-3)
-    assert found.force == pytest.approx(expected.force, rel=1e-10)
-    scale = expected.pressure.max()
-    np.testing.assert_allclose(found.pressure, expected.pressure, atol=1e-9 * scale)
-    np.testing.assert_allclose(found.strain, expected.strain, atol=1e-10)
