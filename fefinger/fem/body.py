@@ -77,13 +77,13 @@ class Body(Solid):
 class Reduced:
     """Response of a body to unit loads on a patch.
 
-    flexibility F (n, n); strain (n_rows, n); normal_displacement (n_near, n) mm: that of the
-    patch's neighborhood, along the obstacle's normal.
+    flexibility F (n, n); strain_operator (n_rows, n): strain per unit load; normal_displacement
+    (n_near, n) mm: that of the patch's neighborhood, along the obstacle's normal.
     """
 
     patch: Patch
     flexibility: Array
-    strain: Array
+    strain_operator: Array
     normal_displacement: Array
 
 

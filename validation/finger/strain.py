@@ -45,7 +45,7 @@ def strains(resolution: str, name: str) -> Array:
     on_pad = patch(whole.space, whole.pad, whole.normals, touch, 1.25 * DEPTH)
     small = reduce(whole, on_pad, sparse.vstack(probes).tocsr())
     pressure = Complementarity(small.flexibility).solve(on_pad.gap - DEPTH * on_pad.projected)
-    return np.asarray(small.strain @ pressure).reshape(2, len(points), 6)
+    return np.asarray(small.strain_operator @ pressure).reshape(2, len(points), 6)
 
 
 def apart(name: str) -> Noted:

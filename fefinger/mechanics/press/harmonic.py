@@ -138,7 +138,7 @@ class Vibrating:
         body = self.body
         moved = displaced(self.solid, body.static.patch.loads[:, candidates]) / self.stiffening
         work = body.participation[:, candidates] / body.oscillators.omega_squared[:, None]
-        rows = _rows(self.solid, self.sites, self.line) @ moved - body.strain @ work
+        rows = _rows(self.solid, self.sites, self.line) @ moved - body.strain_operator @ work
         return Static(candidates, rows, residual_inertia(self.finger, self.solid, moved, work))
 
     def harmonic(
@@ -211,7 +211,7 @@ class Vibrating:
         """Strain (n_f, n_sites, 3, 3) and displacement (n_f, n_skin, 3) per mm of oscillation."""
         pressure, amplitude = held.amplitudes(frequency)
         sites = self.sites
-        rows = pressure @ static.rows.T + amplitude @ self.body.strain.T
+        rows = pressure @ static.rows.T + amplitude @ self.body.strain_operator.T
         n_sites = 0 if sites is None else len(sites.points)
         flat = rows[:, : 6 * n_sites].reshape(len(frequency), n_sites, 6)
         strain = tensor_from_voigt(flat.real) + 1j * tensor_from_voigt(flat.imag)

@@ -22,25 +22,26 @@ class ModalBody:
 
     static: the response without inertia; oscillators: the modes; participation (n, n_pad): work
     of each unit load on each mode; residual_flexibility (n_pad, n_pad): that of `static` less that
-    of the modes (static correction); strain (n_rows, n) and normal_displacement (n_near, n) of each
-    mode, as those of `static`.
+    of the modes (static correction); strain_operator (n_rows, n) and normal_displacement (n_near,
+    n) of each mode, as those of `static`.
     """
 
     static: Reduced
     oscillators: Oscillators
     participation: Array
     residual_flexibility: Array
-    strain: Array
+    strain_operator: Array
     normal_displacement: Array
 
     @property
     def complete(self) -> Reduced:
         """Response to pressures on the residual flexibility, then to amplitudes of the modes."""
         part = self.participation.T / self.oscillators.omega_squared
-        strain = np.hstack([self.static.strain - self.strain @ part.T, self.strain])
+        own = self.strain_operator
+        strain = np.hstack([self.static.strain_operator - own @ part.T, own])
         normal = self.static.normal_displacement - self.normal_displacement @ part.T
         moved = np.hstack([normal, self.normal_displacement])
-        return replace(self.static, strain=strain, normal_displacement=moved)
+        return replace(self.static, strain_operator=strain, normal_displacement=moved)
 
     def below(self, glassy: float) -> "ModalBody":
         """Return the body with only the modes of glassy frequencies below `glassy` in Hz.
@@ -56,7 +57,7 @@ class ModalBody:
             self.static,
             self.oscillators.only(chosen),
             self.participation[chosen],
-            self.strain[:, chosen],
+            self.strain_operator[:, chosen],
             self.normal_displacement[:, chosen],
         )
 
@@ -113,7 +114,7 @@ def stiffened(static: Reduced, factor: float) -> Reduced:
     return replace(
         static,
         flexibility=static.flexibility / factor,
-        strain=static.strain / factor,
+        strain_operator=static.strain_operator / factor,
         normal_displacement=static.normal_displacement / factor,
     )
 

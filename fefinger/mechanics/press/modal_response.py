@@ -264,8 +264,8 @@ def _strain(
     """Strain (n_t, n_sites, 3, 3) of the answer with the change of it by inertia, if any is."""
     if answer.strain is None or press.sites is None:
         return answer.strain
-    change = history.contact.elastic @ history.body.complete.strain.T
-    change -= still.contact.elastic @ still.reduced.strain.T
+    change = history.contact.elastic @ history.body.complete.strain_operator.T
+    change -= still.contact.elastic @ still.reduced.strain_operator.T
     return answer.strain + press.unfolded(tensor_from_voigt(change.reshape(len(change), -1, 6)))
 
 

@@ -116,7 +116,7 @@ def reduced(
     stored = [array for each in on_pad for array in (each.indptr, each.indices, each.data)]
     for array in (*stored, points):
         digest.update(np.ascontiguousarray(array).tobytes())
-    names = ("flexibility", "strain", "normal_displacement")
+    names = ("flexibility", "strain", "normal_displacement")  # of the files, and in the key
     digest.update(f"{STRAIN}: {' '.join(names)}".encode())
     place = cache.root() / "patches" / digest.hexdigest()[:16]
     cache.touch(place)
@@ -129,8 +129,9 @@ def reduced(
     made = reduction.reduce(solid, patch, probe())
     if None not in solid.identities:
         with suppress(OSError), cache.appearing(place) as new:
-            for name in names:
-                np.save(new / f"{name}.npy", getattr(made, name))
+            arrays = [made.flexibility, made.strain_operator, made.normal_displacement]
+            for name, array in zip(names, arrays, strict=True):
+                np.save(new / f"{name}.npy", array)
         cache.limit("patches")
     return made
 

@@ -30,7 +30,7 @@ def reference_press(
     free = reduced.patch.gap - REFERENCE_DEPTH * reduced.patch.projected
     pressure = Complementarity(reduced.flexibility).solve(free)
     check_border(pressure, reduced.patch.border)
-    strain = tensor_from_voigt((reduced.strain @ pressure).reshape(-1, 6))
+    strain = tensor_from_voigt((reduced.strain_operator @ pressure).reshape(-1, 6))
     return Reference(REFERENCE_DEPTH, central.types, central.normals, strain)
 
 

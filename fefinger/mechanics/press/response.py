@@ -45,7 +45,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         force = press.body.sides * contact.pressure @ on_pad.projected * NEWTON_PER_MILLINEWTON
         strain = None
         if press.sites is not None:
-            components = contact.elastic @ history.reduced.strain.T
+            components = contact.elastic @ history.reduced.strain_operator.T
             strain = press.unfolded(tensor_from_voigt(components.reshape(len(press.time), -1, 6)))
         lateral = sliding.lateral(press, history, pad, column) if press.tangential else None
     penetration = deepest_penetration(gap)

@@ -307,9 +307,9 @@ def step_output(
             lcp_compiled.DONE,
         ),
         elastic=np.zeros(count),
-        rows=np.ascontiguousarray(unfolded(solid, points, reduced.strain).T, dtype=kind),
+        rows=np.ascontiguousarray(unfolded(solid, points, reduced.strain_operator).T, dtype=kind),
         chosen=np.zeros(count, dtype=np.int64),
         factor=np.zeros(count, dtype=kind),
-        strain=np.zeros(len(reduced.strain), dtype=kind),
+        strain=np.zeros(len(reduced.strain_operator), dtype=kind),
         summary=np.zeros(4),
     )

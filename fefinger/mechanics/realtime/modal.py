@@ -103,7 +103,7 @@ class Modal:
             self.dt * (1 + 1e-9),
             still.output.limits,
         )
-        rows = unfolded(still.solid, self.sites.points, self.body.complete.strain).T
+        rows = unfolded(still.solid, self.sites.points, self.body.complete.strain_operator).T
         kind, count = still.output.rows.dtype, len(on_pad.vertices)
         self._rows = np.ascontiguousarray(rows[count:], dtype=kind)
         self._output = still.output._replace(

@@ -89,7 +89,7 @@ class Rolling:
         both = np.tile(self.vertices, 2)
         self._both = replace(every[0], vertices=both, loads=loads, places=places)
         reduced, n = self._reduced(sites.points), len(self.vertices)
-        self._rows = np.ascontiguousarray(reduced.strain.T)
+        self._rows = np.ascontiguousarray(reduced.strain_operator.T)
         flexibility, rim = reduced.flexibility.reshape(2, n, 2, n), np.flatnonzero(self._on_rim())
         self._plate = rolling_step.plate(flexibility, moments, weights, rim)
         self._state = lcp_compiled.lcp_state(np.zeros((n, n)))  # made when the plate has an angle
@@ -112,7 +112,7 @@ class Rolling:
 
     def strains(self, points: Array) -> Array:
         """Return the strains (6 n_points, 2n) at points mm in the half under a unit `elastic`."""
-        return self._reduced(points).strain
+        return self._reduced(points).strain_operator
 
     def reset(self) -> None:
         """Lift the plate off and clear the stress history."""
