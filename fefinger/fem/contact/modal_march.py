@@ -95,8 +95,8 @@ def march_modes(
 ) -> History:
     """Compute the contact history of a body at rest before the first time.
 
-    `prescribed` has the times of the grid. The `elastic` of the history holds the elastic pressures
-    on the residual flexibility, and after them the amplitudes of the modes.
+    `prescribed` has the times of the grid. The `elastic_pressure` of the history holds those on the
+    residual flexibility, and after them the amplitudes of the modes.
 
     Raises
     ------

@@ -45,15 +45,15 @@ class SlidingHistory:
 class History:
     """Contact through time.
 
-    depth (n_t,) mm, pressure (n_t, n) kPa the contact pressure p, elastic (n_t, n) kPa the elastic
-    pressure q, followed by both components of the elastic traction where there is friction
+    depth (n_t,) mm, pressure (n_t, n) kPa the contact pressure p, elastic_pressure (n_t, n) kPa the
+    elastic one q, followed by both components of the elastic traction where there is friction
     (n_t, 3n); exchanges counts the contact solutions; sliding: where the obstacle moves
     sideways or has friction.
     """
 
     depth: Array
     pressure: Array
-    elastic: Array
+    elastic_pressure: Array
     exchanges: int
     sliding: SlidingHistory | None = None
 

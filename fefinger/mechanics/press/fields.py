@@ -25,7 +25,7 @@ def small_strain_fields(press: Press, history: SmallStrainHistory) -> Fields:
     contact, on_pad = history.contact, history.reduced.patch
     force = contact.pressure @ on_pad.projected
     frames = frames_of(contact.depth, int(np.argmax(force)))
-    loads = on_pad.loads @ contact.elastic[frames].T
+    loads = on_pad.loads @ contact.elastic_pressure[frames].T
     unknowns = press.method.unknowns(press.body, np.asarray(loads))
     return fields_of(press, frames, unknowns, on_pad.vertices, contact.pressure[frames])
 

@@ -97,7 +97,7 @@ def displacements(press: Press, history: ModalHistory, frames: Integers, scale: 
     scale: factor on the moduli, by which the displacement under a pressure is smaller.
     """
     on_pad = history.body.static.patch
-    elastic = history.contact.elastic[frames]
+    elastic = history.contact.elastic_pressure[frames]
     loads = on_pad.loads @ elastic[:, : len(on_pad.gap)].T
     unknowns = displaced(operator_of(press), np.asarray(loads)) / scale
     size, amplitudes = press.body.space.n_displacements, history.body.amplitudes(elastic)

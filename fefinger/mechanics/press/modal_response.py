@@ -264,8 +264,8 @@ def _strain(
     """Strain (n_t, n_sites, 3, 3) of the answer with the change of it by inertia, if any is."""
     if answer.strain is None or press.sites is None:
         return answer.strain
-    change = history.contact.elastic @ history.body.complete.strain_operator.T
-    change -= still.contact.elastic @ still.reduced.strain_operator.T
+    change = history.contact.elastic_pressure @ history.body.complete.strain_operator.T
+    change -= still.contact.elastic_pressure @ still.reduced.strain_operator.T
     return answer.strain + press.unfolded(tensor_from_voigt(change.reshape(len(change), -1, 6)))
 
 
@@ -294,7 +294,7 @@ def _fields(
         return None
     frames = np.searchsorted(press.time, fields.times)
     added = displacements(press, history, frames, factor)
-    loads = still.reduced.patch.loads @ still.contact.elastic[frames].T
+    loads = still.reduced.patch.loads @ still.contact.elastic_pressure[frames].T
     added -= operator.METHOD.unknowns(operator_of(press), np.asarray(loads)) / factor
     space, count = press.body.space, len(frames)
     moved, strain = fields.displacement.copy(), fields.strain.copy()

@@ -29,7 +29,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         contact, on_pad, half = history.contact, history.reduced.patch, press.body.half
         pad, column = whole_pad(press.body, on_pad.neighborhood)
         pressure = on_neighborhood(contact.pressure, on_pad.neighborhood)[:, column]
-        displacement = contact.elastic @ history.reduced.normal_displacement.T
+        displacement = contact.elastic_pressure @ history.reduced.normal_displacement.T
         if press.motion.slides:
             on_pad = replace(on_pad, distance=sliding.distances(press, on_pad))
         gap = on_pad.clearance(contact.depth, displacement)[:, column]
@@ -45,7 +45,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         force = press.body.sides * contact.pressure @ on_pad.projected * NEWTON_PER_MILLINEWTON
         strain = None
         if press.sites is not None:
-            components = contact.elastic @ history.reduced.strain_operator.T
+            components = contact.elastic_pressure @ history.reduced.strain_operator.T
             strain = press.unfolded(tensor_from_voigt(components.reshape(len(press.time), -1, 6)))
         lateral = sliding.lateral(press, history, pad, column) if press.tangential else None
     penetration = deepest_penetration(gap)

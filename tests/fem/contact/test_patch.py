@@ -78,7 +78,7 @@ def test_a_step_relaxes_as_the_relaxation_function(pad: tuple) -> None:
     done = march(*pad, memory(PRONY.weights, PRONY.v), asked)
     force = done.pressure @ pad[2]
     assert force / force[0] == pytest.approx(PRONY.relaxation(time), rel=1e-9)
-    assert done.elastic == pytest.approx(np.tile(done.elastic[0], (len(time), 1)))
+    assert done.elastic_pressure == pytest.approx(np.tile(done.elastic_pressure[0], (len(time), 1)))
 
 
 def test_ramp_and_hold_equal_the_hereditary_integral(pad: tuple) -> None:
@@ -99,7 +99,7 @@ def test_unloading_detaches_without_pull_and_recovers(pad: tuple) -> None:
     left = 200 + int(np.argmax(done.pressure[200:].max(axis=1) == 0))
     assert done.depth[left] > 0.01  # the pad leaves the indenter before the indenter is back
     assert done.pressure[left:].max() == 0
-    assert done.elastic[left].max() > 0  # with a dent that still creeps back
+    assert done.elastic_pressure[left].max() > 0  # with a dent that still creeps back
 
 
 @pytest.mark.parametrize("repeat", [1, 2])
