@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from fefinger.fem.linalg import multifrontal_single
+from fefinger.fem.linalg import multifrontal_indefinite
 from fefinger.mechanics.evidence import machine
 from fefinger.mechanics.press import finite_strain, load_steps
 from fefinger.neural.reference import Reference
@@ -338,7 +338,7 @@ def unsound(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     """Return a patch with which LAPACK's inverse of a block is nan in some precisions."""
 
     def fail(*precisions: type) -> None:
-        sound = multifrontal_single.get_lapack_funcs
+        sound = multifrontal_indefinite.get_lapack_funcs
 
         def functions(names: tuple[str, ...], blocks: tuple[np.ndarray]) -> list[object]:
             *others, invert = sound(names, blocks)
@@ -346,6 +346,6 @@ def unsound(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
                 return [*others, invert]
             return [*others, lambda *given, **how: (np.nan * invert(*given, **how)[0], 0)]
 
-        monkeypatch.setattr(multifrontal_single, "get_lapack_funcs", functions)
+        monkeypatch.setattr(multifrontal_indefinite, "get_lapack_funcs", functions)
 
     return fail

@@ -9,7 +9,7 @@ from fefinger.validation.problems.grids import box
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.laws import neo_hookean
-from fefinger.fem.linalg import multifrontal_single
+from fefinger.fem.linalg import multifrontal_indefinite
 from fefinger.fem.linalg import system as solve
 from fefinger.support import processes, threads
 
@@ -70,7 +70,7 @@ def close(found: np.ndarray, expected: np.ndarray, part: float) -> bool:
 def test_factor_and_solution_are_the_same(
     count: int, body: solve.System, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(multifrontal_single, "STRIP", 64)  # several in a front of this body
+    monkeypatch.setattr(multifrontal_indefinite, "STRIP", 64)  # several in a front of this body
     right = np.random.default_rng(0).normal(size=(len(body.free), 3))
     found = solve.approximate_factor(body.matrix, body)
     monkeypatch.setattr(threads, "threads", lambda: 1)

@@ -44,7 +44,7 @@ from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.fem.hyperelastic.iterate import Iterate, not_converged, relative_error, stagnant
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.hyperelastic.tangent import FactoredTangent
-from fefinger.fem.linalg.multifrontal_single import ApproximateFactor
+from fefinger.fem.linalg.multifrontal_indefinite import ApproximateFactor
 from fefinger.fem.linalg.system import System, approximate_factor
 from fefinger.support.arrays import Array
 from fefinger.support.checks import PRESS_LESS, ConvergenceError, InputError

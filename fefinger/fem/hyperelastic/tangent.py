@@ -6,7 +6,7 @@ from scipy import sparse
 
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.deformed_gap import DeformedGap
-from fefinger.fem.linalg.multifrontal_single import ApproximateFactor
+from fefinger.fem.linalg.multifrontal_indefinite import ApproximateFactor
 from fefinger.support.arrays import Array, Flags, Integers
 
 

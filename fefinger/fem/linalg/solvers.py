@@ -25,7 +25,7 @@ import numpy as np
 from scipy import sparse
 
 from fefinger.fem.elements.spaces import Space
-from fefinger.fem.linalg import multifrontal, multifrontal_single
+from fefinger.fem.linalg import multifrontal, multifrontal_indefinite
 from fefinger.fem.linalg.dissection import Dissection
 from fefinger.fem.linalg.minres import iterative
 from fefinger.support.arrays import Array, Integers
@@ -154,6 +154,6 @@ def neighbor(space: Space, matrix: sparse.csr_matrix, free: Integers) -> sparse.
 
 SOLVERS: Mapping[str, Callable[[Equations], Solver]] = {
     "multifrontal": lambda e: multifrontal.factor(e.neighbor, e.dissection),
-    "single": lambda e: multifrontal_single.factor(e.neighbor, e.dissection),
+    "single": lambda e: multifrontal_indefinite.factor(e.neighbor, e.dissection),
     "iterative": lambda e: iterative(e.space, e.matrix, e.free, e.reduced),
 }

@@ -16,8 +16,9 @@ import numpy as np
 from scipy import sparse
 
 from fefinger.fem.elements.spaces import Space
-from fefinger.fem.linalg import multifrontal, multifrontal_single
+from fefinger.fem.linalg import multifrontal, multifrontal_indefinite
 from fefinger.fem.linalg.dissection import dissect_space
+from fefinger.fem.linalg.multifrontal_indefinite import ApproximateFactor, Precision
 from fefinger.fem.linalg.solvers import SOLVERS, Equations, Prepared, choose, neighbor
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError, choice
@@ -57,7 +58,7 @@ class System(Equations):
         return motions[self.free]
 
     @cached_property
-    def approximate_factor(self) -> multifrontal_single.ApproximateFactor:
+    def approximate_factor(self) -> ApproximateFactor:
         """Approximate factor of the matrix at rest, cached; see the function of this name.
 
         Raises
@@ -183,7 +184,7 @@ def prepare(
 @one_thread
 def approximate_factor(
     matrix: sparse.csr_matrix, system: System, *, held: bool = False
-) -> multifrontal_single.ApproximateFactor:
+) -> ApproximateFactor:
     """Make an approximate factor of `matrix` on the free unknowns of `system`.
 
     In single precision or, where that fails, in double. With `held`, the factor also fails where
@@ -197,8 +198,8 @@ def approximate_factor(
     close = neighbor(system.space, matrix, system.free)
     rigid = system.rigid if held else np.empty((len(system.free), 0))
 
-    def factored(precision: multifrontal_single.Precision) -> multifrontal_single.ApproximateFactor:
-        approximate = multifrontal_single.factor(close, system.dissection, precision)
+    def factored(precision: Precision) -> ApproximateFactor:
+        approximate = multifrontal_indefinite.factor(close, system.dissection, precision)
         residual = np.linalg.norm(close @ approximate.solve(rigid) - rigid, axis=0)
         # "not <=" also catches nan.
         if not (residual <= LEFT * np.linalg.norm(rigid, axis=0)).all():

@@ -12,7 +12,7 @@ from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import dissection
 from fefinger.fem.linalg import system as solve
-from fefinger.fem.linalg.multifrontal_single import ApproximateFactor
+from fefinger.fem.linalg.multifrontal_indefinite import ApproximateFactor
 from fefinger.fem.linalg.solvers import SINGLE_FAILED, compressible
 from fefinger.support.checks import ConvergenceError, InputError
 
