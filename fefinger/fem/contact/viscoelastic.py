@@ -1,10 +1,10 @@
-"""Contact of a linear viscoelastic body through time.
+"""Records and relaxation of a viscoelastic contact, and the depth of a step at a given force.
 
 With one relaxation function for the body, the displacement follows from an elastic pressure q: that
 of the fully relaxed body at this displacement (Lee and Radok, J. Appl. Mech. 27:438, 1960). The
 contact pressure is its hereditary integral, p = integral of G(t - s) dq(s). Over a step in which q
 is linear the integral is exact: p = g q + h, with g and h from one exponential per Prony term.
-`step_compiled.py` marches through time; under force control the depth is part of the solution.
+The compiled steps are in `step_compiled.py`, the way through time in `march.py`.
 """
 
 from dataclasses import dataclass

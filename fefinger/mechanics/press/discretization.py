@@ -1,4 +1,4 @@
-"""Mesh of the finger of a scene: where it is fine, and whether it goes on behind the proximal cut.
+"""What a scene asks of its mesh: where it is fine, and whether it goes on behind the proximal cut.
 
 A plate that comes near the cut needs a finger that is continued there.
 """
