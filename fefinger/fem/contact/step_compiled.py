@@ -130,7 +130,7 @@ def read(s: LcpState, m: PadState, out: Output, stiffening: float) -> None:
 
 
 @njit(cache=True)
-def advance(
+def real_time_step(
     s: LcpState,
     m: PadState,
     out: Output,

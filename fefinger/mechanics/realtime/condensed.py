@@ -206,7 +206,9 @@ class Condensed:
         stiffening = 1.0 if by_force else self._stiffness(target)
         state, memory = self._state, self._memory
         output = output or self.output
-        outcome = step_compiled.advance(state, memory, output, dt, target, by_force, stiffening)
+        outcome = step_compiled.real_time_step(
+            state, memory, output, dt, target, by_force, stiffening
+        )
         if outcome == lcp_compiled.TURNED:
             raise InputError(limits.rim_reached(len(self.patch.vertices)))
         step_compiled.check(outcome, self.deepest)

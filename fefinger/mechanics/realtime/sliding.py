@@ -232,7 +232,9 @@ class Sliding:
         else:
             before = memory.gap.copy()
             memory.gap[:], output.limits[:] = gap, limits_here
-            outcome = step_compiled.advance(self._state, memory, output, dt, target, by_force, 1.0)
+            outcome = step_compiled.real_time_step(
+                self._state, memory, output, dt, target, by_force, 1.0
+            )
             if outcome != lcp_compiled.DONE:
                 memory.gap[:] = before
         if outcome == lcp_compiled.TURNED:
