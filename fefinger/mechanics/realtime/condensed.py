@@ -26,7 +26,14 @@ from fefinger.mechanics.press import limits, operator, placement, problem
 from fefinger.mechanics.press.pad import first_moments, whole_pad
 from fefinger.mechanics.press.reference import reference_press
 from fefinger.mechanics.press.sites import central_sites
-from fefinger.mechanics.realtime.loop import Step, check_finger, described, units, warn_of_softness
+from fefinger.mechanics.realtime.loop import (
+    Step,
+    check_finger,
+    check_frictionless,
+    described,
+    units,
+    warn_of_softness,
+)
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.reference import Reference
 from fefinger.neural.streaming import Afferents
@@ -92,6 +99,8 @@ class Condensed:
         choice("precision", precision, ("double", "single"))
         if stiffening is None:
             warn_of_softness(finger, indenter, self.deepest)
+        if not isinstance(indenter, Rigid):
+            check_frictionless(indenter)
         half = not isinstance(indenter, Rigid) and indenter.mirrored
         with Stages(progress).stage("factor") as report:
             solid = operator.operator(finger, half=half, progress=report)

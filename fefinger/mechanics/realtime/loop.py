@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fefinger.fem.contact.obstacle import Rigid
 from fefinger.mechanics import condensed
-from fefinger.mechanics.press.notes import stiffens
+from fefinger.mechanics.press.notes import friction_reasons, stiffens
 from fefinger.mechanics.situation import Situation
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.reference import Reference
@@ -63,6 +63,12 @@ def check_finger(finger: object) -> None:
     if not isinstance(finger, Finger):
         msg = f'finger: expected a Finger, as ff.Finger.subject("a.h."), received {finger!r}'
         raise InputError(msg)
+
+
+def check_frictionless(indenter: Indenter) -> None:
+    """Raise InputError for friction, which a finger that is only pressed leaves out."""
+    for reason in friction_reasons(indenter):
+        raise InputError(f"{reason.text}; use ff.Sliding")
 
 
 def units(

@@ -19,7 +19,13 @@ from fefinger.mechanics.press.notes import elastic_hard_parts_reasons, separate_
 from fefinger.mechanics.press.pad import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.tabulated_press import METHOD, TabulatedPress
-from fefinger.mechanics.realtime.loop import Step, check_finger, described, units
+from fefinger.mechanics.realtime.loop import (
+    Step,
+    check_finger,
+    check_frictionless,
+    described,
+    units,
+)
 from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.reference import Reference
 from fefinger.neural.streaming import Afferents
@@ -73,6 +79,7 @@ class Pressed:
         self.deepest = number("deepest", deepest, above=0, unit="mm")
         for reason in (*separate_relaxation_reasons(finger), *elastic_hard_parts_reasons(finger)):
             raise InputError(f"{reason.text}; use the mechanics 'solid'")
+        check_frictionless(indenter)
         stages, motion = Stages(progress), Ramp(1.0, self.deepest, corner=0.0)
         scene = Scene(finger=finger, indenter=indenter, motion=motion, ask=Ask(spikes=TYPES))
         press = Press.of(scene, METHOD, stages, mechanics=pressed.name, notes=pressed.NOTES)
@@ -127,7 +134,11 @@ class Pressed:
         InputError
             A depth beyond `deepest`, or a number that is not finite; the finger stays as it was.
         """
-        if not (depth <= self.deepest and 0.0 <= dt < math.inf and depth > -math.inf):
+        try:
+            allowed = depth <= self.deepest and 0.0 <= dt < math.inf and depth > -math.inf
+        except (TypeError, ValueError):
+            allowed = False
+        if not allowed:
             number("depth", depth, at_most=self.deepest, unit="mm")
             number("dt", dt, at_least=0, unit="s")
         self._contact.advance(dt, depth)

@@ -43,8 +43,13 @@ LEFT = (
     "where contact reaches its end; move it less, or take a larger object"
 )
 
-AROUND = 8
-"""Number of places on the circle of radius `reach` at which candidates are sought."""
+APART = 0.25
+"""Distance in mm of the places within `reach` at which candidates are sought."""
+
+FAR = (
+    "shift: expected a place at most `reach` = {:g} mm from the first one, received "
+    "({:.4g}, {:.4g}) mm; give a larger `reach`"
+)
 
 
 @dataclass(slots=True, repr=False)
@@ -143,9 +148,7 @@ class Sliding:
     def _reduced(self) -> Reduced:
         """Return the finger reduced to candidates that a press of `deepest` mm stays within."""
         solid, obstacle = self.solid, self._obstacle
-        angles = np.linspace(0.0, 2 * np.pi, AROUND, endpoint=False)
-        circle = self.reach * np.column_stack([np.cos(angles), np.sin(angles)])
-        path = np.vstack([np.zeros((1, 2)), circle]) if self.reach else np.zeros((1, 2))
+        path = _disc(self.reach)
         probe = partial(recovered_strain_at, solid.space, self.sites.points, solid.planes)
 
         def candidates(rings: int) -> Patch:
@@ -215,6 +218,8 @@ class Sliding:
             raise InputError(f"shift: expected two finite numbers in mm, received {shift!r}")
         if not 0.0 <= dt < math.inf:
             number("dt", dt, at_least=0, unit="s")
+        if not self._obstacle.profile.level and math.hypot(*place) > self.reach * (1 + 1e-9):
+            raise InputError(FAR.format(self.reach, *place))
         gap, rim = self._travel.gap(place)
         limits_here = np.where(rim, lcp_compiled.TURNED, self._limits)
         memory, output, mu = self._memory, self._output, self.indenter.friction
@@ -276,3 +281,13 @@ class Sliding:
             now.torque = float(turning) * NEWTON_PER_MILLINEWTON
         else:
             now.torque = 0.0
+
+
+def _disc(radius: float) -> Array:
+    """Places (n, 2) mm that fill a disc, APART mm from each other, and its rim."""
+    count = math.ceil(radius / APART)
+    even = np.linspace(-radius, radius, 2 * count + 1)
+    square = np.stack(np.meshgrid(even, even), axis=-1).reshape(-1, 2)
+    turn = np.linspace(0.0, 2 * np.pi, 8 * count, endpoint=False)
+    rim = radius * np.column_stack([np.cos(turn), np.sin(turn)])
+    return np.vstack([square[np.hypot(*square.T) < radius], rim, np.zeros((1, 2))])

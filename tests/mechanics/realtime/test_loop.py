@@ -152,3 +152,30 @@ def test_a_finger_and_a_step_are_a_line_with_units() -> None:
     step = finger.step(0.3, 1e-3)
     assert repr(step).startswith(f"<Step: {step.force:.4g} N at 0.3 mm, ")
     assert "Step: 0 N at 0 mm, 0 mm² about x nan" in repr(finger.step(0.0, 1e6))
+
+
+def test_a_ball_is_moved_anywhere_within_its_reach_and_no_farther() -> None:
+    forces = []
+    for reach in (3.0, 3.6):
+        finger = ff.Sliding(SOFT, ff.Sphere(3), deepest=1.0, reach=reach)
+        forces.append([])
+        for place in ((0.0, 2.0), (1.2, 0.5), (-1.0, 0.0)):
+            finger.reset()
+            forces[-1].append(finger.step(1.0, place, 0.05).force)
+        with pytest.raises(ff.InputError, match=f"at most `reach` = {reach:g} mm from the first"):
+            finger.step(1.0, (reach, 0.1), 0.05)
+    assert min(forces[0]) > 0.1
+    np.testing.assert_allclose(*forces, rtol=1e-9)
+
+
+@pytest.mark.parametrize("kind", [ff.Condensed, ff.Pressed, ff.Modal])
+def test_a_finger_that_is_only_pressed_refuses_friction(kind: type) -> None:
+    with pytest.raises(ff.InputError, match=r"indenter.friction = 0.5 > 0.*use ff.Sliding"):
+        kind(SOFT, ff.Flat(30, friction=0.5), deepest=0.5)
+
+
+@pytest.mark.parametrize("depth", ["0.3", None, 1j, np.array([0.1, 0.2])])
+def test_a_depth_that_is_no_number_is_refused(depth: object) -> None:
+    finger = ff.Pressed(SOFT, ff.Flat(30), deepest=0.5)
+    with pytest.raises(ff.InputError, match="depth: expected"):
+        finger.step(depth, 1e-3)
