@@ -182,7 +182,8 @@ def _rung(
     whole = error
     if name != MODAL:
         whole, evidence = math.hypot(error, inertia.error), evidence + inertia.evidence
-        error = whole if error <= ask.rel_error < whole and inertia.avoidable else error
+        within = error <= ask.rel_error < whole
+        error = whole if within and (case.motion.slides or inertia.avoidable) else error
     if math.isnan(error):
         refusals = (*refusals, Refusal(name, "accuracy", f"its error here is {evidence}"))
     elif math.isinf(error):

@@ -12,10 +12,17 @@ from fefinger.validation.problems import published
 
 import fefinger as ff
 from fefinger.mechanics import condensed, linear, solid
-from fefinger.mechanics.evidence import machine, small_strain_cost, stated_errors, table
+from fefinger.mechanics.evidence import (
+    machine,
+    small_strain_cost,
+    stated_errors,
+    table,
+    vibration,
+)
 from fefinger.mechanics.press.time_steps import moving, time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.build import SETTINGS
+from fefinger.scene import builtin
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 
@@ -129,3 +136,21 @@ def test_a_skin_that_is_softer_than_the_published_one_states_a_larger_error() ->
     ]
     errors = [linear.error(Situation.of(scene(**skin)))[0] for skin in skins]
     assert errors[1] == pytest.approx(stated_errors.SOFT_SKIN * errors[0], rel=1e-6)
+
+
+def test_statics_under_a_moving_load_fails_at_the_speed_of_rayleigh_waves() -> None:
+    slow = np.array([1e-4, 1e-2, 0.05])
+    errors = [vibration.moving_load(speed) for speed in slow]
+    assert errors == pytest.approx(0.75 * slow**2, rel=5e-3, abs=0)
+    assert vibration.moving_load(0.954) > 100
+    assert vibration.moving_load(0.956) == vibration.moving_load(3.0) == np.inf
+
+
+@pytest.mark.parametrize("text", [True, False])
+def test_a_fast_slide_states_the_inertia_that_it_leaves_out(text: bool) -> None:
+    fast = builtin.load("slide-braille", {"motion.speed": 2000.0})
+    if not text:  # a smooth plate moves no skin up or down
+        fast = replace(fast, indenter=ff.Flat(30))
+    error, source = vibration.left_out(Situation.of(fast))
+    assert (error > 0.3) == text
+    assert ("speed along the skin / wave speed = 2 / 3.39 m/s" in source) == text
