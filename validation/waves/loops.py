@@ -106,7 +106,7 @@ def one_mode(steps: int) -> complex:
 
 def one_mode_difference() -> float:
     """Return the error of the force on one mode, extrapolated from two lengths of steps."""
-    coarse, fine = one_mode(4000), one_mode(8000)
+    coarse, fine = one_mode(1000), one_mode(2000)
     return abs((4 * fine - coarse) / 3)
 
 

@@ -119,7 +119,7 @@ def _loops() -> Iterator[Case]:
         "time against frequency, one mode and a static rest: amplitude of a prescribed motion",
         loops.one_mode_difference,
         Expected.between(0.0, 1e-6, "1"),
-        "closed form; steps of a 4000th and an 8000th of a cycle, extrapolated",
+        "closed form; steps of a 1000th and a 2000th of a cycle, extrapolated",
     )
     yield Case(
         "time against frequency on a finger at 200 Hz: force in 60 steps per cycle",
