@@ -158,16 +158,18 @@ def test_with_too_few_points_outside_whole_vertices_are_counted() -> None:
 def pressed_strip(profile: Profile, cells: int, shift: float) -> tuple[float, float]:
     """Return the area under a profile pressed into a block in plane strain, and without edges.
 
-    The block is 8 long, 1 wide and 3 high, and `shift` moves its cells past the obstacle.
+    The block is 8 long, 2 cells wide and 3 high, and `shift` moves its cells past the obstacle. The
+    areas are those of a width of 1.
     """
+    width = 2 / cells
     space = box(
         np.linspace(-4, 4, 8 * cells + 1) + shift,
-        np.linspace(0, 1, cells + 1),
+        np.linspace(0, width, 3),
         np.linspace(0, 3, 2 * cells + 1),
     )
     places = space.node_points
     held = np.repeat((places[:, 2] == 3)[:, None], 3, axis=1)
-    held[:, 1] |= (places[:, 1] == 0) | (places[:, 1] == 1)
+    held[:, 1] |= (places[:, 1] == 0) | (places[:, 1] == width)
     system = factor(space, stiffness(space, {1: Elastic(30.0, 0.45)}), np.flatnonzero(held.ravel()))
     facets = np.asarray(space.scalar.mesh.facets.T, dtype=np.int64)
     top = facets[(space.points[facets][:, :, 2] == 0).all(axis=1)]
@@ -187,7 +189,7 @@ def pressed_strip(profile: Profile, cells: int, shift: float) -> tuple[float, fl
         CandidateSurface(points, triangles, UP, ahead).area(pressed[None], gap)[0]
         for ahead in (obstacle, None)
     ]
-    return found[0], found[1]
+    return found[0] / width, found[1] / width
 
 
 @pytest.mark.parametrize("cells", [3, 4])
