@@ -104,6 +104,6 @@ def test_a_pin_at_small_strain_strains_in_proportion_to_its_depth_once_it_rests_
         drive="compressive",
         organ=0.5,
         mechanics="condensed",
-        finger=experiments.MACAQUE,
+        finger=replace(experiments.MACAQUE, resolution="coarse"),
     )[:, 0]
     assert np.diff(drive) == pytest.approx(np.diff(drive).mean(), rel=0.1)
