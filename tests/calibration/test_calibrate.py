@@ -278,6 +278,7 @@ def test_after_a_press_that_buckled_later_ones_on_its_mesh_spare_less(monkeypatc
     assert spares == [SPARE, SPARE, LATER, SPARE]
 
 
+@pytest.mark.usefixtures("solved")
 @pytest.mark.parametrize("needed", [1.0, 3.0])
 def test_a_press_that_ends_early_is_told_and_ends_those_after_it_if_it_holds_what_is_needed(
     monkeypatch, formula, needed
