@@ -140,8 +140,8 @@ class Preloaded:
         body = (factor * material + geometric + bent - omega**2 * self._mass)[free][:, free]
         loads = self.gap.loads[free][:, self.active]
         travel = self.gap.contact.projected[self.active]
-        matrix = sparse.bmat([[body, -loads], [-loads.T, None]], format="csc").astype(complex)
-        right = np.concatenate([coupled, -travel]).astype(complex)
+        matrix = sparse.bmat([[body, -loads], [-loads.T, None]], format="csc")
+        right = np.concatenate([coupled, -travel]).astype(matrix.dtype)
         solver = splu(
             matrix,
             permc_spec="MMD_AT_PLUS_A",
