@@ -136,6 +136,13 @@ def answered(monkeypatch: pytest.MonkeyPatch, synthetic: Result) -> list:
     return calls
 
 
+@pytest.fixture
+def plain_report(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Write an empty page for the report, which has its own tests."""
+    write = "fefinger.pages.report.write"
+    monkeypatch.setattr(write, lambda result, path: Path(path).write_text("report"))
+
+
 def make_synthetic() -> Result:
     """Return a Result of smooth made-up fields on half a finger of 6 tetrahedra per box."""
     ask = Ask(spikes=TYPES)

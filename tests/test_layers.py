@@ -234,6 +234,7 @@ def violations(modules: Mapping[str, str]) -> list[str]:
     ]
 
 
+@cache
 def room_of(module: str) -> str:
     """Return the room that a module is in, or nothing."""
     if module == "fefinger":
@@ -255,9 +256,9 @@ def _edges(name: str, text: str, modules: Mapping[str, str]) -> Iterator[Edge]:
                     yield Edge(name, full if full in modules else str(child.module), when)
             elif isinstance(child, ast.If) and "TYPE_CHECKING" in ast.dump(child.test):
                 yield from visit(child, "typing")
-            elif isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            elif isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef):
                 yield from visit(child, "typing" if when == "typing" else "call")
-            else:
+            elif not isinstance(child, ast.expr):  # no expression holds an import
                 yield from visit(child, when)
 
     yield from visit(tree(text), "import")

@@ -13,7 +13,6 @@ from fefinger.neural.drives import DRIVE_BY_NAME
 from fefinger.neural.recorded import fitted
 from fefinger.neural.statistics import psth
 from fefinger.neural.trains import SpikeTrains
-from fefinger.pages import report
 from fefinger.scene import builtin
 from fefinger.scene.motions import Vibration
 from fefinger.support.checks import InputError
@@ -68,6 +67,7 @@ def test_the_input_of_a_unit_is_the_length_of_its_type_times_its_drive(pressed):
     assert thesis.family == "thesis"
 
 
+@pytest.mark.usefixtures("plain_report")
 @pytest.mark.parametrize("layout", [None, ff.Line(start=(0, -1), stop=(0, 1), count=2, seed=3)])
 def test_trials_are_of_the_same_units_and_need_no_other_solution(layout, tmp_path):
     ask = ff.Ask(spikes=("SAI", "FAI"), population=layout, **BARE)
@@ -144,8 +144,8 @@ def test_the_family_is_in_files_and_on_the_page(pressed, tmp_path):
     result = ff.run(scene, mechanics="hertz")
     result.save(tmp_path / "out")
     assert ff.load(tmp_path / "out").spikes.family == "recorded"
-    report.write(result, tmp_path / "page.html")
-    assert "family recorded" in (tmp_path / "page.html").read_text(encoding="utf-8")
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "family recorded" in page
 
 
 @pytest.mark.parametrize("name", ["probe-vibration", "pin-hold", "curved-hold"])

@@ -21,12 +21,6 @@ from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony
 
 
-@pytest.fixture
-def plain_report(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Write an empty page for the report, which has its own tests."""
-    monkeypatch.setattr(report, "write", lambda result, path: Path(path).write_text("report"))
-
-
 def assert_same(a: Any, b: Any, place: str = "result") -> None:
     """Compare records field by field, arrays exactly (nan equals nan) and with their types."""
     assert type(a) is type(b), place
@@ -260,6 +254,7 @@ def test_a_large_error_is_told_as_a_range_with_what_would_be_better(
     assert "for the contact area, the reference is solid (--mechanics solid)" in text
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_spikes_csv_holds_every_spike_with_its_place(synthetic: Result, tmp_path: Path) -> None:
     synthetic.save(tmp_path)
     assert synthetic.spikes is not None

@@ -62,11 +62,13 @@ def test_run_prints_how_the_answer_was_reached_with_verbose(capsys, answered):
         assert words in out
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_run_names_the_report_that_it_wrote(capsys, answered, tmp_path):
     assert main(["run", "flat-press", "-o", str(tmp_path / "out")]) == 0
     assert str(tmp_path / "out" / "report.html") in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_run_tells_that_it_replaced_a_result(capsys, answered, tmp_path):
     command = ["run", "flat-press", "-o", str(tmp_path)]
     assert main(command) == 0
@@ -124,6 +126,7 @@ def test_run_json_is_null_where_nothing_was_asked(capsys, monkeypatch, synthetic
     assert "force" not in capsys.readouterr().out.replace("mechanics", "")
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_run_writes_what_it_names_and_a_picture_can_be_had_from_it(capsys, answered, tmp_path):
     out = tmp_path / "deep" / "out"
     assert main(["run", "flat-press", "--json", "-o", str(out)]) == 0

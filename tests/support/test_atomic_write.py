@@ -49,6 +49,7 @@ def test_the_answer_of_a_run_is_told_where_it_cannot_be_saved(answered, capsys, 
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_a_result_that_cannot_be_saved_leaves_the_one_before(synthetic, tmp_path):
     synthetic.save(tmp_path)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}

@@ -63,6 +63,7 @@ def test_a_gap_that_is_open_everywhere_lets_nothing_in() -> None:
     assert deepest_penetration(np.array([[0.1, -0.2], [-0.3, np.inf]])) == 0.3
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_it_is_saved_and_results_without_it_load(tmp_path: Path) -> None:
     scene = pressed(0.1, fields=False)
     response = linear.respond(scene)
