@@ -33,6 +33,12 @@ def plain_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(renderer, "renderer_lacking", lambda: "No renderer (said in the test).")
 
 
+@pytest.fixture
+def words_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave drawings out of the page, where its words are the question."""
+    monkeypatch.setattr("fefinger.pages.page.svg", lambda drawn: "data:,")
+
+
 def test_a_full_report_has_every_section_and_stands_alone(
     synthetic: Result, tmp_path: Path
 ) -> None:
@@ -77,6 +83,7 @@ def test_the_answer_says_force_area_and_spikes(synthetic: Result) -> None:
     assert "SAI-1 107, SAII-1 51, FAI-1 5, FAII-1 0" in said
 
 
+@pytest.mark.usefixtures("words_alone")
 def test_under_a_given_force_the_answer_is_the_depth_and_pictures_are_of_the_deepest_step(
     synthetic: Result, tmp_path: Path
 ) -> None:
@@ -94,6 +101,7 @@ def test_under_a_given_force_the_answer_is_the_depth_and_pictures_are_of_the_dee
     assert "Contact pressure at the largest depth" in html
 
 
+@pytest.mark.usefixtures("words_alone")
 def test_the_highest_pressure_at_a_point_has_its_own_time(
     synthetic: Result, tmp_path: Path
 ) -> None:
@@ -106,6 +114,7 @@ def test_the_highest_pressure_at_a_point_has_its_own_time(
     assert f"{mean:.3g} kPa over 1 mm²" in html
 
 
+@pytest.mark.usefixtures("words_alone")
 def test_the_first_tiles_are_the_numbers_that_matter_with_their_errors(
     synthetic: Result, tmp_path: Path
 ) -> None:
@@ -120,6 +129,7 @@ def test_the_first_tiles_are_the_numbers_that_matter_with_their_errors(
     assert html.index('class="tile"') < html.index('<section id="force"')
 
 
+@pytest.mark.usefixtures("words_alone")
 def test_block_is_warned_of(synthetic: Result, tmp_path: Path) -> None:
     assert synthetic.spikes is not None
     spikes = dataclasses.replace(synthetic.spikes, block_seconds=np.array([0.0, 2.5, 0.0, 0.0]))
@@ -157,6 +167,7 @@ def test_the_same_result_gives_the_same_figure(synthetic: Result) -> None:
     assert figures.svg(figures.force(synthetic)) == figures.svg(figures.force(synthetic))
 
 
+@pytest.mark.usefixtures("words_alone")
 def test_an_error_beyond_100_percent_is_written_as_in_the_terminal(
     synthetic: Result, tmp_path: Path
 ) -> None:
@@ -166,6 +177,7 @@ def test_an_error_beyond_100_percent_is_written_as_in_the_terminal(
     assert ">120 %</td>" in page(wrong, tmp_path)
 
 
+@pytest.mark.usefixtures("words_alone")
 def test_a_mechanics_that_is_not_able_has_no_cost_and_no_error(
     synthetic: Result, tmp_path: Path
 ) -> None:
