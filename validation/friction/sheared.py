@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from fefinger.validation.oracles import squares
 from fefinger.validation.oracles.mindlin import Mindlin
-from fefinger.validation.problems.shear_block import ShearBlock
+from fefinger.validation.problems.half_space import ShearBlock
 
 from fefinger.fem.contact import friction_state, friction_step, step_compiled
 from fefinger.fem.contact.lcp_compiled import DONE
