@@ -57,6 +57,16 @@ degrees askew, with 0.1 mm of noise or without: their wider, cut end is proximal
 """
 
 
+FLAT, FACING = 0.15, 5.0
+"""Largest share of the skin that faces one way, within so many degrees.
+
+It is at most 0.1 in fingers and capsules, however coarse their triangles, and 0.2 in a box.
+"""
+
+CELL = 0.1
+"""Side of the cubes of normals that have one way each."""
+
+
 @dataclass(frozen=True)
 class SurfaceFile:
     """A closed surface: `mesh` (trimesh), width and thickness in mm, notes on size and repairs."""
@@ -73,8 +83,8 @@ def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
     Raises
     ------
     InputError
-        The file is missing, empty or no surface; the surface is open, intersects itself, or is
-        not in mm and in the frame x distal, y radial, z dorsal.
+        The file is missing, empty or no surface; the surface is open, intersects itself, has a
+        flat side, or is not in mm and in the frame x distal, y radial, z dorsal.
     """
     file = Path(path)
     mesh, notes = read_closed(file, field)
@@ -90,6 +100,7 @@ def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
     tip = mesh.vertices[:, 0] > mesh.bounds[1, 0] - LENGTH
     width, thickness = (float(np.ptp(mesh.vertices[tip, k])) for k in (1, 2))
     _check_frame(mesh, width, thickness, name)
+    _check_round(mesh, name)
     stated = (
         f"Surface {file.name}: {len(mesh.faces)} triangles in a box of {size} mm, taken as mm with "
         f"x distal, y radial and z dorsal; {width:.3g} mm wide and {thickness:.3g} mm thick. That "
@@ -265,6 +276,29 @@ def _check_frame(mesh: Any, width: float, thickness: float, name: str) -> None:
         shape, back = turn
         message = f"{name} {shape}; expected x distal, y radial and z dorsal: turn it about {back}"
         raise InputError(message)
+
+
+def _check_round(mesh: Any, name: str) -> None:
+    """Raise InputError where much of the skin is flat, as the sides of a box: no mesh follows it.
+
+    The proximal end face is no skin.
+    """
+    x, normals, areas = mesh.triangles_center[:, 0], mesh.face_normals, mesh.area_faces
+    low, high = mesh.bounds[:, 0]
+    end = (normals[:, 0] < -0.7) & (x < low + BACK * (high - low))
+    skin = (x > high - LENGTH) & ~end
+    normals, areas = normals[skin], areas[skin]
+    ways = normals[np.unique(np.floor(normals / CELL), axis=0, return_index=True)[1]]
+    least = np.cos(np.radians(FACING))
+    shares = [areas[normals @ way > least].sum() / areas.sum() for way in ways]
+    most = int(np.argmax(shares))
+    if shares[most] > FLAT:
+        facing = ", ".join(f"{value:.2g}" for value in ways[most].round(2) + 0.0)
+        raise InputError(
+            f"{name} has a flat side, as a box: {shares[most]:.0%} of it face ({facing}) within "
+            f"{FACING:g} degrees; expected a fingertip, round but for its proximal end, with at "
+            f"most {FLAT:.0%}"
+        )
 
 
 def crossings(mesh: Any) -> Array | None:

@@ -146,6 +146,26 @@ def test_what_is_no_finger_is_refused_with_what_to_do(
         read_surface(path)
 
 
+@pytest.mark.parametrize("size", [(25, 15, 12), (60, 15, 12), (15, 15, 15)])
+@pytest.mark.parametrize("noise", [0.0, 0.05])
+def test_a_box_is_refused_by_its_flat_sides(
+    tmp_path: Path, size: tuple[float, float, float], noise: float
+) -> None:
+    """It would keep the mesher busy without end."""
+    mesh = trimesh.creation.box(size).subdivide().subdivide().subdivide()
+    mesh.vertices += noise * np.random.default_rng(0).normal(size=mesh.vertices.shape)
+    with pytest.raises(InputError, match=r"has a flat side, as a box: 2\d% of it face \("):
+        read_surface(written(mesh, tmp_path / "box.ply"))
+
+
+@pytest.mark.parametrize("count", [12, 48])
+def test_a_capsule_has_no_flat_side_however_coarse(tmp_path: Path, count: int) -> None:
+    mesh = trimesh.creation.capsule(height=12, radius=7, count=[count, count])
+    mesh.vertices = mesh.vertices[:, [2, 1, 0]] * [1, 1, -0.8]
+    read_surface(written(mesh, tmp_path / "scan.ply"))
+    read_surface(written(behind(mesh), tmp_path / "open.ply"))
+
+
 @cache
 def fingertip(width: float, thickness: float, pad_radius: float, widths: float) -> Any:
     """Return the skin of a parametric finger, open where it was cut so many widths from its tip."""

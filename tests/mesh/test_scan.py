@@ -113,13 +113,13 @@ def test_unusable_surfaces_get_a_sentence(
 ) -> None:
     mesh = trimesh.load_mesh(stl)
     if fault == "lopsided":
-        mesh.vertices[:, 2] *= np.where(mesh.vertices[:, 1] > 3.0, 1.5, 0.3)
+        mesh.vertices[:, 2] += 0.5 * mesh.vertices[:, 1]
     if fault == "nail down":
         mesh.vertices[:, 1:] *= -1.0
     if fault == "ball":
         mesh = trimesh.creation.icosphere(4, 7.0)
     if fault == "flat":
-        mesh.vertices[:, 2] *= 0.35
+        mesh.vertices[:, 2] *= 0.5
     mesh.export(tmp_path / "bad.stl")
     with pytest.raises(InputError, match=message):
         scanned(Recipe(14, 10, 14, surface=str(tmp_path / "bad.stl")))
