@@ -6,13 +6,14 @@ The mesher: surfaces, tetrahedra, regions, smooth boundaries, quality.
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from time import monotonic
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.geometry import facets as topology
 from fefinger.geometry.finger_mesh import BONE, FingerMesh
-from fefinger.mesh import smooth, vtu
+from fefinger.mesh import smooth, tetrahedralize, vtu
 from fefinger.mesh.finger_shape import Shape, touch_point
 from fefinger.mesh.finish import bone_of_volume, record, supports
 from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS
@@ -60,7 +61,7 @@ def build(
 ) -> FingerMesh:
     """Build the mesh of half a finger (y >= 0); it passes the quality check.
 
-    Raises ConvergenceError with the faults of the last attempt if none passes.
+    Raises ConvergenceError with the faults of the last attempt if none passes, or none in time.
     """
     shape = shape_of(recipe)
     say = progress or (lambda _: None)
@@ -69,6 +70,7 @@ def build(
         if mesh is not None:
             return mesh
         settings = SETTINGS[recipe.resolution]
+    begun = monotonic()
     for attempt in range(ATTEMPTS):
         say(f"meshing, attempt {attempt + 1}")
         chosen = replace(settings, envelope=settings.envelope * 0.85**attempt)
@@ -78,9 +80,12 @@ def build(
         except ConvergenceError as error:
             fault = error
             say(str(fault))
+            if monotonic() - begun > tetrahedralize.LIMIT:
+                break
             continue
         return mesh
-    message = f"{fault} in {ATTEMPTS} attempts; use another resolution or other dimensions"
+    count = "1 attempt" if attempt == 0 else f"{attempt + 1} attempts"
+    message = f"{fault} in {count}; use another resolution or other dimensions"
     raise ConvergenceError(message)
 
 

@@ -16,6 +16,11 @@ from fefinger.support.atomic_write import temporary_folder
 from fefinger.support.checks import ConvergenceError
 
 
+LIMIT = 900.0
+"""Seconds after which the mesher is ended, and after which no other meshing begins; a fine mesh of
+a finger takes some 40, four times that on a busy machine."""
+
+
 @dataclass(frozen=True)
 class MesherSettings:
     """Settings of the mesher: edge lengths in mm, and the tolerance of the surfaces.
@@ -46,7 +51,7 @@ def tetrahedra(
     """Mesh a box around the surfaces: vertices (n, 3) mm and positively oriented cells (m, 4).
 
     The surfaces, open or closed, appear as faces within the envelope; cells outside them are kept.
-    Raises ConvergenceError if the mesher fails.
+    Raises ConvergenceError if the mesher fails or is not done after LIMIT.
     """
     starts = np.cumsum([0, *(len(part) for part, _ in surfaces)])
     points = np.concatenate([part for part, _ in surfaces])
@@ -80,7 +85,14 @@ def _in_process(**arguments: Any) -> tuple[Array, Integers]:
             text=True,
             errors="replace",
         ) as mesher:
-            _, text = mesher.communicate()
+            try:
+                _, text = mesher.communicate(timeout=LIMIT)
+            except subprocess.TimeoutExpired:
+                message = (
+                    f"mesher: it was not done after {LIMIT:g} s; sharp edges or creases of a scan "
+                    "keep it busy: smooth the surface in the program that made it"
+                )
+                raise ConvergenceError(message) from None
         if mesher.returncode:
             last = (text.strip().splitlines() or ["none"])[-1]
             message = f"mesher: it ended with status {mesher.returncode}; its last message: {last}"

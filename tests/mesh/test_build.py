@@ -8,7 +8,7 @@ import pytest
 from oracles.solids import assert_closed
 
 from fefinger.geometry.finger_mesh import FACETS, FingerMesh, volumes
-from fefinger.mesh import smooth
+from fefinger.mesh import smooth, tetrahedralize
 from fefinger.mesh.build import SETTINGS, build, sizes
 from fefinger.mesh.finger_shape import touch_point
 from fefinger.mesh.parametric import parametric
@@ -69,6 +69,14 @@ def test_mesher_is_silent_and_leaves_ctrl_c_to_python(capfd: pytest.CaptureFixtu
 def test_a_mesher_that_fails_is_an_error_and_not_the_end() -> None:
     with pytest.raises(ConvergenceError, match="mesher: it ended with status"):
         meshed(SIDES[:0])
+
+
+def test_a_mesher_without_an_end_is_ended_and_not_called_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(tetrahedralize, "LIMIT", 0.0)
+    with pytest.raises(ConvergenceError, match=r"not done after 0 s; .* in 1 attempt; use another"):
+        build(Recipe(13, 10, 13, resolution="coarse"), settings=ROUGH)
 
 
 def faulty(mesh: FingerMesh, fault: str) -> FingerMesh:
