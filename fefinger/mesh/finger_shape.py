@@ -176,11 +176,13 @@ def region_volumes(skin: float, subcutaneous: float, bone: float) -> dict[str, f
 
 def check_room(under: SmoothSurface, bone: Array, recipe: Recipe) -> None:
     """Raise InputError unless the points (n, 3) of the bone are ROOM below the surface `under`."""
-    least = -float(under.level(bone).max())
+    level = under.level(bone)
+    least, place = -float(level.max()), float(bone[np.argmax(level), 0])
     if least < ROOM:
         field, remedy = "thickness", "a thinner skin"
-        if recipe.tip_tissue is not None:
-            field, remedy = "tip_tissue", f"a larger one than {recipe.tip_tissue:g} mm"
+        distal = place > 0.5 * (bone[:, 0].min() + bone[:, 0].max())
+        if recipe.tip_tissue is not None and distal:
+            field, remedy = "tip_tissue", f"a larger one than {recipe.tip_tissue:.3g} mm"
         raise InputError(
             f"finger.{field}: expected at least {ROOM:g} mm of subcutaneous tissue around the "
             f"bone of a finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick, "
@@ -203,10 +205,13 @@ def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> She
     if recipe.tip_tissue is not None:
         end = tip - recipe.tip_tissue
         if end < cut + 0.6 * width:
+            longer = ""
+            if recipe.surface is not None:
+                longer = f"; or use a scan at least {length_needed(recipe):.1f} mm long"
             raise InputError(
                 f"finger.tip_tissue: expected at most {tip - cut - 0.6 * width:.1f} mm, so that "
                 "the finger has the base of a bone at its cut, received "
-                f"{recipe.tip_tissue:g} mm"
+                f"{recipe.tip_tissue:.3g} mm{longer}"
             )
     x = end - (end - cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
     base = smooth(1.0 - (x - cut) / (0.6 * width))
@@ -216,6 +221,12 @@ def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> She
     low = (depth + 0.16 * thickness * base) * tip_factor
     high = 0.09 * thickness * tip_factor
     return Shell.of(middle, cut=cut, palmar=(x, low), dorsal=(x, high), side=(x, side))
+
+
+def length_needed(recipe: Recipe) -> float:
+    """Least length in mm of a scan: the base of a bone, the tissue ahead of it, and a margin."""
+    ahead = 0.42 * recipe.thickness if recipe.tip_tissue is None else recipe.tip_tissue
+    return max(1.1 * recipe.width, ahead + 0.6 * recipe.width + 1.0)
 
 
 def rounding(x: Array, tip: float, reach: float) -> Array:

@@ -41,6 +41,10 @@ has no room for a bone lies with the nail down; it is 0.65 or more in a finger, 
 ROUND = 0.56
 """Volume over that of the box up to which such a scan is rounded at both ends: 0.52 in a ball."""
 
+NARROWED, FULL = 0.92, 0.97
+"""Width at the cut, over the largest, below which a scan is rounded at its proximal end, and that
+where it is to be cut; it is 1 in a parametric finger."""
+
 ASYMMETRY = 0.15
 """Largest mean distance of a scan from its mirror image, over half its width."""
 
@@ -68,19 +72,20 @@ def scanned(recipe: Recipe) -> Shape:
     tip, top = float(high[0]), float(high[2])
     cut = max(float(low[0]) + 0.5, tip - LENGTH)
     level, tables = _profiles(skin, cut)
-    fault = _fault(file, recipe, (level - float(low[2])) / (top - float(low[2])))
+    start = float((aside + touch)[0])
+    height = (level - float(low[2])) / (top - float(low[2]))
+    fault = _fault(file, recipe, height) or _rounded_behind(file, recipe, tables, start)
     inset = {name: offset(table, recipe.skin_thickness) for name, table in tables.items()}
     try:
         bone, near_bone, notes = _bone(recipe, aside + touch, cut=cut, tip=tip, top=top)
+        inside = _half(bone, near_bone, finger_shape.FINE)
+        finger_shape.check_room(under, surface.without_caps(inside)[0], recipe)
     except InputError as error:
-        raise (fault or error) from None
+        raise _repaired(fault or error, file) from None
     shells = (skin, under, bone)
     near = (Shell.of(level, cut=cut, **tables), Shell.of(level, cut=cut, **inset), near_bone)
-    halves = [_half(*pair, finger_shape.FINE) for pair in zip(shells, near, strict=True)]
-    try:
-        finger_shape.check_room(under, surface.without_caps(halves[2])[0], recipe)
-    except InputError as error:
-        raise (fault or error) from None
+    soft = zip(shells[:2], near[:2], strict=True)
+    halves = [*(_half(*pair, finger_shape.FINE) for pair in soft), inside]
     middle = 0.5 * (float(low[2]) + top)
     return Shape(
         skin=skin,
@@ -123,6 +128,34 @@ def _fault(file: SurfaceFile, recipe: Recipe, height: float) -> InputError | Non
             "cut behind the nail, 1.1 to 2 widths from the tip"
         )
     return None
+
+
+def _rounded_behind(
+    file: SurfaceFile, recipe: Recipe, tables: dict[str, Table], start: float
+) -> InputError | None:
+    """Return why a scan has no room for a bone, if it is rounded at its proximal end.
+
+    start: x of the first touch in the file, mm.
+    """
+    x, side = tables["side"]
+    wide = side / side.max()
+    if wide[0] >= NARROWED:
+        return None
+    flat = float(x[np.argmax(wide >= FULL)])
+    least = finger_shape.length_needed(recipe)
+    advice = f"cut it flat near x = {start + flat:.1f} mm"
+    if x[-1] - flat < least:
+        advice = f"scan at least {least:.1f} mm from the tip and cut it flat there"
+    return InputError(
+        f"finger.surface: {Path(str(recipe.surface)).name} is rounded at its proximal end, where "
+        f"a bone would leave the skin near x = {start + x[0]:.1f} mm; expected a fingertip that is "
+        f"cut flat where it is wide: {advice}"
+    )
+
+
+def _repaired(error: InputError, file: SurfaceFile) -> InputError:
+    """Return the error of a scan, after what was repaired in its file."""
+    return InputError(" ".join([str(error), *(f"({note})" for note in file.notes[1:])]))
 
 
 def _bone(

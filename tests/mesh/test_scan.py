@@ -1,6 +1,7 @@
 """A finger from a surface file: the parametric one, written as STL, comes back."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from fefinger.mesh.quality import gate
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.scan import scanned
 from fefinger.mesh.shell import Shell
+from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 
 
@@ -123,6 +125,51 @@ def test_unusable_surfaces_get_a_sentence(
     mesh.export(tmp_path / "bad.stl")
     with pytest.raises(InputError, match=message):
         scanned(Recipe(14, 10, 14, surface=str(tmp_path / "bad.stl")))
+
+
+def capsule(length: float, tip: float) -> Any:
+    """Return a capsule along x with its tip at x mm, 14 mm wide and 11.2 mm thick."""
+    mesh = trimesh.creation.capsule(height=length - 14.0, radius=7.0, count=[48, 48])
+    mesh.vertices = mesh.vertices[:, [2, 1, 0]] * [1.0, 1.0, -0.8]
+    mesh.apply_translation([tip - mesh.bounds[1, 0], 0.0, 0.0])
+    return mesh
+
+
+@pytest.mark.parametrize(
+    ("length", "advice"), [(24.0, "cut it flat near x = 98"), (20.0, "scan at least 16.7 mm from")]
+)
+def test_a_scan_that_is_rounded_behind_is_to_be_cut_flat(
+    tmp_path: Path, length: float, advice: str
+) -> None:
+    """What was repaired in the file is said too, and nothing of a length that was not given."""
+    mesh = capsule(length, 1000.0)
+    mesh.update_faces(np.arange(len(mesh.faces)) // 10 != 200)
+    path = tmp_path / "capsule.stl"
+    mesh.export(path)
+    finger = Finger.from_surface(path)
+    expected = (
+        rf"^finger.surface: capsule.stl is rounded at its proximal end, .* near x = 9\d\d\.\d mm;"
+        rf".*{advice}.* \(A hole of 12 edges near .* was filled\.\)$"
+    )
+    with pytest.raises(InputError, match=expected):
+        scanned(Recipe.of(finger))
+
+
+def cut_at(mesh: Any, x: float) -> Any:
+    """Return a mesh without what is proximal of x mm, and open there."""
+    mesh.vertices[:, 0] = np.maximum(mesh.vertices[:, 0], x)
+    mesh.update_faces(mesh.triangles_center[:, 0] > x + 1e-6)
+    mesh.remove_unreferenced_vertices()
+    return mesh
+
+
+def test_the_advice_to_cut_a_scan_works(tmp_path: Path) -> None:
+    path = tmp_path / "capsule.stl"
+    cut_at(capsule(24.0, 0.0), -18.4).export(path)
+    assert scanned(Recipe.of(Finger.from_surface(path))).volumes["bone"] > 0
+    cut_at(capsule(24.0, 0.0), -14.0).export(path)
+    with pytest.raises(InputError, match=r"received 7.28 mm; or use a scan at least 16.7 mm long"):
+        scanned(Recipe.of(Finger.from_surface(path)))
 
 
 def test_a_scan_is_meshed_by_a_morph_and_the_same_each_time(scan: Shape, stl: Path) -> None:
