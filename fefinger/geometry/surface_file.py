@@ -57,6 +57,10 @@ degrees askew, with 0.1 mm of noise or without: their wider, cut end is proximal
 """
 
 
+TILTED, LONG = (10.0, 45.0), 0.9
+"""Range in degrees of a tilt that is told, and the largest radius of gyration about the long axis,
+over that about the next, that shows one; fingers bend up to 14 degrees about -y, by their pads."""
+
 FLAT, FACING = 0.15, 5.0
 """Largest share of the skin that faces one way, within so many degrees.
 
@@ -270,12 +274,28 @@ def _check_frame(mesh: Any, width: float, thickness: float, name: str) -> None:
         turn = f"is longest along {axis}", f"{other} by 90 or -90 degrees"
     elif thickness > THICKEST * width:
         turn = "is thicker along z than it is wide along y", "x by 90 or -90 degrees"
+        turn = tilt(mesh, "y") or turn
     elif mesh.center_mass[0] > middle + AHEAD * length:
         turn = "has its narrower end, the tip, at the smaller x", "z by 180 degrees"
     if turn is not None:
         shape, back = turn
         message = f"{name} {shape}; expected x distal, y radial and z dorsal: turn it about {back}"
         raise InputError(message)
+
+
+def tilt(mesh: Any, axis: str) -> tuple[str, str] | None:
+    """Describe a tilt of the long axis of a closed surface about y or z, and the turn back, if any.
+
+    The long axis is the principal one with the least moment of inertia.
+    """
+    moments, axes = np.linalg.eigh(mesh.moment_inertia)
+    x, y, z = axes[:, 0] * np.copysign(1.0, axes[0, 0])
+    angle = float(np.degrees(np.arctan2(-z if axis == "y" else y, x)))
+    low, high = TILTED
+    if not low <= abs(angle) <= high or moments[0] > LONG**2 * moments[1]:
+        return None
+    seems = f"seems to be tilted about {axis} by about {angle:.0f} degrees, by its principal axes"
+    return seems, f"{axis} by about {-angle:.0f} degrees"
 
 
 def _check_round(mesh: Any, name: str) -> None:

@@ -11,7 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.geometry.surface_file import BACK, LENGTH, SurfaceFile, read_closed, read_surface
+from fefinger.geometry.surface_file import (
+    BACK,
+    LENGTH,
+    SurfaceFile,
+    read_closed,
+    read_surface,
+    tilt,
+)
 from fefinger.mesh import finger_shape
 from fefinger.mesh import shell_triangles as surface
 from fefinger.mesh.cloud import SPACING, Cloud, smoothed
@@ -64,7 +71,7 @@ def scanned(recipe: Recipe) -> Shape:
     mesh = _refined(file.mesh, open_behind=True)
     aside = np.array([0.0, mesh.bounds[:, 1].mean(), 0.0])
     skin = _cloud(mesh, aside)
-    _check_symmetry(skin, recipe)
+    _check_symmetry(skin, file, recipe)
     touch = _first_touch(skin)
     skin = Cloud.of(skin.points - touch, skin.point_normals)
     under = replace(skin, inset=recipe.skin_thickness)
@@ -247,11 +254,13 @@ def _first_touch(skin: Cloud) -> Array:
     return np.asarray(line[np.argmax(line @ PLATE_NORMAL)])
 
 
-def _check_symmetry(skin: Cloud, recipe: Recipe) -> None:
+def _check_symmetry(skin: Cloud, file: SurfaceFile, recipe: Recipe) -> None:
     """Raise InputError if the surface is far from its mirror image in y = 0."""
     away = skin.asymmetry()
     if away > ASYMMETRY * recipe.width / 2.0:
+        tilted, turn = tilt(file.mesh, "z") or ("", "x until the pad faces down (-z)")
+        which = f" that {tilted}" if tilted else ""
         raise InputError(
-            f"surface: expected a finger nearly symmetric in y, received one with a mean distance "
-            f"of {away:.2f} mm from its mirror image; turn it about x until the pad faces down (-z)"
+            f"surface: expected a finger nearly symmetric in y, received one{which} with a mean "
+            f"distance of {away:.2f} mm from its mirror image; turn it about {turn}"
         )

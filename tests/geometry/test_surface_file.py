@@ -146,6 +146,20 @@ def test_what_is_no_finger_is_refused_with_what_to_do(
         read_surface(path)
 
 
+@pytest.mark.parametrize("angle", [20, -25])
+def test_a_tilted_finger_is_told_with_its_tilt(tmp_path: Path, angle: int) -> None:
+    mesh = egg(x=13.0, z=7.0)
+    about_y = trimesh.transformations.rotation_matrix(np.radians(angle), [0, 1, 0])
+    mesh.apply_transform(about_y)
+    expected = rf"tilted about y by about {angle} degrees, .* turn it about y by about {-angle} deg"
+    with pytest.raises(InputError, match=expected):
+        read_surface(written(mesh, tmp_path / "scan.ply"))
+    on_its_side = fingertip(14, 10, 14, 2.0).copy()
+    on_its_side.vertices = on_its_side.vertices[:, [0, 2, 1]] * [1, -1, 1]
+    with pytest.raises(InputError, match=r"thicker along z .* turn it about x by 90 or -90"):
+        read_surface(written(on_its_side, tmp_path / "side.ply"))
+
+
 @pytest.mark.parametrize("size", [(25, 15, 12), (60, 15, 12), (15, 15, 15)])
 @pytest.mark.parametrize("noise", [0.0, 0.05])
 def test_a_box_is_refused_by_its_flat_sides(

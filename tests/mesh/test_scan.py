@@ -104,7 +104,8 @@ def test_the_bone_may_come_from_a_file_too(shape: Shape, stl: Path, tmp_path: Pa
 @pytest.mark.parametrize(
     ("fault", "message"),
     [
-        ("lopsided", "nearly symmetric in y"),
+        ("lopsided", r"nearly symmetric in y, received one with .* turn it about x until the pad"),
+        ("askew", r"tilted about z by about 15 degrees.* turn it about z by about -15 degrees$"),
         ("flat", "mm of subcutaneous tissue around the bone"),
         ("nail down", r"^finger.surface: bad.stl seems to have the nail down.* x by 180 degrees$"),
         ("ball", r"^finger.surface: bad.stl is rounded at both ends, as a ball"),
@@ -116,6 +117,8 @@ def test_unusable_surfaces_get_a_sentence(
     mesh = trimesh.load_mesh(stl)
     if fault == "lopsided":
         mesh.vertices[:, 2] += 0.5 * mesh.vertices[:, 1]
+    if fault == "askew":
+        mesh.apply_transform(trimesh.transformations.rotation_matrix(np.radians(15), [0, 0, 1]))
     if fault == "nail down":
         mesh.vertices[:, 1:] *= -1.0
     if fault == "ball":
