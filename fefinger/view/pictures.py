@@ -27,6 +27,9 @@ LEGEND: dict[str, Any] = {
     **{"title": "region", "n_labels": 0, "vertical": False},
     **{"position_x": 0.2, "position_y": 0.05, "width": 0.6, "height": 0.08},
 }
+ROOM = np.array([[-0.9, -0.62], [0.9, 0.8]])
+"""Corners of what the picture of a mesh leaves to the finger, from -1 to 1 across and up: the title
+is above it and the legend below."""
 REGIONS = {SKIN: "#e8b89a", SUBCUTANEOUS: "#f4dc8c", BONE: figures.BONE}  # their colors
 
 
@@ -193,9 +196,23 @@ def draw_mesh(mesh: FingerMesh, path: str | PathLike[str]) -> None:
     title = f"{mesh.name}: {len(mesh.points)} points, {len(mesh.cells)} tetrahedra"
     plotter.add_text(title, font_size=16, color=figures.INK)
     plotter.view_vector((0.55, -1.0, 0.35), viewup=(0, 0, 1))
-    plotter.camera.zoom(1.35)
-    plotter.camera.SetWindowCenter(0.1, 0.0)
+    _fit(plotter, mesh.points[mesh.cells[behind]].reshape(-1, 3))
     _finish(plotter, path)
+
+
+def _fit(plotter: Any, points: Array) -> None:
+    """Zoom and shift the view of a plotter so that points (n, 3) fill ROOM."""
+    import pyvista as pv
+
+    camera, (width, height) = plotter.camera, plotter.window_size
+    matrix = camera.GetCompositeProjectionTransformMatrix(width / height, -1.0, 1.0)
+    seen = np.column_stack([points, np.ones(len(points))]) @ pv.array_from_vtkmatrix(matrix).T
+    seen = seen[:, :2] / seen[:, 3:]
+    zoom = float((np.ptp(ROOM, axis=0) / np.ptp(seen, axis=0)).min())
+    half = np.radians(camera.view_angle) / 2.0
+    camera.view_angle = float(np.degrees(2.0 * np.arctan(np.tan(half) / zoom)))
+    middle = (seen.min(axis=0) + seen.max(axis=0)) / 2.0
+    camera.SetWindowCenter(*(zoom * middle - ROOM.mean(axis=0)))
 
 
 def _finish(plotter: Any, path: str | PathLike[str]) -> None:

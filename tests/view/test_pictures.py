@@ -336,11 +336,14 @@ def test_without_a_display_the_window_is_refused(
 
 
 @needs_renderer
-def test_a_mesh_is_drawn_cut_open(synthetic: Result, tmp_path: Path) -> None:
+@pytest.mark.parametrize("thicker", [0.5, 1.0, 3.0])
+def test_a_mesh_is_drawn_cut_open_between_title_and_legend(
+    synthetic: Result, tmp_path: Path, thicker: float
+) -> None:
     fields = synthetic.fields
     assert fields is not None
     mesh = FingerMesh(
-        points=fields.points,
+        points=fields.points * [1.0, 1.0, thicker],
         cells=fields.cells,
         region=fields.region,
         facets={},
@@ -351,7 +354,13 @@ def test_a_mesh_is_drawn_cut_open(synthetic: Result, tmp_path: Path) -> None:
         quality={},
     )
     view.draw_mesh(mesh, tmp_path / "a.png")
-    assert (picture(tmp_path / "a.png").min(axis=2) < 0.98).mean() > 0.05
+    ink = picture(tmp_path / "a.png").min(axis=2) < 0.98
+    rows, columns = (np.flatnonzero(ink[80:660].any(axis=axis)) for axis in (1, 0))
+    assert ink.mean() > 0.05
+    assert rows.max() < 560
+    assert columns.min() > 50
+    assert columns.max() < ink.shape[1] - 50
+    assert np.ptp(rows) > 540 or np.ptp(columns) > 0.88 * ink.shape[1]
 
 
 @pytest.mark.parametrize("draw", [section, view.screenshot, viewer.write])
