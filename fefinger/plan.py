@@ -18,9 +18,10 @@ from fefinger.results.plan_text import trust
 from fefinger.results.records import Refusal, Rung
 from fefinger.results.result_record import Plan, Settings
 from fefinger.scene import builtin
-from fefinger.scene.finger import AUTO, RESOLUTIONS, STANDARD
+from fefinger.scene.finger import AUTO, PULP, RESOLUTIONS, STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError, choice
+from fefinger.support.likely_units import FORCE
 from fefinger.support.text import duration, format_excess
 
 
@@ -82,6 +83,8 @@ def choose(scene: Scene | str | Path, mechanics: str | None = None, *, every: bo
         choice("mechanics", mechanics, names())
     elif (mechanics := case.ask.mechanics) is not None:
         choice("ask.mechanics", mechanics, names())
+    if mechanics is None:
+        _check_force(case)
     considered = _ladder(case, every=every, named=mechanics)
     chosen = _cheapest(case, considered) if mechanics is None else _named(considered, mechanics)
     settings = _settings(case, chosen)
@@ -202,6 +205,17 @@ def _rung(
     if case.motion.control == "force" and math.isfinite(error):
         errors = force_control.errors(errors, error, case)
     return Rung(name, seconds, error, evidence, refusals, candidate.resolution, errors, wall)
+
+
+def _check_force(case: Situation) -> None:
+    """Raise InputError for a force that no tissue bears, with the unit that it is likely in."""
+    if case.motion.control == "depth" or case.depth_over_thickness < PULP:
+        return
+    raise InputError(
+        f"motion.force: expected N, at most what the tissue under the pad bears ({PULP:g} of the "
+        f"finger's thickness), received {case.peak:.4g} N, which would press to some "
+        f"{case.depth_over_thickness:.2g} of it{FORCE.hint(case.peak)}; convert it, or press less"
+    )
 
 
 def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:

@@ -219,7 +219,7 @@ def test_when_spike_counts_cost_too_much_the_mesh_that_they_are_not_checked_on_i
 
 
 BALL = {"kind": "sphere", "radius": 5, "at": [11, 5]}
-PUSH = {"kind": "force-ramp", "loading_rate": 20, "force": 20}
+PUSH = {"kind": "force-ramp", "loading_rate": 20, "force": 8}
 IMPOSSIBLE = [
     ({"finger.thickness": 1e3}, "ability: finger.thickness: expected a finite number in mm at"),
     ({"finger.pad_radius": 4}, "ability: finger.pad_radius: expected at least 7.7 mm on a finger"),
@@ -248,6 +248,18 @@ def test_what_cannot_be_run_or_was_measured_nowhere_near_is_not_chosen(changes, 
         plan.explain(published.load("flat-press", changes))
     said = [line for line in str(caught.value).splitlines() if reason in line]
     assert len(said) >= 3, caught.value
+
+
+def test_a_force_that_no_tissue_bears_is_refused_with_its_likely_unit():
+    push = {"motion": {"kind": "force-ramp", "loading_rate": 100, "force": 600}}
+    for take in (plan.explain, plan.choose):
+        with pytest.raises(
+            InputError, match="would press to some 26 of it, as if it were in"
+        ) as caught:
+            take(published.load("flat-press", push))
+        assert "mN or grams of force; convert it, or press less" in str(caught.value)
+        assert "--mechanics" not in str(caught.value)
+    assert plan.choose(published.load("flat-press", push), "solid").mechanics == "solid"
 
 
 @pytest.mark.usefixtures("four")
