@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Self
 from fefinger.results.key_numbers import rows
 from fefinger.results.result_record import ResultRecord
 from fefinger.scene.finger import origin_notes
-from fefinger.scene.inertia import noise, quasistatic, warnings
+from fefinger.scene.inertia import quasistatic, samples, warnings
 from fefinger.support.checks import InputError
 from fefinger.support.interrupt import shielded
 from fefinger.support.outputs import output_folder
@@ -72,7 +72,7 @@ class Result(ResultRecord):
         finger that belong to another one, and on motions that are too fast for statics. Strain that
         was computed for the spikes alone is left out.
         """
-        notes = origin_notes(scene.finger) + warnings(scene.motion) + noise(scene.motion)
+        notes = origin_notes(scene.finger) + warnings(scene.motion) + samples(scene.motion)
         if scene.motion.frequencies is not None and response.harmonic is None:
             notes += (NOT_HARMONIC,)
         if not response.inertia:

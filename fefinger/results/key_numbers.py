@@ -14,6 +14,8 @@ from fefinger.results.plan_text import QUANTITIES, WIDE, range_text
 from fefinger.results.pressure import highest
 from fefinger.results.result_record import ResultRecord
 from fefinger.scene.finger import RESOLUTIONS, STANDARD
+from fefinger.scene.inertia import missing
+from fefinger.scene.scene import Scene
 from fefinger.support.text import percent
 
 
@@ -102,6 +104,24 @@ def rows(result: ResultRecord) -> list[tuple[str, str]]:
 
 
 def cautions(result: ResultRecord) -> list[str]:
+    """Return sentences on what may mislead: quantities that may be far off, a poor record."""
+    return [*_far_off(result), *_record(result.scene)]
+
+
+def _record(scene: Scene) -> list[str]:
+    """Return sentences on noise and gaps in the samples of a motion."""
+    found, motion = [], scene.motion
+    if motion.noise and "FAII" in scene.ask.spikes:
+        found.append(
+            f"the samples of the motion have noise of {motion.noise:.2g} {motion.unit} (root mean "
+            "square), which FAII may answer; filter it before you count their spikes"
+        )
+    if gaps := missing(motion):
+        found.append(f"{gaps[0][0].lower()}{gaps[0][1:].removesuffix('.')}")
+    return found
+
+
+def _far_off(result: ResultRecord) -> list[str]:
     """Return a sentence on requested quantities other than the force that may be far off, if any.
 
     It says by which mechanics or mesh of the plan they would be better.

@@ -100,6 +100,33 @@ def noise(motion: Motion) -> tuple[str, ...]:
     )
 
 
+def missing(motion: Motion) -> tuple[str, ...]:
+    """Note on gaps in the samples of a motion that no warning of a vibration is about."""
+    if motion.gaps or not motion.missing:
+        return ()
+    (start, stop), *more = motion.missing
+    others = f", and in {len(more)} more places" if more else ""
+    return (
+        f"The motion has no samples from {start:.4g} to {stop:.4g} s{others}; a straight line "
+        "joins them.",
+    )
+
+
+def samples(motion: Motion) -> tuple[str, ...]:
+    """Return the notes on samples: noise, gaps, and forces below 0."""
+    return noise(motion) + missing(motion) + pulling(motion)
+
+
+def pulling(motion: Motion) -> tuple[str, ...]:
+    """Note on samples of a force below 0, which count as 0."""
+    if not motion.pulling:
+        return ()
+    return (
+        f"The samples of the force go down to {-motion.pulling:.2g} N: as a contact cannot pull, "
+        "values below 0 are taken for noise and count as 0.",
+    )
+
+
 def quasistatic(scene: Scene, time: Array, depth: Array) -> tuple[str, ...]:
     """Warning if an indenter at depth (n_t,) mm at times (n_t,) s moves too fast for statics.
 

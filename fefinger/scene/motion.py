@@ -135,6 +135,16 @@ class Motion(ABC):
         return 0.0
 
     @property
+    def missing(self) -> tuple[tuple[float, float], ...]:
+        """Times (start, stop) in s between which samples are missing, in a vibration or not."""
+        return ()
+
+    @property
+    def pulling(self) -> float:
+        """Largest force in N below 0 among samples, which counts as 0."""
+        return 0.0
+
+    @property
     def gaps(self) -> tuple[tuple[float, float], ...]:
         """Times (start, stop) in s between which samples of a vibration are missing."""
         return ()

@@ -44,6 +44,9 @@ SAMPLED = 10.0
 FAINT = 0.01
 """Amplitude over the peak below which a vibration of few samples is noise of a record."""
 
+PULLING = 0.02
+"""Largest force below 0 over the peak that is noise of a sensor about zero, and counts as 0."""
+
 WAVE_NEEDS = ("amplitude", "preload")
 """Fields that a WAV file needs: its full scale, and what it vibrates about."""
 
@@ -93,6 +96,20 @@ class SampledMotion(Motion):
         vibrating = float(np.sqrt(np.mean(self._vibrating**2)))
         coarse = self.sample_rate < SAMPLED * self._band
         return vibrating if coarse and np.sqrt(2) * vibrating < FAINT * self.peak else 0.0
+
+    @property
+    def missing(self) -> tuple[tuple[float, float], ...]:
+        """Times (start, stop) in s of gaps in a record, vibrating or not; a level rest is none."""
+        if self.sample_rate is None:
+            return ()
+        time, values = np.array(self.time), np.array(getattr(self, self.control))
+        wide = (np.diff(time) > GAP / self.sample_rate) & (np.diff(values) != 0)
+        return tuple(zip(time[:-1][wide].tolist(), time[1:][wide].tolist(), strict=True))
+
+    @property
+    def pulling(self) -> float:
+        """Largest force in N below 0 among the samples, which counts as 0; 0 without any."""
+        return max(-min(getattr(self, self.control)), 0.0) if self.control == "force" else 0.0
 
     @property
     def gaps(self) -> tuple[tuple[float, float], ...]:
@@ -159,7 +176,10 @@ class SampledMotion(Motion):
     def trajectory(self) -> Trajectory:
         """The lines; InputError for times or values that are none of a motion."""
         self._check_samples()
-        return self._through(getattr(self, self.control))
+        values = getattr(self, self.control)
+        if self.control == "force":
+            values = tuple(max(value, 0.0) for value in values)
+        return self._through(values)
 
     def _through(self, values: tuple[float, ...]) -> Trajectory:
         return Trajectory.through(self.time, values, corner=self.corner, stop=False)
@@ -194,15 +214,22 @@ class SampledMotion(Motion):
                     f"motion.time[{i}]: expected a time above {before!r} s, received {after!r}; "
                     "sort the samples and keep one of each time"
                 )
+        if self.control == "depth" and _upside_down(values):
+            raise InputError(
+                f"motion.depth: expected values that grow into the finger, received {values[0]:g} "
+                f"first and down to {min(values):g}; depth grows into the finger: change the sign "
+                "of the values"
+            )
         if max(values) <= 0:
             raise InputError(
                 f"motion.{self.control}: expected a value above 0, received at most "
                 f"{max(values):g}; so the indenter never touches the finger"
             )
-        if self.control == "force" and min(values) < 0:
+        if self.control == "force" and self.pulling > PULLING * max(values):
             raise InputError(
                 f"motion.force: expected forces of at least 0 N, received {min(values):g}; "
-                "a contact cannot pull"
+                f"a contact cannot pull. Noise of up to {100 * PULLING:g} % of the peak counts as "
+                "0: subtract the reading before contact, or set values below 0 to 0"
             )
 
     @classmethod
@@ -250,6 +277,16 @@ class SampledMotion(Motion):
         time, values = read_columns("motion.file", Path(file), ("time", cls.control))
         columns: dict[str, Any] = {"time": time, cls.control: values, "corner": corner}
         return cls(**columns)
+
+
+def _upside_down(values: tuple[float, ...]) -> bool:
+    """Whether depths (n,) fall from where they start: the sign of a press is the other one.
+
+    Those that rise from far off the skin, or leave it after a press, are a motion.
+    """
+    low, high = min(values), max(values)
+    falls = values[0] > high / 2 or (high < FAINT * -low and values[0] > low / 2)
+    return -low > high and falls
 
 
 def _about_mean(values: Array, cycle: float) -> Array:

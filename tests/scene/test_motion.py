@@ -302,6 +302,11 @@ def test_a_corner_that_is_not_given_is_as_long_as_the_parts_of_the_motion_allow(
         (lambda: Sampled("01", [0, 1]), r"motion.time: expected a list of numbers"),
         (lambda: Sampled([0, 1, 2], [0, 1, 0], corner=2), r"motion.corner: expected at most 1 s"),
         (lambda: ForceSampled([0, 1, 2], [0, 1, -1]), r"motion.force: .*cannot pull"),
+        (
+            lambda: ForceSampled([0, 1, 2], [-0.03, 0, 1]),
+            r"received -0.03; .* 2 % of the peak counts as 0: subtract the reading before contact, "
+            "or set values below 0 to 0",
+        ),
     ],
 )
 def test_what_cannot_be_done_is_said_in_a_sentence(make, message):

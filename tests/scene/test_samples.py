@@ -1,6 +1,8 @@
 """Motions of samples: the band that they vibrate in, uneven times, gaps, noise and WAV files."""
 
+import re
 import wave
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,8 @@ import fefinger as ff
 from fefinger.mechanics import modal
 from fefinger.mechanics.evidence import vibration
 from fefinger.mechanics.situation import Situation
-from fefinger.scene.inertia import noise, warnings
+from fefinger.results import key_numbers
+from fefinger.scene.inertia import missing, noise, samples, warnings
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
@@ -90,6 +93,74 @@ def test_a_gap_in_a_vibration_is_warned_of_and_a_rest_with_few_samples_is_not() 
     rested = (time < 0.12) | (time > 0.19)
     assert sampled(time[rested], hum(time[rested])).gaps == ()
     assert sampled(time[rested], hum(time[rested])).highest_frequency > HUM
+
+
+def test_gaps_of_a_record_are_noted_and_level_rests_are_none() -> None:
+    time = np.arange(0.0, 2.0, 1e-3)
+    kept = (time < 0.5) | (time > 0.9)
+    (note,) = missing(sampled(time[kept], press(time[kept], 1.0)))
+    assert note == "The motion has no samples from 0.499 to 0.901 s; a straight line joins them."
+    assert missing(sampled(time, press(time, 1.0))) == ()
+    rested = (time < 1.2) | (time > 1.6)
+    assert missing(sampled(time[rested], press(time[rested], 1.0))) == ()
+    vibrated = np.arange(0.0, 0.4, 1 / RATE)
+    left = vibrated[(vibrated < 0.25) | (vibrated > 0.27)]
+    assert missing(sampled(left, hum(left))) == ()  # a warning says it
+
+
+def test_a_poor_record_is_a_caution_beside_the_answer(synthetic: ff.Result) -> None:
+    time = np.arange(0.0, 2.0, 1e-3)
+    noisy = press(time, 1.0) + np.random.default_rng(1).normal(0.0, 2e-3, len(time))
+    noisy[0] = 0.0
+    kept = (time < 0.5) | (time > 0.9)
+
+    def cautions(depth: Array, *spikes: str) -> list[str]:
+        scene = replace(
+            synthetic.scene,
+            motion=sampled(time[kept], depth[kept]),
+            ask=replace(synthetic.scene.ask, spikes=spikes),
+        )
+        return key_numbers.cautions(replace(synthetic, scene=scene))
+
+    noise_, gap = cautions(noisy, "FAII")
+    assert re.match(r"the samples of the motion have noise of 0.0\d+ mm .*, which FAII may", noise_)
+    assert gap.startswith("the motion has no samples from 0.499 to 0.901 s")
+    assert cautions(noisy, "SAI") == [gap]
+    assert cautions(press(time, 1.0), "FAII") == [gap]
+
+
+def test_noise_of_a_force_about_zero_counts_as_none() -> None:
+    time = np.arange(0.0, 2.0, 1e-3)
+    force = np.maximum(time - 0.5, 0.0)
+    scatter = np.clip(np.random.default_rng(2).normal(0.0, 3e-3, len(time)), -0.02, 0.02)
+    scatter[0] = -8e-3
+    motion = ff.ForceSampled(tuple(time.tolist()), tuple((force + scatter).tolist()))
+    assert motion.value(0.0) == motion.trajectory.value(0.0) == 0.0
+    assert motion.value(time) == pytest.approx(np.maximum(force + scatter, 0.0), abs=1e-12)
+    *_, note = samples(motion)
+    assert note.startswith("The samples of the force go down to -0.00")
+    assert not any("go down" in each for each in samples(sampled(time, force - 0.01)))
+
+
+@pytest.mark.parametrize(
+    ("depth", "accepted"),
+    [
+        ([0.2, -1.0, -1.0, 0.2], False),
+        ([0.0, -1.0, -1.0, 0.0], False),
+        ([0.0, 0.004, -1.0, 0.0], False),
+        ([0.1, -0.5], False),
+        ([-10.0, 0.05, -10.0], True),  # from far off the skin, and back
+        ([0.0, 1.0, -5.0], True),
+        ([0.0, 0.4, -0.2], True),
+    ],
+)
+def test_a_press_with_the_other_sign_is_refused(depth: list[float], accepted: bool) -> None:
+    time = tuple(range(len(depth)))
+    if accepted:
+        assert ff.Sampled(time, tuple(depth)).peak == max(depth)
+        return
+    with pytest.raises(InputError, match="depth grows into the finger: change the sign"):
+        ff.Sampled(time, tuple(depth))
 
 
 def test_a_vibration_from_first_touch_is_no_sudden_press() -> None:
