@@ -145,7 +145,7 @@ def settings(texts: Iterable[str]) -> dict[str, Any]:
     overrides: dict[str, Any] = {}
     for line in texts:
         path, equals, value = (part.strip() for part in line.partition("="))
-        if not equals or not path or not value:
+        if not equals or not path:
             raise InputError(f"--set {line!r}: expected FIELD=VALUE, as in motion.depth=2")
         try:
             overrides[path] = tomllib.loads(f"value = {value}")["value"]
