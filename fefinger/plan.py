@@ -222,6 +222,7 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
     willing = [rung for rung in rungs if _willing(rung)]
     if willing:
         return min(willing, key=lambda rung: rung.seconds)
+    _check_meshable(rungs)
     tiny = ""
     if case.motion.control == "depth" and case.peak < TINY:
         tiny = f"It presses {case.peak:g} mm deep: lengths are in mm, not in m. "
@@ -230,6 +231,25 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
         f"{_relaxing(rungs)}"
         f"{_unchecked(case)}{vibration.advice(case)}{_by_name(rungs)}\n\n{written(rungs)}"
     )
+
+
+def _check_meshable(rungs: tuple[Rung, ...]) -> None:
+    """Raise InputError for a finger that no mesh can be made of where nothing else answers."""
+    unable = {rung.mechanics: _about_ability(rung.refusals) for rung in rungs}
+    if not all(unable.values()):
+        return
+    faults = {
+        refusal.reason
+        for rung in rungs
+        if MECHANICS[rung.mechanics].meshed
+        for refusal in rung.refusals
+        if refusal.field == "finger"
+    }
+    if len(faults) == 1 and all(faults <= set(unable[name]) for name in MESHED if name in unable):
+        raise InputError(
+            f"{faults.pop()}. No mesh can be made of this finger, and no mechanics without one "
+            "answers this scene"
+        )
 
 
 def _by_name(rungs: tuple[Rung, ...]) -> str:
@@ -243,8 +263,7 @@ def _by_name(rungs: tuple[Rung, ...]) -> str:
         reasons = Counter(reason for rung in rungs for reason in _about_ability(rung.refusals))
         reason, count = reasons.most_common(1)[0]
         shared = f" {count} of {len(rungs)} refuse because of {reason}." if count > 1 else ""
-        none = "No mechanics can answer this scene."
-        return f"{none}{shared} The table says what would have to change."
+        return f"None is able to.{shared} The table says what would have to change."
 
     def ranked(rung: Rung) -> tuple[float, ...]:
         error = math.inf if math.isnan(rung.error) else rung.error

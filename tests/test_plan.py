@@ -221,8 +221,6 @@ def test_when_spike_counts_cost_too_much_the_mesh_that_they_are_not_checked_on_i
 BALL = {"kind": "sphere", "radius": 5, "at": [11, 5]}
 PUSH = {"kind": "force-ramp", "loading_rate": 20, "force": 8}
 IMPOSSIBLE = [
-    ({"finger.thickness": 1e3}, "ability: finger.thickness: expected a finite number in mm at"),
-    ({"finger.pad_radius": 4}, "ability: finger.pad_radius: expected at least 7.7 mm on a finger"),
     ({"indenter": BALL}, "ability: indenter.at: expected a place (x, y) mm on the pad"),
     ({"motion.depth": 4.9}, "it goes to 0.49 of the finger's thickness, and presses like it were"),
     (
@@ -248,6 +246,20 @@ def test_what_cannot_be_run_or_was_measured_nowhere_near_is_not_chosen(changes, 
         plan.explain(published.load("flat-press", changes))
     said = [line for line in str(caught.value).splitlines() if reason in line]
     assert len(said) >= 3, caught.value
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"finger.thickness": 1e3}, r"^finger.thickness: expected a finite number in mm at"),
+        ({"finger.pad_radius": 4}, r"^finger.pad_radius: expected at least 7.7 mm on a finger"),
+    ],
+)
+def test_a_finger_that_no_mesh_can_be_made_of_is_refused_in_one_sentence(changes, reason):
+    with pytest.raises(InputError, match=reason) as caught:
+        plan.explain(published.load("flat-press", changes))
+    assert "No mesh can be made of this finger, and no mechanics without" in str(caught.value)
+    assert "\n" not in str(caught.value)
 
 
 def test_a_force_that_no_tissue_bears_is_refused_with_its_likely_unit():

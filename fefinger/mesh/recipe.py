@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.likely_units import MESHED
 
 
 RESOLUTIONS = ("coarse", "standard", "fine")
@@ -50,8 +51,8 @@ class Recipe:
 
     def __post_init__(self) -> None:
         for name, above, at_most in (
-            ("width", 5.0, 40.0),
-            ("thickness", 5.0, 40.0),
+            ("width", *MESHED),
+            ("thickness", *MESHED),
             ("pad_radius", 3.0, 60.0),
             ("skin_thickness", 0.3, 3.0),
         ):

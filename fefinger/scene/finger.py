@@ -7,7 +7,7 @@ from typing import Any, Self
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, number, set_number
-from fefinger.support.likely_units import FINGER
+from fefinger.support.likely_units import FINGER, MESHED
 from fefinger.support.outputs import check_input
 from fefinger.theory.relaxation import Prony
 
@@ -259,7 +259,7 @@ def _check_size(name: str, value: float) -> None:
     """Raise InputError for a width or thickness in mm that no finger has, with the likely unit."""
     if not FINGER.low <= value <= FINGER.high:
         raise InputError(
-            f"finger.{name}: expected mm, from {FINGER.low:g} to {FINGER.high:g}, received "
+            f"finger.{name}: expected mm, {MESHED[0]:g} to {MESHED[1]:g} for a mesh, received "
             f"{value:g}{FINGER.hint(value)}; a fingertip is some 15 mm wide and 12 mm thick"
         )
 

@@ -55,6 +55,9 @@ DURATION = Likely(
     1000.0,
     (("minutes, or ended before a hold", 0.0, 0.05), ("ms", 1000.0, math.inf)),
 )
+MESHED = 5.0, 40.0
+"""Least and largest width and thickness in mm of a finger that a mesh is made for."""
+
 FINGER = Likely("size", "mm", 1.0, 1e5, (("m", 0.0, 0.1), ("cm", 0.1, 1.0)))
 """A ball of rubber of 124 mm is a finger of the protocol p10, one of many meters a half-space."""
 

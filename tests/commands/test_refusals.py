@@ -82,15 +82,26 @@ SMALL = ["--set", "finger={width=1.4, thickness=10, tissue='maeno1998'}"]
 def test_a_finger_in_another_unit_is_refused_in_one_line(capsys, width, unit):
     err = refused(capsys, ["explain", "sphere-press", "--set", f"finger.width={width}"])
     assert (
-        f"finger.width: expected mm, from 1 to 100000, received {width}, as if it were in {unit};"
+        f"finger.width: expected mm, 5 to 40 for a mesh, received {width}, as if it were in {unit};"
         in err
     )
     assert len(err.splitlines()) == 1
 
 
-def test_a_refusal_that_most_mechanics_share_is_in_the_first_sentence(capsys):
-    err = refused(capsys, ["explain", "sphere-press", *SMALL])
-    assert "refuse because of finger.width: expected a finite number in mm" in err.splitlines()[0]
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (SMALL, "finger.width: expected a finite number in mm at least 5 and at most 40, received"),
+        (["--set", "finger.width=150"], "at least 5 and at most 40, received 150.0. No mesh can"),
+        (["--set", "finger.tip_tissue=50"], "finger.tip_tissue: expected at most 15.4 mm, so that"),
+    ],
+)
+def test_a_finger_that_nothing_can_be_made_of_is_refused_in_one_sentence(capsys, settings, message):
+    assert main(["explain", "flat-press", *settings]) == 2
+    *notes, error = capsys.readouterr().err.splitlines()
+    assert all(note.startswith("The ") for note in notes)
+    assert error.startswith("error: finger.")
+    assert message in error
 
 
 @pytest.mark.parametrize(
