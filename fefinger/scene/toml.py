@@ -231,9 +231,14 @@ def _home(key: str, name: str) -> str:
 
 def _kinds(key: str, part: str) -> str:
     """Name the kinds of a part of a scene that know a key; empty where none does."""
-    parts: Mapping[str, Mapping[str, type]] = {"motion": MOTIONS, "indenter": INDENTERS}
+    parts: Mapping[str, Mapping[str, type]] = {
+        "motion": MOTIONS,
+        "indenter": INDENTERS,
+        "ask.population": LAYOUTS,
+    }
     having = [kind for kind, cls in parts.get(part, {}).items() if key in _names(cls)]
-    return f"{part}.{key} is a key of the {part}s {', '.join(map(repr, having))}" if having else ""
+    what = f"{part.rpartition('.')[2]}{'s' if len(having) > 1 else ''}"
+    return f"{part}.{key} is a key of the {what} {', '.join(map(repr, having))}" if having else ""
 
 
 def _finger_keys() -> tuple[str, ...]:

@@ -193,6 +193,10 @@ def scene_of(**tables):
     return Scene.from_dict({"finger": {"subject": "a.h."}, "motion": motion} | tables)
 
 
+def at_places(**keys):
+    return {"ask": {"population": {"kind": "places", "places": [[0, 0]], **keys}}}
+
+
 def press(**changes):
     return {"motion": {"kind": "ramp-hold", "speed": 60, "depth": 1, "hold": 1} | changes}
 
@@ -257,6 +261,7 @@ BAD_TABLES = [
     (press(sped=3), r"sped: unknown key in \[motion\]. Did you mean 'speed'\?"),
     (press(rel_error=0.1), r"rel_error: unknown key in \[motion\]; it belongs in \[ask\]"),
     (press(radius=3), r"indenter.radius is a key of the indenters 'sphere', 'cylinder'"),
+    (at_places(spacing=1), r"ask.population.spacing is a key of the population 'grid'. Known keys"),
     ({"finger": {"mechanics": "solid"}}, r"mechanics: unknown key in \[finger\]; .* ask.mechanics"),
     (press(speed=0), r"motion.speed: .*above 0, received 0"),
     (press(depth=-1), r"motion.depth: .*above 0, received -1"),
