@@ -19,6 +19,9 @@ from fefinger.support.checks import InputError, number, numbers, set_number
 LEVEL = 1e-9
 """Height over length below which a relief is a plane."""
 
+TALLEST = 20.0
+"""Largest difference in mm of the heights of a relief: no finger bends around more."""
+
 SAMPLES = 4
 """Least number of samples of a relief in x and in y: as many as a cubic needs."""
 
@@ -211,6 +214,7 @@ class Relief(PlateLike):
                 f"indenter.heights: expected at least {SAMPLES} by {SAMPLES} heights, received "
                 f"{values.shape[0]} by {values.shape[1]}"
             )
+        _check_heights("indenter.heights", values)
         x, y = (pitch * (np.arange(n) - (n - 1) / 2) for n in values.shape)
         return cls(x.tolist(), y.tolist(), values.tolist(), **placing)
 
@@ -225,9 +229,21 @@ class Relief(PlateLike):
     ) -> Self:
         """Read x, y and height in mm from CSV, NPZ, PNG or STL, see `read_relief`."""
         x, y, heights = read_relief(Path(file), pitch, height)
+        _check_heights("indenter.file", heights)
         if min(len(x), len(y)) < SAMPLES:
             raise InputError(
                 f"indenter.file: expected at least {SAMPLES} by {SAMPLES} heights in "
                 f"{str(file)!r}, received {len(x)} by {len(y)}"
             )
         return cls(x, y, heights, **placing)
+
+
+def _check_heights(field: str, heights: Any) -> None:
+    """Raise InputError for heights that differ by more than a finger can follow."""
+    values = np.asarray(heights, float)
+    if float(np.ptp(values)) > TALLEST:
+        raise InputError(
+            f"{field}: expected heights in mm that differ by at most {TALLEST:g} mm, received "
+            f"{values.min():g} to {values.max():g}; convert them if they are in um, or cut off "
+            "what lies deeper than the finger reaches"
+        )

@@ -146,6 +146,10 @@ BAD = [
         "expected characters that DejaVu Sans draws, received '漢字'",
     ),
     (lambda: ff.Letters("a\nb").profile, r"DejaVu Sans draws, received '\\n'"),
+    (
+        lambda: ff.Relief.from_array(np.diag([0.0, 120, 250, 500]), 0.1),
+        "indenter.heights: expected heights in mm that differ by at most 20 mm, received 0 to 500",
+    ),
     (lambda: ff.Relief.from_array([["a"] * 4] * 4, 0.1), "indenter.heights: .* of numbers in mm"),
     (lambda: ff.Grating(3, 1, 0.5, edge=2.0), "indenter.edge: expected at most"),
 ]
