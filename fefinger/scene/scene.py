@@ -1,6 +1,6 @@
 """A scene: finger, indenter, motion and requested outputs, with conversion to and from TOML."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
@@ -13,8 +13,13 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat
 from fefinger.scene.motion import Motion
 from fefinger.scene.toml import parse, parts, read, tables
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 from fefinger.support.vocabulary import LONGEST_RUN
+
+
+SHORT = 0.1
+"""Distance in mm of a slide below which a shorter one is not suggested."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,13 +88,18 @@ class Scene:
         roll = np.radians(self.indenter.turn)
         x, y = -self.motion.shift(np.array(self.motion.breakpoints)).T
         places = (np.cos(roll) * x + np.sin(roll) * y, np.cos(roll) * y - np.sin(roll) * x)
+        shorter = _shortened(extent, places) if self.motion.straight else 0.0
+        distance = getattr(self.motion, "distance", 0.0) * shorter
+        # Rounded down, so that what the message names is accepted.
+        at_most = f" (motion.distance at most {np.floor(100 * distance) / 100:g})"
+        path = "a shorter path" + (at_most if distance >= SHORT else "")
         for name, range_, place in zip("xy", extent, places, strict=True):
             low, high = float(place.min()), float(place.max())
             if low < range_[0] or high > range_[1]:
                 raise InputError(
                     f"motion: expected a path on the object, which reaches from {range_[0]:.4g} to "
                     f"{range_[1]:.4g} mm along its {name}, received one from {low:.4g} to "
-                    f"{high:.4g} mm; take a shorter path, another direction or a larger object"
+                    f"{high:.4g} mm; take {path}, another direction or a larger object"
                 )
 
     def to_dict(self) -> dict[str, Any]:
@@ -121,3 +131,16 @@ class Scene:
     def from_stored(cls, text: str) -> Self:
         """Read a scene that `to_toml` wrote, without the files that it names."""
         return cls(**parts(parse(text), None))
+
+
+def _shortened(extent: Iterable[tuple[float, float]], places: Iterable[Array]) -> float:
+    """Return the part of a straight path from (0, 0) that stays on an object; 1: all of it.
+
+    extent: range (2,) of x and of y; places: coordinates (n,) of the path, x and y.
+    """
+    share = 1.0
+    for (least, most), place in zip(extent, places, strict=True):
+        for past, limit in ((-float(place.min()), -least), (float(place.max()), most)):
+            if past > limit:
+                share = min(share, limit / past if past else 0.0)
+    return max(share, 0.0)

@@ -1,6 +1,7 @@
 """Motions with a path: where the object is, when it moves, and what is refused."""
 
 import pickle
+import re
 from pathlib import Path
 
 import numpy as np
@@ -121,6 +122,31 @@ def test_a_path_that_leaves_the_object_is_refused_before_any_work():
     with pytest.raises(InputError, match="along its y"):
         ff.Scene(finger=FINGER, indenter=ff.Braille("ab"), motion=aside)
     ff.Scene(finger=FINGER, indenter=ff.Dots(3), motion=aside)
+
+
+@pytest.mark.parametrize(
+    ("roll", "direction"), [(0, 180), (0, 90), (0, 200), (30, 150), (30, 0), (180, 0)]
+)
+def test_the_distance_that_a_refused_path_names_is_the_longest_accepted(roll, direction):
+    def scene(distance: float) -> ff.Scene:
+        motion = ff.Slide(60, 1, distance=distance, direction=direction)
+        return ff.Scene(finger=FINGER, indenter=ff.Braille("ab", roll=roll), motion=motion)
+
+    with pytest.raises(InputError, match="take a shorter path") as caught:
+        scene(90.0)
+    longest = float(re.search(r"\(motion.distance at most ([\d.]+)\)", str(caught.value))[1])
+    scene(longest)
+    with pytest.raises(InputError, match="take a shorter path"):
+        scene(longest + 0.02)
+
+
+def test_a_path_from_beside_the_object_has_no_shorter_one():
+    with pytest.raises(InputError, match="take a shorter path, another direction or"):
+        ff.Scene(
+            finger=FINGER,
+            indenter=ff.Braille("ab", start=40.0),
+            motion=ff.Slide(60, 1, distance=9, direction=180),
+        )
 
 
 @pytest.mark.parametrize("mechanics", [lumped, hertz, layered])
