@@ -20,6 +20,9 @@ BESIDE = 0.5
 """Largest distance in mm of a place from the skin, across its axis; independent of the mesh, so
 that all meshes keep the same places of a grid."""
 
+SHOWN = 3
+"""Number of places beside the skin that a message lists."""
+
 ATTEMPTS = 200
 """Number of random draws around a unit before the pad counts as too small for the field."""
 
@@ -213,11 +216,16 @@ def line(surface: Surface, start: ArrayLike, stop: ArrayLike, count: int) -> Arr
 
 def over(surface: Surface, places: ArrayLike, name: str, advice: str) -> Array:
     """Points (n, 3) of a surface at places (n, 2) mm; InputError for a place beside it."""
-    points, _ = _on_skin(surface, np.asarray(places, float), name)
-    beside = len(np.asarray(places)) - len(points)
-    if beside:
-        msg = f"{name}: expected places over the skin, received {beside} beside it; {advice}"
-        raise InputError(msg)
+    wanted = np.asarray(places, float)
+    points, on = _on_skin(surface, wanted, name)
+    beside = np.delete(wanted, on, axis=0)
+    if len(beside):
+        listed = ", ".join(f"[{x:.4g}, {y:.4g}]" for x, y in beside[:SHOWN])
+        more = ", ..." if len(beside) > SHOWN else ""
+        raise InputError(
+            f"{name}: expected places over the skin, received {len(beside)} beside it, at "
+            f"{listed}{more} mm; {advice}"
+        )
     return points
 
 

@@ -187,7 +187,10 @@ def test_branches_stay_on_the_skin_at_its_edge():
             "densities.SAI: expected a finite",
         ),
         (lambda: scatter({"SAI": 70.0}, 5.0, UP, seed=None), "seed: expected a whole number"),
-        (lambda: line(FLAT, (0, 0), (30, 0), 5), "received 3 beside it; bring the ends"),
+        (
+            lambda: line(FLAT, (0, 0), (30, 0), 5),
+            r"3 beside it, at \[15, 0\], .* \[30, 0\] mm; bring the ends",
+        ),
         (lambda: line(FLAT, (20, 0), (30, 0), 5), "puts no place on the skin"),
         (lambda: line(FLAT, (0, 0), (1, 0), 1), "count: expected 2"),
         (lambda: grid(FLAT, 0.0, 5.0), "spacing: expected"),
