@@ -91,7 +91,7 @@ class Scene:
         shorter = _shortened(extent, places) if self.motion.straight else 0.0
         distance = getattr(self.motion, "distance", 0.0) * shorter
         # Rounded down, so that what the message names is accepted.
-        at_most = f" (motion.distance at most {np.floor(100 * distance) / 100:g})"
+        at_most = f" (motion.distance at most {np.floor(100 * distance + 1e-6) / 100:g})"
         path = "a shorter path" + (at_most if distance >= SHORT else "")
         for name, range_, place in zip("xy", extent, places, strict=True):
             low, high = float(place.min()), float(place.max())
