@@ -231,7 +231,7 @@ def study_summary(record: dict[str, Any]) -> str:
     available = {name for row in record["rows"] for name in row}
     shown = [*record["over"], *(name for name in STUDY if name in available)]
     finished = [row for row in record["rows"] if row["status"] == "done"]
-    rows = [["" if row.get(n) is None else _short(row[n]) for n in shown] for row in finished]
+    rows = [["" if row.get(n) is None else _cell(n, row[n]) for n in shown] for row in finished]
     notes = [record["chosen"], *remarks(record["rows"], record["over"])]
     below = [
         *(("failed", f"{_at(each['scene'])}: {brief(each['error'])}") for each in record["failed"]),
@@ -244,6 +244,10 @@ def study_summary(record: dict[str, Any]) -> str:
     total = f"{done} of {record['scenes']} scenes{by}, {record['reused']} of them reused"
     short = [STUDY.get(name) or _heading(name, record["over"]) for name in shown]
     return "\n".join([table(rows, short), total, *([table(below)] if below else [])])
+
+
+def _cell(name: str, value: Any) -> str:
+    return percent(value) if name == "force_rel_error" else _short(value)
 
 
 def _heading(name: str, names: list[str]) -> str:

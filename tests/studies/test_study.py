@@ -23,6 +23,7 @@ from fefinger.studies.measures import rows
 from fefinger.studies.rows import StudyRows
 from fefinger.support.checks import InputError
 from fefinger.support.processes import cores
+from fefinger.support.text import percent
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony
@@ -118,6 +119,8 @@ def test_every_column_has_a_meaning_and_the_console_is_narrow(pressed):
     lines = console.study_summary(console.study_record(study, [])).splitlines()
     assert lines[0].split()[:4] == ["angle/deg", "at", "force/N", "error"]
     assert max(map(len, lines[:3])) <= 100
+    stated = study.rows[0]["force_rel_error"]
+    assert f" {percent(stated)} " in lines[1]
 
 
 # Pressure over 1 mm² is summed on a pad: that of `hertz` is as large as its deepest contact.
