@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Self
 from fefinger.results.key_numbers import rows
 from fefinger.results.result_record import ResultRecord
 from fefinger.scene.finger import origin_notes
+from fefinger.scene.fitted_size import other_size
 from fefinger.scene.inertia import quasistatic, samples, warnings
 from fefinger.support.checks import InputError
 from fefinger.support.interrupt import shielded
@@ -72,7 +73,8 @@ class Result(ResultRecord):
         finger that belong to another one, and on motions that are too fast for statics. Strain that
         was computed for the spikes alone is left out.
         """
-        notes = origin_notes(scene.finger) + warnings(scene.motion) + samples(scene.motion)
+        notes = origin_notes(scene.finger) + other_size(scene.finger)
+        notes += warnings(scene.motion) + samples(scene.motion)
         if scene.motion.frequencies is not None and response.harmonic is None:
             notes += (NOT_HARMONIC,)
         if not response.inertia:

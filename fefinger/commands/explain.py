@@ -25,11 +25,13 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     from fefinger.results.candidate import MECHANICS
     from fefinger.scene import builtin
     from fefinger.scene.finger import origin_notes
+    from fefinger.scene.fitted_size import other_size
     from fefinger.scene.inertia import quasistatic, samples, warnings
 
     loaded = builtin.load(scene, builtin.settings(changes))
     motion = loaded.motion
-    notes = [*origin_notes(loaded.finger), *warnings(motion), *samples(motion)]
+    notes = [*origin_notes(loaded.finger), *other_size(loaded.finger)]
+    notes += [*warnings(motion), *samples(motion)]
     try:
         chosen = plan.explain(loaded)
         console.print_answer(asdict(chosen), f"{chosen!r}\n\n{chosen.machine}", as_json=as_json)

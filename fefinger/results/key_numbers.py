@@ -14,6 +14,7 @@ from fefinger.results.plan_text import QUANTITIES, WIDE, range_text
 from fefinger.results.pressure import highest
 from fefinger.results.result_record import ResultRecord
 from fefinger.scene.finger import RESOLUTIONS, STANDARD
+from fefinger.scene.fitted_size import OTHER_SIZE
 from fefinger.scene.inertia import missing
 from fefinger.scene.scene import Scene
 from fefinger.support.text import percent
@@ -104,8 +105,9 @@ def rows(result: ResultRecord) -> list[tuple[str, str]]:
 
 
 def cautions(result: ResultRecord) -> list[str]:
-    """Return sentences on what may mislead: quantities that may be far off, a poor record."""
-    return [*_far_off(result), *_record(result.scene)]
+    """Return sentences on what may mislead: another finger, a poor record, large errors."""
+    of_finger = [_inner(note) for note in result.notes if OTHER_SIZE in note]
+    return [*_far_off(result), *_record(result.scene), *of_finger]
 
 
 def _record(scene: Scene) -> list[str]:
@@ -116,9 +118,12 @@ def _record(scene: Scene) -> list[str]:
             f"the samples of the motion have noise of {motion.noise:.2g} {motion.unit} (root mean "
             "square), which FAII may answer; filter it before you count their spikes"
         )
-    if gaps := missing(motion):
-        found.append(f"{gaps[0][0].lower()}{gaps[0][1:].removesuffix('.')}")
-    return found
+    return [*found, *map(_inner, missing(motion))]
+
+
+def _inner(sentence: str) -> str:
+    """Return a sentence without capital and full stop, as part of a line."""
+    return f"{sentence[0].lower()}{sentence[1:].removesuffix('.')}"
 
 
 def _far_off(result: ResultRecord) -> list[str]:
