@@ -121,7 +121,7 @@ def test_a_command_of_the_pages_takes_its_options_and_its_fields(words: list[str
     given = command.make_context(asked[0], asked[1:]).params
     assert given.get("mechanics") in (None, "each", "NAME", *mechanics())
     assert set(given.get("types") or ()) <= set(TYPES)
-    changes = [text for text in given.get("changes", ()) if not text.endswith(".toml")]
+    changes = [text for text in given.get("changes", ()) if ".toml" not in text]
     scene = given.get("name" if asked[0] == "scenes" else "scene")
     if scene is not None:
         fields = parse_over(given.get("grid", ()))
