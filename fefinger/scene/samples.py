@@ -216,9 +216,8 @@ class SampledMotion(Motion):
                 )
         if self.control == "depth" and _upside_down(values):
             raise InputError(
-                f"motion.depth: expected values that grow into the finger, received {values[0]:g} "
-                f"first and down to {min(values):g}; depth grows into the finger: change the sign "
-                "of the values"
+                f"motion.depth: expected a press, received {values[0]:g} mm first and values down "
+                f"to {min(values):g} mm; depth grows into the finger: change the sign"
             )
         if max(values) <= 0:
             raise InputError(
