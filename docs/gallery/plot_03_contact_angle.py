@@ -4,9 +4,9 @@ The contact angle
 
 Does a plate press harder distally or proximally of first touch? The asymmetry is the difference of
 both forces over their sum. On published tissue, with the tip and bone that go with it, it is distal
-at 20 degrees and mostly proximal at 40: it changes sign. On the default finger, whose tissue and tip
-are fitted to the subject, it does not. The sign depends on how much stiffer the skin is than the
-pulp, and on the tip. Solving this study takes an hour; here its table is read from
+at 20 degrees and mostly proximal at 40: it changes sign. On the default finger, with tissue that
+is fitted to the subject and a rounder tip, it does not. The sign depends on how much stiffer the
+skin is than the pulp, and on the tip. Solving this study takes an hour; here its table is read from
 ``reports/contact-angle.csv``, and the default finger is three scenes of a study of its own.
 """
 
@@ -26,7 +26,8 @@ cases = {
     "finite strain": "Maeno et al. 1998, solid",
 }  # all on the coarse mesh
 
-# fefinger study flat-press --over indenter.angle=20,30,40 --set motion.depth=1 --set motion.hold=0.2
+# fefinger study flat-press --over indenter.angle=20,30,40 --set motion.depth=1
+#     --set motion.hold=0.2
 default = {"angle": [20, 30, 40], "asymmetry": [17.4, 24.6, 22.8], "area": [42.7, 53.1, 46.8]}
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.4), layout="constrained")
