@@ -14,7 +14,7 @@ from fefinger.results.plan_text import QUANTITIES, WIDE, range_text
 from fefinger.results.pressure import highest
 from fefinger.results.result_record import ResultRecord
 from fefinger.scene.finger import RESOLUTIONS, STANDARD
-from fefinger.scene.fitted_size import OTHER_SIZE
+from fefinger.scene.fitted_size import other_size
 from fefinger.scene.inertia import missing
 from fefinger.scene.scene import Scene
 from fefinger.support.text import percent
@@ -106,7 +106,7 @@ def rows(result: ResultRecord) -> list[tuple[str, str]]:
 
 def cautions(result: ResultRecord) -> list[str]:
     """Return sentences on what may mislead: another finger, a poor record, large errors."""
-    of_finger = [_inner(note) for note in result.notes if OTHER_SIZE in note]
+    of_finger = map(_inner, other_size(result.scene.finger))
     return [*_far_off(result), *_record(result.scene), *of_finger]
 
 

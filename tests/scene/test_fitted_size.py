@@ -36,5 +36,7 @@ def test_tissue_of_a_finger_of_another_size_is_a_caution(
     assert "another size, 15 mm wide; this one" in note
     scene = replace(synthetic.scene, finger=ff.Finger(14, 11, tissue=tissue))
     result = ff.Result.of(scene, synthetic.plan, synthetic.response)
-    file.unlink()  # as of a result that is read elsewhere
     assert key_numbers.cautions(result)[-1] == f"t{note[1:-1]}"
+    file.unlink()  # as of a result that is read elsewhere
+    assert note in result.notes
+    assert not any("another size" in caution for caution in key_numbers.cautions(result))

@@ -10,7 +10,7 @@ from fefinger.view.figures import INK, STEEL, figure, style
 
 SIZE = (8.0, 5.0)  # inches
 
-FACES = ("none", STEEL, INK, "#D55E00")
+FACES = ("none", STEEL, INK, "#009E73", "#D55E00")
 """Fill of the marks of each set of scenes."""
 
 DEPTHS = np.linspace(0.05, 0.24, 96)

@@ -1,4 +1,4 @@
-"""Scenes on which `pressed` is compared with `solid`: three draws, and the deep built-in scenes."""
+"""Scenes on which `pressed` is compared with `solid`: four draws, and the deep built-in scenes."""
 
 from dataclasses import replace
 
@@ -19,16 +19,21 @@ from fefinger.scene.scene import Scene
 BUILT_IN = ("press-to-1N", "flat-sinusoid", "p5-quasi-static-array", "p9-ramp-hold-retract")
 """Built-in scenes deeper than 0.16 of the thickness: under the plate at 30 degrees, on a.h."""
 
-SEEDS = {"rules": 24_01, "held-out": 24_02, "deep": 24_03}
-COUNTS = {"rules": 30, "held-out": 48, "deep": 8}
-STANDARD = {"rules": 2, "held-out": 4, "deep": 0}
+SEEDS = {"rules": 24_01, "held-out": 24_02, "deep": 24_03, "standard": 24_04}
+COUNTS = {"rules": 30, "held-out": 48, "deep": 8, "standard": 20}
+STANDARD = {"rules": 2, "held-out": 4, "deep": 0, "standard": 20}
 """How many scenes of each set, the last, are on the standard mesh; others are on the coarse one."""
 
 SUBJECTS = ("a.h.", "d.p.", "d.s.", "p.w.")
 PUBLISHED = ("maeno1998", "saal2017")
 KINDS = ("ramp-hold", "trapezoid", "ramp-sinusoid", "sinusoid", "force-ramp-hold")
 
-PARTS = {"rules": (0.05, 0.16), "held-out": (0.05, 0.16), "deep": (0.16, 0.24)}
+PARTS = {
+    "rules": (0.05, 0.16),
+    "held-out": (0.05, 0.16),
+    "deep": (0.16, 0.24),
+    "standard": (0.05, 0.16),
+}
 """Least and largest depth over the thickness of the finger."""
 
 SPEED = (0.2, 500.0)

@@ -14,7 +14,8 @@ from fefinger.mechanics.evidence.table import TABULATION, TABULATION_SETS, read
 from fefinger.mechanics.evidence.tabulation_error import MARGIN, largest_about
 
 
-HELD_OUT = "held-out"
+DRAWS = {"held-out": "the second draw", "standard": "the draw on the standard mesh"}
+"""Draws whose errors are aimed at, and their names; most scenes of the first are coarse."""
 
 SOURCE = "`solid` on the same mesh, scenes drawn at random"
 
@@ -28,10 +29,16 @@ WANTED = {
 }
 """Errors that are aimed at in 95 % of the scenes: loading and hold, and retreat."""
 
+FACETS = "shallow contacts on the coarse mesh are a few facets wide"
+
+SPEED = "in deep presses of tissue that stiffens the deformed shape depends on the speed as well"
+
 MISSES = {
-    ("peak", "area"): (0.111, "shallow contacts on the coarse mesh are a few facets wide"),
+    ("held-out", "peak", "area"): (0.07, FACETS),
+    ("standard", "loading", "force"): (0.031, SPEED),
+    ("standard", "retreat", "strain"): (0.0897, SPEED),
 }
-"""Errors that miss their aim: what they are known to be, and why."""
+"""Errors that miss their aim, by draw: what they are known to be, and why."""
 
 KNOWN = 0.05
 """Relative change of a known error that is none."""
@@ -78,9 +85,9 @@ def share_held(phase: str, quantity: str) -> Noted:
     return Noted(float(np.mean(values <= limits)), text)
 
 
-def typical(phase: str, quantity: str) -> float:
-    """Return the error within which 95 % of the scenes of the second draw are."""
-    errors = [row[phase][quantity] for row in rows(HELD_OUT).values() if quantity in row[phase]]
+def typical(draw: str, phase: str, quantity: str) -> float:
+    """Return the error within which 95 % of the scenes of a draw are."""
+    errors = [row[phase][quantity] for row in rows(draw).values() if quantity in row[phase]]
     return float(np.quantile(errors, 0.95))
 
 
@@ -112,16 +119,17 @@ def cases(*, quick: bool) -> Iterator[Case]:
             SOURCE,
             reason="stated errors hold in 95 % of the scenes",
         )
-    for (phase, quantity), limit in WANTED.items():
-        yield _aimed_at(phase, quantity, limit)
+    for draw in DRAWS:
+        for (phase, quantity), limit in WANTED.items():
+            yield _aimed_at(draw, phase, quantity, limit)
 
 
-def _aimed_at(phase: str, quantity: str, limit: float) -> Case:
-    name = f"error within which 95 % of the scenes of the second draw are: {quantity}, {phase}"
-    measure, source = partial(typical, phase, quantity), f"aim: {100 * limit:g} %"
-    if (phase, quantity) not in MISSES:
+def _aimed_at(draw: str, phase: str, quantity: str, limit: float) -> Case:
+    name = f"error within which 95 % of the scenes of {DRAWS[draw]} are: {quantity}, {phase}"
+    measure, source = partial(typical, draw, phase, quantity), f"aim: {100 * limit:g} %"
+    if (draw, phase, quantity) not in MISSES:
         return Case(name, measure, Expected.between(0.0, limit, "1"), source)
-    value, why = MISSES[phase, quantity]
+    value, why = MISSES[draw, phase, quantity]
     known = Expected(value, KNOWN * value, "1")
     return Case(name, measure, known, source, wanted=limit, shortfall=why)
 
@@ -130,7 +138,7 @@ def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure: the errors of all scenes, and one scene through time."""
     yield (
         "Errors of `pressed` against `solid` on the same mesh, by depth over thickness: scenes of "
-        "three draws, and deep built-in scenes. Dashed: the error that is stated from all of them.",
+        "four draws, and deep built-in scenes. Dashed: the error that is stated from all of them.",
         drawings.errors(
             {name: read(TABULATION)[name] for name in TABULATION_SETS},
             {key: partial(stated, *key) for key in WANTED},

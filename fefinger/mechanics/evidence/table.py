@@ -28,8 +28,8 @@ PRESS_MESH = "press-mesh.json"
 MAIN = "a.h."
 """Subject whose finger was pressed by every object."""
 
-TABULATION_SETS = ("rules", "held-out", "deep", "built-in")
-"""Sets of scenes in which `pressed` was compared with `solid`: three draws, and built-in ones."""
+TABULATION_SETS = ("rules", "held-out", "deep", "standard", "built-in")
+"""Sets of scenes in which `pressed` was compared with `solid`: four draws, and built-in ones."""
 
 SECONDS = ("build", "setup", "fields", "step", "area", "reference")
 """Stages whose CPU seconds are measured, as quantities "setup seconds" and so on."""
