@@ -13,11 +13,11 @@ from fefinger.scene.scene import Scene
 from fefinger.scene.textured import Grating
 
 
-DEVELOPMENT = {33: 20, 34: 12, 35: 12, 36: 12, 37: 12}
+DEVELOPMENT = {33: 20, 34: 12, 35: 12, 36: 12, 37: 12, 38: 24}
 """Seeds and numbers of the scenes that were held out until the present rules were chosen; before
 them seeds 8 and 30 to 32."""
 
-N_HELD_OUT, SEED = 24, 38
+N_HELD_OUT, SEED = 24, 39
 
 OBJECTS = (
     *("plate", "ball", "plate", "bar", "plate", "ball", "plate", "grating"),

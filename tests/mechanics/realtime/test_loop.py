@@ -160,7 +160,7 @@ def test_a_ball_is_moved_anywhere_within_its_reach_and_no_farther() -> None:
     for place in ((1.2, 0.9), (-1.75, 0.0)):
         finger.reset()
         assert finger.step(0.3, place, 0.05).force > 0.015
-    with pytest.raises(ff.InputError, match="at most `reach` = 3.5 mm from the first"):
+    with pytest.raises(ff.InputError, match=r"at most `reach` = 3\.5 mm from the first"):
         finger.step(0.3, (3.5, 0.1), 0.05)
 
 
