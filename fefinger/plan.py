@@ -180,19 +180,20 @@ def _rung(
     """Look up cost and error of one candidate, with refusals where they exceed those of `ask`."""
     name = candidate.mechanics
     mechanics, ask = get(name), case.ask
-    seconds, (error, evidence) = mechanics.cost(case), mechanics.error(case)
+    seconds, (static, evidence) = mechanics.cost(case), mechanics.error(case)
     left_out = () if name == MODAL else inertia.refusals(name)
-    whole = error
+    whole = static
     if name != MODAL:
-        whole, evidence = math.hypot(error, inertia.error), evidence + inertia.evidence
-        within = error <= ask.rel_error < whole
-        error = whole if within and (case.motion.slides or inertia.avoidable) else error
-    if math.isnan(error):
+        whole, evidence = math.hypot(static, inertia.error), evidence + inertia.evidence
+    # Inertia that no mechanics can solve is warned of; but a slide may always be slower.
+    counts = static <= ask.rel_error < whole and (case.motion.slides or inertia.avoidable)
+    judged = whole if counts else static
+    if math.isnan(judged):
         refusals = (*refusals, Refusal(name, "accuracy", f"its error here is {evidence}"))
-    elif math.isinf(error):
+    elif math.isinf(judged):
         refusals = (*refusals, Refusal(name, "accuracy", f"its error has no limit: {evidence}"))
-    elif error > ask.rel_error:
-        reason = f"expected relative error = {format_excess(error, ask.rel_error)} ({ERROR})"
+    elif judged > ask.rel_error:
+        reason = f"expected relative error = {format_excess(judged, ask.rel_error)} ({ERROR})"
         refusals = (*refusals, Refusal(name, "accuracy", reason, ERROR))
     error = max(whole, inertia.vibration) if left_out else whole
     refusals = (*refusals, *left_out)
