@@ -89,8 +89,8 @@ def _in_process(**arguments: Any) -> tuple[Array, Integers]:
                 _, text = mesher.communicate(timeout=LIMIT)
             except subprocess.TimeoutExpired:
                 message = (
-                    f"mesher: it was not done after {LIMIT:g} s; sharp edges or creases of a scan "
-                    "keep it busy: smooth the surface in the program that made it"
+                    "mesher: sharp edges or creases of a scan may keep it busy, which the program "
+                    f"that made it can smooth; it was not done after {LIMIT:g} s"
                 )
                 raise ConvergenceError(message) from None
         if mesher.returncode:

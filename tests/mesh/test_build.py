@@ -75,7 +75,7 @@ def test_a_mesher_without_an_end_is_ended_and_not_called_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(tetrahedralize, "LIMIT", 0.0)
-    with pytest.raises(ConvergenceError, match=r"not done after 0 s; .* in 1 attempt; use another"):
+    with pytest.raises(ConvergenceError, match="not done after 0 s in 1 attempt; use another"):
         build(Recipe(13, 10, 13, resolution="coarse"), settings=ROUGH)
 
 
