@@ -36,6 +36,9 @@ PART, STEPS, FIRST, FEWEST = 0.16, 20, 2, 8
 """Depth over the thickness of the finger that STEPS steps reach; the first that is solved, below
 which no mesh resolves the contact; and the last one at least, also of a lighter press."""
 
+OWN = 16
+"""Number of depths of a table that cannot have the same as others."""
+
 RESOLVED = 2
 """Least number of depths with a force: between fewer, none can be interpolated."""
 
@@ -51,6 +54,14 @@ def depths(thickness: float, least: float, steps: int = STEPS) -> Array:
     deep = PART * thickness
     last = max(steps, int(np.ceil(STEPS * np.sqrt(least / deep) * (1 - 1e-9))))
     return np.concatenate([[0.0], deep * (np.arange(FIRST, last + 1) / STEPS) ** 2])
+
+
+def depths_to(depth: float) -> Array:
+    """Return depths (n,) mm of a table that goes to a depth in mm and has no other ones.
+
+    For a contact that reaches the rim beyond, or does not converge at one of the others.
+    """
+    return np.asarray(depth * (np.concatenate([[0.0], np.arange(1.0, OWN + 1)]) / OWN) ** 2)
 
 
 def solve(
@@ -80,7 +91,7 @@ def solve(
     except (InputError, ConvergenceError):
         if not least:
             raise
-    return _solved(press, np.append(tried[tried < least * (1 - 1e-9)], least), stages)
+    return _solved(press, depths_to(least), stages)
 
 
 def _solved(
