@@ -72,7 +72,7 @@ def drag(speed: float) -> tuple[float, float]:
     history = march(
         flexibility(wave),
         # A wave has the distances and slopes that `march` reads of `Heights`, without a pad.
-        Path(wave, shift),  # type: ignore[arg-type]
+        Path(wave, shift),  # type: ignore[arg-type]  # it has the two methods that are called
         np.full(NODES, wave.share),
         Relaxation(np.array(PRONY.weights), np.array(PRONY.v), NODES),
         Prescribed("depth", time, np.full(len(time), DEPTH)),

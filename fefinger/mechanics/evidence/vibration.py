@@ -31,6 +31,7 @@ from fefinger.scene.motion import Motion
 from fefinger.scene.samples import SAMPLED
 from fefinger.support.arrays import Array
 from fefinger.support.text import percent
+from fefinger.theory.contact.moving_load import amplification
 
 
 REPORT = "modal.json"
@@ -53,9 +54,6 @@ SHARE = 5.0
 DAMPED = 0.8
 """Share of the loss factor of the viscous relaxation from which a finger counts as damped."""
 
-STILL = 1e-3
-"""Speed over that of shear waves below which the error of a moving load is its limit."""
-
 NEGLIGIBLE = 0.02
 """Change by inertia that is not worth a sentence."""
 
@@ -76,7 +74,7 @@ def statics_error(case: Situation) -> tuple[float, str]:
     beyond = max(1.0, speed / wave / float(speeds[-1]))  # rises by the square, as inertia does
     of_ramp = float(np.interp(speed / wave, speeds, errors)) * beyond**2
     slide = _slide_speed(case)
-    if (of_slide := moving_load(slide / wave)) > max(of_vibration, of_ramp):
+    if (of_slide := amplification(slide / wave)) > max(of_vibration, of_ramp):
         return of_slide, (
             f"speed along the skin / wave speed = {1e-3 * slide:.3g} / {1e-3 * wave:.3g} m/s = "
             f"{slide / wave:.2g}, as under a load that moves over a half-space"
@@ -91,20 +89,6 @@ def statics_error(case: Situation) -> tuple[float, str]:
     return of_ramp, (
         f"speed / wave speed = {1e-3 * speed:.3g} / {1e-3 * wave:.3g} m/s = {speed / wave:.2g}"
     )
-
-
-def moving_load(speed: float) -> float:
-    """Return the error of statics under a load whose speed over that of shear waves is given.
-
-    By how much a line load that moves steadily over an incompressible half-space displaces it more
-    than one at rest (Cole and Huth, J. Appl. Mech. 25:433, 1958); no limit from the speed of
-    Rayleigh waves on.
-    """
-    a = np.sqrt(max(0.0, 1.0 - speed**2))
-    rayleigh = 4 * a - (1 + a**2) ** 2
-    if speed < STILL:  # its limit, where both parts of the quotient vanish
-        return 0.75 * speed**2
-    return float(2 * speed**2 / rayleigh - 1) if rayleigh > 0 else np.inf
 
 
 def left_out(case: Situation) -> tuple[float, str]:

@@ -49,7 +49,7 @@ FARTHEST = 0.32
 def depths(thickness: float, least: float, steps: int = STEPS) -> Array:
     """Return depths (n,) mm from 0 to at least `least`, and those of `steps` steps at least.
 
-    All tables of a finger have the same depths, so that a deeper one changes no answer.
+    The same for all tables of a finger but those of `depths_to`: a deeper one changes no answer.
     """
     deep = PART * thickness
     last = max(steps, int(np.ceil(STEPS * np.sqrt(least / deep) * (1 - 1e-9))))
