@@ -48,13 +48,6 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
     """Yield the cases of a shipped subject."""
     yield from _force(subject)
     yield Case(
-        f"{subject}: R, m and c0 b of Table 3.2 through the array and back, the largest miss",
-        partial(sensitivity.oracle, subject),
-        Expected(0.0, 0.02, "1"),
-        "Table 3.2: its half-space to 2.3 N, with the noise of the array",
-        reason="half a unit of the last printed digit of m and b is 1 to 5 %",
-    )
-    yield Case(
         f"{subject}: shipped tissue set against the report",
         partial(shipped, subject),
         Expected(0.0, 5e-3, "1"),
@@ -62,6 +55,13 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
         reason="rounded to the digits that are shipped",
     )
     if not quick:
+        yield Case(
+            f"{subject}: R, m and c0 b of Table 3.2 through the array and back, the largest miss",
+            partial(sensitivity.oracle, subject),
+            Expected(0.0, 0.02, "1"),
+            "Table 3.2: its half-space to 2.3 N, with the noise of the array",
+            reason="half a unit of the last printed digit of m and b is 1 to 5 %",
+        )
         yield from _pressed_again(subject)
 
 

@@ -277,12 +277,12 @@ def _theory(*, quick: bool) -> Iterator[Case]:
     source = "Hertz 1881; Ting 1966, J. Appl. Mech. 33:845, by springs that relax and only push"
     reason = "the mesh, over the peak force"
     for cells, limit in ((4, 1.5),) if quick else ((4, 1.5), (6, 0.8)):
-        for nu in (0.3, 0.49):
+        for nu in (0.49,) if quick else (0.3, 0.49):
             for part in ("loading", "unloading"):
                 name = f"half-space, {part}, nu {nu:g}, a / h = {cells}"
                 error = partial(hertz_error, nu, cells, part)
                 yield Case(name, error, Expected(0.0, limit, "%"), source, reason=reason)
-    for nu in (0.3, 0.49):
+    for nu in () if quick else (0.3, 0.49):
         name = f"bonded layer as thick as the contact radius, nu {nu:g}"
         error, exact = partial(layer_error, nu, 6), "exact layer, theory/indentation"
         yield Case(name, error, Expected(0.0, 0.2, "%"), exact, reason="the mesh")
