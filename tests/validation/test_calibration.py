@@ -14,7 +14,6 @@ from fefinger.validation.calibration import (
     subjects,
     suite,
     tip_shape,
-    twin,
 )
 from fefinger.validation.calibration import split as calibration_split
 from fefinger.validation.calibration.report import calibrated, rows
