@@ -2,7 +2,8 @@
 
 With one relaxation for the whole stress, contact at finite strain is nearly the elastic contact of
 the same depth, relaxed by a hereditary integral; on retreat, by that of nested contacts of a body
-that stiffens (`theory/contact/ting.py`). The table (`press/elastic_press.py`) is solved once per
+that stiffens. The force is the work of that stress on the present deformation (for all of this see
+`theory/contact/ting.py`). The table (`press/elastic_press.py`) is solved once per
 finger and object and kept; those of the calibrated fingers under the plate at 30 degrees and a ball
 of 5 mm are shipped. What the tabulation leaves out is measured against `solid` on the same mesh
 (`evidence/tabulation_error.py`).
@@ -36,7 +37,7 @@ NOTES = (
     "around each vertex, not at every point.",
     "The press of the relaxed finger was solved at some depths. Through time its whole stress "
     "relaxes, and until the indenter retreats the deformation is taken to depend on the depth "
-    "alone, not on the speed.",
+    "alone, not on the speed. The force is the work of that stress on a change of this depth.",
     "On retreat and after lift-off the tissue recovers as in nested contacts that relax one by "
     "one, more slowly where it stiffens.",
     QUASISTATIC,

@@ -21,7 +21,12 @@ from fefinger.fem.elements.forms import Elastic
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.theory.contact import indentation
-from fefinger.theory.contact.ting import ContactHistory, press_by_depth, press_by_force
+from fefinger.theory.contact.ting import (
+    ContactHistory,
+    ElasticForce,
+    press_by_depth,
+    press_by_force,
+)
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
@@ -95,7 +100,7 @@ def theory(control: str, time: Array, value: Array) -> ContactHistory:
     instant = relaxed / prony().long_time
     if control == "depth":
         return press_by_depth(prony(), time, value, depth)
-    return press_by_force(prony(), time, value, depth, instant)
+    return press_by_force(prony(), time, value, ElasticForce(depth, instant))
 
 
 def theory_force(history: ContactHistory) -> Array:

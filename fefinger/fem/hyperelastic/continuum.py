@@ -19,6 +19,7 @@ from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic import element_kernels
 from fefinger.fem.hyperelastic.element_kernels import Elements
 from fefinger.fem.hyperelastic.laws import Law
+from fefinger.geometry.voigt import VOIGT
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.threads import together
@@ -27,6 +28,9 @@ from fefinger.support.threads import together
 INCOMPRESSIBLE = 12.0
 """Bulk over shear modulus: that of a Poisson's ratio of 0.46. At 0.45 a cube of Mooney-Rivlin
 tissue squeezed to half folds at its corner where gaps are weighted over the deformed skin."""
+
+ENGINEERING = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+"""Times that a component in the order of VOIGT counts in a product of two symmetric tensors."""
 
 PARTS = 4
 """Parts of the cells that threads take, the same ones whatever their number."""
@@ -139,6 +143,20 @@ class Continuum:
 
         together(part, self._parts)
         return isochoric, volumetric
+
+    def weighted_strain(self, values: Array) -> Array:
+        """Return the Green-Lagrange strain (n_cells, n_q, 6) times the weights, in mm³.
+
+        Its shears count twice: its product with a second Piola-Kirchhoff stress is their work.
+        """
+        moved = values[self.space.unknowns[:, :30]].reshape(-1, 10, 3).swapaxes(1, 2)
+        local = moved[:, None] @ self.reference  # (n_cells, n_q, 3, 3)
+        gradient = local @ self.jacobians[:, None]
+        rows, columns = zip(*VOIGT, strict=True)
+        product = gradient.swapaxes(2, 3) @ gradient
+        strain = gradient[..., rows, columns] + gradient[..., columns, rows]
+        strain += product[..., rows, columns]
+        return np.asarray(strain * self.weights[..., None] * ENGINEERING / 2)
 
 
 def continuum(

@@ -3,7 +3,7 @@
 problem.py                       Press: mesh, body, obstacle, end organs, as a solver sees a scene
 small_strain.py                  contact of `linear` and `condensed` through time
 finite_strain.py                 contact of `solid` through load steps
-elastic_press.py                 the table of elastic solutions over depth of `pressed`: solved, or
+elastic_press.py, work_ratio.py  the table of elastic solutions over depth of `pressed`: solved, or
                                  read by depth_table_store.py
 tabulated_press.py               contact of `pressed`: that table along a motion
 modal_press.py, harmonic.py      contact with inertia of `modal`, in time and by frequency

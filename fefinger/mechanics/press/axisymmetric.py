@@ -168,7 +168,8 @@ def _march(
         return ting.press_by_depth(prony, time, value, ting.radius_nodes(float(value.max())))
     force = value / NEWTON_PER_MILLINEWTON
     nodes = ting.radius_nodes(float(contact.depth(float(force.max()))) * (1 + 1e-9))
-    return ting.press_by_force(prony, time, force, nodes, contact.force(nodes) / prony.long_time)
+    elastic = ting.ElasticForce(nodes, contact.force(nodes) / prony.long_time)
+    return ting.press_by_force(prony, time, force, elastic)
 
 
 def _pressure(

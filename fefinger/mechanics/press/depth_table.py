@@ -56,10 +56,11 @@ class DepthTable:
     """Elastic contact of a relaxed finger, a row per depth; the first depth is 0.
 
     depth (n,) mm; force (n,) N of the whole finger; moment (n, 3) mN mm of the meshed part; area
-    (n,) mm²; stiffening (n,): mean exponent b (I1 - 3) of the energies of the tissues; pressure (n,
-    n_candidates) kPa; gap (n, n_seen) mm; modes: displacements (n, n_displacements) mm at the
-    depths and, unless one of them is it, of the reference press; reach mm: that of the candidates;
-    modulus kPa: of the skin, which forces and pressures grow with.
+    (n,) mm²; stiffening (n,): mean exponent b (I1 - 3) of the energies of the tissues; work (n, n):
+    ratios of `work_ratio.work_ratios`; pressure (n, n_candidates) kPa; gap (n, n_seen) mm; modes:
+    displacements (n, n_displacements) mm at the depths and, unless one of them is it, of the
+    reference press; reach mm: that of the candidates; modulus kPa: of the skin, which forces and
+    pressures grow with.
     """
 
     depth: Array
@@ -67,6 +68,7 @@ class DepthTable:
     moment: Array
     area: Array
     stiffening: Array
+    work: Array
     pressure: Array
     gap: Array
     modes: DisplacementBasis
@@ -154,6 +156,13 @@ class DepthTable:
         borne[touching] = self.force[first] * part**power
         borne[::PARTS] = self.force
         return borne
+
+    @cached_property
+    def work_at_nodes(self) -> Array:
+        """Work ratios (n_nodes, n_nodes) at the nodes, linear in the root of both depths."""
+        root = np.sqrt(self.depth)
+        hats = np.array([np.interp(np.sqrt(self.nodes), root, each) for each in np.eye(len(root))])
+        return np.asarray(hats.T @ self.work @ hats)
 
     @cached_property
     def between(self) -> Array:

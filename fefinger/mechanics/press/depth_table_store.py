@@ -30,7 +30,7 @@ from fefinger.support.checks import InputError
 if TYPE_CHECKING:
     from fefinger.geometry.finger_mesh import FingerMesh
 
-FORMAT = 5
+FORMAT = 6
 """Raised when the solver, the depths or the files change, so that tables are solved again."""
 
 PREFIX = "press-"
@@ -38,7 +38,7 @@ PREFIX = "press-"
 
 DIGITS = 16
 
-EXACT = ("depth", "force", "moment", "area", "stiffening")
+EXACT = ("depth", "force", "moment", "area", "stiffening", "work")
 ROUNDED = ("pressure", "gap")
 """Arrays that are stored in double and in single precision."""
 

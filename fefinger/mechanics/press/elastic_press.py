@@ -23,6 +23,7 @@ from fefinger.mechanics.press.pad import whole_pad
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.response import areas_of_steps
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
+from fefinger.mechanics.press.work_ratio import work_ratios
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.motions import Ramp
 from fefinger.support import cache
@@ -131,6 +132,8 @@ def _solved(
     force = press.body.sides * pressure @ travel * NEWTON_PER_MILLINEWTON
     if (force > 0).sum() < RESOLVED:
         raise InputError(limits.unresolved(float(solved[-1])))
+    with stages.stage("work"):
+        work = work_ratios(elements, fields[: len(solved)], solved, force)
     pad, column = whole_pad(body, history.contact.neighborhood)
     return DepthTable(
         depth=solved,
@@ -138,6 +141,7 @@ def _solved(
         moment=history.moment,
         area=areas_of_steps(history, pad, column),
         stiffening=stiffening(whole, fields[: len(solved)]),
+        work=work,
         pressure=pressure,
         gap=history.gap,
         modes=DisplacementBasis.of(np.array(fields)[:, : body.space.n_displacements]),

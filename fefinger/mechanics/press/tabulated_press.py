@@ -29,7 +29,12 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
-from fefinger.theory.contact.ting import ContactHistory, press_by_depth, press_by_force
+from fefinger.theory.contact.ting import (
+    ContactHistory,
+    ElasticForce,
+    press_by_depth,
+    press_by_force,
+)
 
 
 METHOD: SolutionMethod = replace(
@@ -69,6 +74,13 @@ class TabulatedPress:
         """Elastic force (n_nodes,) N of the whole finger at the nodes of depth."""
         return self.table.force_at_nodes
 
+    @cached_property
+    def instantaneous(self) -> ElasticForce:
+        """Elastic force of the whole finger in N for its modulus at t = 0."""
+        table = self.table
+        force = self.force / self.long_time
+        return ElasticForce(table.nodes, force, table.measure, table.work_at_nodes)
+
     def elastic_force(self, depth: Array) -> Array:
         """Elastic force (n,) N of the whole finger at depths (n,) mm."""
         return np.interp(depth, self.table.nodes, self.force)
@@ -80,19 +92,17 @@ class TabulatedPress:
 
     def along(self, time: Array) -> ContactHistory:
         """Solve the contact along the motion, at times (n_t,) s."""
-        motion, table = self.press.motion, self.table
+        motion, table, prony = self.press.motion, self.table, self.press.finger.prony
         value = np.asarray(motion.value(time), dtype=np.float64)
-        prony, over = self.press.finger.prony, (table.nodes, table.measure)
         if motion.control == "depth":
-            return press_by_depth(prony, time, value, *over)
-        nodes, measure = over
-        return press_by_force(prony, time, value, nodes, self.force / self.long_time, measure)
+            return press_by_depth(prony, time, value, table.nodes, table.measure)
+        return press_by_force(prony, time, value, self.instantaneous)
 
     def forces(self, history: ContactHistory) -> Array:
         """Force (n_t,) N: the prescribed one to the last digit."""
         if self.press.motion.control == "force":
             return np.asarray(self.press.motion.value(history.time), dtype=np.float64)
-        return history.stress(self.force) / self.long_time
+        return self.instantaneous.along(history.stress_weights, history.depth)
 
     def pressures(self, history: ContactHistory) -> Array:
         """Pressure (n_t, n_candidates) kPa: cut off at 0 and scaled to the force."""
@@ -102,6 +112,13 @@ class TabulatedPress:
         force = self.forces(history)
         factor = np.divide(force, borne, out=np.zeros_like(borne), where=borne > 0)
         return np.asarray(factor[:, None] * pushing)
+
+    def moments(self, history: ContactHistory) -> Array:
+        """Moment (n_t, 3) mN mm of the meshed part, scaled to the force."""
+        table, weights = self.table, history.stress_weights
+        borne, force = weights @ self.force, self.forces(history)
+        factor = np.divide(force, borne, out=np.zeros_like(borne), where=borne > 0)
+        return np.asarray(factor[:, None] * (weights @ table.between @ table.moment))
 
     def strain(self, points: Array) -> Array:
         """Logarithmic strain (n, n_points, 3, 3) at points of the whole finger, at the depths."""
@@ -182,8 +199,7 @@ def tabulated_response(
             area = np.interp(history.edge, table.nodes, table.bounded(table.area))
             middle = centroid(pad, seen_pressure)
             gap = gaps[:, column]
-            stressed = history.stress_weights @ table.between / tabulated.long_time
-            moment = whole_moment(stressed @ table.moment, half)
+            moment = whole_moment(tabulated.moments(history), half)
     with stages.stage("strain"):
         strain = None
         if press.sites is not None:

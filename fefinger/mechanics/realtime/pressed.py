@@ -40,7 +40,7 @@ from fefinger.support.checks import InputError, number
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.support.vocabulary import TYPES
-from fefinger.theory.contact.ting import NestedContact, node_weights, spring_weights
+from fefinger.theory.contact.ting import NestedContact, node_weights
 
 
 class Pressed:
@@ -93,7 +93,8 @@ class Pressed:
         self._strain = np.ascontiguousarray(strain.reshape(len(strain), -1))
         # Elastic values of the modulus at t = 0, as the springs take them.
         self._pressure, self._force = (
-            each / tabulated.long_time for each in (tabulated.pressure, tabulated.force)
+            tabulated.pressure / tabulated.long_time,
+            tabulated.instantaneous,
         )
         self._travel, self._between = tabulated.contact.projected, table.between
         self._area = table.bounded(table.area)
@@ -101,7 +102,6 @@ class Pressed:
         seen = on_neighborhood(np.eye(len(self._travel)), tabulated.contact.neighborhood)[:, column]
         self._loads = seen @ np.column_stack([pad.areas, first_moments(pad)[:, :2]])
         self._contact = NestedContact(finger.prony, table.nodes, table.measure, self.deepest)
-        self._springs = spring_weights(self._force, table.measure)
         zeros = np.zeros(len(self._travel)), np.zeros((len(self.sites.points), 6))
         self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, *zeros)
 
@@ -155,7 +155,7 @@ class Pressed:
         number("force", force, at_least=0, unit="N")
         number("dt", dt, at_least=0, unit="s")
         try:
-            self._contact.advance_force(dt, force, self._springs)
+            self._contact.advance_force(dt, force, self._force)
         except ValueError as error:
             raise InputError(f"{error} N; give a larger `deepest`") from None
         return self._read(force)
@@ -165,7 +165,7 @@ class Pressed:
         now, contact = self.now, self._contact
         stressed = node_weights(contact.stressed, contact.measure)
         now.depth = contact.depth
-        now.force = float(stressed @ self._force) if force is None else force
+        now.force = float(self._force.along(stressed, contact.depth)) if force is None else force
         np.maximum(stressed @ self._pressure, 0.0, out=now.pressure)
         unit = self._tabulated.press.body.sides * NEWTON_PER_MILLINEWTON
         borne = unit * float(now.pressure @ self._travel)

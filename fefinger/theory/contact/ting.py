@@ -15,11 +15,19 @@ the depth M(d), a `measure` to which its stress is about proportional; a factor 
 The displacement is that of the depths with these measures: Phi_q = M^-1(m) - M^-1(m - Phi), with m
 the share of the middle. For a linear body M(d) is d. With the elastic force for M, all springs are
 one (Pawluk 1997, Eq. 2.3).
+
+At finite strain the stress of an earlier depth works on the present deformation. With S(a) the
+second Piola-Kirchhoff stress and E(a) the Green-Lagrange strain of the elastic contact of depth a,
+it contributes K(a, d) = integral of S(a) : E'(d) over the body to the force at the depth d, and
+K(d, d) is the elastic force P_e(d). The force is the integral of G(t - s) dK(d(s), d(t)), with the
+`work` ratio W(a, d) = K(a, d) / P_e(a). For a linear body W is 1 for a <= d (Betti), which gives
+Ting's force.
 """
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,6 +38,40 @@ from fefinger.theory.relaxation import Prony, checked_signal, exprel
 
 SAME = 1e-9
 """Relative difference of depths or forces that counts as none."""
+
+CORRECTIONS = 50
+"""Limit on the corrections of a prescribed force for its work ratio; some five are usual."""
+
+
+@dataclass(frozen=True)
+class ElasticForce:
+    """Elastic force over depth, from which the force in any history of contact follows.
+
+    nodes, measure (n,) mm: as of `NestedContact`; values (n,): the force at the nodes for the
+    modulus at t = 0, from 0; work (n, n): W of the stress at a node (row) at the depth of another
+    (column), None for a linear body.
+    """
+
+    nodes: Array
+    values: Array
+    measure: Array | None = None
+    work: Array | None = None
+
+    @cached_property
+    def springs(self) -> Array:
+        """Stiffness (n - 1,) of the spring at each node but the last, see `spring_weights`."""
+        return spring_weights(self.values, self.nodes if self.measure is None else self.measure)
+
+    def along(self, weights: Array, depth: Array | float) -> Array:
+        """Force (...) at weights (..., n) of the stresses at the nodes and depths (...) mm."""
+        if self.work is None:
+            return np.asarray(weights @ self.values)
+        at = np.asarray(np.interp(depth, self.nodes, np.arange(len(self.nodes))))
+        low = np.minimum(at.astype(int), len(self.nodes) - 2)
+        part = (at - low)[..., None]
+        columns = self.work.T
+        ratio = (1 - part) * columns[low] + part * columns[low + 1]
+        return np.maximum((weights * ratio) @ self.values, 0.0)
 
 
 class NestedContact:
@@ -85,6 +127,7 @@ class NestedContact:
         self._terms, self._share = np.zeros((len(self._rates), count)), np.zeros(count)
         self.stressed, self.strained = np.zeros(count), np.zeros(count)
         self.depth = self.edge = 0.0
+        self._ratio = 1.0  # of the force to that without the work ratio, in the last step
 
     def advance(self, dt: float, depth: float) -> None:
         """Move the indenter to a depth in mm within dt >= 0 s, at a constant rate.
@@ -102,10 +145,10 @@ class NestedContact:
         self._finish(gain * (self._measured(depth) - self.measure) + past, gain, past, *factors)
         self.depth = depth
 
-    def advance_force(self, dt: float, force: float, springs: Array) -> None:
+    def advance_force(self, dt: float, force: float, elastic: ElasticForce) -> None:
         """Load the indenter with a force >= 0 within dt >= 0 s; at 0 it just touches.
 
-        springs (n - 1,): the `spring_weights` of the elastic force over the measure.
+        elastic: the force of the body over these nodes and this measure.
 
         Raises
         ------
@@ -114,15 +157,31 @@ class NestedContact:
         """
         gain, past, *factors = self._past(dt)
         onset = gain * self.measure - past
-        reached = _balance(onset[:-1], springs, force) if force > 0 else float(onset.min())
-        if reached > gain * self._measured(self.deepest) * (1 + SAME):
-            pushed = np.maximum(gain * self._measured(self.deepest) - onset[:-1], 0.0)
-            raise ValueError(
-                f"force: expected at most {springs @ pushed:.4g}, that of the largest depth, "
-                f"{self.deepest:.4g} mm, received {force:g}"
-            )
+        reached = self._balanced(force, onset, gain, elastic) if force > 0 else float(onset.min())
         self._finish(reached - onset, gain, past, *factors)
         self.depth = self._depth(reached / gain)
+
+    def _balanced(self, force: float, onset: Array, gain: float, elastic: ElasticForce) -> float:
+        """Solve for the stressed share of the depth at which a force is borne."""
+        farthest, ratio = gain * self._measured(self.deepest), self._ratio
+        for _ in range(CORRECTIONS):
+            reached = min(_balance(onset[:-1], elastic.springs, force / ratio), farthest)
+            borne = self._borne(reached, onset, gain, elastic)
+            if abs(borne - force) <= SAME * force:
+                self._ratio = ratio
+                return reached
+            if reached == farthest and borne < force:
+                raise ValueError(
+                    f"force: expected at most {borne:.4g}, that of the largest depth, "
+                    f"{self.deepest:.4g} mm, received {force:g}"
+                )
+            ratio *= borne / force
+        raise ValueError(f"force: expected one that the contact can bear, received {force:g}")
+
+    def _borne(self, reached: float, onset: Array, gain: float, elastic: ElasticForce) -> float:
+        """Force at the end of a step whose springs reach from their onsets (n,)."""
+        weights = node_weights(np.maximum(reached - onset, 0.0), self.measure)
+        return float(elastic.along(weights, self._depth(reached / gain)))
 
     def _past(self, dt: float) -> tuple[float, Array, Array, Array]:
         """Return g and h of Phi_p = g Phi + h at the end of a step, and its factors."""
@@ -276,14 +335,11 @@ def press_by_force(
     prony: Prony,
     time: ArrayLike,
     force: ArrayLike,
-    nodes: Array,
-    elastic_force: Array,
-    measure: Array | None = None,
+    elastic: ElasticForce,
 ) -> ContactHistory:
     """Compute the contact history of an indenter with prescribed `force` (n_t,) >= 0.
 
-    `elastic_force` (n,) is the force at the nodes for the modulus at t = 0. At zero force the
-    indenter just touches.
+    At zero force the indenter just touches.
 
     Raises
     ------
@@ -295,10 +351,9 @@ def press_by_force(
         raise ValueError(
             f"force: expected forces of 0 or more (a contact cannot pull), received {force.min():g}"
         )
-    contact = NestedContact(prony, nodes, measure)
-    springs = spring_weights(elastic_force, contact.measure)
+    contact = NestedContact(prony, elastic.nodes, elastic.measure)
     return _march(
-        contact, time, lambda step, dt: contact.advance_force(dt, float(force[step]), springs)
+        contact, time, lambda step, dt: contact.advance_force(dt, float(force[step]), elastic)
     )
 
 

@@ -92,6 +92,19 @@ def test_residual_and_tangent_are_the_derivatives_of_the_energy(material: Law):
         assert coarse / fine == pytest.approx(100, rel=0.1)  # central differences: second order
 
 
+def test_the_work_of_the_stress_on_a_change_of_the_strain_is_that_of_the_residual():
+    """By two ways of the elements: the strain by its definition, the residual by the kernels."""
+    body = continuum(small(), {1: LAWS["demiray"]})
+    values, along, _ = strained(body, 3)
+    along[body.space.n_displacements :] = 0.0
+    h = 1e-4
+    stress = np.add(*body.stress(values))
+    # The strain is quadratic in the displacement, so that the central difference is exact.
+    ends = [body.weighted_strain(values + side * h * along) for side in (1, -1)]
+    work = (stress * (ends[0] - ends[1])).sum() / (2 * h)
+    assert work == pytest.approx(body.residual(values, body.at_rest)[0] @ along, rel=1e-8)
+
+
 @EACH_LAW
 def test_the_tangent_is_symmetric(material: Law):
     body = continuum(small(), {1: material})

@@ -25,6 +25,7 @@ def table(power: float = 1.5, count: int = 25, rate: float = 0.0) -> DepthTable:
         moment=np.zeros((len(depth), 3)),
         area=np.pi * RADIUS * depth,
         stiffening=rate * depth**2,
+        work=np.ones((len(depth), len(depth))),
         pressure=pressure,
         gap=row,
         modes=DisplacementBasis(row, np.zeros((1, 3), dtype=np.int16)),

@@ -13,6 +13,7 @@ from scipy.special import ellipe, ellipk, j0, j1
 from threadpoolctl import threadpool_limits
 
 from fefinger.theory.contact.ting import (
+    ElasticForce,
     NestedContact,
     press_by_depth,
     press_by_force,
@@ -226,7 +227,7 @@ def test_the_step_converges_with_second_order():
 def test_depth_control_of_the_depth_under_force_returns_the_force():
     nodes = radius_nodes(2.0)
     force = 60 * np.sin(9 * TIME) ** 2 * (1 + TIME)
-    pushed = press_by_force(MEANS_3_1, TIME, force, nodes, hertz(nodes))
+    pushed = press_by_force(MEANS_3_1, TIME, force, ElasticForce(nodes, hertz(nodes)))
     moved = press_by_depth(MEANS_3_1, TIME, pushed.depth, nodes)
     assert moved.stress(hertz(nodes)) == pytest.approx(force, abs=1e-9 * force.max())
 
@@ -244,7 +245,9 @@ def test_the_contact_radius_creeps_as_the_reference_says(prony, ratios):
     requested = [0, 5e-3, 0.05, 0.5, 5.0, 200.0]
     time = np.unique(np.concatenate([requested, np.geomspace(1e-5, 200, 2000)]))
     nodes = radius_nodes(2.0, 500)
-    contact = press_by_force(prony, time, np.full(len(time), 40.0), nodes, hertz(nodes))
+    contact = press_by_force(
+        prony, time, np.full(len(time), 40.0), ElasticForce(nodes, hertz(nodes))
+    )
     radius = np.sqrt(contact.edge[np.searchsorted(time, requested)])
     assert radius[1:] / radius[0] == pytest.approx(ratios, abs=1e-3)
     elastic = creep_integral(prony, time, np.full(len(time), 40.0))
@@ -280,10 +283,7 @@ LAWS = {
     "softening": np.sqrt(1 + NODES) - 1,
 }
 MEASURES = {"linear": NODES, "stiffening": NODES * np.exp(NODES)}
-
-
-def hertz_springs():
-    return spring_weights(hertz(NODES), NODES)
+HERTZ = ElasticForce(NODES, hertz(NODES))
 
 
 @pytest.fixture(params=LAWS)
@@ -316,12 +316,54 @@ def test_a_stiffening_body_without_relaxation_has_no_memory(force, measure):
     assert contact.edge == pytest.approx(depth, abs=1e-9)
 
 
+BAR = 0.5 * np.linspace(0.0, 1.0, 201)
+STRETCH = 1 - BAR
+PULLED = 1 - STRETCH**-3  # second Piola-Kirchhoff stress, neo-Hookean and incompressible
+BAR_FORCE = ElasticForce(BAR, -STRETCH * PULLED, BAR * np.exp(BAR), STRETCH / STRETCH[:, None])
+"""Elastic force of a bar that is pushed: the stress S of a stretch works on another one as K = S
+stretch, which is closed forms of all that it does."""
+
+
+def test_a_bar_at_finite_strain_bears_its_stretch_times_its_relaxing_stress():
+    time = np.concatenate([np.linspace(0, 0.2, 2001), np.geomspace(0.21, 20, 50)])
+    depth = np.minimum(2 * time, 0.4)
+    contact = press_by_depth(MEANS_3_1, time, depth, BAR, BAR_FORCE.measure)
+    stress = hereditary_integral(MEANS_3_1, time, 1 - (1 - depth) ** -3)
+    exact = -(1 - depth) * stress
+    found = BAR_FORCE.along(contact.stress_weights, contact.depth)
+    assert found == pytest.approx(exact, abs=1e-4 * exact.max())
+    # Without the work ratio the force relaxes as one, which is less.
+    assert contact.stress(BAR_FORCE.values)[:2001].min() >= 0
+    assert (exact - contact.stress(BAR_FORCE.values)).max() > 0.02 * exact.max()
+
+
+def test_a_bar_without_relaxation_bears_its_elastic_force_on_the_way_back_too():
+    time = np.linspace(0, 1, 101)
+    depth = 0.4 * np.sin(np.pi * time)
+    contact = press_by_depth(ELASTIC, time, depth, BAR, BAR_FORCE.measure)
+    found = BAR_FORCE.along(contact.stress_weights, contact.depth)
+    exact = (1 - depth) ** -2 - (1 - depth)
+    assert found == pytest.approx(exact, abs=1e-4 * exact.max())
+
+
+def test_the_depth_of_a_bar_under_a_force_gives_that_force():
+    time = np.linspace(0, 3, 601)
+    depth = 0.2 - 0.15 * np.cos(2 * np.pi * time) - 0.05 * np.exp(-20 * time)
+    moved = press_by_depth(MEANS_3_1, time, depth, BAR, BAR_FORCE.measure)
+    borne = BAR_FORCE.along(moved.stress_weights, moved.depth)
+    assert (borne >= 0).all()
+    pushed = press_by_force(MEANS_3_1, time, borne, BAR_FORCE)
+    touching = borne > 1e-9 * borne.max()
+    assert touching.mean() > 0.5
+    assert pushed.depth[touching] == pytest.approx(depth[touching], abs=1e-6)
+
+
 def test_the_depth_under_a_force_gives_that_force(force, measure):
     time = np.linspace(0, 3, 601)
     depth = 0.9 - 0.5 * np.cos(2 * np.pi * time) - 0.4 * np.exp(-20 * time)
     moved = press_by_depth(MEANS_3_1, time, depth, NODES, measure)
     borne = moved.stress(force)
-    pushed = press_by_force(MEANS_3_1, time, borne, NODES, force, measure)
+    pushed = press_by_force(MEANS_3_1, time, borne, ElasticForce(NODES, force, measure))
     touching = borne > 1e-9 * borne.max()
     assert touching.mean() > 0.5
     assert pushed.stress(force) == pytest.approx(borne, abs=1e-9 * borne.max())
@@ -355,7 +397,7 @@ def test_free_of_contact_the_middle_recovers_in_the_measure(measure):
 def test_without_force_an_indenter_just_touches_what_recovers(force, measure):
     time = np.concatenate([np.linspace(0, 0.2, 101), np.geomspace(0.201, 5, 60)])
     load = np.interp(time, [0.0, 0.1, 0.2], [0.0, 0.5, 0.0]) * force[-1] / 2
-    contact = press_by_force(MEANS_3_1, time, load, NODES, force, measure)
+    contact = press_by_force(MEANS_3_1, time, load, ElasticForce(NODES, force, measure))
     rest = time >= 0.2
     assert contact.depth[0] == 0
     assert (contact.edge[rest] == 0).all()
@@ -366,13 +408,12 @@ def test_without_force_an_indenter_just_touches_what_recovers(force, measure):
 
 
 def test_a_step_that_is_refused_moves_nothing_and_a_reset_forgets():
-    springs = hertz_springs()
     contact = NestedContact(MEANS_3_1, NODES, deepest=0.5)
-    contact.advance_force(0.1, 0.3 * hertz(0.5), springs)
+    contact.advance_force(0.1, 0.3 * hertz(0.5), HERTZ)
     before = contact.depth, contact.stressed.tolist(), contact.strained.tolist()
     for refused in (
         lambda: contact.advance(0.1, 0.51),
-        lambda: contact.advance_force(0.1, 2 * hertz(0.5), springs),
+        lambda: contact.advance_force(0.1, 2 * hertz(0.5), HERTZ),
     ):
         with pytest.raises(ValueError, match=r"expected at most .*0\.5 mm"):
             refused()
@@ -390,13 +431,16 @@ BAD = [
     (lambda: press_by_depth(ELASTIC, [0, 1], [0], radius_nodes(1.0)), r"signal \(n_t,\), received"),
     (lambda: press_by_depth(ELASTIC, [1, 0], [0, 1], radius_nodes(1.0)), "never decrease"),
     (lambda: press_by_depth(ELASTIC, [0, 1], [0, 1], np.array([0.5, 1])), "start at 0"),
-    (lambda: press_by_force(ELASTIC, [0], [-1], NODES, hertz(NODES)), "cannot pull"),
-    (lambda: press_by_force(ELASTIC, [0], [1], NODES, np.sin(NODES)), "0 at first and then rises"),
+    (lambda: press_by_force(ELASTIC, [0], [-1], HERTZ), "cannot pull"),
+    (
+        lambda: press_by_force(ELASTIC, [0], [1], ElasticForce(NODES, np.sin(NODES))),
+        "0 at first and then rises",
+    ),
     (lambda: NestedContact(ELASTIC, NODES, NODES + 0.1), "measure: expected 257 depths"),
     (lambda: NestedContact(ELASTIC, NODES, NODES[:-1]), "measure: expected 257 depths"),
     (lambda: NestedContact(ELASTIC, NODES).advance(0.1, 2.5), "depth: expected at most 2 mm"),
     (
-        lambda: NestedContact(ELASTIC, NODES).advance_force(0.1, 1e6, hertz_springs()),
+        lambda: NestedContact(ELASTIC, NODES).advance_force(0.1, 1e6, HERTZ),
         r"force: expected at most .*, that of the largest depth, 2 mm",
     ),
     (
