@@ -8,7 +8,7 @@ The parameters are fitted to responses of single units through the mechanics of 
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib import resources
@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, choice, set_number
+from fefinger.support.checks import InputError, choice, reject_unknown, set_number
 from fefinger.support.vocabulary import DRIVES, TYPES
 
 
@@ -138,6 +138,22 @@ def fitted() -> dict[str, Recorded]:
         kind: Recorded(**{name: x["value"] if isinstance(x, dict) else x for name, x in table})
         for kind, table in tables.items()
     }
+
+
+def parameters_of(
+    types: Sequence[str], parameters: Mapping[str, Recorded] | None
+) -> list[Recorded]:
+    """Parameters of units of these types: those given by type, else the fitted ones.
+
+    InputError for those of an unknown type, or that are none.
+    """
+    given = parameters or {}
+    reject_unknown("parameters", given, TYPES)
+    for kind, unit in given.items():
+        if not isinstance(unit, Recorded):
+            raise InputError(f"parameters.{kind}: expected a Recorded, received {unit!r}")
+    by_type = {**fitted(), **given}
+    return [by_type[kind] for kind in types]
 
 
 def units_of(

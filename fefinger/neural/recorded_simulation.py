@@ -17,7 +17,7 @@ from fefinger.neural.checked_signals import (
     unit_names,
 )
 from fefinger.neural.membranes import IntegrateAndFire
-from fefinger.neural.recorded import Recorded, fitted, units_of
+from fefinger.neural.recorded import Recorded, parameters_of, units_of
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.variation import Variation
 from fefinger.support.arrays import Array
@@ -147,8 +147,7 @@ def _units(
     types: Sequence[str], parameters: Mapping[str, Recorded] | None, variation: Variation
 ) -> "Units":
     """Arrays of the parameters of units, with their variation."""
-    by_type = {**fitted(), **(parameters or {})}
-    chosen = [by_type[kind] for kind in types]
+    chosen = parameters_of(types, parameters)
     noise = variation.noise
     return units_of(
         chosen,

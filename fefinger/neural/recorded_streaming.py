@@ -7,14 +7,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural import recorded_streaming_step as compiled
 from fefinger.neural.checked_signals import checked_types, organ_columns
-from fefinger.neural.recorded import Recorded, fitted, units_of
+from fefinger.neural.recorded import Recorded, parameters_of, units_of
 from fefinger.neural.recorded_compiled import rested
 from fefinger.neural.recorded_simulation import LONGEST
 from fefinger.neural.recorded_vectorized import blocks_of
 from fefinger.neural.streaming import ROOM, SteppedUnits, drive_code, planes
 from fefinger.neural.streaming_step import REFUSED
 from fefinger.neural.variation import numbered
-from fefinger.support.checks import InputError
+from fefinger.support.arrays import Array
+from fefinger.support.checks import InputError, integer
 
 
 class RecordedAfferents(SteppedUnits):
@@ -33,7 +34,7 @@ class RecordedAfferents(SteppedUnits):
     parameters
         Parameters by type, where they are not the fitted ones.
     factors
-        (n_units,) factors on the gains.
+        (n_units,) or one number: factors on the gains, 0 or more.
     seed
         Seed of the noise.
 
@@ -41,7 +42,7 @@ class RecordedAfferents(SteppedUnits):
     ------
     InputError
         No units, unknown types, normals of another shape or length, end organs out of the order of
-        their units, or a drive without a compiled form.
+        their units, a drive without a compiled form, or factors or a seed that cannot be used.
     """
 
     family, seconds = "recorded", 1.0
@@ -65,12 +66,11 @@ class RecordedAfferents(SteppedUnits):
                 f"unit: expected indices that never decrease, received {owner.tolist()}"
             )
         across = planes(normals, len(owner))
-        by_type = {**fitted(), **(parameters or {})}
-        chosen = [by_type[kind] for kind in types]
+        chosen = parameters_of(types, parameters)
         self.units = units_of(
             chosen,
-            factors=None if factors is None else np.asarray(factors, float),
-            seed=seed,
+            factors=None if factors is None else _gains(factors, n),
+            seed=integer("seed", seed),
             numbers=numbered(types),
         )
         whole = "neural.recorded_simulation"
@@ -106,3 +106,12 @@ class RecordedAfferents(SteppedUnits):
         if fired != REFUSED:
             self._clock = span[1]
         return int(fired)
+
+
+def _gains(factors: ArrayLike, n: int) -> Array:
+    """Check factors on the gains of n units."""
+    gains = np.asarray(factors, float)
+    if gains.shape not in ((), (n,)) or not np.all((gains >= 0) & np.isfinite(gains)):
+        msg = f"factors: expected one or {n} finite numbers of 0 or more, received {factors!r}"
+        raise InputError(msg)
+    return gains

@@ -504,6 +504,20 @@ def test_units_side_by_side_fire_as_each_by_itself():
             "unchanged",
         ),
         (lambda: RecordedAfferents(("SAI", "FAI"), np.eye(3)[:2], unit=[1, 0]), "never decrease"),
+        (lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], factors=[-1.0]), "factors: expected"),
+        (lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], factors=[np.nan]), "factors: expected"),
+        (lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], factors=[1, 1]), "factors: expected"),
+        (lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], seed=-1), "seed: expected a whole"),
+        (
+            lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], parameters={"SA1": PLAIN}),
+            "SA1: unknown key in .parameters.",
+        ),
+        (
+            lambda: simulate_recorded(
+                [0, 1], [[0], [0]], types=("SAI",), parameters={"SAI": {"gain": 2.0}}
+            ),
+            "parameters.SAI: expected a Recorded",
+        ),
     ],
 )
 def test_bad_input_is_refused_in_a_sentence(make, message):
