@@ -101,6 +101,7 @@ def to_npz(trains: TrainRecord, path: str | PathLike[str]) -> None:
     """
     names = ("time", *SIGNALS, *PER_UNIT, *LISTS, *OPTIONAL)
     arrays = {name: getattr(trains, name) for name in names if getattr(trains, name) is not None}
+    arrays |= {name: _whole(arrays[name]) for name in ("seed", "trial") if name in arrays}
     arrays |= {
         "spikes": np.concatenate(trains.times),
         "offsets": np.cumsum([0, *trains.count()]),
@@ -138,7 +139,8 @@ def _fields(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
     fields: dict[str, Any] = {name: data[name] for name in ("time", *SIGNALS, *PER_UNIT)}
     fields |= {name: tuple(data[name].tolist()) for name in LISTS}
     fields |= {name: data[name] for name in ("delays", "positions", "depths") if name in data}
-    fields |= {name: data[name].item() for name in ("seed", "trial", "family") if name in data}
+    fields |= {name: int(data[name].item()) for name in ("seed", "trial") if name in data}
+    fields |= {name: data[name].item() for name in ("family",) if name in data}
     fields["times"] = tuple(np.split(data["spikes"], data["offsets"][1:-1]))
     fields["t_start"], fields["t_stop"] = data["span"].tolist()
     return fields
@@ -316,10 +318,16 @@ def _places(trains: TrainRecord) -> tuple[Array, Array]:
 
 def _provenance(trains: TrainRecord) -> dict[str, Any]:
     """Version of the program, seed, trial and notes."""
-    source: dict[str, Any] = {"source": f"fefinger {version('fefinger')}", "trial": trains.trial}
+    source: dict[str, Any] = {"source": f"fefinger {version('fefinger')}"}
+    source["trial"] = _whole(trains.trial)
     if trains.seed is not None:
-        source["seed"] = trains.seed
+        source["seed"] = _whole(trains.seed)
     return source | {"notes": "\n".join(trains.notes)}
+
+
+def _whole(value: int) -> int | str:
+    """Return a whole number of 0 or more, as text where it has more bits than files hold."""
+    return value if value <= np.iinfo(np.int64).max else str(value)
 
 
 def _extra(module: str, extra: str) -> Any:

@@ -63,6 +63,14 @@ def test_npz_gives_everything_back_to_the_last_bit(trains, tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["spikes.npz"]
 
 
+def test_seeds_and_trials_of_more_than_64_bits_are_kept(tmp_path):
+    path = tmp_path / "spikes.npz"
+    trains = replace(TRAINS, seed=2**127 + 1, trial=2**64)
+    trains.to_npz(path)
+    same(SpikeTrains.from_npz(path), trains)
+    trains.to_xarray().to_netcdf(tmp_path / "spikes.nc", engine="h5netcdf")
+
+
 def test_npz_of_before_delays_were_stored_has_none(tmp_path):
     path = tmp_path / "spikes.npz"
     TRAINS.to_npz(path)
