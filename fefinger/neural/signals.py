@@ -130,7 +130,7 @@ def _row(name: str, values: ArrayLike) -> Array:
 
 def _length(path: str | PathLike[str], header: str) -> float | None:
     """Length in mm of the unit of a signal, by its header; None for strain."""
-    found = re.search(r"(?:^|.*[^a-z0-9])(displacement.*|strain[^a-z0-9]*)$", header.lower())
+    found = re.search(r"(?:^|.*[^a-z0-9])(displacement.*|strain[\s()\[\]_.-]*)$", header.lower())
     if found and found[1].startswith("strain"):
         return None
     if found and stated_unit(found[1], "displacement"):

@@ -217,6 +217,8 @@ def unusable(text, tmp_path):
         ("time,strain\n0,0\n1,20\n", "at most 1, received 20"),
         ("time\n0\n1\n", "a column of a signal beside the time"),
         ("displacement_mm\n0\n1\n", "expected one column named time, time_s, time_ms"),
+        ("time,strain (%)\n0,0\n1,0.5\n", "'strain \\(%\\)': expected a name that ends with"),
+        ("time,strain [µε]\n0,0\n1,0.5\n", "expected a name that ends with"),
         ("time,time_ms,strain\n0,0,0\n1,1,1\n", "expected one column named"),
         ("time,force_N\n0,0\n1,1\n", "column 'force_N': expected a name that ends with"),
         ("time,displacemnt_mm\n0,0\n1,1\n", "Did you mean 'displacement_mm'"),
