@@ -96,7 +96,7 @@ class ReceptiveField:
         from fefinger.view.unit_figures import receptive_fields
 
         fields = {kind: self.of(kind) for kind in self.kinds}
-        return receptive_fields(self.places, fields, self.organs)
+        return receptive_fields(self.places, self.spacing, fields, self.organs)
 
     def save(self, folder: str | Path) -> list[str]:
         """Write FILES into a folder and return their paths; InputError where it is unusable."""

@@ -82,18 +82,21 @@ def rate_map(result: ResultRecord) -> Any:
 
 
 def receptive_fields(
-    places: Array, impulses: Mapping[str, Integers], organs: Mapping[str, Array]
+    places: Array, spacing: float, impulses: Mapping[str, Integers], organs: Mapping[str, Array]
 ) -> Any:
-    """Draw impulses (n,) of units by the place (n, 2) mm of the object, and their end organs."""
-    lines = np.unique(places)
-    half = 0.5 * (lines[1] - lines[0])
-    extent = (lines[0] - half, lines[-1] + half) * 2
-    column, row = np.searchsorted(lines, places).T
+    """Draw impulses (n,) of units by the place (n, 2) mm of the object, and their end organs.
+
+    The places are some of those of a square grid about 0, 0, `spacing` mm apart.
+    """
+    steps = np.round(places / spacing).astype(int)
+    most = int(np.abs(steps).max())
+    extent = (-(most + 0.5) * spacing, (most + 0.5) * spacing) * 2
+    column, row = steps.T + most
     with style():
         drawn = figure(WIDE, 2.1 + 3.2 / len(impulses))
         axes = drawn.subplots(1, len(impulses), sharey=True, squeeze=False)[0]
         for axis, (kind, counts) in zip(axes, impulses.items(), strict=True):
-            square = np.full((len(lines), len(lines)), np.nan)
+            square = np.full((2 * most + 1, 2 * most + 1), np.nan)
             square[row, column] = counts
             shown = axis.imshow(square, origin="lower", extent=extent, cmap="viridis", vmin=0)
             axis.plot(*organs[kind].T, "o", ms=4, mfc="none", color="white")

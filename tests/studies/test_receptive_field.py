@@ -86,6 +86,21 @@ def test_a_place_beside_the_pad_is_left_out_and_said():
     assert field.places.tolist() == [[0.0, 0.0]]
     assert len(field.left_out) == len(field.record()["left_out"]) == 8
     assert "indenter.at" in field.left_out[0][1]
+    (axis,) = field.figure().axes[:1]
+    assert axis.get_images()[0].get_array().tolist() == [field.of("SAI").tolist()]
+
+
+def test_a_place_that_is_left_out_is_a_hole_in_the_picture():
+    """Also one without which no place is in its column nor in its row."""
+    places = 2.0 * np.array([[-1, 1], [1, 1], [1, -1]])
+    field = ReceptiveField(
+        ("SAI",), places, np.array([[3], [1], [2]]), 2.0, {"SAI": places}, "", ""
+    )
+    shown = field.figure().axes[0].get_images()[0]
+    assert tuple(shown.get_extent()) == (-3.0, 3.0, -3.0, 3.0)
+    holes = np.full((3, 3), np.nan)
+    holes[[2, 2, 0], [0, 2, 2]] = 3, 1, 2
+    np.testing.assert_array_equal(np.ma.filled(shown.get_array(), np.nan), holes)
 
 
 def test_the_area_is_that_of_the_places_above_a_part_of_the_most():
