@@ -54,8 +54,10 @@ def psth(trials: Sequence[ArrayLike], edges: ArrayLike) -> Array:
     edges: (n_bins + 1,) ascending s; a bin holds its left edge, the last one both.
     """
     edges = np.asarray(edges, float)
-    if edges.ndim != 1 or len(edges) < 2 or not np.all(np.diff(edges) > 0):
-        raise InputError(f"edges: expected two times in s or more that increase, received {edges}")
+    increasing = edges.ndim == 1 and len(edges) > 1 and bool(np.all(np.diff(edges) > 0))
+    if not (increasing and np.isfinite(edges).all()):
+        msg = f"edges: expected two finite times in s or more that increase, received {edges}"
+        raise InputError(msg)
     if len(trials) == 0:
         raise InputError("trials: expected one spike train or more, received none")
     counts = np.histogram(np.concatenate([_ascending(t) for t in trials]), edges)[0]
@@ -139,7 +141,10 @@ def victor_purpura(a: ArrayLike, b: ArrayLike, cost: float) -> float:
 
 def _ascending(times: ArrayLike) -> Array:
     """Check that spike times ascend and convert them to an array."""
-    array = np.asarray(times, float)
+    try:
+        array = np.asarray(times, float)
+    except (TypeError, ValueError):
+        array = np.array(np.nan)
     if array.ndim != 1 or not np.isfinite(array).all() or np.any(np.diff(array) < 0):
         raise InputError("times: expected finite spike times in s that ascend")
     return array

@@ -148,9 +148,12 @@ def test_one_more_spike_costs_what_the_definitions_say():
     ("call", "message"),
     [
         (lambda: intervals([1.0, 0.5]), "times: expected finite spike times"),
+        (lambda: intervals("0.1 0.2"), "times: expected finite spike times"),
+        (lambda: intervals([[0.1, 0.2], [0.3]]), "times: expected finite spike times"),
         (lambda: psth([], [0.0, 1.0]), "trials: expected one"),
         (lambda: psth(np.empty((0, 3)), [0.0, 1.0]), "trials: expected one"),
         (lambda: psth([[0.5]], [1.0, 0.0]), "edges: expected"),
+        (lambda: psth([[0.5]], [0.0, np.inf]), "edges: expected"),
         (lambda: locking([0.5], 0.0), "frequency: expected"),
         (lambda: locking([0.5], 1.0, start=np.nan), "start: expected"),
         (lambda: van_rossum([], [], 0.0), "tau: expected"),
