@@ -58,6 +58,7 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
     from fefinger.neural.variation import Variation
 
     strain, sites, reference = _strain_at_sites(ask, response)
+    options["since"] = since
     units: dict[str, Any] = {
         "types": sites.types,
         "positions": sites.points,
@@ -72,14 +73,11 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
         trains = _recorded(ask.population, response.time, strain, sites, units | options)
     else:
         trains = _thesis(ask, response.time, strain, sites, reference, units | options)
+    if since > response.time[0]:
+        notes = (f"Spikes count from {since:.6g} s on; those before it are left out.", *notes)
     if ask.trial and not _noisy(ask):
         notes += (SILENT,)
-    trains = replace(trains, notes=notes + trains.notes)
-    if since <= trains.t_start:
-        return trains
-    note = f"Spikes count from {since:.6g} s on; those before it are left out."
-    times = tuple(each[each >= since] for each in trains.times)
-    return replace(trains, times=times, t_start=since, notes=(note, *trains.notes))
+    return replace(trains, notes=notes + trains.notes)
 
 
 def _noisy(ask: "Ask") -> bool:

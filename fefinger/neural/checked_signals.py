@@ -76,6 +76,12 @@ def unit_delays(delays: ArrayLike, n_units: int) -> Array:
     return np.broadcast_to(later, (n_units,))
 
 
+def counted(times: Sequence[Array], later: Array, since: float) -> tuple[Array, ...]:
+    """Spike times of units at the recording, `later` (n_units,) s, from `since` s on."""
+    recorded = (each + late for each, late in zip(times, later, strict=True))
+    return tuple(each[each >= since] for each in recorded)
+
+
 def unit_array(name: str, values: ArrayLike | None, shape: tuple[int, ...]) -> Array | None:
     """Check an optional array in mm with one row per unit; None stays None."""
     array = None if values is None else np.asarray(values, float)
@@ -118,13 +124,22 @@ def dense_times(time: Array, steps: float | Array) -> Array:
 
 
 def count_changes(
-    names: Sequence[str], times: Sequence[Array], other: Sequence[Array], change: str
+    names: Sequence[str],
+    times: Sequence[Array],
+    other: Sequence[Array],
+    change: str,
+    since: ArrayLike = -np.inf,
 ) -> tuple[str, ...]:
     """Describe units whose spike count differs between two runs; `change` is that of the second.
 
-    times, other: (n_units,) spike times of the same units. More than MANY units share one note.
+    times, other: (n_units,) spike times of the same units; since: those from which on they count,
+    (n_units,) or one number. More than MANY units share one note.
     """
-    counts = [(len(a), len(b)) for a, b in zip(times, other, strict=True)]
+    starts = np.broadcast_to(since, (len(names),))
+    counts = [
+        (int(np.sum(a >= start)), int(np.sum(b >= start)))
+        for a, b, start in zip(times, other, starts, strict=True)
+    ]
     off = [abs(b - a) for a, b in counts if a != b]
     if len(off) > MANY:
         return (

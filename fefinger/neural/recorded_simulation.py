@@ -11,6 +11,7 @@ from fefinger.neural.checked_signals import (
     checked_types,
     coarse_remarks,
     count_changes,
+    counted,
     organ_columns,
     unit_array,
     unit_delays,
@@ -57,6 +58,7 @@ def simulate_recorded(
     step: float | None = None,
     check: bool = True,
     exact: bool = False,
+    since: float = -np.inf,
 ) -> SpikeTrains:
     """Simulate the spikes of units that fire as recorded ones do.
 
@@ -82,7 +84,7 @@ def simulate_recorded(
         Parameters by type, where they are not the fitted ones.
     step
         Longest integration step in s; by default that of LONGEST.
-    check, exact
+    check, exact, since
         As in `units.simulate_units`.
 
     Raises
@@ -106,17 +108,19 @@ def simulate_recorded(
     notes = () if exact else tuple(coarse_remarks(time, x_in, types, names))
     if check:
         half, *_ = _fire(units, time, x_in, steps / 2)
-        notes += count_changes(names, times, half, "the step of the membrane is halved")
+        change = "the step of the membrane is halved"
+        notes += count_changes(names, times, half, change, since - later)
     if check and not exact:
         thin = np.unique(np.append(np.arange(0, len(time), 2), len(time) - 1))
         coarse, *_ = _fire(units, time[thin], x_in[thin], steps)
-        notes += count_changes(names, times, coarse, "only every second sample is used")
+        change = "only every second sample is used"
+        notes += count_changes(names, times, coarse, change, since - later)
     return SpikeTrains(
         family="recorded",
         types=types,
         names=names,
-        times=tuple(each + late for each, late in zip(times, later, strict=True)),
-        t_start=float(time[0]),
+        times=counted(times, later, since),
+        t_start=max(float(time[0]), since),
         t_stop=float(time[-1] + later.max()),
         time=time,
         x_in=x_in,

@@ -12,6 +12,7 @@ from fefinger.neural.checked_signals import (
     checked_types,
     coarse_remarks,
     count_changes,
+    counted,
     dense_times,
     organ_columns,
     remarks,
@@ -176,6 +177,7 @@ def simulate_units(
     tolerance: float | None = None,
     check: bool = True,
     exact: bool = False,
+    since: float = -np.inf,
 ) -> SpikeTrains:
     """Simulate the spikes of afferent units, each with one or more end organs.
 
@@ -222,6 +224,8 @@ def simulate_units(
     exact
         The straight lines between the samples are the signal, corners included: the sampling is
         neither checked nor remarked on, since fewer samples would be another signal.
+    since
+        Time in s, at the recording, from which on spikes count; those before it are left out.
 
     Raises
     ------
@@ -257,15 +261,15 @@ def simulate_units(
     if not exact:
         notes += tuple(coarse_remarks(time, mean_in, types, names))
     if check:
-        notes += _changes(setup, names, firing, exact=exact)
+        notes += _changes(setup, names, firing, since - later, exact=exact)
     by_type = sorted(range(len(types)), key=types.__getitem__)
     current = np.empty((len(time), len(types)))
     current[:, by_type] = setup.combined(by_type)
     return SpikeTrains(
         types=types,
         names=names,
-        times=tuple(times + late for times, late in zip(firing.times, later, strict=True)),
-        t_start=float(time[0]),
+        times=counted(firing.times, later, since),
+        t_start=max(float(time[0]), since),
         t_stop=float(time[-1] + later.max()),
         time=time,
         x_in=mean_in,
@@ -302,17 +306,18 @@ def _squid(membrane: object, what: str) -> HodgkinHuxley:
 
 
 def _changes(
-    setup: _Setup, names: Sequence[str], firing: Firing, *, exact: bool
+    setup: _Setup, names: Sequence[str], firing: Firing, since: Array, *, exact: bool
 ) -> tuple[str, ...]:
     """Describe units whose spike count depends on the step or, unless exact, on the sampling."""
     half = _fire(replace(setup, dt=setup.dt / 2), driven=False)
-    notes = count_changes(names, firing.times, half.times, "the step of the membrane is halved")
+    change = "the step of the membrane is halved"
+    notes = count_changes(names, firing.times, half.times, change, since)
     if exact:
         return notes
     thin = np.unique(np.append(np.arange(0, len(setup.time), 2), len(setup.time) - 1))
     fewer = replace(setup, time=setup.time[thin], x_in=setup.x_in[thin])
     coarse, change = _fire(fewer, driven=False), "only every second sample is used"
-    return (*notes, *count_changes(names, firing.times, coarse.times, change))
+    return (*notes, *count_changes(names, firing.times, coarse.times, change, since))
 
 
 def _fire(setup: _Setup, *, driven: bool) -> Firing:

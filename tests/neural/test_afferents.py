@@ -9,8 +9,10 @@ import pytest
 
 from fefinger.neural.checked_signals import count_changes
 from fefinger.neural.membranes import IntegrateAndFire
+from fefinger.neural.recorded_simulation import simulate_recorded
 from fefinger.neural.reference import Reference, equivalent_displacements
 from fefinger.neural.units import simulate_units
+from fefinger.neural.variation import Variation
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 
@@ -153,6 +155,22 @@ def test_counts_that_change_are_named():
     assert len(sentences) == int(np.sum(a.count() != b.count())) > 0
     assert sentences[0].startswith("SAI: the spike count changes from ")
     assert count_changes(a.names, a.times, a.times, "nothing is") == ()
+
+
+@pytest.mark.parametrize("simulate", [simulate_units, simulate_recorded])
+def test_spikes_that_do_not_count_change_no_count(simulate):
+    """A vibration of which every second sample is nothing, and silence after it."""
+    time = np.arange(200) * 5e-3
+    x = np.where(time < 0.5, 0.5 * (np.arange(200) % 2), 0.0)
+    given = {"types": ("SAI",), "delays": 0.02, "variation": Variation(seed=0)}
+    whole = simulate(time, x[:, None], **given)
+    assert any("SAI: the spike count changes" in note for note in whole.notes)
+    late = simulate(time, x[:, None], since=0.8, **given)
+    assert not any("spike count" in note for note in late.notes)
+    assert late.t_start == 0.8
+    assert late.count().tolist() == [0]
+    last = whole.times[0][-1]
+    assert simulate(time, x[:, None], since=last, **given).times[0].tolist() == [last]
 
 
 @pytest.mark.parametrize(
