@@ -89,7 +89,7 @@ MEANINGS = {
     "highest_pressure_rel_error": "expected error of the highest pressure over its value",
     "contact_area_rel_error": "expected error of the area over its value",
     "strain_rel_error": "expected error of the strain over its value",
-    "spikes": "spikes of all units up to the time of the row",
+    "spikes": "spikes of all units, at the end organs, up to the time of the row",
     "shift_distal_mm": "center of pressure from first touch, toward the tip",
     "shift_side_mm": "center of pressure from first touch, sideways",
     "asymmetry": "force distal of first touch minus that proximal, over the force: -1 to 1",
@@ -117,7 +117,7 @@ MEANINGS = {
 PREFIXES = {
     "sensor_": "by the array of the thesis, without noise: {}",
     "hertz_": "by elliptic Hertz contact on a half-space: {}",
-    "spikes_": "spikes of the units of {} up to the time of the row",
+    "spikes_": "spikes of the units of {}, at the end organs, up to the time of the row",
 }
 """Columns that begin so hold the same of something else."""
 

@@ -130,10 +130,10 @@ def _oscillation(result: Result) -> dict[str, Any]:
 
 
 def _spikes(result: Result, time: float) -> dict[str, int]:
-    """Count the spikes up to a time, of all units and of each type."""
+    """Count the spikes that have left the end organs up to a time, of all units and each type."""
     trains = result.spikes
     assert trains is not None
-    counts = [int((times <= time).sum()) for times in trains.times]
+    counts = [int((trains.at_end_organs(i) <= time).sum()) for i in range(len(trains))]
     row = {"spikes": sum(counts)}
     for kind, count in zip(trains.types, counts, strict=True):
         row[f"spikes_{kind}"] = row.get(f"spikes_{kind}", 0) + count

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 import process_calls
@@ -114,7 +115,7 @@ def test_every_column_has_a_meaning_and_the_console_is_narrow(pressed):
     for name in {name for row in told for name in row} - {"indenter.angle_deg", READINGS}:
         assert meaning(name)
     assert meaning("sensor_ellipticity").startswith("by the array of the thesis, without noise: 1 ")
-    assert meaning("spikes_SAI") == "spikes of the units of SAI up to the time of the row"
+    assert meaning("spikes_SAI").startswith("spikes of the units of SAI, at the end organs")
     study = StudyRows("press", ("indenter.angle_deg",), tuple(told), (), 1, 0, {"grid": {}})
     lines = console.study_summary(console.study_record(study, [])).splitlines()
     assert lines[0].split()[:4] == ["angle/deg", "at", "force/N", "error"]
@@ -227,6 +228,14 @@ def test_spikes_are_counted_up_to_the_time_of_the_row(synthetic):
         assert told["end"][f"spikes_{kind}"] == count
     early = [times <= told["1 mm"]["time_s"] for times in synthetic.spikes.times]
     assert told["1 mm"]["spikes"] == sum(int(each.sum()) for each in early)
+    nerve = replace(
+        synthetic.spikes,
+        times=tuple(times + 5.0 for times in synthetic.spikes.times),
+        delays=np.full(len(synthetic.spikes), 5.0),
+    )
+    delayed = {row["at"]: row for row in rows(replace(synthetic, spikes=nerve), depths=(1.0,))}
+    for when, row in told.items():
+        assert delayed[when]["spikes"] == row["spikes"]
 
 
 # Running
