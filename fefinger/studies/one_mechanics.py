@@ -43,11 +43,12 @@ def agreed(
 ) -> tuple[dict[int, Task], str]:
     """Assign one mechanics and mesh to all tasks; also return a sentence on the choice.
 
-    The mechanics is the one named in the tasks, or the cheapest that refuses none of the scenes;
-    the mesh is the finest that one of them needs, for those that do not state theirs. Where no
-    mechanics can answer all, the tasks are unchanged. The choice is stored in a `folder`, because
-    the cheapest depends on the caches of this machine, and a continued study must not change it.
-    `over` are the fields of the grid.
+    The mechanics is the one named in the tasks or in all scenes (`ask.mechanics`), or the cheapest
+    that refuses none of the scenes; scenes that name different ones keep them. The mesh is the
+    finest that one of them needs, for those that do not state theirs. Where no mechanics can answer
+    all, the tasks are unchanged. The choice is stored in a `folder`, because the cheapest depends
+    on the caches of this machine, and a continued study must not change it. `over` are the fields
+    of the grid.
     """
     keys = "".join(sorted(map(key, tasks.values()))).encode()
     place = folder / f"choice-{hashlib.sha256(keys).hexdigest()[:16]}.json" if folder else None
@@ -77,6 +78,11 @@ def _choice(tasks: Mapping[int, Task], over: Collection[str]) -> Choice:
     sample = list(tasks.values())[:: -(-len(tasks) // MOST)]
     scenes = [Scene.from_dict(task["scene"]) for task in sample]
     named = sample[0]["mechanics"]
+    if named is None:
+        stated = {task["scene"]["ask"].get("mechanics") for task in tasks.values()}
+        if len(stated) > 1:
+            return Choice(None, None, "")
+        (named,) = stated
     planned = [(scene, plan) for scene in scenes if (plan := _plan(scene, named)) is not None]
     chosen = (_named(plan.mechanics, _mesh(scene, plan)) for scene, plan in planned)
     used = list(dict.fromkeys(chosen))

@@ -113,6 +113,14 @@ def test_one_that_refuses_a_scene_is_passed_over(monkeypatch):
     assert one_mechanics.agreed(asked) == (asked, "")
 
 
+def test_a_mechanics_that_the_scenes_name_answers_them(monkeypatch):
+    planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")), refusing=("hertz",))
+    named = tasks(ANGLES, **{"ask.mechanics": "hertz"})
+    assert mechanics_of(one_mechanics.agreed(named)[0]) == {"hertz"}
+    compared = tasks({"ask.mechanics": ("hertz", "linear"), **ANGLES})
+    assert one_mechanics.agreed(compared) == (compared, "")
+
+
 def test_a_mechanics_that_is_named_answers_all_on_the_finest_mesh_that_one_needs(monkeypatch):
     takes = {15: ("lumped", "coarse"), 30: ("lumped", "coarse"), 45: ("lumped", "standard")}
     planned(monkeypatch, takes, refusing=("linear",))
