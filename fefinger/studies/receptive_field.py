@@ -139,7 +139,8 @@ def receptive_field(
         Whether units have the published numbers of end organs, and the seed of their places and of
         the noise. Gains are those of the types: units of a seed do not differ in sensitivity.
     mechanics
-        Name of the mechanics; by default the cheapest for all places that does not refuse.
+        Name of the mechanics; by default that of the scene (`ask.mechanics`), or the cheapest for
+        all places that does not refuse.
     progress
         Called with "places" and the fraction that is done.
 
@@ -158,7 +159,7 @@ def receptive_field(
     ask = replace(given.ask, spikes=spikes, population=units, fields=False, pressure=False)
     prepared = replace(given, ask=ask)
     aside = _moved(prepared, ASIDE)
-    plan = choose(aside, mechanics or cheapest(aside, len(places)))
+    plan = choose(aside, mechanics or ask.mechanics or cheapest(aside, len(places)))
     press = partial(_pressed, prepared, plan)
     response, middle = press(np.zeros(2))
     impulses, on, left_out = [], np.ones(len(places), bool), []

@@ -68,6 +68,13 @@ def test_a_seed_moves_end_organs_and_changes_no_gain(monkeypatch):
         np.testing.assert_array_equal(one, other)
 
 
+def test_a_scene_that_names_its_mechanics_is_answered_by_it():
+    ask = replace(SCENE.ask, mechanics="layered", fields=False)
+    ball = replace(SCENE, indenter=ff.Sphere(5), ask=ask)
+    field = ff.receptive_field(ball, ("SAI",), reach=2.0, spacing=2.0, branched=False)
+    assert field.mechanics == "layered"
+
+
 def test_the_field_is_that_of_the_scene_with_the_object_there(field):
     """Against a run of its own, with a population of that one unit."""
     place = (0.0, 2.0)
