@@ -98,9 +98,10 @@ def study(
         Forces and depths of the rows, as "1N" and "0.5mm", on the loading branch; by default those
         of 1 N and 1 mm that are reached.
     mechanics
-        Name of the mechanics; by default one for all scenes, the cheapest that refuses none of
-        them. Either is on one mesh, the finest that one of the scenes needs, unless they state
-        `finger.resolution`; "each" takes the cheapest for every scene, and its mesh.
+        Name of the mechanics; by default those that the scenes name (`ask.mechanics`), or one for
+        all scenes, the cheapest that refuses none of them. One for all is on one mesh, the finest
+        that one of the scenes needs, unless they state `finger.resolution`; "each" takes the
+        cheapest for every scene, and its mesh.
     folder
         Where finished scenes are stored and looked up; None stores none.
     workers
