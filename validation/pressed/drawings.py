@@ -10,10 +10,10 @@ from fefinger.view.figures import INK, STEEL, figure, style
 
 SIZE = (8.0, 5.0)  # inches
 
-FACES = ("none", STEEL, INK, "#009E73", "#D55E00")
+FACES = ("none", STEEL, INK, "#009E73", "#D55E00", "#CC79A7")
 """Fill of the marks of each set of scenes."""
 
-DEPTHS = np.linspace(0.05, 0.24, 96)
+DEPTHS = np.linspace(0.02, 0.24, 111)
 """Depths over the thickness at which the stated errors are drawn."""
 
 

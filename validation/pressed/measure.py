@@ -7,6 +7,7 @@ Scenes that are in the report already, of the same format, are not run again.
 import json
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +20,19 @@ from scipy.spatial import cKDTree
 from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.evidence.table import TABULATION, TABULATION_SETS
 from fefinger.mechanics.evidence.tabulation_error import retreats
+from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.tabulated_press import (
+    METHOD,
+    TabulatedPress,
+    table_of,
+    tabulated_response,
+)
 from fefinger.results.pressure import peaks
 from fefinger.results.records import Response
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.progress import Stages
 
 
 SAME_PLACE = 1e-9
@@ -42,9 +51,24 @@ def compared(scene: Scene) -> dict[str, Any]:
         true = solid.respond(scene)
     except (InputError, ConvergenceError) as error:
         return row | {"refused": str(error)}
-    quick = pressed.respond(scene)
     row["part"] = float(true.depth.max()) / scene.finger.thickness
-    return row | errors(true, quick, scene.motion.control == "force")
+    by_force = scene.motion.control == "force"
+    row |= errors(true, pressed.respond(scene), by_force)
+    if not by_force:
+        phases = errors(true, relaxed_as_one(scene), by_force)
+        row["relaxed as one"] = {
+            phase: phases[phase]["force"] for phase in ("loading", "retreat") if phases[phase]
+        }
+    return row
+
+
+def relaxed_as_one(scene: Scene) -> Response:
+    """Answer a scene with a force that relaxes as that of small strain does: a work ratio of 1."""
+    stages = Stages()
+    press = Press.of(scene, METHOD, stages, mechanics=pressed.name, notes=())
+    table = table_of(press, scene.indenter, stages)
+    tabulated = TabulatedPress.of(press, replace(table, work=np.ones_like(table.work)))
+    return tabulated_response(tabulated, tabulated.along(press.time), stages)
 
 
 def errors(true: Response, quick: Response, by_force: bool) -> dict[str, Any]:

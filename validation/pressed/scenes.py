@@ -1,6 +1,10 @@
-"""Scenes on which `pressed` is compared with `solid`: four draws, and the deep built-in scenes."""
+"""Scenes on which `pressed` is compared with `solid`.
+
+They are four draws, the deep built-in scenes, and light touches.
+"""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 from numpy.random import Generator
@@ -39,13 +43,23 @@ PARTS = {
 SPEED = (0.2, 500.0)
 """Least and largest speed in mm/s."""
 
+OBJECTS: tuple[Indenter, ...] = (Flat(30), Sphere(5.0))
+LIGHT, LIGHT_SPEEDS = (0.02, 0.03, 0.05, 0.07), (5.0, 20.0, 100.0)
+"""Objects, depths over the thickness and speeds in mm/s of the light touches: few or no scenes are
+drawn at these depths."""
+
 
 def drawn(name: str) -> list[Scene]:
-    """Return the scenes of a set, the same each time; "built-in" ones on the coarse mesh."""
+    """Return the scenes of a set, the same each time.
+
+    "built-in" and "light" ones are on the coarse mesh.
+    """
     if name == "built-in":
         coarse_mesh = {"finger.resolution": "coarse"}
         ask = Ask(fields=False)
         return [replace(builtin.load(each, coarse_mesh), ask=ask) for each in BUILT_IN]
+    if name == "light":
+        return [_light(*each) for each in product(OBJECTS, LIGHT, LIGHT_SPEEDS)]
     rng = np.random.default_rng(SEEDS[name])
     scenes = [_scene(rng, f"{name} {number}", PARTS[name]) for number in range(COUNTS[name])]
     coarse = COUNTS[name] - STANDARD[name]
@@ -54,6 +68,14 @@ def drawn(name: str) -> list[Scene]:
         replace(scene, finger=replace(scene.finger, resolution=mesh))
         for scene, mesh in zip(scenes, meshes, strict=True)
     ]
+
+
+def _light(indenter: Indenter, part: float, speed: float) -> Scene:
+    """Return a light touch on the coarse finger of a.h. that retreats after a short hold."""
+    finger = Finger.subject("a.h.", resolution="coarse")
+    motion = Trapezoid(speed, part * finger.thickness, hold=0.2)
+    name = f"light {indenter.kind} {part:g} {speed:g}"
+    return Scene(name=name, finger=finger, indenter=indenter, motion=motion, ask=Ask(fields=False))
 
 
 def _scene(rng: Generator, name: str, part: tuple[float, float]) -> Scene:

@@ -138,7 +138,8 @@ def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure: the errors of all scenes, and one scene through time."""
     yield (
         "Errors of `pressed` against `solid` on the same mesh, by depth over thickness: scenes of "
-        "four draws, and deep built-in scenes. Dashed: the error that is stated from all of them.",
+        "four draws, deep built-in scenes and light touches. Dashed: the error that is stated from "
+        "all of them.",
         drawings.errors(
             {name: read(TABULATION)[name] for name in TABULATION_SETS},
             {key: partial(stated, *key) for key in WANTED},

@@ -28,8 +28,12 @@ PRESS_MESH = "press-mesh.json"
 MAIN = "a.h."
 """Subject whose finger was pressed by every object."""
 
-TABULATION_SETS = ("rules", "held-out", "deep", "standard", "built-in")
-"""Sets of scenes in which `pressed` was compared with `solid`: four draws, and built-in ones."""
+TABULATION_SETS = ("rules", "held-out", "deep", "standard", "built-in", "light")
+"""Sets of scenes in which `pressed` was compared with `solid`: four draws, built-in ones, and light
+touches that retreat."""
+
+AS_ONE = "force relaxed as one"
+"""Force of a table that relaxes as that of small strain does: with its whole stress."""
 
 SECONDS = ("build", "setup", "fields", "step", "area", "reference")
 """Stages whose CPU seconds are measured, as quantities "setup seconds" and so on."""
@@ -174,6 +178,8 @@ def _tabulation(name: str) -> Iterator[Measured]:
         for quantity in ("force", "strain", "area"):
             if quantity in row["retreat"]:
                 errors[f"{quantity} on retreat"] = row["retreat"][quantity]
+        for phase, error in row.get("relaxed as one", {}).items():
+            errors[AS_ONE if phase == "loading" else f"{AS_ONE} on retreat"] = error
         conditions, scene = {"part": row["part"]}, row["scene"]["name"]
         for quantity, error in errors.items():
             what = f"error of {quantity}"

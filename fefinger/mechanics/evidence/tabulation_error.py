@@ -14,7 +14,7 @@ import numpy as np
 
 from fefinger.mechanics.evidence import small_strain_cost
 from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.table import TABULATION, Measured, read, table
+from fefinger.mechanics.evidence.table import AS_ONE, TABULATION, Measured, read, table
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.scene.motion import Motion
@@ -47,11 +47,6 @@ RELAXING_BACK = 0.25
 """The same for retreat, where the error of the force grows less than the relaxation: in trapezoids
 to 0.03 and 0.1 of the thickness it is up to 2.0 % of the peak where 0.1 relaxes, 2.6 % where 0.3
 does, and 2.7 % at 0.67."""
-
-LEAST_BACK = 0.031
-"""Least error of the force on retreat, without MARGIN: in trapezoids of the plate at 30 degrees and
-the ball of 5 mm on a.h. (coarse mesh) to 0.02, 0.03, 0.05 and 0.07 of the thickness it is up to
-3.7, 2.5, 2.6 and 3.0 %, where few or no scenes were drawn."""
 
 BETWEEN = {
     "force": {"coarse": (4.3e-4, 3.5e-3), "standard": (1.2e-4, 3.5e-3)},
@@ -90,12 +85,11 @@ def error(case: Situation, quantity: str, *, table: bool = True) -> float:
 
     table: of a table, with the error between its depths; otherwise of small strain.
     """
-    rows, relaxing = _rows(quantity), RELAXING
+    what = quantity if table or quantity != "force" else AS_ONE
+    rows, relaxing = _rows(what), RELAXING
     if quantity == "force" and retreats(case.motion):
-        rows, relaxing = [*rows, *_rows("force on retreat")], RELAXING_BACK
+        rows, relaxing = [*rows, *_rows(f"{what} on retreat")], RELAXING_BACK
     largest = largest_about(case.depth_over_thickness, _by_part(rows), quantity)
-    if relaxing == RELAXING_BACK:
-        largest = max(largest, LEAST_BACK)
     share = min(1.0, (1.0 - case.finger.prony.long_time) / relaxing)
     if not table:
         return (SMALL_STRAIN if quantity == "force" else 1.0) * MARGIN * largest * share
