@@ -150,12 +150,15 @@ class Continuum:
         Its shears count twice: its product with a second Piola-Kirchhoff stress is their work.
         """
         moved = values[self.space.unknowns[:, :30]].reshape(-1, 10, 3).swapaxes(1, 2)
-        local = moved[:, None] @ self.reference  # (n_cells, n_q, 3, 3)
-        gradient = local @ self.jacobians[:, None]
-        rows, columns = zip(*VOIGT, strict=True)
-        product = gradient.swapaxes(2, 3) @ gradient
-        strain = gradient[..., rows, columns] + gradient[..., columns, rows]
-        strain += product[..., rows, columns]
+        local = moved @ self.reference.swapaxes(0, 1).reshape(10, -1)
+        gradient = (local.reshape(len(moved), -1, 3) @ self.jacobians).reshape(len(moved), 3, -1, 3)
+        components = [
+            gradient[:, i, :, j]
+            + gradient[:, j, :, i]
+            + (gradient[..., i] * gradient[..., j]).sum(1)
+            for i, j in VOIGT
+        ]
+        strain = np.stack(components, axis=-1)
         return np.asarray(strain * self.weights[..., None] * ENGINEERING / 2)
 
 
