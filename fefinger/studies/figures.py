@@ -9,14 +9,19 @@ from typing import Any
 import numpy as np
 
 from fefinger.studies.columns import MEASURES, READINGS, bounds, split, words
+from fefinger.studies.grid import DIGITS
 from fefinger.support.arrays import Array
 from fefinger.view import figures, quantities
 
 
 Rows = Sequence[Mapping[str, Any]]
+Groups = dict[str, list[Mapping[str, Any]]]
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#E69F00", "#56B4E9", "#1f2933", "#8b98a5")
 """Okabe and Ito (2008), as the colors of the afferents."""
+
+MARKERS = "os^D"
+"""Markers of the series that have each color, of the first to the fourth."""
 
 SHARED: dict[str, tuple[Any, str, dict[str, str]]] = {
     "sensor_": (
@@ -49,34 +54,65 @@ STEP = 4.0
 
 
 def label(row: Mapping[str, Any], series: Sequence[str]) -> str:
-    """Label of a row's series: the values of the fields in `series`."""
-    values = {name: row[name] for name in series}
+    """Label of a row's series: the values of the fields in `series`, with their units."""
     return ", ".join(
-        value if isinstance(value, str) else f"{name.rpartition('.')[2]} {value}"
-        for name, value in values.items()
+        row[name] if isinstance(row[name], str) else f"{_field(name)} {_value(row, name)}"
+        for name in series
     )
 
 
-def panels(rows: Rows, x: str, series: Sequence[str], skip: Sequence[str] = ()) -> Any:
+def _field(name: str) -> str:
+    """Name of a field in a label: without its table and its unit."""
+    return split(name)[0].rpartition(".")[2]
+
+
+def _value(row: Mapping[str, Any], name: str) -> str:
+    """Value of a field in a label, with its unit."""
+    value = row[name]
+    text = f"{value:.{DIGITS}g}" if isinstance(value, float) else str(value)
+    return f"{text} {split(name)[1]}".strip()
+
+
+def _look(number: int) -> dict[str, Any]:
+    """Color and marker of a series by its number; the markers tell equal colors apart."""
+    turn, color = divmod(number, len(PALETTE))
+    return {"color": PALETTE[color], "marker": MARKERS[turn % len(MARKERS)]}
+
+
+def panels(
+    rows: Rows,
+    x: str,
+    series: Sequence[str],
+    skip: Sequence[str] = (),
+    labels: Sequence[str] = (),
+) -> Any:
     """Draw every measure of `rows` against the column `x`, one color per series.
 
     Bars are the expected errors where the rows have them. A constant measure, such as the depth at
-    the end of equal presses, is left out.
+    the end of equal presses, is left out. `labels` are those of all series of a page, some of which
+    these rows may lack: they keep a series in its color.
     """
-    names = varying(rows, skip)
+    from matplotlib.lines import Line2D
+
+    groups, names = grouped(rows, series, labels), varying(rows, skip)
     count = max(-(-len(names) // 3), 1)
     with figures.style():
         drawn = figures.figure(figures.WIDE, 0.7 + 2.15 * count)
         axes = drawn.subplots(count, 3, squeeze=False, sharex=True)
         for axis, name in zip(axes.flat, names, strict=False):
-            _panel(axis, rows, x, series, name)
+            _panel(axis, groups, x, name)
         for axis in axes.flat[len(names) :]:
             axis.set_axis_off()
         for column in axes.T:
             for axis in [axis for axis in column if axis.axison][-1:]:
                 axis.set_xlabel(words(x))
                 axis.tick_params(labelbottom=True)
-        _legend(drawn, rows, series)
+        handles = [
+            Line2D([], [], color=figures.INK, linestyle=style, label=text)
+            for prefix, (style, text, _) in SHARED.items()
+            if any(_number(row, name) for row in rows for name in row if name.startswith(prefix))
+        ]
+        _legend(drawn, groups, handles)
         return drawn
 
 
@@ -85,12 +121,12 @@ def varying(rows: Rows, skip: Sequence[str] = ()) -> list[str]:
     return [name for name in MEASURES if name not in skip and _varies(rows, name)]
 
 
-def _panel(axis: Any, rows: Rows, x: str, series: Sequence[str], name: str) -> None:
+def _panel(axis: Any, groups: Groups, x: str, name: str) -> None:
     """Draw one measure with its expected errors, and the same of the array and of Hertz."""
     shared = ((style, more.get(name, to + name)) for to, (style, _, more) in SHARED.items())
     styles = [("-", name), *shared]
-    for number, group in enumerate(grouped(rows, series).values()):
-        color = PALETTE[number % len(PALETTE)]
+    for number, group in enumerate(groups.values()):
+        look = _look(number)
         _bars(axis, group, x, name, number)
         for style, column in styles:
             finite = [row for row in group if _number(row, column)]
@@ -98,8 +134,8 @@ def _panel(axis: Any, rows: Rows, x: str, series: Sequence[str], name: str) -> N
                 [row[x] for row in finite],
                 [row[column] for row in finite],
                 style,
-                color=color,
-                marker="o" if style == "-" else None,
+                color=look["color"],
+                marker=look["marker"] if style == "-" else None,
                 markersize=2.5,
                 linewidth=1.6 if style == "-" else 1.1,
             )
@@ -120,31 +156,31 @@ def _bars(axis: Any, group: Rows, x: str, name: str, number: int) -> None:
         values,
         yerr=[values - ends[:, 0], ends[:, 1] - values],
         fmt="none",
-        ecolor=PALETTE[number % len(PALETTE)],
+        ecolor=_look(number)["color"],
         elinewidth=0.9,
         capsize=2 + 1.5 * (number % len(PALETTE)),
         alpha=0.6,
     )
 
 
-def grouped(rows: Rows, series: Sequence[str]) -> dict[str, list[Mapping[str, Any]]]:
-    """Group the rows by series, in their order."""
-    groups: dict[str, list[Mapping[str, Any]]] = {}
+def grouped(rows: Rows, series: Sequence[str], labels: Sequence[str] = ()) -> Groups:
+    """Group the rows by the label of their series, in the order of `labels` and of the rows."""
+    groups: Groups = {name: [] for name in labels}
     for row in rows:
         groups.setdefault(label(row, series), []).append(row)
     return groups
 
 
-def _legend(drawn: Any, rows: Rows, series: Sequence[str]) -> None:
+def _legend(drawn: Any, groups: Groups, others: Sequence[Any] = ()) -> None:
+    """Name the series that are drawn, and other lines."""
     from matplotlib.lines import Line2D
 
-    names = [name for name in grouped(rows, series) if name]
     handles = [
-        Line2D([], [], color=PALETTE[i % len(PALETTE)], label=name) for i, name in enumerate(names)
+        Line2D([], [], label=name, markersize=2.5, **_look(number))
+        for number, (name, group) in enumerate(groups.items())
+        if name and group
     ]
-    for prefix, (style, text, _) in SHARED.items():
-        if any(_number(row, name) for row in rows for name in row if name.startswith(prefix)):
-            handles.append(Line2D([], [], color=figures.INK, linestyle=style, label=text))
+    handles += others
     if handles:
         drawn.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 4))
 
@@ -162,20 +198,21 @@ def _varies(rows: Rows, name: str) -> bool:
     return len(values) == 1 or (len(values) > 1 and np.ptp(values) > most)
 
 
-def spikes(rows: Rows, x: str, series: Sequence[str]) -> Any:
-    """Draw the spikes of each type against the column `x`."""
+def spikes(rows: Rows, x: str, series: Sequence[str], labels: Sequence[str] = ()) -> Any:
+    """Draw the spikes of each type against the column `x`, in the colors of `panels`."""
+    groups = grouped(rows, series, labels)
     types = [kind for kind in figures.COLORS if any(f"spikes_{kind}" in row for row in rows)]
     with figures.style():
         drawn = figures.figure(figures.WIDE, 2.4)
         axes = drawn.subplots(1, len(types), squeeze=False)
         for axis, kind in zip(axes[0], types, strict=True):
-            for number, group in enumerate(grouped(rows, series).values()):
+            for number, group in enumerate(groups.values()):
                 counted = [row for row in group if _number(row, f"spikes_{kind}")]
                 counts = [row[f"spikes_{kind}"] for row in counted]
-                color = PALETTE[number % len(PALETTE)]
-                axis.plot([row[x] for row in counted], counts, "o-", color=color, markersize=2.5)
+                axis.plot([row[x] for row in counted], counts, markersize=2.5, **_look(number))
             axis.set(title=f"{kind}: spikes", xlabel=words(x))
             axis.set_ylim(bottom=0)
+        _legend(drawn, groups)
         return drawn
 
 
@@ -205,8 +242,7 @@ def isobars(rows: Rows, x: str) -> Any:
                 spread = {"vmin": levels[0], "vmax": levels[-1], "cmap": quantities.EVEN}
                 axis.contour(line, line + middle, pressure.T, shown, linewidths=0.9, **spread)
             axis.plot(0, 0, "+", color="#D55E00", markersize=8)
-            title = f"{row[x]:g} {split(x)[1]}".strip()
-            axis.set(aspect="equal", title=title, xlim=(-7, 7), ylim=(-8, 8))
+            axis.set(aspect="equal", title=_value(row, x), xlim=(-7, 7), ylim=(-8, 8))
         for axis in axes.flat[len(rows) :]:
             axis.set_axis_off()
         drawn.supxlabel("sideways / mm", fontsize=9)

@@ -5,7 +5,7 @@ from typing import Any
 
 from fefinger.pages import page
 from fefinger.studies import figures
-from fefinger.studies.columns import ERRORS, MEASURES, READINGS
+from fefinger.studies.columns import ERRORS, MEASURES, READINGS, split
 from fefinger.studies.grid import remarks
 from fefinger.studies.rows import StudyRows
 from fefinger.studies.slope import POINTS, WINDOW
@@ -117,7 +117,13 @@ def errors(rows: Sequence[Mapping[str, Any]]) -> str:
     )
     missing_errors = f"Error not known: {', '.join(unknown)}." if unknown else ""
     first = bars if ranges else "Error not known for any row."
-    return " ".join(filter(None, (first, missing_errors)))
+    bare = [
+        label
+        for name, label in MEASURES.items()
+        if name not in ERRORS and any(row.get(name) is not None for row in done)
+    ]
+    never = f"No error is stated of {'; '.join(bare)}." if bare else ""
+    return " ".join(filter(None, (first, missing_errors, never)))
 
 
 def _given(name: str, row: Mapping[str, Any]) -> bool:
@@ -139,6 +145,7 @@ def _parts(study: StudyRows) -> Iterator[dict[str, Any]]:
     numeric = [name for name in study.over if not isinstance(done[0][name], str)] if done else []
     x = (numeric or list(study.over))[0]
     series = [name for name in study.over if name != x]
+    labels = list(figures.grouped(done, series))
     for at in dict.fromkeys(row["at"] for row in done):
         rows = [row for row in done if row["at"] == at]
         skip = {"N": ("force_N",), "mm": ("depth_mm",)}.get(at.rpartition(" ")[2], ())
@@ -146,30 +153,37 @@ def _parts(study: StudyRows) -> Iterator[dict[str, Any]]:
         if not figures.varying(rows, skip):
             yield part(f"The contact {where}", SAME)
             continue
-        picture = page.svg(figures.panels(rows, x, series, skip))
+        picture = page.svg(figures.panels(rows, x, series, skip, labels))
         yield part(f"The contact {where}", picture=picture)
     ends = [row for row in done if row["at"] == "end"]
     if any("spikes" in row for row in ends):
-        yield part("Spikes of the whole scene", picture=page.svg(figures.spikes(ends, x, series)))
-    yield from maps(done, x)
+        picture = page.svg(figures.spikes(ends, x, series, labels))
+        yield part("Spikes of the whole scene", picture=picture)
+    yield from maps(done, x, series)
     more = "All columns are in table.csv."
     yield part("Rows: contact, and expected errors", more, table=table(done, (*study.over, *MAIN)))
     yield part("Rows: shape, array, Hertz", more, table=table(done, (*study.over, *SHAPE)))
 
 
-def maps(rows: Sequence[Mapping[str, Any]], x: str) -> Iterator[dict[str, Any]]:
-    """Yield the section with the readings of the array, of the first series, at a force if any."""
+def maps(
+    rows: Sequence[Mapping[str, Any]], x: str, series: Sequence[str]
+) -> Iterator[dict[str, Any]]:
+    """Yield the section with the readings of the array, of one series, at a force if any.
+
+    The series is the one with the most readings then.
+    """
     with_array = [row for row in rows if row.get(READINGS)]
     times = sorted({row["at"] for row in with_array}, key=lambda at: (not at.endswith("N"), at))
     if not times:
         return
-    shown = {row[x]: row for row in reversed(with_array) if row["at"] == times[0]}
-    picked = [shown[value] for value in sorted(shown)][:MOST]
-    if isinstance(picked[0][x], str):
+    groups = figures.grouped([row for row in with_array if row["at"] == times[0]], series)
+    label, group = max(groups.items(), key=lambda each: len(each[1]))
+    if any(isinstance(row[x], str) for row in group):
         return
+    of = f" ({label})" if label else ""
     yield part(
         f"Readings of the array at {times[0]}",
-        f"Isobars 4 kPa apart as in Figure 3-3 of the thesis, at values of {x}, in the same colors "
-        "in all panels; the tip is up, and the cross is first touch.",
-        picture=page.svg(figures.isobars(picked, x)),
+        f"Isobars 4 kPa apart as in Figure 3-3 of the thesis, at values of {split(x)[0]}{of}, in "
+        "the same colors in all panels; the tip is up, and the cross is first touch.",
+        picture=page.svg(figures.isobars(sorted(group, key=lambda row: row[x])[:MOST], x)),
     )

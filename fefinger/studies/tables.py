@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fefinger.studies.columns import MEASURES, READINGS, split
+from fefinger.studies.columns import MEASURES, MISSED, READINGS, meaning, split
 from fefinger.studies.rows import StudyRows
 from fefinger.support.atomic_write import in_place, netcdf
 from fefinger.support.checks import InputError
@@ -85,7 +85,7 @@ def _uniform(table: "pd.DataFrame") -> "pd.DataFrame":
 def dataset(study: StudyRows) -> "xr.Dataset":
     """Convert the rows of a study to arrays over the fields of its grid and over `at`.
 
-    Entries of a failed scene are nan or empty.
+    Entries of a failed scene, or at a force or depth that is not reached, are nan or empty.
     """
     import pandas as pd
     import xarray as xr
@@ -98,11 +98,20 @@ def dataset(study: StudyRows) -> "xr.Dataset":
     }
     every = pd.MultiIndex.from_product(axes.values())
     table = study.table()
+    failed = table[table["at"] == ""].set_index(list(study.over)).index
     done = table[table["at"] != ""]
     done = done.drop(columns=keys).set_axis(pd.MultiIndex.from_frame(done[keys])).reindex(every)
-    done["status"] = done["status"].fillna("failed")
+    absent = np.where(every.droplevel(-1).isin(failed), "failed", MISSED)
+    done["status"] = done["status"].fillna(pd.Series(absent, every))
     shape = tuple(len(values) for values in axes.values())
-    arrays = {name: (keys, _plain(done[name]).reshape(shape), _about(name)) for name in done}
+    arrays = {
+        name: (
+            keys,
+            _plain(done[name]).reshape(shape),
+            _about(name, MEASURES.get(name) or meaning(name)),
+        )
+        for name in done
+    }
     with_array = [row for row in rows if row.get(READINGS)]
     if with_array:
         readings = np.full((*shape, len(with_array[0][READINGS])), np.nan)
@@ -110,7 +119,9 @@ def dataset(study: StudyRows) -> "xr.Dataset":
             readings[tuple(axes[name].index(row[name]) for name in keys)] = row[READINGS]
         about = {"units": "kPa", "long_name": "readings of the array, row by row of its elements"}
         arrays[READINGS] = ([*keys, "element"], readings, about)
-    coordinates = {name: (name, values, _about(name)) for name, values in axes.items()}
+    coordinates = {
+        name: (name, values, _about(name, split(name)[0])) for name, values in axes.items()
+    }
     return xr.Dataset(arrays, coordinates, table.attrs)
 
 
@@ -123,11 +134,11 @@ def _plain(column: "pd.Series") -> Any:
     return column.fillna("").astype(str).to_numpy(dtype=object)
 
 
-def _about(name: str) -> dict[str, str]:
-    """Return the attributes of a column."""
-    short, unit = split(name)
+def _about(name: str, words: str) -> dict[str, str]:
+    """Return the attributes of a column, which holds what `words` say."""
+    unit = split(name)[1]
     units = {"units": unit.replace("²", "2")} if unit else {}
-    return {"long_name": MEASURES.get(name, short), **units}
+    return {"long_name": words, **units}
 
 
 def set_aside(study: StudyRows, folder: Path) -> list[str]:

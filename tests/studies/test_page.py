@@ -52,6 +52,38 @@ def test_what_rounding_leaves_of_symmetry_has_no_panel():
     assert report.text(1e-17) == "0"
 
 
+def test_a_series_is_named_with_units_and_keeps_its_color_where_others_are_missing():
+    speed, rows = "motion.speed_mm_per_s", []
+    for angle in (0, 30):
+        rows += [row(angle, **{speed: each, "force_N": each + angle}) for each in range(1, 10)]
+    groups = figures.grouped(rows, [speed])
+    assert list(groups)[1] == "speed 2 mm/s"
+    second = [each for each in rows if each[speed] == 2]
+    for drawn in (
+        figures.panels(second, X, [speed], labels=list(groups)),
+        figures.spikes([each | {"spikes_SAI": 1} for each in second], X, [speed], list(groups)),
+    ):
+        (line,) = [each for each in drawn.axes[0].lines if len(each.get_xdata())]
+        (named,) = drawn.legends[0].get_lines()
+        assert line.get_color() == named.get_color() == figures.PALETTE[1]
+        assert drawn.legends[0].get_texts()[0].get_text() == "speed 2 mm/s"
+    looks = {(line.get_color(), line.get_marker())
+             for line in figures.panels(rows, X, [speed]).legends[0].get_lines()}  # fmt: skip
+    assert len(looks) == len(groups)
+
+
+def test_the_maps_of_the_array_are_of_one_series_which_is_named():
+    speed = "motion.speed_mm_per_s"
+    reading = {"sensor_middle_distal_mm": 0.0, READINGS: [9.0] * 64}
+    rows = [
+        {**row(angle, **{speed: each}, **reading), "at": "1 N"}
+        for each, angles in ((5, [20]), (60, [20, 35]))
+        for angle in angles
+    ]
+    (section,) = report.maps(rows, X, [speed])
+    assert "at values of indenter.angle (speed 60 mm/s), in" in section["texts"][0]
+
+
 def test_isobars_have_one_color_for_one_pressure_in_all_panels_and_a_bar_with_the_unit():
     peak = np.exp(-((np.arange(8) - 3.5) ** 2) / 6)
     rows = [
@@ -69,8 +101,8 @@ def test_isobars_have_one_color_for_one_pressure_in_all_panels_and_a_bar_with_th
 
 def test_the_page_tells_on_top_what_was_not_reached_and_what_the_bars_are():
     told = [
-        row(0.0, force_N=1.0, force_rel_error=0.1, contact_area_mm2=3.0),
-        row(30.0, force_N=1.0, force_rel_error=0.2, contact_area_mm2=3.0),
+        row(0.0, force_N=1.0, force_rel_error=0.1, contact_area_mm2=3.0, asymmetry=0.1),
+        row(30.0, force_N=1.0, force_rel_error=0.2, contact_area_mm2=3.0, asymmetry=0.2),
     ]
     missed = [
         {X: angle, "at": "50 N", "status": "not reached: force = 2 N at most", "mechanics": name}
@@ -85,6 +117,7 @@ def test_the_page_tells_on_top_what_was_not_reached_and_what_the_bars_are():
     assert "The array of the thesis" not in top
     assert "not of the tissue" in top
     assert "Error not known: contact area in 2 of 2 rows." in top
+    assert "No error is stated of asymmetry of the force." in top
     assert "force_<wbr>rel_<wbr>error" in rest
     assert "peak pressure" not in page
 

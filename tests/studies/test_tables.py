@@ -64,6 +64,19 @@ def test_a_netcdf_has_the_grid_as_axes_with_units_and_what_made_it(grid, tmp_pat
         assert data.attrs["grid.motion.depth"] == "[0.4, 6, 0.2]"
 
 
+def test_an_array_says_what_was_not_reached_and_what_every_column_holds():
+    high = {"x_mm": 1.0, "at": "1 N", "status": "done", "force_rel_error": 0.1, "spikes_SAI": 3}
+    low = {"x_mm": 2.0, "at": "end", "status": "done"}
+    lost = {"x_mm": 3.0, "at": "", "status": "failed: no mesh"}
+    data = tables.dataset(_study([high, low, lost]))
+    told = data["status"].sel(at="1 N").values.tolist()
+    assert told == ["done", "not reached", "failed"]
+    assert (
+        data["force_rel_error"].attrs["long_name"] == "expected error of the force over its value"
+    )
+    assert data["spikes_SAI"].attrs["long_name"].startswith("spikes of the units of SAI")
+
+
 def test_what_the_array_reads_is_an_array_too():
     row = {"x_mm": 1.0, "at": "end", "status": "done", "readings_kPa": [1.0, 2.0]}
     none = {"x_mm": 2.0, "at": "end", "status": "done"}
