@@ -202,16 +202,17 @@ class Condensed:
         if self._stiffening is not None:
             message = "step_force: expected depth control, as t(u) is a function of the depth"
             raise InputError(message)
-        if not 0.0 <= force < math.inf:
-            number("force", force, at_least=0, unit="N")
+        if not (isinstance(force, float) and 0.0 <= force < math.inf):
+            force = number("force", force, at_least=0, unit="N")
         return self._advance(dt, force / (NEWTON_PER_MILLINEWTON * self._sides), True)
 
     def _advance(
         self, dt: float, target: float, by_force: bool, output: step_compiled.Output | None = None
     ) -> Step:
-        if not (0.0 <= dt < math.inf and abs(target) < math.inf):
-            number("depth", target, unit="mm")
-            number("dt", dt, at_least=0, unit="s")
+        floats = isinstance(target, float) and isinstance(dt, float)
+        if not (floats and 0.0 <= dt < math.inf and abs(target) < math.inf):
+            target = number("depth", target, unit="mm")
+            dt = number("dt", dt, at_least=0, unit="s")
         stiffening = 1.0 if by_force else self._stiffness(target)
         state, memory = self._state, self._memory
         output = output or self.output

@@ -134,13 +134,10 @@ class Pressed:
         InputError
             A depth beyond `deepest`, or a number that is not finite; the finger stays as it was.
         """
-        try:
-            allowed = depth <= self.deepest and 0.0 <= dt < math.inf and depth > -math.inf
-        except (TypeError, ValueError):
-            allowed = False
-        if not allowed:
-            number("depth", depth, at_most=self.deepest, unit="mm")
-            number("dt", dt, at_least=0, unit="s")
+        floats = isinstance(depth, float) and isinstance(dt, float)
+        if not (floats and -math.inf < depth <= self.deepest and 0.0 <= dt < math.inf):
+            depth = number("depth", depth, at_most=self.deepest, unit="mm")
+            dt = number("dt", dt, at_least=0, unit="s")
         self._contact.advance(dt, depth)
         return self._read()
 
@@ -152,8 +149,10 @@ class Pressed:
         InputError
             A force that presses deeper than `deepest`; the finger stays as it was.
         """
-        number("force", force, at_least=0, unit="N")
-        number("dt", dt, at_least=0, unit="s")
+        force, dt = (
+            number("force", force, at_least=0, unit="N"),
+            number("dt", dt, at_least=0, unit="s"),
+        )
         try:
             self._contact.advance_force(dt, force, self._force)
         except ValueError as error:

@@ -197,8 +197,8 @@ class Sliding:
         ConvergenceError
             If no contact is found.
         """
-        if not abs(depth) < math.inf:
-            number("depth", depth, unit="mm")
+        if not (isinstance(depth, float) and abs(depth) < math.inf):
+            depth = number("depth", depth, unit="mm")
         return self._advance(depth, shift, dt, by_force=False)
 
     def step_force(self, force: float, shift: tuple[float, float], dt: float) -> SlidingStep:
@@ -206,8 +206,8 @@ class Sliding:
 
         Errors as `step`.
         """
-        if not 0.0 <= force < math.inf:
-            number("force", force, at_least=0, unit="N")
+        if not (isinstance(force, float) and 0.0 <= force < math.inf):
+            force = number("force", force, at_least=0, unit="N")
         return self._advance(force / NEWTON_PER_MILLINEWTON, shift, dt, by_force=True)
 
     def _advance(
@@ -216,8 +216,8 @@ class Sliding:
         place = np.array(shift, dtype=float)
         if not (place.shape == (2,) and np.isfinite(place).all()):
             raise InputError(f"shift: expected two finite numbers in mm, received {shift!r}")
-        if not 0.0 <= dt < math.inf:
-            number("dt", dt, at_least=0, unit="s")
+        if not (isinstance(dt, float) and 0.0 <= dt < math.inf):
+            dt = number("dt", dt, at_least=0, unit="s")
         if not self._obstacle.profile.level and math.hypot(*place) > self.reach * (1 + 1e-9):
             raise InputError(FAR.format(self.reach, *place))
         gap, rim = self._travel.gap(place)

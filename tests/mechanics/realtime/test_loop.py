@@ -3,6 +3,7 @@
 import copy
 from collections.abc import Callable
 from dataclasses import fields
+from functools import partial
 
 import numpy as np
 import pytest
@@ -170,8 +171,16 @@ def test_a_finger_that_is_only_pressed_refuses_friction(kind: type) -> None:
         kind(SOFT, ff.Flat(30, friction=0.5), deepest=0.5)
 
 
-@pytest.mark.parametrize("depth", ["0.3", None, 1j, np.array([0.1, 0.2])])
-def test_a_depth_that_is_no_number_is_refused(depth: object) -> None:
-    finger = ff.Pressed(SOFT, ff.Flat(30), deepest=0.5)
-    with pytest.raises(ff.InputError, match="depth: expected"):
-        finger.step(depth, 1e-3)
+@pytest.mark.parametrize("make", [
+    lambda: ff.Pressed(SOFT, ff.Flat(30), deepest=0.5).step,
+    lambda: ff.Condensed(SOFT, ff.Flat(30), deepest=0.5).step,
+    lambda: partial(ff.Sliding(SOFT, ff.Dots(2.5), deepest=0.5).step, shift=(0.0, 0.0)),
+], ids=["pressed", "condensed", "sliding"])  # fmt: skip
+def test_a_depth_or_a_step_that_is_no_number_is_refused(make: Callable) -> None:
+    step = make()
+    for wrong in ("0.3", None, 1j, True, np.array([0.1, 0.2])):
+        with pytest.raises(ff.InputError, match="depth: expected"):
+            step(depth=wrong, dt=1e-3)
+        with pytest.raises(ff.InputError, match="dt: expected"):
+            step(depth=0.1, dt=wrong)
+    assert step(depth=np.array(0), dt=1).depth == 0.0
