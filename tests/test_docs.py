@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import fefinger
+from fefinger.calibration.slow_press import PLATE
 from fefinger.commands.cli import cli
 from fefinger.mechanics import names as mechanics
 from fefinger.scene import builtin
@@ -139,3 +140,10 @@ def test_a_module_that_the_pages_run_is_one() -> None:
     assert "fefinger.validation.afferents.fit" in modules
     for module in modules:
         assert importlib.util.find_spec(module) is not None, module
+
+
+def test_who_calibrates_is_told_the_angle_of_the_plate() -> None:
+    """At another angle the same press takes another force, and would give another tissue."""
+    page = (ROOT / "docs" / "calibrate.md").read_text(encoding="utf-8")
+    for text in (fefinger.calibrate.__doc__, cli.commands["calibrate"].help, page):
+        assert f"a plate at {PLATE.angle:g} degrees to the bone" in " ".join(str(text).split())

@@ -19,7 +19,7 @@ from fefinger.calibration import lumped_fit
 
 record = ff.Scene(
     finger=ff.Finger.subject("a.h."),
-    indenter=ff.Flat(0),
+    indenter=ff.Flat(30),
     motion=ff.RampHold(speed=60, depth=1.5, hold=3),
     ask=ff.Ask(pressure=False, strain=False, fields=False, rel_error=0.9),
 )

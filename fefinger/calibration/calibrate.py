@@ -88,7 +88,7 @@ def calibrate(
     ----------
     source
         A subject of Table 2.1, as "a.h.", or a CSV file of time (s), position (mm), force (N) with
-        a fast ramp and a hold.
+        a fast ramp and a hold of a plate at 30 degrees to the bone.
     finger
         Size and initial tissues; by default those of the subject. Required for a record.
     mechanics

@@ -11,7 +11,6 @@ from fefinger.calibration.targets import finger_of
 from fefinger.support import outputs, processes
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.progress import Progress
-from fefinger.support.text import table
 
 
 Job = dict[str, Any]
@@ -90,41 +89,3 @@ def save(calibrations: Sequence[Calibration], places: Sequence[Path]) -> list[st
     """Write the calibrations into their folders and return the files."""
     pairs = zip(calibrations, places, strict=bool(places))
     return [file for each, place in pairs for file in each.save(place)]
-
-
-def summary(calibration: Calibration) -> str:
-    """Format a calibration as text: parameters, misfits, stages, and what is not identified."""
-    rows = [
-        [
-            each.name,
-            f"{each.value:.4g} +- {each.sd:.2g}",
-            each.unit,
-            "-" if each.prior is None else f"{each.prior[0]:.4g}",
-            each.how,
-        ]
-        for each in calibration.parameters
-    ]
-    stages = [
-        [
-            each.name,
-            f"{each.cpu:.1f}",
-            f"{each.presses} of {each.presses_cpu:.1f}" if each.presses else "-",
-            "-" if each.misfit is None else f"{each.misfit:.3g}",
-        ]
-        for each in calibration.stages
-    ]
-    misfits = [[name, f"{value:.4g}"] for name, value in calibration.residuals.items()]
-    misfits += [
-        [
-            name if "not fitted" in name else f"{name}, not fitted",
-            f"mse {100 * errors['mse']:.2g} %, peaks {100 * errors['peak']:.2g} %",
-        ]
-        for name, errors in calibration.checks.items()
-    ]
-    parts = [
-        calibration.status,
-        table(rows, ("", "value +- one sd", "unit", "prior", "")),
-        table(misfits, ("", "")),
-        table(stages, ("stage", "CPU s", "presses, CPU s", "misfit")),
-    ]
-    return "\n".join([*parts, *(f"not identified: {each}" for each in calibration.unidentified)])

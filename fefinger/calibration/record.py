@@ -16,6 +16,7 @@ from fefinger.scene.tissue import Tissue
 from fefinger.support import atomic_write
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+from fefinger.support.text import table
 from fefinger.theory.relaxation import Prony
 
 
@@ -88,6 +89,43 @@ class Calibration:
     shares: tuple[tuple[float, ...], ...]
     growth: float | None
     checks: dict[str, dict[str, float]] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        """Show parameters, misfits, stages and what is not identified, not the curve."""
+        rows = [
+            [
+                each.name,
+                f"{each.value:.4g} +- {each.sd:.2g}",
+                each.unit,
+                "-" if each.prior is None else f"{each.prior[0]:.4g}",
+                each.how,
+            ]
+            for each in self.parameters
+        ]
+        stages = [
+            [
+                each.name,
+                f"{each.cpu:.1f}",
+                f"{each.presses} of {each.presses_cpu:.1f}" if each.presses else "-",
+                "-" if each.misfit is None else f"{each.misfit:.3g}",
+            ]
+            for each in self.stages
+        ]
+        misfits = [[name, f"{value:.4g}"] for name, value in self.residuals.items()]
+        misfits += [
+            [
+                name if "not fitted" in name else f"{name}, not fitted",
+                f"mse {100 * errors['mse']:.2g} %, peaks {100 * errors['peak']:.2g} %",
+            ]
+            for name, errors in self.checks.items()
+        ]
+        parts = [
+            self.status,
+            table(rows, ("", "value +- one sd", "unit", "prior", "")),
+            table(misfits, ("", "")),
+            table(stages, ("stage", "CPU s", "presses, CPU s", "misfit")),
+        ]
+        return "\n".join([*parts, *(f"not identified: {each}" for each in self.unidentified)])
 
     def __getitem__(self, name: str) -> Parameter:
         """Return the parameter called `name`; KeyError lists the names that exist."""

@@ -50,10 +50,11 @@ def calibrate(
 ) -> None:
     """Fit the tissue of a finger to a ramp and hold.
 
-    DATA.csv is your own record, with the columns time (s), position (mm) and force (N). Without it
-    those of the subjects of Pawluk (1997) are fitted. Solved presses are cached: an interrupted
-    calibration continues where it stopped. On a coarse mesh solid takes some 1.5 minutes of CPU
-    and condensed 15 s; on the standard mesh solid takes longer, by one to six presses.
+    DATA.csv is your own record of a plate at 30 degrees to the bone, with the columns time (s),
+    position (mm) and force (N). Without it those of the subjects of Pawluk (1997) are fitted.
+    Solved presses are cached: an interrupted calibration continues where it stopped. On a coarse
+    mesh solid takes some 1.5 minutes of CPU and condensed 15 s; on the standard mesh solid takes
+    longer, by one to six presses.
     """
     from fefinger.calibration import jobs
     from fefinger.results.candidate import MECHANICS
@@ -70,7 +71,7 @@ def calibrate(
             files = jobs.save(calibrations, folders)
         finally:  # print the answer also where saving it fails
             record = {"calibrations": [each.record() for each in calibrations], "files": files}
-            text = "\n\n".join(map(jobs.summary, calibrations))
+            text = "\n\n".join(map(repr, calibrations))
             lines = [text, *(f"file  {file}" for file in files)]
             if not all(MECHANICS[each.mechanics].finite for each in calibrations):
                 lines.append(NO_TISSUE)

@@ -154,13 +154,13 @@ class ResultRecord:
     def strain(self) -> Array | None:
         """Strain tensor (n_t, n_sites, 3, 3) at the sites, positive in tension.
 
-        Small strain; with the mechanics `solid` logarithmic strain.
+        Small strain; logarithmic strain where `Response.finite`, as of `pressed` and `solid`.
         """
         return self.response.strain
 
     @property
     def green_lagrange(self) -> Array | None:
-        """Green-Lagrange strain (n_t, n_sites, 3, 3) at the sites, of the mechanics `solid` only.
+        """Green-Lagrange strain (n_t, n_sites, 3, 3) at the sites, where the strain is finite.
 
         E = (F'F - I) / 2 = (exp(2 H) - I) / 2 of the logarithmic strain H = ln(F'F) / 2 that
         `strain` then holds, both in the directions of the undeformed finger. None where `strain`

@@ -126,6 +126,8 @@ def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
     assert set(found.checks) == {"2 Hz", "4 Hz", "8 Hz", "16 Hz"}
     files = found.save(tmp_path)
     assert Calibration.load(tmp_path) == found
+    assert repr(found).startswith(found.status)
+    assert len(repr(found)) < 5000
     scene = tmp_path / "scene.toml"
     scene.write_text(
         '[finger]\nsubject = "a.h."\ntissue = "tissue.toml"\n'
