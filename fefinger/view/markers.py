@@ -19,7 +19,8 @@ OFF_PLANE = 0.5  # mm from the cut within which end organs of a population are m
 class Marks:
     """Marks that follow the mesh, with the type and label of each, and the unit it belongs to.
 
-    `trains`: what the units fire, or None.
+    Of marks with the same label all but the most distal one have an empty one. `trains`: what the
+    units fire, or None.
     """
 
     followed: surfaces.Followed
@@ -78,6 +79,8 @@ def _marks(
     if not len(points):
         return None
     types = tuple(sites.types[i] for i in chosen)
-    labels = (f"{kind} {sites.depths[i]:g} mm" for kind, i in zip(types, chosen, strict=True))
+    labels = [f"{kind} {sites.depths[i]:g} mm" for kind, i in zip(types, chosen, strict=True)]
+    shown = {labels[i]: i for i in np.argsort(points[:, 0], kind="stable").tolist()}
+    first = tuple(label if shown[label] == i else "" for i, label in enumerate(labels))
     followed = surfaces.follow(quantities.fields_of(result), points)
-    return Marks(followed, types, tuple(labels), units, result.spikes)
+    return Marks(followed, types, first, units, result.spikes)

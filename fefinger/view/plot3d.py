@@ -262,10 +262,10 @@ class FingerActor:
             self._add_labels(marks, shown.labels)
 
     def _add_labels(self, marks: Any, labels: tuple[str, ...]) -> None:
-        """Add type and depth of a few end organs, in a column above the finger, joined to them."""
+        """Add the labels of a few end organs, in a column above the finger, joined to them."""
         import pyvista as pv
 
-        order = np.argsort(-marks.points[:, 2])
+        order = [i for i in np.argsort(-marks.points[:, 2]) if labels[i]]
         words = [f"  {labels[i]}" for i in order]
         aside, above, line = LABELS  # there the indenter never is
         distal = marks.points[:, 0].max() + aside

@@ -42,6 +42,16 @@ def test_of_a_population_those_near_the_cut_are_marked(crowd: Result) -> None:
     assert found.units.tolist() == np.repeat(np.arange(4), 3).tolist()
 
 
+def test_of_marks_alike_the_most_distal_one_has_the_label(crowd: Result) -> None:
+    assert crowd.sites is not None
+    along = crowd.sites.points + np.outer([0.0, 0.2, 0.3, 0.1, 0.0] * 4, [1.0, 0.0, 0.0])
+    sites = dataclasses.replace(crowd.sites, points=along)
+    response = dataclasses.replace(crowd.response, sites=sites)
+    found = markers.in_section(dataclasses.replace(crowd, response=response))
+    assert found is not None
+    assert found.labels[:6] == ("", "SAI 0.8 mm", "", "", "SAII 1.8 mm", "")
+
+
 def test_a_unit_is_marked_on_the_skin_above_its_end_organs(crowd: Result) -> None:
     both = frames.whole(crowd.fields)
     whole = dataclasses.replace(crowd, response=dataclasses.replace(crowd.response, fields=both))

@@ -298,7 +298,8 @@ class Scene {
   }
 
   label(pen, labels, ratio, right) {
-    const places = labels.map((words, k) => [words, ...this.project(this.organs, k)]).sort((a, b) => a[2] - b[2]);
+    const places = labels.map((words, k) => [words, ...this.project(this.organs, k)])
+      .filter((place) => place[0]).sort((a, b) => a[2] - b[2]);
     const left = Math.min(Math.max(...places.map((place) => place[1])) / ratio + 60, right), top = 104;
     pen.font = "13px system-ui, sans-serif";
     pen.strokeStyle = INK;
