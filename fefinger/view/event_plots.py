@@ -73,8 +73,9 @@ def events(result: ResultRecord) -> Any:
             shown = (low[0], high[0], low[1], high[1])
             axis.imshow(heights, extent=shown, origin="lower", cmap="Greys", alpha=0.35)
             spots, _ = places(result, which)
+            units = f"{len(which)} unit{'s' if len(which) > 1 else ''}"
             axis.plot(*spots.T, ".", ms=2.2, color=COLORS.get(kind, INK), rasterized=True)
-            axis.set(ylabel="y / mm", title=f"{kind}: {len(spots)} spikes of {len(which)} units")
+            axis.set(ylabel="y / mm", title=f"{kind}: {len(spots)} spikes of {units}")
             axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
             axis.grid(visible=False)
         axes[-1].set_xlabel("x on the object / mm")
