@@ -122,7 +122,9 @@ def read_npz(path: str | PathLike[str]) -> dict[str, Any]:
         with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
             data = {name: file[name] for name in file.files}
     except (OSError, ValueError, EOFError, TypeError, BadZipFile, zlib.error) as error:
-        msg = f"{path}: expected an NPZ file of spike trains, which cannot be read: {error}"
+        # Not what numpy says of another file: it advises to run the code in it.
+        why = f": {error}" if isinstance(error, OSError) else ": it is none, or damaged"
+        msg = f"{path}: expected an NPZ file of spike trains, which cannot be read{why}"
         raise InputError(msg) from error
     if str(data.get("format")) != NPZ_FORMAT:
         msg = f"{path}: expected the format {NPZ_FORMAT!r}, received {data.get('format')}"

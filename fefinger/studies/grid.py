@@ -49,6 +49,8 @@ def parse_over(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
 
 def checked(over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
     """Convert the values of each field to plain Python; InputError for none or duplicates."""
+    if not over:
+        raise InputError("--over: expected one field or more with its values, received none")
     grid: dict[str, tuple[Any, ...]] = {}
     for field, values in over.items():
         if isinstance(values, str) or not isinstance(values, Collection):
@@ -101,10 +103,12 @@ def parse_at(texts: Iterable[str]) -> tuple[tuple[float, ...], tuple[float, ...]
     Raises
     ------
     InputError
-        For a text that is neither, or a duplicate.
+        For a text that is neither, a duplicate, or one text in place of a list of them.
     """
+    if isinstance(texts, str):
+        raise InputError(f"--at: expected a list of forces and depths, received {texts!r} alone")
     levels: dict[str, list[float]] = {"N": [], "mm": []}
-    for text in texts:
+    for text in map(str, texts):
         unit = next((unit for unit in levels if text.strip().endswith(unit)), None)
         try:
             value = float(text.strip().removesuffix(unit or ""))

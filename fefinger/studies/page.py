@@ -142,8 +142,11 @@ def _parts(study: StudyRows) -> Iterator[dict[str, Any]]:
         ]
         yield part("Failed scenes", "These scenes have no numbers.", bullets=failed)
     done = [row for row in study.rows if row["status"] == "done"]
-    numeric = [name for name in study.over if not isinstance(done[0][name], str)] if done else []
+    numeric = [
+        name for name in study.over if all(isinstance(row[name], int | float) for row in done)
+    ]
     x = (numeric or list(study.over))[0]
+    done = [row if numeric else row | {x: str(row[x])} for row in done]
     series = [name for name in study.over if name != x]
     labels = list(figures.grouped(done, series))
     for at in dict.fromkeys(row["at"] for row in done):

@@ -218,7 +218,7 @@ def test_files_that_are_no_spike_trains_are_refused(tmp_path):
     (tmp_path / "text.npz").write_text("hello")
     for name, message in (
         ("other.npz", "expected the format 'fefinger spike trains 1', received None"),
-        ("text.npz", "which cannot be read"),
+        ("text.npz", "which cannot be read: it is none, or damaged$"),
         ("missing.npz", "which cannot be read"),
     ):
         with pytest.raises(InputError, match=message):

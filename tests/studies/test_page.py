@@ -84,6 +84,13 @@ def test_the_maps_of_the_array_are_of_one_series_which_is_named():
     assert "at values of indenter.angle (speed 60 mm/s), in" in section["texts"][0]
 
 
+def test_values_that_are_no_numbers_are_words_on_the_axis():
+    rows = [row(angle, force_N=force) for angle, force in ((None, 1.0), (30, 2.0))]
+    about = {"grid": {"indenter.angle": [None, 30]}}
+    page = report.html(Study("press", (X,), tuple(rows), (), 2, 0, about))
+    assert ">None</" in page
+
+
 def test_isobars_have_one_color_for_one_pressure_in_all_panels_and_a_bar_with_the_unit():
     peak = np.exp(-((np.arange(8) - 3.5) ** 2) / 6)
     rows = [

@@ -187,9 +187,22 @@ def test_seeds_are_told_where_something_is_drawn():
     assert told["commits"] == "abc, abd"
 
 
-def test_a_level_that_comes_twice_is_refused():
-    with pytest.raises(InputError, match="received 1 N again"):
-        parse_at(["1N", "1.0 N"])
+@pytest.mark.parametrize(
+    ("texts", "words"),
+    [
+        (["1N", "1.0 N"], "received 1 N again"),
+        ("1N", "a list of forces and depths, received '1N' alone"),
+        ([1.0], "'1.0': expected a force or a depth"),
+    ],
+)
+def test_levels_that_cannot_be_read_are_refused(texts, words):
+    with pytest.raises(InputError, match=words):
+        parse_at(texts)
+
+
+def test_a_grid_without_fields_is_refused():
+    with pytest.raises(InputError, match="--over: expected one field or more"):
+        asked({})
 
 
 def test_the_commit_is_that_of_the_programs_own_tree(tmp_path, monkeypatch):
