@@ -141,9 +141,9 @@ class Fields:
     3 bone, times (n_frames,) s, displacement (n_frames, n_points, 3) mm, strain (n_frames,
     n_points, 6) with the components xx yy zz xy yz xz of the tensor, pressure (n_frames, n_points)
     kPa on the pad and zero elsewhere. energy (n_frames, n_points, 2) kJ/m³: the strain-energy
-    density of soft tissue with the relaxed and with the instantaneous moduli, the mean of the cells
-    around a point, so that its integral is that of the elements; None in results of earlier
-    versions.
+    density of soft tissue with the relaxed and with the instantaneous moduli, the mean of its cells
+    around a point, so that its integral over them is that of the elements; None in results of
+    earlier versions.
     """
 
     points: Array
