@@ -252,7 +252,7 @@ def _cell(name: str, value: Any) -> str:
 
 def _heading(name: str, names: list[str]) -> str:
     """Return a short heading of a column of the grid: without its table, if the others differ."""
-    from fefinger.studies.columns import split
+    from fefinger.scene.field_units import split
 
     last, unit = split(name.rpartition(".")[2])
     alone = sum(other.rpartition(".")[2] == name.rpartition(".")[2] for other in names) == 1

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.studies.columns import MEASURES, READINGS, bounds, split, words
+from fefinger.scene.field_units import split
+from fefinger.studies.columns import MEASURES, READINGS, bounds, words
 from fefinger.studies.grid import DIGITS
 from fefinger.support.arrays import Array
 from fefinger.view import figures, quantities

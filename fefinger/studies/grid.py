@@ -49,8 +49,6 @@ def parse_over(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
 
 def checked(over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
     """Convert the values of each field to plain Python; InputError for none or duplicates."""
-    if not over:
-        raise InputError("--over: expected one field or more with its values, received none")
     grid: dict[str, tuple[Any, ...]] = {}
     for field, values in over.items():
         if isinstance(values, str) or not isinstance(values, Collection):

@@ -4,8 +4,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from fefinger.pages import page
+from fefinger.scene.field_units import split
 from fefinger.studies import figures
-from fefinger.studies.columns import ERRORS, MEASURES, READINGS, split
+from fefinger.studies.columns import ERRORS, MEASURES, READINGS
 from fefinger.studies.grid import remarks
 from fefinger.studies.rows import StudyRows
 from fefinger.studies.slope import POINTS, WINDOW

@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fefinger.mechanics import names
+from fefinger.scene.field_units import column
 from fefinger.scene.scene import Scene
 from fefinger.studies import tables, workers
-from fefinger.studies.columns import column
 from fefinger.studies.grid import EACH, checked
 from fefinger.studies.one_mechanics import agreed
 from fefinger.studies.rows import StudyRows
@@ -120,6 +120,8 @@ def study(
     if mechanics is not None:
         choice("mechanics", mechanics, (*names(), EACH))
     count = None if workers is None else int(number("workers", workers, at_least=1))
+    if not over:
+        raise InputError("--over: expected one field or more with its values, received none")
     for field in over.keys() & (changes or {}).keys():
         msg = f"{field}: expected in --over or in --set, received in both; leave one out"
         raise InputError(msg)

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fefinger.studies.columns import MEASURES, MISSED, READINGS, meaning, split
+from fefinger.scene.field_units import split
+from fefinger.studies.columns import MEASURES, MISSED, READINGS, meaning
 from fefinger.studies.rows import StudyRows
 from fefinger.support.atomic_write import in_place, netcdf
 from fefinger.support.checks import InputError

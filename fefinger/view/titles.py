@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.results.result_record import ResultRecord
+from fefinger.scene.field_units import column, split
 from fefinger.support.text import flat
 
 
@@ -50,6 +51,8 @@ def _differences(table: Mapping[str, Any], varied: Sequence[str]) -> Iterator[st
     for key in varied[:MOST]:
         value = table.get(key, "none")
         text = f"{value:g}" if isinstance(value, float) else str(value)
+        if not isinstance(value, str):
+            text = f"{text} {split(column(key, table['motion.kind']))[1]}".strip()
         yield f"{key} {text}" if len(text) <= LONG else f"another {key}"
     if len(varied) > MOST:
         yield f"{len(varied) - MOST} more"

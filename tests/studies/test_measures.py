@@ -11,9 +11,10 @@ from fefinger.mechanics.situation import Situation
 from fefinger.pipeline import run
 from fefinger.plan import choose
 from fefinger.results import pressure
+from fefinger.scene.field_units import split
 from fefinger.scene.population import Scatter
 from fefinger.studies import page
-from fefinger.studies.columns import ERRORS, bounds, split, words
+from fefinger.studies.columns import ERRORS, bounds, words
 from fefinger.studies.errors import SPEED
 from fefinger.studies.hertz import share
 from fefinger.studies.measures import rows

@@ -17,8 +17,9 @@ from fefinger.__main__ import main
 from fefinger.commands import console
 from fefinger.mechanics.hertz import tissue
 from fefinger.pipeline import run
+from fefinger.scene.field_units import column
 from fefinger.studies import tasks, workers
-from fefinger.studies.columns import READINGS, column, meaning
+from fefinger.studies.columns import READINGS, meaning
 from fefinger.studies.grid import parse_at, parse_over, product
 from fefinger.studies.measures import rows
 from fefinger.studies.rows import StudyRows

@@ -201,7 +201,7 @@ def test_every_panel_says_which_scene_it_is(synthetic: Result) -> None:
     heads = [each.words().split("\n")[0] for each in actors]
     assert heads[0].startswith("first: ")
     assert heads[1].startswith("second: ")
-    assert heads[1].endswith("indenter.angle 21")
+    assert heads[1].endswith("indenter.angle 21 deg")
     for one in actors:
         column = one.where[1]
         one.at(0.1)

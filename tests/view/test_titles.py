@@ -19,14 +19,14 @@ def test_panels_are_called_as_their_folders_with_what_differs(synthetic: Result)
     both = [turned(synthetic, angle) for angle in (30.0, 20.0)]
     name = synthetic.scene.name
     assert titles(both, ["runs/a-1.5", "runs/b/result.nc"]) == (
-        f"a-1.5: {name}, indenter.angle 30",
-        f"b: {name}, indenter.angle 20",
+        f"a-1.5: {name}, indenter.angle 30 deg",
+        f"b: {name}, indenter.angle 20 deg",
     )
-    assert titles(both) == (f"{name}, indenter.angle 30", f"{name}, indenter.angle 20")
+    assert titles(both) == (f"{name}, indenter.angle 30 deg", f"{name}, indenter.angle 20 deg")
     assert titles(both[:1], ["runs/a"]) == (name,)
     slow = dataclasses.replace(both[0].scene, motion=Sinusoid(0.3, 5.0, 2))
     other = [both[1], dataclasses.replace(both[0], scene=slow)]
-    assert titles(other)[1] == f"{name}, motion.kind sinusoid, indenter.angle 30"
+    assert titles(other)[1] == f"{name}, motion.kind sinusoid, indenter.angle 30 deg"
     faces = [dataclasses.replace(each, scene=dataclasses.replace(each.scene, indenter=indenter))
              for each, indenter in zip(both, (Sphere(3.0), Flat(10.0)), strict=True)]  # fmt: skip
     assert titles(faces)[0] == f"{name}, indenter.kind sphere"
