@@ -90,7 +90,8 @@ def calibrate(
         A subject of Table 2.1, as "a.h.", or a CSV file of time (s), position (mm), force (N) with
         a fast ramp and a hold of a plate at 30 degrees to the bone.
     finger
-        Size and initial tissues; by default those of the subject. Required for a record.
+        Size and tissues, whose moduli are the prior of the fit; by default the size of the subject
+        and published tissue, as in the command. Required for a record.
     mechanics
         "condensed" (small strain, times the t(u) of Pawluk 1997) or "solid" (finite strain,
         stiffening tissue).

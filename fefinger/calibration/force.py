@@ -10,7 +10,7 @@ from fefinger.calibration.curve import Curve, Family
 from fefinger.calibration.force_law import ForceLaw
 from fefinger.calibration.inverse import Unknown, Values
 from fefinger.calibration.targets import RecordTarget, SubjectTarget
-from fefinger.scene import pawluk1997
+from fefinger.scene import library, pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony
 
@@ -26,6 +26,11 @@ MODULUS_SD = math.log(4.0)
 that do not stiffen, at strains where a law with the fitted exponents is 2 to 4 times stiffer."""
 
 RATIO_SD = 0.6  # of the logarithm of the ratio of the moduli: a factor 1.8
+
+PULP = "18 kPa (Dandekar 2003) to 50 kPa (Saal 2017) about 34 kPa (Maeno 1998): a factor 4"
+SKIN = "3 (Maeno 1998) to 10 (Dandekar 2003): a factor 1.8 about the latter"
+GIVEN = "the tissue of the finger that was given"
+"""Sources of the priors of the moduli: published tissue, or another that a fit starts from."""
 
 RADII = (5.0, 40.0)
 """Pad radii in mm that a finger may have."""
@@ -102,9 +107,10 @@ class Forces:
                 Unknown(GAIN, 1.0, 1e-3, 1e3, "1/mm", "bounds alone"),
                 Unknown(GROWTH, 1.0, 0.0, 10.0, "1/mm", "bounds alone", log=False),
             )
-        soft = "18 kPa (Dandekar 2003) to 50 kPa (Saal 2017) about 34 kPa (Maeno 1998): a factor 4"
+        published = library.tissue_set(library.PUBLISHED).subcutaneous.modulus
+        soft = PULP if math.isclose(self.modulus, published) else f"{GIVEN}: a factor 4"
         solved = "bounds alone, those of the presses that were solved"
-        stiff = "3 (Maeno 1998) to 10 (Dandekar 2003): a factor 1.8 about the latter"
+        stiff = SKIN if math.isclose(self.ratio, library.SKIN_RATIO) else f"{GIVEN}: a factor 1.8"
         modulus, ratio = (self.modulus, MODULUS_SD), (self.ratio, RATIO_SD)
         return (
             Unknown(MODULUS, self.modulus, 0.3, 2e3, "kPa", soft, prior=modulus),

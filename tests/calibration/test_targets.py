@@ -43,6 +43,18 @@ def test_the_jacobian_passes_taylors_test(law):
     assert rest[:2] / rest[1:] == pytest.approx([4.0, 4.0], rel=0.15)
 
 
+@pytest.mark.parametrize(
+    ("modulus", "ratio", "words"),
+    [(34.0, 10.0, "Maeno 1998"), (4.6, 3.1, "the tissue of the finger that was given: a factor")],
+)
+def test_a_prior_says_what_it_is_taken_from(law, modulus, ratio, words):
+    forces = Forces(targets.subject("a.h."), law, modulus, ratio, 14.0)
+    by_name = {each.name: each for each in forces.unknowns}
+    assert by_name["modulus"].prior[0] == modulus
+    for name in ("modulus", "skin_ratio"):
+        assert words in by_name[name].source
+
+
 def test_stiffness_against_force_does_not_know_the_scale_of_depth(law):
     one = law.at(2.0, 14.0)
     force = np.array([0.5, 2.0])
