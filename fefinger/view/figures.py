@@ -310,7 +310,8 @@ def stages(result: ResultRecord) -> Any:
         drawn = figure(WIDE, 0.6 + 0.26 * len(names))
         axis = drawn.subplots()
         bars = axis.barh(names, seconds, color="#7aa6c2", height=0.66)
-        axis.bar_label(bars, [f" {value:.3g} s" for value in seconds], color=INK)
+        texts = [f" {value:.3g} s" if value >= 1e-3 else " < 1 ms" for value in seconds]
+        axis.bar_label(bars, texts, color=INK)
         axis.invert_yaxis()
         axis.margins(x=0.12)
         axis.set_xlabel("wall time / s")

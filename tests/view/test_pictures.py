@@ -17,6 +17,7 @@ from fefinger.result import Result
 from fefinger.scene.indenters import Flat
 from fefinger.support.checks import InputError
 from fefinger.view import (
+    figures,
     frames,
     indenter_pose,
     pictures,
@@ -104,6 +105,12 @@ def test_the_section_has_the_colors_of_its_values(synthetic: Result, mesh: Any) 
     # A few lie under an end organ, the indenter or an outline.
     assert np.median(away) < 0.02
     assert (away < 0.1).mean() > 0.7
+
+
+def test_a_stage_too_short_to_be_timed_is_told_as_such(synthetic: Result) -> None:
+    timed = dataclasses.replace(synthetic, seconds={"mesh": 1.5, "fields": 2.46e-6})
+    (axis,) = figures.stages(timed).axes
+    assert [each.get_text() for each in axis.texts] == [" 1.5 s", " < 1 ms"]
 
 
 def test_halved_triangles_cover_the_same_and_keep_linear_values() -> None:
