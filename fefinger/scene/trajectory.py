@@ -37,22 +37,28 @@ class Wave:
         """Return the wave (...,) in mm or N at the times `t` (...,) in s."""
         tau = np.maximum(t - self.start, 0.0)
         envelope, _ = self._envelope(tau)
-        return self.amplitude * envelope * np.sin(self._angle(tau))
+        return self.amplitude * envelope * np.sin(self.angle(tau))
 
     def rate(self, t: Array) -> Array:
         """Return the derivative (...,) of the wave per s at times `t` (...,), from the right."""
         tau = np.maximum(t - self.start, 0.0)
         envelope, slope = self._envelope(tau)
-        angle = self._angle(tau)
+        angle = self.angle(tau)
         speed = envelope * self._omega(tau) * np.cos(angle) + slope * np.sin(angle)
         return self.amplitude * np.where(t >= self.start, speed, 0.0)
 
-    def _angle(self, tau: Array) -> Array:
+    def angle(self, tau: Array) -> Array:
+        """Return the phase (...,) in radians at times `tau` (...,) in s after the start."""
         return self._omega(tau) * tau + self.phase
 
     def _omega(self, tau: Array) -> Array:
         """Angular frequency in 1/s, the derivative of the angle."""
         return np.full_like(tau, 2 * np.pi * self.frequency)
+
+    @property
+    def last_frequency(self) -> float:
+        """Frequency in Hz with which it ends."""
+        return self.frequency
 
     @property
     def first_crest(self) -> float:
@@ -99,9 +105,14 @@ class Sweep(Wave):
     last: float = 1.0
     length: float = 1.0
 
+    @property
+    def last_frequency(self) -> float:
+        """Frequency in Hz with which it ends."""
+        return self.last
+
     def crests(self, end: float) -> Array:
         """Return times in s close to the crests before `end`."""
-        cycles = float(self._angle(np.array(min(end - self.start, self.length)))) / (2 * np.pi)
+        cycles = float(self.angle(np.array(min(end - self.start, self.length)))) / (2 * np.pi)
         counts = np.arange(0.25, cycles, 1.0)
         if self._growth == 0.0:
             return self.start + counts / self.first
@@ -111,7 +122,8 @@ class Sweep(Wave):
     def _growth(self) -> float:
         return float(np.log(self.last / self.first)) / self.length
 
-    def _angle(self, tau: Array) -> Array:
+    def angle(self, tau: Array) -> Array:
+        """Return the phase (...,) in radians at times `tau` (...,) in s after the start."""
         growth = self._growth
         cycles = tau if growth == 0.0 else np.expm1(growth * tau) / growth
         return np.asarray(2 * np.pi * self.first * cycles)

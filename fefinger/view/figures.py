@@ -94,9 +94,9 @@ def windows(scene: Scene, end: float) -> list[tuple[str, float, float]]:
     last cycles of a vibration of many.
     """
     spans = [("whole stimulus", 0.0, end)]
-    frequency = scene.motion.wave_frequency
-    if frequency is not None and end * frequency > 20:
-        spans.insert(0, ("last four cycles", end - 4 / frequency, end))
+    wave = scene.motion.trajectory.wave
+    if wave is not None and end * wave.last_frequency > 20:
+        spans.insert(0, ("last four cycles", end - 4 / wave.last_frequency, end))
     # A wave begins a movement of its own, so the ramp ends at the first break in the middle.
     moves = scene.motion.moving
     stop = moves[0][1] if moves else end

@@ -27,3 +27,13 @@ def test_it_is_none_without_a_vibration_and_where_contact_is_lost() -> None:
     depth = MOTION.value(time)
     assert dynamic_stiffness(ff.Ramp(20.0, 1.0), time, depth, depth) is None
     assert dynamic_stiffness(MOTION, time, depth, np.maximum(depth - 1.0, 0.0)) is None
+
+
+@pytest.mark.parametrize(("start", "stop"), [(20.0, 80.0), (80.0, 20.0)])
+def test_of_a_sweep_it_is_that_at_the_end(start: float, stop: float) -> None:
+    sweep = ff.FrequencySweep(1.0, amplitude=0.05, start=start, stop=stop, seconds=4.0)
+    time = np.unique(np.concatenate([np.linspace(0, sweep.duration, 8000), sweep.breakpoints]))
+    depth = sweep.value(time)
+    force = 1.0 + 1.7 * (depth - 1.0) + 0.001 * sweep.rate(time)
+    found = dynamic_stiffness(sweep, time, depth, force)
+    assert found == pytest.approx(1.7 + 0.002j * np.pi * stop, rel=0.05)
