@@ -120,6 +120,11 @@ class Motion(ABC):
         return self.wave_frequency
 
     @property
+    def path_frequency(self) -> float | None:
+        """Highest frequency in Hz of an oscillation across the travel; None without one."""
+        return None
+
+    @property
     def frequencies(self) -> Array | None:
         """Frequencies (n_f,) in Hz whose harmonic answer belongs to the result; None for most."""
         return None

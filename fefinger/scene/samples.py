@@ -93,9 +93,7 @@ class SampledMotion(Motion):
         """
         if self._band is None or self.sample_rate is None:
             return 0.0
-        vibrating = float(np.sqrt(np.mean(self._vibrating**2)))
-        coarse = self.sample_rate < SAMPLED * self._band
-        return vibrating if coarse and np.sqrt(2) * vibrating < FAINT * self.peak else 0.0
+        return noise(self._vibrating, self.sample_rate / self._band, self.peak)
 
     @property
     def missing(self) -> tuple[tuple[float, float], ...]:
@@ -129,7 +127,11 @@ class SampledMotion(Motion):
     @cached_property
     def _even(self) -> tuple[Array, Array]:
         """Times (n,) and values (n,) of the motion, evenly at the rate of the samples."""
-        time, values = np.array(self.time), np.array(getattr(self, self.control))
+        return self.evenly(self.control)
+
+    def evenly(self, column: str) -> tuple[Array, Array]:
+        """Return times (n,) and values (n,) of a column, evenly at the rate of the samples."""
+        time, values = np.array(self.time), np.array(getattr(self, column))
         steps = np.diff(time)
         if self.sample_rate is None or np.ptp(steps) <= UNEVEN * steps.mean():
             return time, values
@@ -139,24 +141,8 @@ class SampledMotion(Motion):
 
     @cached_property
     def _band(self) -> float | None:
-        """Frequency in Hz with which the samples go to and fro, noise or not.
-
-        Below it lies all but a hundredth of the power of the speed, halved as often as a slower
-        course with sharp corners needs: corners alone are no vibration.
-        """
-        if self.sample_rate is None:
-            return None
-        time, values = self._even
-        step = float(np.diff(time).mean())
-        speed = np.diff(values) / step
-        power = np.cumsum(np.abs(np.fft.rfft(speed)) ** 2)
-        place = int(np.searchsorted(power, (1 - LEFT_OUT) * power[-1]))
-        frequency = float(np.fft.rfftfreq(len(speed), step)[place])
-        while frequency * time[-1] >= 1:
-            if _alternates(_about_mean(values, 1 / (frequency * step)), frequency * step):
-                return frequency
-            frequency /= 2
-        return None
+        """Frequency in Hz with which the samples go to and fro, noise or not."""
+        return None if self.sample_rate is None else to_and_fro(*self._even)
 
     @cached_property
     def _vibrating(self) -> Array:
@@ -164,7 +150,7 @@ class SampledMotion(Motion):
         time, values = self._even
         if self._band is None:
             return np.zeros_like(values)
-        return _about_mean(values, 1 / (self._band * float(np.diff(time).mean())))
+        return about_mean(values, 1 / (self._band * float(np.diff(time).mean())))
 
     @property
     def steady_level(self) -> float:
@@ -288,7 +274,31 @@ def _upside_down(values: tuple[float, ...]) -> bool:
     return -low > high and falls
 
 
-def _about_mean(values: Array, cycle: float) -> Array:
+def to_and_fro(time: Array, values: Array) -> float | None:
+    """Frequency in Hz with which even samples (n,) go to and fro; None if they do not.
+
+    Below it lies all but a hundredth of the power of the speed, halved as often as a slower
+    course with sharp corners needs: corners alone are no vibration.
+    """
+    step = float(np.diff(time).mean())
+    speed = np.diff(values) / step
+    power = np.cumsum(np.abs(np.fft.rfft(speed)) ** 2)
+    place = int(np.searchsorted(power, (1 - LEFT_OUT) * power[-1]))
+    frequency = float(np.fft.rfftfreq(len(speed), step)[place])
+    while frequency * time[-1] >= 1:
+        if _alternates(about_mean(values, 1 / (frequency * step)), frequency * step):
+            return frequency
+        frequency /= 2
+    return None
+
+
+def noise(vibrating: Array, per_cycle: float, largest: float) -> float:
+    """Root mean square of a vibration (n,) that is faint, with few samples per cycle; else 0."""
+    size = float(np.sqrt(np.mean(vibrating**2)))
+    return size if per_cycle < SAMPLED and np.sqrt(2) * size < FAINT * largest else 0.0
+
+
+def about_mean(values: Array, cycle: float) -> Array:
     """Distance of samples (n,) from their mean over two cycles, of `cycle` samples each."""
     half = min(int(cycle), (len(values) - 1) // 2)
     total = np.cumsum(np.pad(values, (half + 1, half), mode="edge"))

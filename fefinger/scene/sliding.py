@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from fefinger.geometry.profiles import frame
 from fefinger.scene.indenter import TURNS, Inclined, Plate, direction
 from fefinger.scene.motion_shapes import RampMotion, rest_limit
-from fefinger.scene.samples import SampledMotion
+from fefinger.scene.samples import SampledMotion, about_mean, noise, to_and_fro
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
 from fefinger.support.checks import numbers
@@ -139,6 +139,21 @@ class SampledPathMotion(SampledMotion):
         """Trajectories in degrees of the angles that are given."""
         given = {"angle": self.angle, "tilt": self.tilt}
         return {name: self._through(each) for name, each in given.items() if each is not None}
+
+    @cached_property
+    def path_frequency(self) -> float | None:
+        """Highest frequency in Hz with which the path goes to and fro, but for noise."""
+        found = [self._frequency(name) for name in self._columns] if self.sample_rate else []
+        return max(filter(None, found), default=None)
+
+    def _frequency(self, column: str) -> float | None:
+        time, values = self.evenly(column)
+        frequency = to_and_fro(time, values)
+        if frequency is None:
+            return None
+        per_cycle = 1 / (frequency * float(np.diff(time).mean()))
+        swing = about_mean(values, per_cycle)
+        return None if noise(swing, per_cycle, float(np.ptp(values))) else frequency
 
     @property
     def _columns(self) -> tuple[str, ...]:

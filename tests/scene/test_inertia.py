@@ -34,3 +34,21 @@ def test_a_motion_that_starts_in_contact_is_warned_of() -> None:
     assert (
         jump(ff.Sampled((0.0, 0.1), (0.0, 0.5))) == jump(ff.Sampled((0.0, 0.1), (-0.2, 0.5))) == ()
     )
+
+
+def test_a_path_that_vibrates_across_the_travel_is_warned_of() -> None:
+    time = np.arange(0.0, 0.2, 1 / 4000)
+    finger = ff.Finger.subject("a.h.", tissue="maeno1998")
+
+    def warned(x: np.ndarray, indenter: ff.Flat | ff.Grating) -> tuple[str, ...]:
+        motion = ff.SampledPath(time.tolist(), x.tolist(), [0.0] * 800, depth=[0.5] * 800)
+        scene = ff.Scene(finger=finger, indenter=indenter, motion=motion)
+        return quasistatic(scene, time, motion.value(time))
+
+    rough, shaken = ff.Flat(30, friction=0.5), 0.02 * np.sin(2 * np.pi * 200 * time)
+    for indenter in (rough, ff.Grating(3, 1.5, 0.3)):
+        (note,) = warned(shaken, indenter)
+        assert "frequency x thickness / wave speed = 2" in note
+    assert warned(shaken, ff.Flat(30)) == ()  # its surface stays where it is
+    slide, noise = 20 * time, 1e-3 * np.random.default_rng(0).normal(size=800)
+    assert warned(slide, rough) == warned(slide + noise, rough) == ()
