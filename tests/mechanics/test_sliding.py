@@ -61,6 +61,24 @@ def test_the_outcome_of_a_path_that_turns_back_says_how_often_all_of_it_slips():
     assert f"2 times in all, as some stick in between, last from {last:.4g} s on" in words
 
 
+def test_the_outcome_of_a_path_that_stays_at_its_place_is_that_of_a_press():
+    press = ff.Sampled((0.0, 0.04, 0.06), (0.0, 0.7, 0.7))
+    still = ff.SampledPath(press.time, (0.0,) * 3, (0.0,) * 3, depth=press.depth)
+    pressed, stayed = (respond(ff.Flat(30, friction=0.4), each) for each in (press, still))
+    assert pressed.lateral.outcome.startswith("Partial slip: ")
+    assert stayed.lateral.outcome == pressed.lateral.outcome
+
+
+def test_the_outcome_of_a_path_counts_from_its_start():
+    time, depth = (0.0, 0.04, 0.08), (0.0, 0.7, 0.7)
+    words = []
+    for start in (0.0, 3.0):
+        path = ff.SampledPath(time, (start, start, start + 1.0), (0.0,) * 3, depth=depth)
+        words.append(respond(ff.Flat(30, friction=0.2), path).lateral.outcome)
+    assert words[0].startswith("Gross slip: ")
+    assert words[1] == words[0]
+
+
 def test_friction_resists_the_spread_of_a_press_and_moves_no_plate_aside():
     motion = ff.RampHold(20, 0.8, hold=0.05)
     smooth, rough = (respond(ff.Flat(30, friction=mu), motion) for mu in (0.0, 5.0))

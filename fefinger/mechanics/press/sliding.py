@@ -194,13 +194,14 @@ def outcome(press: Press, history: SmallStrainHistory) -> str:
     area, stick = (contact.pressure > 0) @ areas, contact.sliding.sticking @ areas
     touching = area > 0
     law = f"with a residual of {contact.sliding.cone:.1g} of the highest pressure"
-    if press.motion.slides:
-        moving = np.linalg.norm(press.motion.velocity(press.time), axis=-1) > 0
+    moving = np.linalg.norm(press.motion.velocity(press.time), axis=-1) > 0
+    if moving.any():
         touching &= moving
         slips = stick[touching] == 0
         onsets = np.flatnonzero(touching)[slips & ~np.append(False, slips[:-1])]
         if len(onsets):
-            path = np.linalg.norm(contact.sliding.shift[onsets[0]])
+            start, reached = contact.sliding.shift[[0, onsets[0]]]
+            path = np.linalg.norm(reached - start)
             first, last = press.time[onsets[[0, -1]]]
             often = f"; {len(onsets)} times in all, as some stick in between"
             held = f"{often}, last from {last:.4g} s on" if len(onsets) > 1 else ""
