@@ -1,9 +1,10 @@
 """A scene with the derived quantities of the rules of refusal, error and cost, cached."""
 
+import math
 import sys
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 from fefinger.mechanics.evidence import measured_tissue, reached_depth
 from fefinger.mechanics.evidence.table import Measured
@@ -87,7 +88,7 @@ class Situation:
     @cached_property
     def times(self) -> Array:
         """Times (n_t,) s of the answer, without the limit on their number (`too_long`)."""
-        return time_grid(self.motion, fast=self.resolves_faii, most=sys.maxsize)
+        return time_grid(self.motion, most=sys.maxsize, **self._resolved)
 
     @cached_property
     def changes(self) -> int:
@@ -97,9 +98,12 @@ class Situation:
     @cached_property
     def too_long(self) -> tuple[Reason, ...]:
         """Reasons against time steps of the motion that exceed memory; empty if they fit."""
-        return tuple(
-            Reason("motion", each) for each in too_long(self.motion, fast=self.resolves_faii)
-        )
+        return tuple(Reason("motion", each) for each in too_long(self.motion, **self._resolved))
+
+    @cached_property
+    def _resolved(self) -> "dict[str, Any]":
+        feature = self.indenter.feature if self.motion.slides else math.inf
+        return {"fast": self.resolves_faii, "feature": feature}
 
     @cached_property
     def published_tissue(self) -> bool:

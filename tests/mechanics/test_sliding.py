@@ -12,6 +12,7 @@ from fefinger.fem.contact.lcp_compiled import DONE
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics import condensed, linear
 from fefinger.mechanics.realtime.sliding import Sliding
+from fefinger.mechanics.situation import Situation
 from fefinger.results import netcdf
 from fefinger.support.checks import InputError
 
@@ -77,6 +78,18 @@ def test_the_outcome_of_a_path_counts_from_its_start():
         words.append(respond(ff.Flat(30, friction=0.2), path).lateral.outcome)
     assert words[0].startswith("Gross slip: ")
     assert words[1] == words[0]
+
+
+def test_time_steps_follow_a_texture_that_slides_fast():
+    slide = ff.Slide(400, 0.5, distance=10, settle=0.05)
+    path = ff.SampledPath((0.0, 0.05, 0.075), (0.0, 0.0, 10.0), (0.0,) * 3, depth=(0.0, 0.5, 0.5))
+    for motion in (slide, path):
+        for plate, fine in ((ff.Grating(2, 1, 0.3), True), (ff.Flat(30), False)):
+            scene = ff.Scene(finger=FINGER, indenter=plate, motion=motion, ask=ASK)
+            time = Situation.of(scene).times
+            assert np.array_equal(respond(plate, motion).time, time)
+            moved = np.linalg.norm(np.diff(motion.shift(time), axis=0), axis=1)
+            assert (moved.max() < 0.101) == fine
 
 
 def test_friction_resists_the_spread_of_a_press_and_moves_no_plate_aside():

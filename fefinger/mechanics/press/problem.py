@@ -134,7 +134,8 @@ class Press:
         if ask.strain or ask.spikes:
             skin = partial(meshed, body.space.points, body.pad, body.normals, half=body.half)
             sites = end_organ_sites(ask, finger.pulp, obstacle.origin, obstacle.axis, skin)
-        time = time_grid(motion, fast="FAII" in ask.spikes, refine=refine)
+        feature = scene.indenter.feature if motion.slides else np.inf
+        time = time_grid(motion, fast="FAII" in ask.spikes, refine=refine, feature=feature)
         plate = scene.indenter.flat if motion.turns_plate else None
         return cls(
             mechanics=mechanics,

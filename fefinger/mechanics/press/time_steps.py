@@ -16,6 +16,7 @@ MOVING_STEP = 1e-3  # s: filters up to FAI (10 Hz) and the 4 ms relaxation are r
 FAST_STEP = 2e-4  # s: FAII takes a second derivative of up to 1 kHz
 STEPS_PER_CYCLE = 40
 STEPS_PER_MOVE = 60
+STEPS_PER_PART = 10  # in which a part of a texture passes, as a dot or a groove
 LONG = 5.0  # s: parts and cycles of a motion that are longer take steps longer by as much
 GROWTH = 1.25  # of successive steps while at rest
 RESTING_STEP = 0.05  # s, the longest, up to a rest of RESTING_STEPS of them
@@ -54,13 +55,17 @@ class _Piece:
         return _growing(self.start, self.stop, self.step)
 
 
-def time_grid(motion: Motion, *, fast: bool, refine: int = 1, most: int = MOST) -> Array:
+def time_grid(
+    motion: Motion, *, fast: bool, refine: int = 1, most: int = MOST, feature: float = np.inf
+) -> Array:
     """Return times (n_t,) in s from 0 to the end of the motion, with all of its corners.
 
     `fast` limits the step in motion to 0.2 ms (a 25000th of parts and cycles longer than 5 s);
-    `refine` divides every step. InputError for a motion that takes more than `most` steps.
+    `refine` divides every step. `feature` in mm is the smallest part of a texture that may slide,
+    which takes shorter steps, but none below those of `fast`. InputError for a motion that takes
+    more than `most` steps.
     """
-    pieces = list(_pieces(motion, fast=fast))
+    pieces = list(_pieces(motion, fast=fast, feature=feature))
     reason = _too_long(motion, pieces, most)
     if reason:
         raise InputError(reason)
@@ -82,9 +87,11 @@ def moving(motion: Motion, time: Array) -> int:
     return int(np.count_nonzero(np.diff(course, axis=0).any(axis=1)))
 
 
-def too_long(motion: Motion, *, fast: bool, most: int = MOST) -> tuple[str, ...]:
+def too_long(
+    motion: Motion, *, fast: bool, most: int = MOST, feature: float = np.inf
+) -> tuple[str, ...]:
     """Error messages for a motion of more than `most` time steps: one or none."""
-    reason = _too_long(motion, _pieces(motion, fast=fast), most)
+    reason = _too_long(motion, _pieces(motion, fast=fast, feature=feature), most)
     return (reason,) if reason else ()
 
 
@@ -101,16 +108,21 @@ def _too_long(motion: Motion, pieces: "Iterator[_Piece] | list[_Piece]", most: i
     )
 
 
-def _pieces(motion: Motion, *, fast: bool) -> Iterator[_Piece]:
+def _pieces(motion: Motion, *, fast: bool, feature: float) -> Iterator[_Piece]:
     """Yield the parts of the motion between its corners."""
     corners = np.unique(np.clip([0.0, *motion.breakpoints, motion.duration], 0.0, motion.duration))
     finest = FAST_STEP if fast else MOVING_STEP
     cycle = 1.0 / motion.wave_frequency if motion.wave_frequency else np.inf
     moving = motion.moving
-    for start, stop in pairwise(corners.tolist()):
+    inside = [corners[:-1], (corners[:-1] + corners[1:]) / 2, np.nextafter(corners[1:], -np.inf)]
+    speeds = np.linalg.norm(motion.velocity(np.array(inside)), axis=-1).max(axis=0)
+    with np.errstate(divide="ignore", over="ignore"):  # at rest: infinite
+        passing = (feature / STEPS_PER_PART / speeds).tolist()
+    for (start, stop), part in zip(pairwise(corners.tolist()), passing, strict=True):
         middle = (start + stop) / 2
         move = [end - begin for begin, end in moving if begin <= middle <= end]
-        longest = finest * max(1.0, min(stop - start, cycle) / LONG)
+        longer = max(1.0, min(stop - start, cycle) / LONG)
+        longest = min(finest * longer, max(FAST_STEP * longer, part))
         shares = (length / STEPS_PER_MOVE for length in move)
         step = min([longest, cycle / STEPS_PER_CYCLE, *shares])
         yield _Piece(start, stop, step, bool(move))
