@@ -11,6 +11,7 @@ from fefinger.fem.contact import friction_compiled, friction_state
 from fefinger.fem.contact.lcp_compiled import DONE
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics import condensed, linear
+from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.realtime.sliding import Sliding
 from fefinger.mechanics.situation import Situation
 from fefinger.results import netcdf
@@ -235,6 +236,8 @@ def test_a_force_is_judged_on_all_the_skin_that_bears_it():
     too_much = ff.ForceSlide(40, 8.5, distance=0.1, settle=0.02, approach=10)
     with pytest.raises(InputError, match="press less"):
         respond(ff.Flat(30), too_much)
+    with pytest.raises(InputError, match="press less, or slide where the object stays on the pad"):
+        check_reached(too_much, pulp=5.0, deepest=9.0)
 
 
 def test_contact_that_reaches_the_end_of_the_object_is_a_sentence():

@@ -78,10 +78,11 @@ def spread_beyond(reach: float) -> str:
 def check_reached(motion: Motion, pulp: float, deepest: float) -> None:
     """Raise InputError for a force that presses `deepest` mm, through `pulp` mm of tissue."""
     if motion.control == "force" and deepest >= pulp:
+        todo = "press less, or slide where the object stays on the pad"
         raise InputError(
             f"motion.force: expected one that presses less deep than the {pulp:g} mm of tissue "
             f"under the pad, received {motion.peak:g} N, which presses {deepest:.3g} mm deep; "
-            "press less"
+            f"{todo if motion.slides else 'press less'}"
         )
 
 
