@@ -263,6 +263,19 @@ def test_a_sweep_has_its_harmonic_answer_and_says_where_contact_opens() -> None:
     assert any("Contact is lost" in note for note in other.notes)
 
 
+def test_a_pin_has_its_harmonic_answer_of_a_loop_and_of_a_sweep() -> None:
+    """Its edge leaves no gap around it that a larger reach would bridge."""
+    sweep = ff.FrequencySweep(0.4, amplitude=0.001, start=20, stop=200, seconds=0.1, settle=0.05)
+    scanned = dataclasses.replace(scene(sweep), indenter=ff.Pin(2.0))
+    loop = ff.Modal(scanned.finger, scanned.indenter, deepest=0.5)
+    found = loop.harmonic([1e-6, 20.0], depth=0.4)
+    assert modal.respond(scanned).harmonic.stiffness[0] == pytest.approx(found.stiffness[1])
+    still = ff.Condensed(scanned.finger, scanned.indenter, deepest=0.5)
+    for _ in range(2):  # at rest
+        less, more = (still.step(depth, 1e9).force for depth in (0.399, 0.401))
+    assert found.stiffness[0].real == pytest.approx((more - less) / 0.002, rel=1e-3)
+
+
 def test_a_sweep_stays_in_contact_by_its_fields() -> None:
     with pytest.raises(InputError, match=r"motion\.amplitude: expected less than the preload"):
         ff.FrequencySweep(0.3, amplitude=0.3, start=20, stop=200)

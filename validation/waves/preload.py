@@ -188,10 +188,10 @@ class Preloaded:
         """
         press = self._linear
         solid, finger = operator_of(press), about_preload(finger, share)
-        parts = (finger, solid, finger_modes(finger, solid), press.obstacle)
+        parts = finger, solid, finger_modes(finger, solid)
         return about(
-            lambda reach: Vibrating.of(*parts, reach, None, self.factor),
-            *(self.depth, frequency),
+            lambda on_pad, reach: Vibrating.of(*parts, on_pad, reach, None, self.factor),
+            *(solid, press.obstacle, self.depth, frequency),
             depth=self.depth,
         ).stiffness
 

@@ -16,7 +16,7 @@ from fefinger.fem.condensation import Operator, displaced, reduce
 from fefinger.fem.contact.closed_contact import ClosedContact
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.obstacle import Rigid
-from fefinger.fem.contact.patch import patch
+from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.viscoelastic import depth_at
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
@@ -96,18 +96,17 @@ class Vibrating:
         finger: Finger,
         solid: Operator,
         modes: FingerModes,
-        obstacle: Rigid,
+        on_pad: Patch,
         deepest: float,
         sites: Sites | None = None,
         stiffening: float = 1.0,
     ) -> Self:
-        """Read modes and statics of a finger under an obstacle that presses up to `deepest` mm.
+        """Read modes and statics of a finger on the candidates of a press of `deepest` mm.
 
         `stiffening` multiplies the moduli.
 
         InputError if no vertex of the pad is under the obstacle.
         """
-        on_pad = patch(solid.space, solid.pad, solid.normals, obstacle, problem.REACH * deepest)
         if not len(on_pad.vertices):
             raise InputError(limits.NOTHING_UNDER)
         line = skin_line(solid)
@@ -188,6 +187,8 @@ class Vibrating:
             pressure = solver.solve(gap - depth * areas)
         if not (pressure > 0).any():
             raise InputError(limits.unresolved(depth))
+        if (pressure[on_pad.obstacle_border] > 0).any():
+            raise InputError(limits.rim_reached(len(pressure)))
         if (pressure[on_pad.border] > 0).any():
             raise RimError(
                 f"preload: expected contact as of a depth of at most {self.deepest:g} mm, received "
@@ -254,7 +255,9 @@ def _rows(solid: Operator, sites: Sites | None, line: Integers) -> sparse.csr_ma
 
 
 def about(
-    make: Callable[[float], Vibrating],
+    make: Callable[[Patch, float], Vibrating],
+    solid: Operator,
+    obstacle: Rigid,
     deepest: float,
     frequency: Array,
     *,
@@ -263,12 +266,19 @@ def about(
 ) -> Harmonic:
     """Compute a harmonic answer about a preload, with more candidates where contact needs them.
 
-    make: prepares a finger for preloads up to a depth in mm; deepest: that of the first attempt.
+    make: prepares a finger on the candidates of a depth in mm; deepest: that of the first attempt.
+    Beside an edge the gap grows within a facet to any reach: each attempt has one more ring.
 
     Errors as `Vibrating.harmonic`.
     """
-    for _ in range(problem.ATTEMPTS - 1):
+    surface = solid.space, solid.pad, solid.normals
+
+    def attempt(rings: int) -> Harmonic:
+        reached = deepest * problem.GROW**rings
+        on_pad = patch(*surface, obstacle, problem.REACH * reached, rings, solid.loadable)
+        return make(on_pad, reached).harmonic(frequency, depth=depth, force=force)
+
+    for rings in range(problem.ATTEMPTS - 1):
         with suppress(RimError):
-            return make(deepest).harmonic(frequency, depth=depth, force=force)
-        deepest *= problem.GROW
-    return make(deepest).harmonic(frequency, depth=depth, force=force)
+            return attempt(rings)
+    return attempt(problem.ATTEMPTS - 1)

@@ -150,12 +150,14 @@ def _swept(
     motion, level, deepest = scene.motion, scene.motion.steady_level, float(answer.depth.max())
     if motion.frequencies is None:
         return answer
-    parts = (press.finger, operator_of(press), history.modes, press.obstacle)
+    solid = operator_of(press)
     by_force = depth is None and motion.control == "force"
     with stages.stage("harmonic"):
         harmonic = about(
-            lambda reach: Vibrating.of(*parts, reach, answer.sites, factor),
-            *(deepest, motion.frequencies),
+            lambda on_pad, reach: Vibrating.of(
+                *(press.finger, solid, history.modes, on_pad, reach, answer.sites, factor)
+            ),
+            *(solid, press.obstacle, deepest, motion.frequencies),
             depth=None if by_force else depth or level,
             force=level if by_force else None,
         )

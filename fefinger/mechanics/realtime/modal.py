@@ -234,7 +234,7 @@ class Modal:
         """The finger prepared for harmonic answers, once."""
         still = self._still
         return Vibrating.of(
-            self.finger, still.solid, self.modes, still.touch, self.deepest, self.sites
+            self.finger, still.solid, self.modes, still.patch, self.deepest, self.sites
         )
 
     def _check_step(self, dt: float) -> None:
