@@ -100,8 +100,9 @@ class SampledMotion(Motion):
         """Times (start, stop) in s of gaps in a record, vibrating or not; a level rest is none."""
         if self.sample_rate is None:
             return ()
-        time, values = np.array(self.time), np.array(getattr(self, self.control))
-        wide = (np.diff(time) > GAP / self.sample_rate) & (np.diff(values) != 0)
+        columns = [getattr(self, name) for name in (self.control, *self._columns)]
+        time, moved = np.array(self.time), np.diff(columns).any(axis=0)
+        wide = (np.diff(time) > GAP / self.sample_rate) & moved
         return tuple(zip(time[:-1][wide].tolist(), time[1:][wide].tolist(), strict=True))
 
     @property

@@ -108,6 +108,16 @@ def test_gaps_of_a_record_are_noted_and_level_rests_are_none() -> None:
     assert missing(sampled(left, hum(left))) == ()  # a warning says it
 
 
+def test_gaps_of_a_record_are_noted_where_the_object_slides_at_one_depth() -> None:
+    time = np.arange(0.0, 2.0, 1e-3)
+    kept = time[(time < 0.5) | (time > 0.9)]
+    still, level = (0.0,) * len(kept), (0.5,) * len(kept)
+    slid = ff.SampledPath(tuple(kept.tolist()), tuple((5 * kept).tolist()), still, depth=level)
+    (note,) = missing(slid)
+    assert "no samples from 0.499 to 0.901 s" in note
+    assert missing(replace(slid, x=still)) == ()
+
+
 def test_a_poor_record_is_a_caution_beside_the_answer(synthetic: ff.Result) -> None:
     time = np.arange(0.0, 2.0, 1e-3)
     noisy = press(time, 1.0) + np.random.default_rng(1).normal(0.0, 2e-3, len(time))
