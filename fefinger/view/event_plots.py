@@ -28,7 +28,7 @@ def over_object(result: ResultRecord) -> tuple[Array, Array]:
     assert trains is not None
     assert trains.positions is not None
     assert lateral is not None
-    first = pose(result, 0.0, 0.0)
+    first = pose(result, 0.0)
     across = frame(first.axis)[:2]
     turn = first.frame[:2] @ across.T
     places = (trains.positions - first.origin) @ across.T @ turn.T

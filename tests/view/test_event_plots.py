@@ -50,6 +50,18 @@ def test_a_spike_is_drawn_at_the_place_of_the_object_that_was_over_its_unit(slid
     assert spots == pytest.approx(expected, abs=0.02)
 
 
+def test_a_path_that_starts_aside_has_its_spikes_where_the_object_was(slid: Result):
+    response = slid.response
+    aside = np.array([3.0, -1.0])
+    shift = aside + response.lateral.shift
+    columns = (tuple(each.tolist()) for each in (response.time, *shift.T))
+    path = ff.SampledPath(*columns, depth=(0.5,) * len(shift))
+    there = replace(response, lateral=replace(response.lateral, shift=shift))
+    moved = replace(slid, scene=replace(slid.scene, motion=path), response=there)
+    before, after = (event_plots.places(each, np.array([0]))[0] for each in (slid, moved))
+    assert after - before == pytest.approx(np.tile([-aside[1], aside[0]], (len(after), 1)))
+
+
 def test_conduction_delays_move_no_spike_on_the_object(slid: Result):
     near, units = slid.spikes, np.arange(len(slid.spikes))
     delays = np.linspace(0.005, 0.02, len(near))
