@@ -103,10 +103,13 @@ class Harmonic:
 
     def _delay(self, components: Complex) -> Array:
         """Phase delay (n_f, n) in s of the largest of the components (n_f, n, k)."""
+        rising = np.argsort(self.frequency)
         largest = np.abs(components).sum(axis=0).argmax(axis=1)
-        transfer = np.take_along_axis(components, largest[None, :, None], axis=2)[..., 0]
+        transfer = np.take_along_axis(components, largest[None, :, None], axis=2)[rising, :, 0]
         phase = np.unwrap(np.angle(transfer * np.where(transfer[0].real < 0, -1.0, 1.0)), axis=0)
-        return np.asarray(-phase / (2 * np.pi * self.frequency[:, None]))
+        delay = np.empty_like(phase)
+        delay[rising] = -phase / (2 * np.pi * self.frequency[rising, None])
+        return delay
 
 
 def together(parts: Array) -> Complex:

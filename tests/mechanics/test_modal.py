@@ -247,6 +247,13 @@ def test_delays_are_those_of_the_phase(loop: ff.Modal) -> None:
     assert np.abs(np.angle(turned * np.sign(moved[0, largest].real))).max() < 1e-9
 
 
+def test_delays_do_not_depend_on_the_order_of_the_frequencies(loop: ff.Modal) -> None:
+    rising = np.geomspace(5.0, 800.0, 60)
+    up, down = (loop.harmonic(each, depth=0.5) for each in (rising, rising[::-1]))
+    for one, other in ((up.site_delay, down.site_delay), (up.skin_delay, down.skin_delay)):
+        assert other()[::-1] == pytest.approx(one(), abs=1e-9)
+
+
 def test_a_sweep_has_its_harmonic_answer_and_says_where_contact_opens() -> None:
     calm, wild = (
         scene(ff.FrequencySweep(0.3, amplitude=a, start=20, stop=200, seconds=0.1, settle=0.05))
