@@ -71,6 +71,8 @@ class StressHistory:
 
     def advance(self, step: float, values: Array) -> None:
         """Update the internal variables with the converged unknowns at the end of a step."""
+        if not self._parts:
+            return
         isochoric, volumetric = self.body.stress(values)
         elastic = isochoric if self.deviatoric else isochoric + volumetric
         for cells, relaxation in self._parts:
