@@ -366,7 +366,7 @@ def test_errors_on_retreat_are_noted_with_a_margin_over_the_measured_ones() -> N
 
 @pytest.mark.parametrize("part", [0.02, 0.03, 0.05, 0.07])
 def test_a_light_touch_states_the_error_on_retreat_that_was_found_there(part: float) -> None:
-    """In trapezoids of plate and ball at 5, 20 and 100 mm/s it was at most 3.7 % of the peak."""
+    """In trapezoids of plate and ball at 5, 20 and 100 mm/s it was at most 3 % of the peak."""
     back = Situation.of(scene(Trapezoid(20, part * FINGER.thickness, hold=1)))
     for case in (back, replace(back, indenter=Sphere(5.0))):
         assert 0.037 < tabulation_error.error(case, "force") < 0.1

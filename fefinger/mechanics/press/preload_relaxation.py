@@ -3,9 +3,9 @@
 The stiffness k of a pressed finger is that of its material and a smaller, negative one of the
 stress at rest, -s k. The first relaxes with G, the second does not: a small motion x has the force
 k ((1 + s) G * x - s x), G being 1 at long times. So it relaxes as a finger whose decaying weights
-are 1 + s times as large. A tabulated press relaxes as a whole, with the force G * k x. The
-difference is added here; and that of the stiffness, since the force of a tabulated press between
-its depths is that of pressures without overshoot, whose slope is off by some percent.
+are 1 + s times as large. So does a tabulated press, by its work ratios. Its stiffness is corrected
+here, since its force between its depths is interpolated without overshoot, and the slope of that is
+off by some percent.
 """
 
 from dataclasses import dataclass, replace
@@ -39,7 +39,7 @@ def about_preload(finger: Finger, share: float) -> Finger:
 
 @dataclass(frozen=True)
 class PreloadRelaxation:
-    """Correction of a tabulated press for the relaxation about a preload, along a vibration.
+    """Correction of the stiffness of a tabulated press about a preload, along a vibration.
 
     table: the press; share: s; preload mm; stiffness N/mm of the relaxed finger there.
     """
@@ -55,19 +55,18 @@ class PreloadRelaxation:
         at, slow = (self.table.elastic_force(x) for x in (depth, depth - vibration))
         swing, prony = np.asarray(at - slow), self.table.press.finger.prony
         relaxing = hereditary_integral(prony, time, swing) / prony.long_time
-        whole = self.stiffness / self._tabulated_stiffness(float(np.abs(vibration).max()))
-        material = (1.0 + self.share) * relaxing - self.share * swing
-        return np.asarray(whole * material - relaxing)
+        stiffer = self.stiffness / self._tabulated_stiffness(float(np.abs(vibration).max()))
+        return np.asarray((stiffer - 1.0) * ((1.0 + self.share) * relaxing - self.share * swing))
 
     def depth(self, motion: Motion, time: Array) -> Array:
         """Change (n_t,) of the depth in mm at prescribed force, at times (n_t,) in s."""
-        finger, swing = self.table.press.finger, motion.vibration(time)
-        moved, tabulated = (
-            each.long_time * creep_integral(each, time, swing)
-            for each in (about_preload(finger, self.share).prony, finger.prony)
+        swing, prony = (
+            motion.vibration(time),
+            about_preload(self.table.press.finger, self.share).prony,
         )
+        moved = prony.long_time * creep_integral(prony, time, swing) / self.stiffness
         covered = float(np.abs(swing).max()) / self.stiffness
-        return np.asarray(moved / self.stiffness - tabulated / self._tabulated_stiffness(covered))
+        return np.asarray(moved * (1.0 - self.stiffness / self._tabulated_stiffness(covered)))
 
     def _tabulated_stiffness(self, covered: float) -> float:
         """Stiffness in N/mm of the tabulated press within a vibration of some mm at the preload."""
