@@ -25,9 +25,9 @@ Ting's force.
 """
 
 import math
+from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,9 +38,6 @@ from fefinger.theory.relaxation import Prony, checked_signal, exprel
 
 SAME = 1e-9
 """Relative difference of depths or forces that counts as none."""
-
-CORRECTIONS = 50
-"""Limit on the corrections of a prescribed force for its work ratio; some five are usual."""
 
 
 @dataclass(frozen=True)
@@ -56,11 +53,6 @@ class ElasticForce:
     values: Array
     measure: Array | None = None
     work: Array | None = None
-
-    @cached_property
-    def springs(self) -> Array:
-        """Stiffness (n - 1,) of the spring at each node but the last, see `spring_weights`."""
-        return spring_weights(self.values, self.nodes if self.measure is None else self.measure)
 
     def along(self, weights: Array, depth: Array | float) -> Array:
         """Force (...) at weights (..., n) of the stresses at the nodes and depths (...) mm."""
@@ -127,7 +119,6 @@ class NestedContact:
         self._terms, self._share = np.zeros((len(self._rates), count)), np.zeros(count)
         self.stressed, self.strained = np.zeros(count), np.zeros(count)
         self.depth = self.edge = 0.0
-        self._ratio = 1.0  # of the force to that without the work ratio, in the last step
 
     def advance(self, dt: float, depth: float) -> None:
         """Move the indenter to a depth in mm within dt >= 0 s, at a constant rate.
@@ -162,26 +153,32 @@ class NestedContact:
         self.depth = self._depth(reached / gain)
 
     def _balanced(self, force: float, onset: Array, gain: float, elastic: ElasticForce) -> float:
-        """Solve for the stressed share of the depth at which a force is borne."""
-        farthest, ratio = gain * self._measured(self.deepest), self._ratio
-        for _ in range(CORRECTIONS):
-            reached = min(_balance(onset[:-1], elastic.springs, force / ratio), farthest)
-            borne = self._borne(reached, onset, gain, elastic)
-            if abs(borne - force) <= SAME * force:
-                self._ratio = ratio
-                return reached
-            if reached == farthest and borne < force:
-                raise ValueError(
-                    f"force: expected at most {borne:.4g}, that of the largest depth, "
-                    f"{self.deepest:.4g} mm, received {force:g}"
-                )
-            ratio *= borne / force
-        raise ValueError(f"force: expected one that the contact can bear, received {force:g}")
+        """Solve for the stressed share of the depth at which springs of these onsets bear a force.
 
-    def _borne(self, reached: float, onset: Array, gain: float, elastic: ElasticForce) -> float:
-        """Force at the end of a step whose springs reach from their onsets (n,)."""
-        weights = node_weights(np.maximum(reached - onset, 0.0), self.measure)
-        return float(elastic.along(weights, self._depth(reached / gain)))
+        The force is quadratic between two neighbors of the onsets (n,) and the nodes.
+        """
+
+        def borne(reached: float) -> float:
+            weights = node_weights(np.maximum(reached - onset, 0.0), self.measure)
+            return float(elastic.along(weights, self._depth(reached / gain)))
+
+        farthest = gain * self._measured(self.deepest)
+        ends = np.sort(np.concatenate([onset, gain * self.measure]))
+        ends = np.append(ends[ends < farthest], farthest)
+        after = bisect_left(ends, force, key=borne)
+        if after == len(ends):
+            most = borne(farthest)
+            if force <= most * (1 + SAME):
+                return farthest
+            raise ValueError(
+                f"force: expected at most {most:.4g}, that of the largest depth, "
+                f"{self.deepest:.4g} mm, received {force:g}"
+            )
+        low, high = float(ends[after - 1]), float(ends[after])
+        first, middle, last = borne(low), borne((low + high) / 2), borne(high)
+        bend, slope = 2 * (first + last - 2 * middle), 4 * middle - 3 * first - last
+        root = math.sqrt(max(slope**2 + 4 * bend * (force - first), 0.0))
+        return low + (high - low) * 2 * (force - first) / (slope + root)
 
     def _past(self, dt: float) -> tuple[float, Array, Array, Array]:
         """Return g and h of Phi_p = g Phi + h at the end of a step, and its factors."""
@@ -344,9 +341,14 @@ def press_by_force(
     Raises
     ------
     ValueError
-        As `press_by_depth`; also for a force below zero.
+        As `press_by_depth`; also for a force below zero, and an elastic one that does not rise
+        with depth, but for the first nodes, where it may stay 0.
     """
     time, force = checked_signal("force", time, force)
+    steps = np.diff(elastic.values)
+    touching = int(np.argmax(steps > 0))
+    if not (elastic.values[0] == 0 and (steps >= 0).all() and (steps[touching:] > 0).all()):
+        raise ValueError("elastic_force: expected a force that is 0 at first and then rises")
     if force.min() < 0:
         raise ValueError(
             f"force: expected forces of 0 or more (a contact cannot pull), received {force.min():g}"
@@ -355,34 +357,6 @@ def press_by_force(
     return _march(
         contact, time, lambda step, dt: contact.advance_force(dt, float(force[step]), elastic)
     )
-
-
-def spring_weights(elastic_force: Array, measure: Array) -> Array:
-    """Stiffness (n - 1,) of the spring at each node but the last.
-
-    They are the changes of slope of the force (n,) joined by straight lines over the measure.
-
-    Raises
-    ------
-    ValueError
-        A force that does not rise from 0; at the first nodes it may stay 0.
-    """
-    slopes = np.diff(elastic_force) / np.diff(measure)
-    touching = int(np.argmax(slopes > 0))
-    rises = elastic_force[0] == 0 and (slopes[touching:] > 0).all() and (slopes >= 0).all()
-    if not rises:
-        raise ValueError("elastic_force: expected a force that is 0 at first and then rises")
-    return np.diff(slopes, prepend=0.0)
-
-
-def _balance(onset: Array, springs: Array, force: float) -> float:
-    """Solve sum of springs * max(0, x - onset) = force, which bends at each onset (n,)."""
-    order = np.argsort(onset)
-    sorted_onset, weight = onset[order], springs[order]
-    slope, moment = np.cumsum(weight), np.cumsum(weight * sorted_onset)
-    beyond = slope * sorted_onset - moment > force
-    last = int(np.argmax(beyond)) - 1 if beyond.any() else len(onset) - 1
-    return float((force + moment[last]) / slope[last])
 
 
 def _march(

@@ -18,7 +18,6 @@ from fefinger.theory.contact.ting import (
     press_by_depth,
     press_by_force,
     radius_nodes,
-    spring_weights,
 )
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 
@@ -265,13 +264,6 @@ def test_creep_undoes_relaxation():
     assert creep_integral(ELASTIC, TIME, signal) == pytest.approx(signal)
 
 
-def test_springs_reproduce_the_force_at_their_nodes():
-    nodes = radius_nodes(1.5, 40)
-    weights = spring_weights(hertz(nodes), nodes)
-    stretched = np.maximum(nodes[:, None] - nodes[:-1], 0) @ weights
-    assert stretched == pytest.approx(hertz(nodes), rel=1e-12, abs=1e-12)
-
-
 # Bodies that stiffen
 
 NODES = radius_nodes(2.0)
@@ -356,6 +348,17 @@ def test_the_depth_of_a_bar_under_a_force_gives_that_force():
     touching = borne > 1e-9 * borne.max()
     assert touching.mean() > 0.5
     assert pushed.depth[touching] == pytest.approx(depth[touching], abs=1e-6)
+
+
+@pytest.mark.parametrize("light", [1e-10, 1e-14, 1e-20])
+def test_a_light_force_is_borne_where_tissue_recovers(light):
+    time = np.linspace(0, 1, 101)
+    load = np.where(time < 0.3, 0.5, light)
+    contact = press_by_force(MEANS_3_1, time, load, BAR_FORCE)
+    free = press_by_force(MEANS_3_1, time, np.where(time < 0.3, load, 0.0), BAR_FORCE)
+    found = BAR_FORCE.along(contact.stress_weights, contact.depth)
+    assert found == pytest.approx(load, abs=1e-12)
+    assert contact.depth == pytest.approx(free.depth, abs=1e-4)
 
 
 def test_the_depth_under_a_force_gives_that_force(force, measure):
