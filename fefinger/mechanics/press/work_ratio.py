@@ -17,9 +17,9 @@ def work_ratios(elements: Continuum, states: Sequence[Array], depth: Array, forc
     """Ratios W (n, n) of the stress at a depth (row) and the deformation at another (column).
 
     states: unknowns (n_unknowns,) of the body at each of the depths (n,) mm, from 0; force (n,) at
-    them, in any unit. It is 1 where a mesh resolves no contact. Above the diagonal W(a, d) is as
-    computed; below it, where contact never asks for it, it continues as 2 - W(d, a), so that what
-    is interpolated across the diagonal is 1 on it.
+    them, in any unit. Where a mesh resolves no contact, they are those of the first depth where it
+    does. Above the diagonal W(a, d) is as computed; below it, where contact never asks for it, it
+    continues as 2 - W(d, a), so that what is interpolated across the diagonal is 1 on it.
     """
     from scipy.interpolate import CubicSpline
 

@@ -18,10 +18,11 @@ one (Pawluk 1997, Eq. 2.3).
 
 At finite strain the stress of an earlier depth works on the present deformation. With S(a) the
 second Piola-Kirchhoff stress and E(a) the Green-Lagrange strain of the elastic contact of depth a,
-it contributes K(a, d) = integral of S(a) : E'(d) over the body to the force at the depth d, and
-K(d, d) is the elastic force P_e(d). The force is the integral of G(t - s) dK(d(s), d(t)), with the
-`work` ratio W(a, d) = K(a, d) / P_e(a). For a linear body W is 1 for a <= d (Betti), which gives
-Ting's force.
+its virtual work at the depth d is K(a, d) = integral of S(a) : E'(d) over the body, and K(d, d) is
+the elastic force P_e(d). The force is the sum of K(a, d) over all a, each with the share of S(a)
+that is left; while the depth d(t) grows, that is the integral of G(t - s) dK(d(s), d(t)) over s.
+The `work` ratio is W(a, d) = K(a, d) / P_e(a). For a linear body it is 1 for a <= d, as all of the
+contact of depth a then moves with the indenter, and the force is Ting's.
 """
 
 import math
@@ -243,7 +244,7 @@ class ContactHistory:
     edge: Array
 
     def stress(self, elastic: ArrayLike) -> Array:
-        """History (n_t, ...) of a force, pressure or stress.
+        """History (n_t, ...) of a pressure or stress, or the force of a linear body.
 
         `elastic` (n, ...) is its value at the nodes in the body of the modulus at t = 0.
         """
