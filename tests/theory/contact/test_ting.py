@@ -329,6 +329,22 @@ def test_a_bar_at_finite_strain_bears_its_stretch_times_its_relaxing_stress():
     assert (exact - contact.stress(BAR_FORCE.values)).max() > 0.02 * exact.max()
 
 
+def test_of_small_motions_about_a_preload_the_stress_at_rest_does_not_relax():
+    """K(a, d) = a^(1 + s) d^-s: the stiffness of the material is 1 + s, that of the stress -s."""
+    share, preload, swing = 0.15, 1.0, 0.01
+    nodes = radius_nodes(1.1, 400)
+    rising = np.maximum(nodes, 1e-9)
+    elastic = ElasticForce(nodes, nodes, work=(rising[:, None] / rising) ** share)
+    time = np.concatenate([np.linspace(0, 50, 50, endpoint=False), np.linspace(50, 52, 4001)])
+    depth = np.minimum(time, preload) + swing * np.sin(10 * np.pi * np.maximum(time - 50, 0))
+    contact = press_by_depth(MEANS_3_1, time, depth, nodes)
+    found = elastic.along(contact.stress_weights, depth) - MEANS_3_1.long_time * preload
+    relaxing = hereditary_integral(MEANS_3_1, time, depth - np.minimum(time, preload))
+    exact = (1 + share) * relaxing - share * MEANS_3_1.long_time * (depth - preload)
+    later = time > 51
+    assert found[later] == pytest.approx(exact[later], abs=0.02 * np.abs(exact[later]).max())
+
+
 def test_a_bar_without_relaxation_bears_its_elastic_force_on_the_way_back_too():
     time = np.linspace(0, 1, 101)
     depth = 0.4 * np.sin(np.pi * time)
