@@ -14,10 +14,12 @@ import fefinger as ff
 from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics import condensed, modal, pressed
 from fefinger.mechanics.evidence import vibration
+from fefinger.mechanics.press import depth_table_store
 from fefinger.mechanics.press.modal_steps import RINGING, modal_grid
 from fefinger.mechanics.press.operator_cache import MODES
 from fefinger.mechanics.press.placement import obstacle
 from fefinger.mechanics.situation import Situation
+from fefinger.mesh.store import load_or_build
 from fefinger.scene import builtin
 from fefinger.scene.inertia import coarse_samples
 from fefinger.studies.oscillation import dynamic_stiffness
@@ -465,6 +467,15 @@ def test_a_frequency_beyond_the_measured_ones_is_a_sentence() -> None:
     assert "stay below" in reasons[0]
 
 
+def stress_share(finger: ff.Finger, depth: float) -> float:
+    """Share of the stress at rest in the stiffness, by the work ratios of the table at a depth."""
+    table = depth_table_store.at_hand(finger, ff.Flat(30), load_or_build(finger, half=True))
+    assert table is not None
+    at = int(np.searchsorted(table.nodes, depth))
+    soft, hard = table.force_at_nodes[[at - 3, at + 3]]
+    return float(soft * (1 - table.work_at_nodes[at - 3, at + 3]) / (hard - soft))
+
+
 def test_stiffening_tissue_vibrates_as_solid_linearized_about_its_preload() -> None:
     finger = ff.Finger.subject("a.h.", tissue="calibrated_ah_viscous", resolution="coarse")
     prepared = Preloaded.of(finger, 1.0)
@@ -473,6 +484,9 @@ def test_stiffening_tissue_vibrates_as_solid_linearized_about_its_preload() -> N
     (exact,), (still,) = prepared.exact(finger, frequency), prepared.still(finger, frequency)
     assert prepared.linear(finger, frequency, share) == pytest.approx(exact, rel=0.05)
     assert sum(prepared.statics) == pytest.approx(prepared.secant(1e-3), rel=1e-4)
+    # By two programs: the slope of the work of a stress, and the tangent of a preload.
+    material = prepared.statics[0] / sum(prepared.statics)
+    assert stress_share(finger, 1.0) == pytest.approx(material - 1, rel=0.3)
     # Smaller and larger than the distance of the depths between which the press is tabulated.
     for amplitude in (0.001, 0.03):
         motion = ff.RampSinusoid(20, 1.0, amplitude=amplitude, frequency=150, cycles=8, settle=100)
