@@ -186,7 +186,7 @@ def test_the_expected_time_is_that_of_the_report():
 
 CHOSEN = [
     ("flat-press", {"ask.rel_error": 0.05}, "pressed"),
-    ("flat-press", {"ask.rel_error": 0.02}, "solid"),
+    ("flat-press", {"ask.rel_error": 0.01}, "solid"),
     ("flat-press", {}, "linear"),
     ("flat-press", {"ask.strain": False, "ask.pressure": False, "ask.spikes": []}, "lumped"),
     ("sphere-press", {"ask.rel_error": 0.2}, "linear"),
