@@ -35,10 +35,10 @@ FEWEST = 6
 """Scenes of which the largest error counts, at least: the shallowest ones are few."""
 
 SMALL_STRAIN = 1.7
-"""Error of the force through time of small strain over that of a table: it leaves out more than how
-tissue recovers. It was set on scenes that were then held out (seed 38 of suite `tradeoff`): 6 of
-229 stated errors of the force did not hold with it, and 17 without it. Of scenes drawn later 94 %
-do."""
+"""Error of the force through time of small strain over that of a table whose force relaxes as one
+(AS_ONE), as it does there: small strain leaves out more than how tissue recovers. It was set on
+scenes that were then held out (seed 38 of suite `tradeoff`): 6 of 229 stated errors of the force
+did not hold with it, and 17 without it. Of scenes drawn later 95 % do."""
 
 RELAXING = 0.67
 """Least 1 - G(infinity) of the scenes that were measured."""
