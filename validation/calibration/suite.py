@@ -100,12 +100,13 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             "a.h.: force between exponents, one press of four left out",
             partial(left_out, "a.h."),
-            Expected.between(4e-3, 6e-3, "1"),
+            Expected(5.4e-3, 4e-4, "1"),
             "the press that was left out",
             reason="contact on the coarse mesh",
             wanted=0.0,
-            shortfall="It is the force at 2 mm, the deepest, where stiffer tissue bears five times "
-            "the force; the presses that are used are half as far apart.",
+            shortfall="The aim is 0.5 %. It is missed at 2 mm, the deepest, where the stiffest tissue "
+            "bears five times the force of the softest; the presses that are used are half as far "
+            "apart.",
         )
         yield Case(
             "a.h.: ramp and hold of solid with the shipped set, off the prediction",

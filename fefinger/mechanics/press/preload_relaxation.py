@@ -60,10 +60,8 @@ class PreloadRelaxation:
 
     def depth(self, motion: Motion, time: Array) -> Array:
         """Change (n_t,) of the depth in mm at prescribed force, at times (n_t,) in s."""
-        swing, prony = (
-            motion.vibration(time),
-            about_preload(self.table.press.finger, self.share).prony,
-        )
+        swing = motion.vibration(time)
+        prony = about_preload(self.table.press.finger, self.share).prony
         moved = prony.long_time * creep_integral(prony, time, swing) / self.stiffness
         covered = float(np.abs(swing).max()) / self.stiffness
         return np.asarray(moved * (1.0 - self.stiffness / self._tabulated_stiffness(covered)))

@@ -92,10 +92,8 @@ class Pressed:
         strain = tabulated.strain(self.sites.points)[..., rows, columns]
         self._strain = np.ascontiguousarray(strain.reshape(len(strain), -1))
         # Elastic values of the modulus at t = 0, as the springs take them.
-        self._pressure, self._force = (
-            tabulated.pressure / tabulated.long_time,
-            tabulated.instantaneous,
-        )
+        self._pressure = tabulated.pressure / tabulated.long_time
+        self._force = tabulated.instantaneous
         self._travel, self._between = tabulated.contact.projected, table.between
         self._area = table.bounded(table.area)
         pad, column = whole_pad(press.body, tabulated.contact.neighborhood)
@@ -149,10 +147,8 @@ class Pressed:
         InputError
             A force that presses deeper than `deepest`; the finger stays as it was.
         """
-        force, dt = (
-            number("force", force, at_least=0, unit="N"),
-            number("dt", dt, at_least=0, unit="s"),
-        )
+        force = number("force", force, at_least=0, unit="N")
+        dt = number("dt", dt, at_least=0, unit="s")
         try:
             self._contact.advance_force(dt, force, self._force)
         except ValueError as error:

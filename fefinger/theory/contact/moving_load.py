@@ -9,7 +9,7 @@ vanish."""
 
 
 def amplification(speed: float) -> float:
-    """Return how much more a moving load displaces an incompressible half-space than one at rest.
+    """Displacement of an incompressible half-space under a moving load over that at rest, less 1.
 
     As a fraction, for a speed over that of shear waves, M: 2 M² / [4 a - (1 + a²)²] - 1 with
     a = sqrt(1 - M²) (Cole and Huth, J. Appl. Mech. 25:433, 1958); infinite from the speed of

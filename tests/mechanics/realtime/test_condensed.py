@@ -50,7 +50,7 @@ def trace(finger: Condensed, depths: np.ndarray = DEPTHS) -> np.ndarray:
 
 
 def along(finger: Condensed, motion: ff.Ramp, time: np.ndarray) -> dict[str, np.ndarray]:
-    """Return what the steps along a motion give at its times (n_t,)."""
+    """Results of the steps along a motion at its times (n_t,)."""
     finger.reset()
     take = finger.step if motion.control == "depth" else finger.step_force
     steps = zip(motion.value(time).tolist(), np.diff(time, prepend=0.0).tolist(), strict=True)
