@@ -104,9 +104,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
             "the press that was left out",
             reason="contact on the coarse mesh",
             wanted=0.0,
-            shortfall="The aim is 0.5 %. It is missed at 2 mm, the deepest, where the stiffest tissue "
-            "bears five times the force of the softest; the presses that are used are half as far "
-            "apart.",
+            shortfall="The aim is 0.5 %. It is missed at 2 mm, the deepest, where the stiffest "
+            "tissue bears five times the force of the softest; the presses that are used are half "
+            "as far apart.",
         )
         yield Case(
             "a.h.: ramp and hold of solid with the shipped set, off the prediction",
