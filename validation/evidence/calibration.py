@@ -4,7 +4,6 @@ Run as `python -m fefinger.validation.evidence.calibration reports [SUBJECT ...]
 some minutes, less where presses are kept. Subjects that are not named are kept.
 """
 
-import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from typing import Any
 from fefinger.validation.calibration import split
 from fefinger.validation.calibration.split import PARTS
 from fefinger.validation.problems.chain import SUBJECTS
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save, saved
 
 from fefinger.calibration import pad_radius
 from fefinger.calibration.calibrate import calibrate
@@ -53,17 +52,8 @@ def _listed(values: Array) -> list[float]:
     return [round(value, 3) for value in values.tolist()]
 
 
-def report(rows: dict[str, Any]) -> dict[str, Any]:
-    """Return the report on those rows."""
-    return {
-        **provenance("python -m fefinger.validation.evidence.calibration reports"),
-        "parts": PARTS,
-        "rows": {name: rows[name] for name in SUBJECTS if name in rows},
-    }
-
-
 if __name__ == "__main__":
     target = Path(sys.argv[1]) / CALIBRATED
     rows = {name: row(name) for name in sys.argv[2:] or SUBJECTS}
-    stored = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else {}
-    target.write_text(compact(report(stored | rows)), encoding="utf-8")
+    rows = saved(target).get("rows", {}) | rows
+    save(target, {"parts": PARTS, "rows": {name: rows[name] for name in SUBJECTS if name in rows}})

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.validation.empty_cache import only_meshes
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save
 
 from fefinger.mechanics import solid
 from fefinger.mechanics.evidence.table import SOLID_COST
@@ -86,7 +86,6 @@ def report() -> dict[str, Any]:
     """Return the report: every press on its mesh."""
     solid.respond(scene("coarse", "a.h.", OWN, Flat(30), 0.1))  # compiles
     return {
-        **provenance("python -m fefinger.validation.evidence.cost reports"),
         "scene": "ramps of 60 mm/s with a hold of 1 s, on half a finger; CPU seconds",
         "rows": [
             row(mesh, subject, tissue, indenter, depth)
@@ -97,5 +96,4 @@ def report() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) / SOLID_COST
-    target.write_text(compact(report()), encoding="utf-8")
+    save(Path(sys.argv[1]) / SOLID_COST, report())

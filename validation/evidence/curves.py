@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.calibration import twin
 from fefinger.validation.empty_cache import empty_cache
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save, short
 from scipy.optimize import minimize
 
 from fefinger.calibration import slow_press
@@ -36,7 +36,7 @@ def drawn(mesh: str) -> list[float]:
     with empty_cache():
         finger = twin.finger(mesh)
         response = condensed.respond(slow_press.pressed(finger, 1.01 * DEEPEST / finger.thickness))
-    return [float(x) for x in np.interp(DEPTHS, response.depth, response.force)]
+    return np.interp(DEPTHS, response.depth, response.force).tolist()
 
 
 def likeliest(errors: Array) -> tuple[float, float]:
@@ -58,14 +58,9 @@ def likeliest(errors: Array) -> tuple[float, float]:
 
 def row(errors: Array) -> dict[str, Any]:
     """Statistics of relative errors (n, k), as plain values."""
-    sd, length = likeliest(errors)
-    return {
-        "draws": len(errors),
-        "sd": float(f"{sd:.2g}"),
-        "length_mm": float(f"{length:.2g}"),
-        "rms": float(f"{np.sqrt((errors**2).mean()):.2g}"),
-        "largest": [float(f"{x:.2g}") for x in np.abs(errors).max(axis=1)],
-    }
+    sd, length, rms = short((*likeliest(errors), np.sqrt((errors**2).mean())), 2)
+    largest = short(np.abs(errors).max(axis=1), 2)
+    return {"draws": len(errors), "sd": sd, "length_mm": length, "rms": rms, "largest": largest}
 
 
 def main(folder: Path) -> None:
@@ -78,11 +73,8 @@ def main(folder: Path) -> None:
     true = forces_by_mesh["standard"].mean(axis=0)
     errors = {mesh: forces / true - 1 for mesh, forces in forces_by_mesh.items()}
     errors["standard"] *= np.sqrt(DRAWS["standard"] / (DRAWS["standard"] - 1))  # of their own mean
-    report = provenance("python -m fefinger.validation.evidence.curves reports") | {
-        "depths_mm": [float(f"{x:.4g}") for x in DEPTHS],
-        "rows": {mesh: row(each) for mesh, each in errors.items()},
-    }
-    (folder / REPORT).write_text(compact(report), encoding="utf-8")
+    rows = {mesh: row(each) for mesh, each in errors.items()}
+    save(folder / REPORT, {"depths_mm": short(DEPTHS), "rows": rows})
 
 
 if __name__ == "__main__":

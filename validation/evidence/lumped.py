@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.evidence.solid import REPORT as SOLID
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save
 from scipy.optimize import least_squares
 
 from fefinger.mechanics.evidence.pressed_objects import objects
@@ -75,15 +75,5 @@ def rows() -> Iterator[dict[str, Any]]:
             yield row(subject, ANGLE, depth, force, f"reports/{SOLID}, {name}")
 
 
-def main(folder: Path) -> None:
-    """Write the report."""
-    command = "python -m fefinger.validation.evidence.lumped reports"
-    report = provenance(command) | {
-        "rows": list(rows()),
-    }
-    text = compact(report)
-    (folder / LUMPED).write_text(text, encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    save(Path(sys.argv[1]) / LUMPED, {"rows": list(rows())})

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.empty_cache import empty_cache
 from fefinger.validation.evidence.press_errors import Press, left_on, norm
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save, saved, short
 from numpy.typing import NDArray
 
 from fefinger.mechanics import get
@@ -212,7 +212,7 @@ def row(name: str, changed: Mapping[str, Any]) -> dict[str, Any]:
         except (InputError, ConvergenceError) as error:
             return record | {"refused": f"{mesh}: {error}"}
         presses[mesh], unknowns[mesh] = Press.of(response), response.numbers["unknowns"]
-    judged = judge(measurement, presses, _cheaper(measurement), changed)
+    judged = judge(measurement, presses, _pressed_by(measurement, CHEAPER), changed)
     return record | {"unknowns": unknowns} | judged
 
 
@@ -237,15 +237,15 @@ def judge(
     for label, each in ({"solid coarse": presses["coarse"]} | dict(others)).items():
         curves[label] = {what: x + remaining[what] for what, x in apart(each, true).items()}
     rows = {
-        label: {what: _short(each[what], 3) for what in STATED} for label, each in curves.items()
+        label: {what: short(each[what], 3) for what in STATED} for label, each in curves.items()
     }
     lumped = _lumped(measurement, true)
     if lumped is not None:
-        rows["lumped"] = {"force": _short(lumped + remaining["force"], 3)}
+        rows["lumped"] = {"force": short(lumped + remaining["force"], 3)}
     return {
-        "depth_mm": _short(true.depth[true.at]),
-        "force_N": _short(true.force[true.at]),
-        "area_mm2": _short(true.area[true.at]),
+        "depth_mm": short(true.depth[true.at]),
+        "force_N": short(true.force[true.at]),
+        "area_mm2": short(true.area[true.at]),
         "errors": rows,
     }
 
@@ -254,8 +254,8 @@ def third(presses: Sequence[Press], thickness: float) -> dict[str, Any]:
     """Return by what the second of two presses changes the first, over depth over thickness."""
     standard, fine = presses
     part = fine.depth[fine.at] / thickness
-    changes = {what: _short(each) for what, each in apart(standard, fine).items()}
-    return {"part": _short(part)} | changes
+    changes = {what: short(each) for what, each in apart(standard, fine).items()}
+    return {"part": short(part)} | changes
 
 
 def apart(press: Press, true: Press) -> Errors:
@@ -289,11 +289,6 @@ def _lumped(measurement: Measurement, true: Press) -> NDArray[np.float64] | None
     return apart(replace(true, force=force), true)["force"]
 
 
-def _cheaper(measurement: Measurement) -> dict[str, Press]:
-    """Return the press by all candidates that are able to answer it."""
-    return _pressed_by(measurement, CHEAPER)
-
-
 def _pressed_by(measurement: Measurement, labels: Sequence[str]) -> dict[str, Press]:
     """Return the press by the candidates that are able to answer it."""
     presses = {}
@@ -322,10 +317,6 @@ def _described(measurement: Measurement) -> dict[str, Any]:
     }
 
 
-def _short(values: Any, digits: int = 4) -> list[float]:
-    return [float(f"{value:.{digits}g}") for value in values]
-
-
 def thirds() -> dict[str, Any]:
     """Return the changes by the fine mesh under every object but those of ALIKE.
 
@@ -348,7 +339,7 @@ def thirds() -> dict[str, Any]:
 def main(folder: Path) -> None:
     """Measure what is missing, then what is outdated, and write the report after every press."""
     path = folder / PRESS_MESH
-    before = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    before = saved(path)
     rows, third_mesh = before.get("rows", {}), before.get("third") or thirds()
     for name in sorted(MEASUREMENTS, key=rows.__contains__):  # those that are missing first
         measurement = MEASUREMENTS[name]
@@ -357,10 +348,8 @@ def main(folder: Path) -> None:
             continue
         object_ = name.partition("/")[2]
         rows[name] = row(name, third_mesh[ALIKE.get(object_, object_)])
-        command = "python -m fefinger.validation.evidence.press_mesh reports"
         ordered = {key: rows[key] for key in MEASUREMENTS if key in rows}
-        report = provenance(command) | {"third": third_mesh, "rows": ordered}
-        path.write_text(compact(report), encoding="utf-8")
+        save(path, {"third": third_mesh, "rows": ordered})
         print(name, np.round(rows[name].get("force_N", [0])[-1], 3), flush=True)  # progress
 
 

@@ -8,10 +8,8 @@ from pathlib import Path
 
 from fefinger.validation.calibration import tip_shape
 from fefinger.validation.calibration.report import ROUND_TIP
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save
 
 
 if __name__ == "__main__":
-    command = "python -m fefinger.validation.evidence.round_tip reports"
-    report = {**provenance(command), "rows": tip_shape.measured()}
-    (Path(sys.argv[1]) / ROUND_TIP).write_text(compact(report), encoding="utf-8")
+    save(Path(sys.argv[1]) / ROUND_TIP, {"rows": tip_shape.measured()})

@@ -5,7 +5,6 @@ Run as `python -m fefinger.validation.evidence.sensitivity reports [finger]`, af
 given, some 10 minutes of presses; otherwise those in the report are kept.
 """
 
-import json
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any
 
 from fefinger.validation.calibration import sensitivity
 from fefinger.validation.calibration.report import SENSITIVITY, calibrated, rows
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save, saved
 
 
 SUBJECT = "a.h."
@@ -25,7 +24,6 @@ def report(finger: list[dict[str, Any]]) -> dict[str, Any]:
     calibrations = {name: calibrated(name) for name in rows()}
     reading, force = sensitivity.of_reading, sensitivity.of_force
     return {
-        **provenance("python -m fefinger.validation.evidence.sensitivity reports"),
         "subject": SUBJECT,
         "finger": finger,
         "reading": {
@@ -37,8 +35,6 @@ def report(finger: list[dict[str, Any]]) -> dict[str, Any]:
 
 if __name__ == "__main__":
     target = Path(sys.argv[1]) / SENSITIVITY
-    if sys.argv[2:] == ["finger"]:
-        tried = sensitivity.of_fingers(SUBJECT)
-    else:
-        tried = json.loads(target.read_text(encoding="utf-8"))["finger"] if target.exists() else []
-    target.write_text(compact(report(tried)), encoding="utf-8")
+    anew = sys.argv[2:] == ["finger"]
+    tried = sensitivity.of_fingers(SUBJECT) if anew else saved(target).get("finger", [])
+    save(target, report(tried))

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 from fefinger.validation.empty_cache import empty_cache
 from fefinger.validation.problems import published
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save
 from fefinger.validation.tradeoff import held_out, scenes
 
 from fefinger.mechanics import get
+from fefinger.mechanics.evidence import machine
 from fefinger.mechanics.evidence.small_strain_cost import areas
 from fefinger.mechanics.evidence.table import SMALL_STRAIN_COST, read
 from fefinger.mechanics.press.time_steps import moving
@@ -91,14 +92,14 @@ def meshed(cache: Path, resolution: str) -> dict[str, dict[str, Any]]:
     return {label: row | area for label, row in rows.items()}
 
 
-def in_scenes(label: str, row: dict[str, float], machine: float) -> dict[str, float]:
+def in_scenes(label: str, row: dict[str, float], speed: float) -> dict[str, float]:
     """Return the costs of a candidate as the scenes of development took them; none where not run.
 
-    machine: benchmark time of the machine that seconds are wanted on. Least squares of the relative
+    speed: benchmark time of the machine that seconds are wanted on. Least squares of the relative
     errors.
     """
     report, shares, seconds = read(held_out.REPORT), [], []
-    slower = machine / report["machine_seconds"]
+    slower = speed / report["machine_seconds"]
     for name, scene in scenes.development().items():
         plate, taken = scene.indenter.plate, report["taken"][name].get(label)
         if taken is not None and not (plate is not None and plate.angle > STEEP):
@@ -117,7 +118,6 @@ def in_scenes(label: str, row: dict[str, float], machine: float) -> dict[str, fl
 
 def main(folder: Path) -> None:
     """Write the report."""
-    made = provenance("python -m fefinger.validation.evidence.small_strain_cost reports")
     rows: dict[str, dict[str, Any]] = {"layered": layered()}
     with empty_cache() as cache:
         for mechanics in ("linear", "condensed"):
@@ -125,9 +125,8 @@ def main(folder: Path) -> None:
         for resolution in RESOLUTIONS:
             rows |= meshed(cache, resolution)
     for label in rows.keys() - {"layered"}:
-        rows[label] |= in_scenes(label, rows[label], made["machine_seconds"])
-    report = {**made, "scene": "flat-press", "rows": rows}
-    (folder / SMALL_STRAIN_COST).write_text(compact(report), encoding="utf-8")
+        rows[label] |= in_scenes(label, rows[label], machine.seconds())
+    save(folder / SMALL_STRAIN_COST, {"scene": "flat-press", "rows": rows})
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ Run as `python -m fefinger.validation.evidence.solid reports [ROW ...]`; all row
 hour. A row is a subject and a press, as "a.h./flat-30"; rows that are not named are kept.
 """
 
-import json
 import sys
 import time
 from pathlib import Path
@@ -22,7 +21,7 @@ from fefinger.validation.problems.chain import (
     scene,
     stiffening,
 )
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save, saved
 
 from fefinger.mechanics import solid
 from fefinger.mechanics.evidence.table import MAIN
@@ -146,7 +145,6 @@ def _listed(values: Array) -> list[float | None]:
 def report(rows: dict[str, Any]) -> dict[str, Any]:
     """Return the report on those rows."""
     return {
-        **provenance("python -m fefinger.validation.evidence.solid reports"),
         "scene": "ramps of 60 mm/s with sharp corners; force_N is that of relaxed tissue, "
         "relaxing_N with Table 3.1 (under a ball on the coarse mesh)",
         "seconds": "of CPU, for setup and a step of solid, on a busy machine; the planner goes by "
@@ -162,5 +160,4 @@ if __name__ == "__main__":
     solid.respond(scene(MAIN, "sphere-5", "coarse"))  # compiles
     rows = {name: row(name) for name in sys.argv[2:] or ROWS}
     # Read last, so that rows may be measured at the same time.
-    stored = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else {}
-    target.write_text(compact(report(stored | rows)), encoding="utf-8")
+    save(target, report(saved(target).get("rows", {}) | rows))

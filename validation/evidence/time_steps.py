@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.evidence.press_errors import curve, norm
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save
 
 from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.evidence.table import TIME_STEPS
@@ -78,8 +78,8 @@ def report() -> dict[str, Any]:
     """Return the report; `condensed` has the time steps of `linear`."""
     rows = {name: row(name) for name in REFINED}
     rows["condensed"] = rows["linear"]
-    return {**provenance("python -m fefinger.validation.evidence.time_steps reports"), "rows": rows}
+    return {"rows": rows}
 
 
 if __name__ == "__main__":
-    (Path(sys.argv[1]) / TIME_STEPS).write_text(compact(report()), encoding="utf-8")
+    save(Path(sys.argv[1]) / TIME_STEPS, report())

@@ -5,7 +5,6 @@ as `python -m fefinger.validation.fem.element_kinds reports [PART ...]`; all of 
 minutes of CPU. The rows of parts that are not named are kept.
 """
 
-import json
 import sys
 import time
 from collections.abc import Mapping
@@ -17,7 +16,7 @@ import numpy as np
 from fefinger.validation.fem import exact as fem_exact
 from fefinger.validation.fem import hertz
 from fefinger.validation.problems.quarter import Exact, Pressed, Quarter, turned
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save, saved
 from scipy import sparse
 
 from fefinger.fem.contact.complementarity import Complementarity
@@ -291,7 +290,6 @@ def part_of(row: dict[str, Any]) -> str:
 def report(rows: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the report on those rows, in the order of PARTS."""
     return {
-        **provenance("python -m fefinger.validation.fem.element_kinds reports"),
         "about": (
             "errors in % against Hertz and the exact stack (skin 100 kPa 1 mm, 34 kPa 4 mm, bone); "
             "strain is RMS over the largest; CPU seconds of assembly, factor, loads and contact "
@@ -305,6 +303,5 @@ if __name__ == "__main__":
     target, named = Path(sys.argv[1]) / REPORT, sys.argv[2:] or PARTS
     hertz_row(OURS, 0.3, 0)  # compiles
     new_rows = [row for part in named for row in rows_of(part)]
-    old = json.loads(target.read_text(encoding="utf-8"))["rows"] if target.exists() else []
-    kept = [row for row in old if part_of(row) not in named]
-    target.write_text(compact(report(kept + new_rows)), encoding="utf-8")
+    kept = [row for row in saved(target).get("rows", []) if part_of(row) not in named]
+    save(target, report(kept + new_rows))

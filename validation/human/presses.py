@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save, short
 
 from fefinger.mechanics import pressed
 from fefinger.results.pressure import peaks
@@ -84,9 +84,9 @@ def deep(name: str) -> dict[str, Any]:
         assert response.contact_area is not None
         return {
             "speed_mm_s": TAPPING,
-            "depth_mm": _short(response.depth),
-            "force_N": _short(response.force),
-            "area_mm2": _short(response.contact_area),
+            "depth_mm": short(response.depth),
+            "force_N": short(response.force),
+            "area_mm2": short(response.contact_area),
             "halt": reason,
         }
     return {"refused": reason}
@@ -109,27 +109,22 @@ def held(name: str, force: float, angle: float = 30.0) -> dict[str, Any]:
         "depth_mm": float(f"{response.depth[-1]:.4g}"),
         "area_mm2": float(f"{response.contact_area[-1]:.4g}"),
         "highest_kPa": float(f"{peaks(response.pad, response.pressure[-1:])[0]:.4g}"),
-        "centroid_mm": _short(response.centroid[-1]),
+        "centroid_mm": short(response.centroid[-1]),
         "proximal_mm": float(f"{-pushed.min():.4g}"),
         "distal_mm": float(f"{pushed.max():.4g}"),
-        "x_mm": _short(points[middle, 0][along]),
-        "pressure_kPa": _short(pressure[middle][along]),
+        "x_mm": short(points[middle, 0][along]),
+        "pressure_kPa": short(pressure[middle][along]),
     }
-
-
-def _short(values: Any) -> list[float]:
-    return [float(f"{value:.4g}") for value in values]
 
 
 def main(folder: Path) -> None:
     """Solve all presses, and write the report."""
-    command = "python -m fefinger.validation.human.presses reports"
-    report = provenance(command) | {
+    report = {
         "held": {force: held("means", float(force)) for force in PROFILES},
         "angles": {f"{angle:g}": held(DEFAULT, 0.7, angle) for angle in ANGLES},
         "deep": {name: deep(name) for name in (DEFAULT, "means")},
     }
-    (folder / REPORT).write_text(compact(report), encoding="utf-8")
+    save(folder / REPORT, report)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ Run as `python -m fefinger.validation.pressed.measure reports`; about half an ho
 Scenes that are in the report already, of the same format, are not run again.
 """
 
-import json
 import sys
 import time
 from dataclasses import replace
@@ -13,8 +12,9 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.empty_cache import empty_cache
+from fefinger.validation.evidence.press_errors import curve, norm
 from fefinger.validation.pressed.scenes import drawn
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save, saved
 from scipy.spatial import cKDTree
 
 from fefinger.mechanics import pressed, solid
@@ -27,7 +27,6 @@ from fefinger.mechanics.press.tabulated_press import (
     table_of,
     tabulated_response,
 )
-from fefinger.results.pressure import peaks
 from fefinger.results.records import Response
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
@@ -84,25 +83,18 @@ def errors(true: Response, quick: Response, by_force: bool) -> dict[str, Any]:
     quantities["area"] = (true.contact_area, quick.contact_area)
     quantities["strain"] = (true.strain, quick.strain)
     quantities["pressure in L2"] = (true.pressure, _on_pad(quick, true))
-    quantities["pressure"] = (_highest(true), _highest(quick))
+    quantities["pressure"] = (curve(true, "pressure"), curve(quick, "pressure"))
     top = int(np.argmax(true.force))
     back = np.flatnonzero(np.diff(true.depth) < 0)
     turn = len(true.time) if not len(back) or by_force else int(back[0]) + 1
     errors_by_phase: dict[str, Any] = {"peak": {}, "loading": {}, "retreat": {}}
     for name, (right, wrong) in quantities.items():
-        apart, size = _norm(wrong - right), _norm(right)
+        apart, size = norm(wrong - right), norm(right)
         errors_by_phase["peak"][name] = float(apart[top] / size[top])
         errors_by_phase["loading"][name] = float(apart[:turn].max() / size.max())
         if turn < len(true.time):
             errors_by_phase["retreat"][name] = float(apart[turn:].max() / size.max())
     return errors_by_phase
-
-
-def _highest(response: Response) -> Array:
-    """Return the highest pressure (n_t,) kPa over 1 mm²."""
-    assert response.pad is not None
-    assert response.pressure is not None
-    return peaks(response.pad, response.pressure)
 
 
 def _on_pad(response: Response, other: Response) -> Array:
@@ -115,10 +107,6 @@ def _on_pad(response: Response, other: Response) -> Array:
     shared, out = distance < SAME_PLACE, np.zeros_like(other.pressure)
     out[:, at[shared]] = response.pressure[:, shared]
     return out
-
-
-def _norm(values: Array) -> Array:
-    return np.asarray(np.sqrt((values.reshape(len(values), -1) ** 2).sum(axis=1)))
 
 
 def costs() -> dict[str, Any]:
@@ -151,17 +139,16 @@ def _timed(scene: Scene) -> tuple[float, Response]:
 def main(folder: Path) -> None:
     """Measure all sets and the costs, and write the report after each scene."""
     path = folder / TABULATION
-    report: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
-    head = provenance(f"python -m fefinger.validation.pressed.measure {folder.name}")
-    report = {**head, **{key: report.get(key, {}) for key in (*TABULATION_SETS, "costs")}}
+    before = saved(path)
+    report = {key: before.get(key, {}) for key in (*TABULATION_SETS, "costs")}
     for name in TABULATION_SETS:
         for scene in drawn(name):
             if scene.name not in report[name]:
                 report[name][scene.name] = compared(scene)
-                path.write_text(compact(_short(report)), encoding="utf-8")
+                save(path, _short(report))
                 print(scene.name, report[name][scene.name].get("loading"), flush=True)
     report["costs"] = costs()
-    path.write_text(compact(_short(report)), encoding="utf-8")
+    save(path, _short(report))
 
 
 def _short(value: Any) -> Any:

@@ -18,7 +18,7 @@ import numpy as np
 from fefinger.validation.fem.solid import MODULUS, RAMP, SERIES, TIMES, WEIGHTS
 from fefinger.validation.problems.febio_deck import SETTINGS, deck
 from fefinger.validation.problems.hemisphere import SPEED, Hemisphere
-from fefinger.validation.provenance import compact, provenance
+from fefinger.validation.provenance import save, short
 
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic.laws import neo_hookean
@@ -101,8 +101,7 @@ def quarter(size: float) -> Hemisphere:
 
 def summary(runs: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the last run with the least CPU s of all, and its force at the peak and the end."""
-    force = runs[-1]["force_N"]
-    rounded = [float(f"{value:.6g}") for value in force]
+    rounded = short(runs[-1]["force_N"], 6)
     ends = {"peak_N": rounded[RAMP], "end_N": rounded[-1]}
     return runs[-1] | {"cpu_s": min(run["cpu_s"] for run in runs), **ends, "force_N": rounded}
 
@@ -118,7 +117,6 @@ def report(program: Path) -> dict[str, Any]:
     difference = 100 * (febio[-1]["force_N"] - ours[-1]["force_N"]) / ours[-1]["force_N"].max()
     largest = int(np.argmax(np.abs(difference)))
     return {
-        **provenance("python -m fefinger.validation.problems.febio FEBIO4 reports"),
         "about": "The relaxing hemisphere in FEBio and in this project: same mesh, law and times, "
         f"one thread, least CPU seconds of {RUNS} runs.",
         "nodes": ball.n_nodes,
@@ -139,5 +137,4 @@ def report(program: Path) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    text = compact(report(Path(sys.argv[1])))
-    (Path(sys.argv[2]) / REPORT).write_text(text, encoding="utf-8")
+    save(Path(sys.argv[2]) / REPORT, report(Path(sys.argv[1])), "FEBIO4 reports")

@@ -8,7 +8,6 @@ Scenes that are in the report already are not run again, but judged again; so ar
 development, which were held out until the present rules were chosen.
 """
 
-import json
 import sys
 import time
 from collections.abc import Mapping, Sequence
@@ -20,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from fefinger.validation.empty_cache import only_meshes
 from fefinger.validation.evidence.press_errors import curve, left_on
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import save, saved
 from fefinger.validation.tradeoff import scenes
 
 from fefinger.afferents import fire
@@ -34,7 +33,6 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.atomic_write import moved
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.text import finite
 
@@ -333,20 +331,19 @@ def _share(held: list[Any]) -> float:
 def main(folder: Path) -> None:
     """Run what is missing, judge all, and write the report after every scene."""
     path = folder / REPORT
-    earlier = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    command = "python -m fefinger.validation.tradeoff.held_out reports"
+    earlier = saved(path)
     drawn = scenes.held_out() | scenes.development()
     errors, taken = (
         {key: earlier[what][key] for key in drawn if key in earlier.get(what, {})}
         for what in ("errors", "taken")
     )
-    report: dict[str, Any] = provenance(command) | {"errors": errors, "taken": taken}
+    report = {"errors": errors, "taken": taken}
     for key, scene in drawn.items():
         if key not in errors:
             errors[key], taken[key] = measured(scene)
             print(key, flush=True)  # progress
-            _put(path, report)
-    _put(path, report | judgment(report))
+            save(path, finite(report))
+    save(path, finite(report | judgment(report)))
 
 
 def measured(scene: Scene) -> tuple[dict[str, dict[str, float]], dict[str, float]]:
@@ -371,12 +368,6 @@ def judgment(report: Mapping[str, Any]) -> dict[str, Any]:
         "summary": summary(held),
         "development": summary(judged(scenes.development())),
     }
-
-
-def _put(path: Path, report: dict[str, Any]) -> None:
-    with moved(path) as new:
-        text = json.dumps(finite(report), separators=(",", ":"))
-        new.write_text(text + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from fefinger.fem.contact.closed_contact import ClosedContact
 from fefinger.fem.contact.modal_march import ModalContact
 from fefinger.fem.contact.oscillators import Complex, Oscillators
 from fefinger.fem.contact.step_compiled import check
+from fefinger.mechanics.press.modal_press import contact_of
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.mechanics.realtime.modal import Modal
 from fefinger.scene.finger import Finger
@@ -36,15 +37,6 @@ def finger(mesh: str = "coarse") -> Finger:
 def loop(mesh: str = "coarse") -> Modal:
     """Return a finger under the standard plate."""
     return Modal(finger(mesh), Flat(30), deepest=1.2 * DEPTH, dt=2.5e-5)
-
-
-def contact(body: Modal, longest: float) -> ModalContact:
-    """Return the contact of a finger with all its modes, at rest."""
-    parts, on_pad = body.body, body.body.static.patch
-    return ModalContact(
-        *(parts.oscillators, parts.participation, parts.residual_flexibility),
-        *(on_pad.gap, on_pad.projected, longest),
-    )
 
 
 def static_difference() -> float:
@@ -116,7 +108,7 @@ def finger_error(steps: int, frequency: float = 200.0) -> float:
     body, dt = loop(), 1 / (200.0 * steps)
     small, cycles = 1e-6, 30
     forces = driven(
-        contact(body, 1.001 * dt),
+        contact_of(body.body, 1.001 * dt),
         dt,
         cycles * steps,
         lambda t: DEPTH + small * np.sin(2 * np.pi * frequency * t),
@@ -146,7 +138,7 @@ def _held(body: Modal) -> ClosedContact:
 def energy_difference() -> float:
     """Return work less stored, kinetic and lost energy of a fast press, over the work."""
     dt, speed = 2e-5, 200.0
-    body = contact(loop(), 1.001 * dt)
+    body = contact_of(loop().body, 1.001 * dt)
     o, residual = loop().body.oscillators, loop().body.residual_flexibility
     work = lost = last_force = last_loss = last_depth = 0.0
     top = DEPTH / speed
@@ -219,7 +211,7 @@ def nonlinearity() -> float:
     frequency, dt = 150.0, 1 / (150.0 * 60)
 
     def force(small: float) -> complex:
-        body = contact(loop(), 1.001 * dt)
+        body = contact_of(loop().body, 1.001 * dt)
         path = driven(body, dt, 900, lambda t: DEPTH + small * np.sin(2 * np.pi * frequency * t))
         return amplitude(path, dt, frequency, 3)
 

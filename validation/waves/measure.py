@@ -20,10 +20,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fefinger.validation.provenance import provenance
+from fefinger.validation.provenance import save
 from fefinger.validation.waves.preload import Preloaded, modulus, viscous
 
-from fefinger.fem.contact.modal_march import ModalContact
 from fefinger.mechanics.evidence.vibration import suddenness
 from fefinger.mechanics.press.modal_body import ModalBody
 from fefinger.mechanics.press.modal_press import contact_of
@@ -34,6 +33,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.inertia import wave_speed
+from fefinger.scene.motion import Motion
 from fefinger.scene.motions import Ramp, RampHold
 from fefinger.support.arrays import Array
 
@@ -97,27 +97,12 @@ def vibrations(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
 def ramps(finger: Finger) -> Iterator[dict[str, float]]:
     """Yield the largest change of the force of ramps by inertia, over their peak."""
     depth = 0.1 * finger.thickness
-    loop = Modal(finger, Flat(30), deepest=1.1 * depth)
-    body, on_pad = loop.body, loop.body.static.patch
+    body = Modal(finger, Flat(30), deepest=1.1 * depth).body
     for speed in SPEEDS:
         motion = Ramp(speed, depth)
         dt = min(1e-4, motion.duration / 100)
-        forces = []
-        for longest in (dt * 1.001, 0.0):
-            contact = ModalContact(
-                body.oscillators,
-                body.participation,
-                body.residual_flexibility,
-                on_pad.gap,
-                on_pad.projected,
-                longest,
-            )
-            force = []
-            for t in np.arange(1, int(motion.duration / dt) + 1) * dt:
-                assert contact.step(dt, float(motion.value(t)), by_force=False) == 0
-                force.append(float(on_pad.projected @ contact.lcp.x))
-            forces.append(np.array(force))
-        change = np.abs(forces[0] - forces[1]).max() / forces[0].max()
+        moving, still = (pressed_force(body, motion, dt, longest) for longest in (1.001 * dt, 0.0))
+        change = np.abs(moving - still).max() / moving.max()
         yield {"speed_over_wave": speed / wave_speed(finger), "error": float(change)}
 
 
@@ -143,9 +128,14 @@ def presses(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
             }
 
 
-def pressed_force(body: ModalBody, motion: RampHold, dt: float) -> Array:
-    """Return the force (n_t,) on a body through a motion, in mN on what is meshed."""
-    contact, force = contact_of(body, dt * (1 + 1e-6)), []
+def pressed_force(
+    body: ModalBody, motion: Motion, dt: float, longest: float | None = None
+) -> Array:
+    """Return the force (n_t,) on a body through a motion, in mN on what is meshed.
+
+    Modes swing in steps up to `longest` s, by default in these of `dt` s.
+    """
+    contact, force = contact_of(body, dt * (1 + 1e-6) if longest is None else longest), []
     for t in np.arange(1, int(motion.duration / dt) + 1) * dt:
         assert contact.step(dt, float(motion.value(t)), by_force=False) == 0
         force.append(float(body.static.patch.projected @ contact.lcp.x))
@@ -260,7 +250,6 @@ def main(path: str) -> None:
     ]
     fingers = [finger for kind, finger in kinds if kind == "published"]
     record = {
-        **provenance("python -m fefinger.validation.waves.measure"),
         "tissue": TISSUE,
         "subjects": SUBJECTS,
         "mesh": "coarse",
@@ -278,7 +267,7 @@ def main(path: str) -> None:
         "seconds": {mesh: seconds("a.h.", mesh) for mesh in ("coarse", "standard")},
     }
     rounded = json.loads(json.dumps(record), parse_float=lambda text: float(f"{float(text):.3g}"))
-    Path(path).write_text(json.dumps(rounded) + "\n", encoding="utf-8")
+    save(Path(path), rounded, "reports/modal.json")
 
 
 if __name__ == "__main__":
