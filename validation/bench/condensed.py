@@ -7,17 +7,16 @@ factor in the same order and a solution for every unknown of the pad; the steps 
 contact, and its answer for agreement.
 """
 
-import os
 import resource
 import time
-from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 from fefinger.validation.bench import superlu
-from fefinger.validation.bench.fem import timed
 from fefinger.validation.bench.suites import Figure, Progress
+from fefinger.validation.bench.timing import load, of_each, quantiles, timed
 from fefinger.validation.oracles.march import march as plain
 from fefinger.validation.problems import published
 
@@ -56,16 +55,15 @@ ANGLES, TURNS = (10.0, 40.0), 2000  # degrees, steps of 0.03 degrees
 @one_thread
 def figures(progress: Progress) -> list[Figure]:
     """Measure the operator of a standard finger, and steps on it."""
-    load = os.getloadavg()[0]
+    busy = load()
     finger = replace(published.load("flat-press").finger, resolution="standard")
     rows = [*_building(finger), *_loading(finger)]
     progress("condensed", 0.4)
     sites = end_organs(Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE))
-    first = _seconds(lambda: placed(finger, sites, "double"))
-    rows += [
-        Figure("1000 end organs under a plate: wall, kept", _again(finger, sites), "s", first),
-    ]
-    double, single = placed(finger, sites, "double"), placed(finger, sites, "single")
+    placing = partial(timed, partial(placed, finger, sites, "double"), time.perf_counter)
+    (_, first), (double, again) = placing(), placing()
+    rows.append(Figure("1000 end organs under a plate: wall, kept", again, "s", first))
+    single = placed(finger, sites, "single")
     rows += [*_stepping("strains in double precision", double), *_contact(double)]
     progress("condensed", 0.7)
     rows += [*_stepping("strains in single precision", single), *_strain_error(single, double)]
@@ -73,7 +71,7 @@ def figures(progress: Progress) -> list[Figure]:
         rows += spiking(single, type(membrane).__name__, family="thesis", membrane=membrane)
     rows += _rolling(finger, sites)
     rows += [*_agreement(double), *_tolerances(finger, double), *_coarser(finger)]
-    return [*rows, Figure("load average of the minute before", load, "processes")]
+    return [*rows, busy]
 
 
 def motion() -> Array:
@@ -140,9 +138,8 @@ def _entries(built: Compliance) -> int:
 
 
 def _loading(finger: Finger) -> list[Figure]:
-    begun = time.process_time()
-    seconds = _seconds(lambda: operator.operator(finger, half=False))
-    processor = time.process_time() - begun
+    load_one = partial(operator.operator, finger, half=False)
+    (_, seconds), processor = timed(lambda: timed(load_one, time.perf_counter))
     return [
         Figure("operator, whole finger: wall, loaded with its mesh", seconds, "s"),
         Figure("operator, whole finger: processor, loaded with its mesh", processor, "s"),
@@ -152,10 +149,6 @@ def _loading(finger: Finger) -> list[Figure]:
 def placed(finger: Finger, sites: Sites, precision: Precision) -> Condensed:
     """Return the finger under PLATE with these end organs."""
     return Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE, sites=sites, precision=precision)
-
-
-def _again(finger: Finger, sites: Sites) -> float:
-    return _seconds(lambda: placed(finger, sites, "double"))
 
 
 def _stepping(name: str, finger: Condensed) -> list[Figure]:
@@ -169,31 +162,25 @@ def _stepping(name: str, finger: Condensed) -> list[Figure]:
         vertices[k] = finger.counts[lcp_compiled.K]
     return [
         Figure(f"{name}: vertices in contact, median", float(np.median(vertices)), "1"),
-        Figure(f"{name}: step, median, processor", _ms(processor, 0.5), "ms"),
-        Figure(f"{name}: step, 99th percentile, processor", _ms(processor, 0.99), "ms"),
-        Figure(f"{name}: step, median, wall", _ms(wall, 0.5), "ms"),
-        Figure(f"{name}: step, 99th percentile, wall", _ms(wall, 0.99), "ms"),
+        *quantiles(name, 1e3 * processor),
+        *quantiles(name, 1e3 * wall, "wall"),
     ]
 
 
 def spiking(finger: Condensed, label: str, **options: Any) -> list[Figure]:
     """Time the steps with a unit behind every end organ; options as `Condensed.afferents`."""
     units, fired = finger.afferents(**options), 0
-    seconds = np.empty(STEPS)
     _warm(finger)
     units.step(finger.step(DEPTH / 2, DT).strain, DT)
     finger.reset()
     units.reset()
-    for k, depth in enumerate(motion().tolist()):
-        begun = time.thread_time()
+
+    def step(depth: float) -> None:
+        nonlocal fired
         fired += units.step(finger.step(depth, DT).strain, DT)
-        seconds[k] = time.thread_time() - begun
-    name = f"with {len(units.types)} {label} units"
-    return [
-        Figure(f"{name}: step, median, processor", _ms(seconds, 0.5), "ms"),
-        Figure(f"{name}: step, 99th percentile, processor", _ms(seconds, 0.99), "ms"),
-        Figure(f"{name}: spikes", fired, "1"),
-    ]
+
+    spent, name = of_each(step, motion().tolist()), f"with {len(units.types)} {label} units"
+    return [*quantiles(name, spent), Figure(f"{name}: spikes", fired, "1")]
 
 
 def _rolling(finger: Finger, sites: Sites) -> list[Figure]:
@@ -201,36 +188,26 @@ def _rolling(finger: Finger, sites: Sites) -> list[Figure]:
     folded = replace(sites, points=mirror.to_half(sites.points))
     rolling = Rolling(finger, angles=ANGLES, deepest=1.1, sites=folded)
     angles = np.interp(np.arange(TURNS), [0, TURNS / 2, TURNS], [*ANGLES, ANGLES[0]]).tolist()
-    seconds = np.empty(TURNS)
     for _ in range(2):  # compiles
         rolling.reset()
-        for k, angle in enumerate(angles):
-            begun = time.thread_time()
-            rolling.step(1.0, angle, DT)
-            seconds[k] = time.thread_time() - begun
+        spent = of_each(lambda angle: rolling.step(1.0, angle, DT), angles)
     vertices = float(np.count_nonzero(rolling.now.pressure))
     name = f"a plate that turns, half a finger, {len(sites.points)} end organs"
     return [
         Figure(f"{name}: vertices in contact at the end", vertices, "1"),
-        Figure(f"{name}: step, median, processor", _ms(seconds, 0.5), "ms"),
-        Figure(f"{name}: step, 99th percentile, processor", _ms(seconds, 0.99), "ms"),
+        *quantiles(name, spent),
     ]
 
 
 def _contact(finger: Condensed) -> list[Figure]:
     """Time the steps of contact and force alone."""
-    seconds, exchanged = np.empty(STEPS), np.empty(STEPS)
     _warm(finger)
-    for k, depth in enumerate(motion().tolist()):
-        begun = time.thread_time()
-        finger.step_contact(depth, DT)
-        seconds[k] = time.thread_time() - begun
-        exchanged[k] = finger.counts[lcp_compiled.EXCHANGED]
+    spent = of_each(lambda depth: finger.step_contact(depth, DT), motion().tolist())
+    exchanged = float(finger.counts[lcp_compiled.EXCHANGED])
     return [
         Figure("contact only: candidate vertices", len(finger.now.pressure), "1"),
-        Figure("contact only: step, median, processor", _ms(seconds, 0.5), "ms"),
-        Figure("contact only: step, 99th percentile, processor", _ms(seconds, 0.99), "ms"),
-        Figure("contact only: vertices exchanged per step", exchanged[-1] / STEPS, "1"),
+        *quantiles("contact only", spent),
+        Figure("contact only: vertices exchanged per step", exchanged / STEPS, "1"),
         Figure("contact only: inverses made anew", float(finger.counts[lcp_compiled.REBUILT]), "1"),
     ]
 
@@ -243,12 +220,13 @@ def _agreement(finger: Condensed) -> list[Figure]:
     answers, seconds = [], []
     memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
     few = Prescribed("depth", prescribed.time[:2], depth[:2])
-    march(finger.flexibility, on_pad.gap, on_pad.projected, memory, few)  # compiles
+    contact = finger.flexibility, on_pad.gap, on_pad.projected
+    march(*contact, memory, few)  # compiles
     for method in (march, plain):
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
-        begun = time.thread_time()
-        history = method(finger.flexibility, on_pad.gap, on_pad.projected, memory, prescribed)
-        seconds.append((time.thread_time() - begun) / len(depth))
+        step = partial(method, *contact, memory, prescribed)
+        history, spent = timed(step, time.thread_time)
+        seconds.append(spent / len(depth))
         answers.append(history.pressure)
     error = np.abs(answers[0] - answers[1]).max(axis=1)
     scale = np.abs(answers[1]).max(axis=1)
@@ -280,12 +258,12 @@ def _tolerances(finger: Finger, exact: Condensed) -> list[Figure]:
         rough = Condensed(
             finger, PLATE, deepest=DEPTH + AMPLITUDE, sites=exact.sites, tolerance=tolerance
         )
-        begun = time.thread_time()
-        error = np.abs(_forces(rough) - forces).max() / forces.max()
-        seconds = (time.thread_time() - begun) / STEPS
+        name = f"contact tolerance {tolerance:g}"
+        found, seconds = timed(partial(_forces, rough), time.thread_time)
+        error = float(np.abs(found - forces).max() / forces.max())
         rows += [
-            Figure(f"contact tolerance {tolerance:g}: step, mean, processor", 1e3 * seconds, "ms"),
-            Figure(f"contact tolerance {tolerance:g}: error of the force", float(error), "1"),
+            Figure(f"{name}: step, mean, processor", 1e3 * seconds / STEPS, "ms"),
+            Figure(f"{name}: error of the force", error, "1"),
         ]
     return rows
 
@@ -295,15 +273,13 @@ def _coarser(finger: Finger) -> list[Figure]:
     exact = Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE)
     coarse = replace(finger, resolution="coarse")
     rough = Condensed(coarse, PLATE, deepest=DEPTH + AMPLITUDE, sites=exact.sites)
-    begun = time.thread_time()
-    forces = _forces(rough)
-    seconds = (time.thread_time() - begun) / STEPS
+    forces, seconds = timed(lambda: _forces(rough), time.thread_time)
     error = float(np.abs(forces - _forces(exact)).max() / forces.max())
     strains = [each.step(DEPTH, DT).strain for each in (rough, exact)]
     worst = float(np.abs(strains[0] - strains[1]).max() / np.abs(strains[1]).max())
     name = "coarse mesh, against the standard one"
     return [
-        Figure("coarse mesh: step, mean, processor", 1e3 * seconds, "ms"),
+        Figure("coarse mesh: step, mean, processor", 1e3 * seconds / STEPS, "ms"),
         Figure(f"{name}: error of the force", error, "1"),
         Figure(f"{name}: error of the strains under first touch, over the largest", worst, "1"),
     ]
@@ -320,13 +296,3 @@ def _warm(finger: Condensed) -> None:
     finger.step(DEPTH / 2, DT)
     finger.step_contact(DEPTH / 2, DT)
     finger.reset()
-
-
-def _ms(seconds: Array, part: float) -> float:
-    return 1e3 * float(np.quantile(seconds, part))
-
-
-def _seconds(work: Callable[[], object]) -> float:
-    started = time.perf_counter()
-    work()
-    return time.perf_counter() - started

@@ -4,14 +4,13 @@ The baseline of factor and loads is SciPy's SuperLU in symmetric mode, given the
 unknowns (its own orders are several times slower) and one BLAS thread, which is faster for it too.
 """
 
-import time
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from fefinger.validation.bench import solvers, superlu
 from fefinger.validation.bench.suites import Figure, Progress
+from fefinger.validation.bench.timing import fastest, timed
 from fefinger.validation.fem import hertz
 from fefinger.validation.problems import published
 
@@ -35,8 +34,6 @@ DEPTH, REACH = 1.5, 2.0  # mm
 NU = 0.49
 HERTZ = hertz.Grading(hertz.LINES, core=0.3, rim=0.06, slope=0.42, sectors=6)
 
-T = TypeVar("T")
-
 
 def figures(progress: Progress) -> list[Figure]:
     """Measure the finger, Hertz contact and the linear solvers as size grows."""
@@ -52,13 +49,13 @@ def finger_figures(progress: Progress) -> list[Figure]:
     solid = body.body(mesh, tissues, held)
     space, system = solid.space, solid.system
     progress("fem", 0.05)
-    _, assembly = best(lambda: stiffness(space, tissues))
-    _, factoring = best(lambda: solve.factor(space, system.matrix, system.fixed))
+    _, assembly = fastest(lambda: stiffness(space, tissues), REPEATS)
+    _, factoring = fastest(lambda: solve.factor(space, system.matrix, system.fixed), REPEATS)
     loads = np.random.default_rng(0).normal(size=(space.n_unknowns, LOADS))
-    _, solving = best(lambda: system.solve(loads))
+    _, solving = fastest(lambda: system.solve(loads), REPEATS)
     progress("fem", 0.1)
     baseline, baseline_factoring = timed(lambda: superlu.factor(space, system.matrix, system.fixed))
-    _, baseline_solving = best(lambda: baseline.solve(loads))
+    _, baseline_solving = fastest(lambda: baseline.solve(loads), REPEATS)
     progress("fem", 0.2)
     return [
         Figure("unknowns", space.n_unknowns, "1"),
@@ -76,9 +73,7 @@ def hertz_figures() -> list[Figure]:
     truth = hertz.hertz(NU)
     space = HERTZ.space(truth.contact_radius)
     _ = space.scalar.dx  # the mesh's own tables, which are part of meshing
-    started = time.process_time()
-    pressed = hertz.body_on(space, NU).pressed(truth.depth)
-    seconds = time.process_time() - started
+    pressed, seconds = timed(lambda: hertz.body_on(space, NU).pressed(truth.depth))
     errors = hertz.measured(pressed, truth)
     name = f"Hertz, nu {NU:g}"
     return [
@@ -105,17 +100,4 @@ def contact(solid: body.Body, finger: Finger) -> float:
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), size)
         return march(small.flexibility, on_pad.gap, on_pad.projected, memory, prescribed)
 
-    return best(pressed)[1]
-
-
-def timed(work: Callable[[], T]) -> tuple[T, float]:
-    """Run `work`; return its result and its CPU seconds."""
-    started = time.process_time()
-    answer = work()
-    return answer, time.process_time() - started
-
-
-def best(work: Callable[[], T]) -> tuple[T, float]:
-    """Run `work` several times; return its result and the CPU seconds of the fastest run."""
-    runs = [timed(work) for _ in range(REPEATS)]
-    return runs[-1][0], min(seconds for _, seconds in runs)
+    return fastest(pressed, REPEATS)[1]

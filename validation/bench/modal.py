@@ -15,6 +15,7 @@ from functools import partial
 import numpy as np
 from fefinger.validation.bench.organs import COUNT, crowd
 from fefinger.validation.bench.suites import Figure, Progress
+from fefinger.validation.bench.timing import of_each, timed
 
 from fefinger.mechanics.press.mode_store import finger_modes
 from fefinger.mechanics.press.operator import operator
@@ -57,9 +58,7 @@ def _modes() -> list[Figure]:
     finger = _finger()
     solid = operator(finger, half=True)
     anonymous = replace(solid, identities=(None,))  # then nothing is read from the cache
-    started = time.process_time()
-    modes = finger_modes(finger, anonymous)
-    seconds = time.process_time() - started
+    modes, seconds = timed(lambda: finger_modes(finger, anonymous))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
     return [
         Figure(
@@ -76,12 +75,9 @@ def _loop() -> list[Figure]:
     measured = [row for dt in (DT, SHORT) for row in _steps(sites, dt)]
     quick = Modal(_finger(), Flat(30), deepest=DEEPEST)
     frequency = np.geomspace(1.0, 400.0, POINTS)
-    started = time.process_time()
-    quick.harmonic(frequency, depth=1.0)
-    first = time.process_time() - started
-    started = time.process_time()
-    quick.harmonic(frequency, depth=0.7)
-    again = time.process_time() - started
+    first, again = (
+        timed(partial(quick.harmonic, frequency, depth=depth))[1] for depth in (1.0, 0.7)
+    )
     return [
         *measured,
         Figure(f"harmonic answer at {POINTS} frequencies, first", first, "CPU s", AIMS["points"]),
@@ -92,12 +88,9 @@ def _loop() -> list[Figure]:
 def _steps(sites: Sites, dt: float) -> list[Figure]:
     """Measure steps of `dt` s with the modes that they resolve."""
     loop = Modal(_finger(), Flat(30), deepest=DEEPEST, sites=sites, dt=dt, precision="single")
-    spent = []
-    for step in range(STEPS):
-        depth = min(1.0, 20 * step * dt) + 0.05 * np.sin(2 * np.pi * 150 * step * dt)
-        started = time.thread_time()
-        loop.step(max(depth, 0.0), dt)
-        spent.append(1e3 * (time.thread_time() - started))
+    at = dt * np.arange(STEPS)
+    depths = np.minimum(1.0, 20 * at) + 0.05 * np.sin(2 * np.pi * 150 * at)
+    spent = of_each(lambda depth: loop.step(depth, dt), np.maximum(depths, 0.0).tolist())
     modes, nodes = loop.body.participation.shape
     what = f"{1e3 * dt:g} ms, {modes} modes, {nodes} contact nodes, {COUNT} end organs"
     return [

@@ -11,10 +11,11 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from fefinger.validation.bench.suites import Figure, Progress
+from fefinger.validation.bench.timing import fastest, load
 
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.support.arrays import Array
@@ -39,8 +40,9 @@ TIME = np.linspace(0.0, 1.0, 1001)
 BASELINE, FAST = "plain Runge-Kutta 0.05 ms", "splitting, tolerance 0.05 ms"
 CHEAP = "integrate-and-fire"
 
+WALL = time.perf_counter
+
 Spikes = list[Array]
-T = TypeVar("T")
 
 
 def currents(units: int) -> Array:
@@ -162,7 +164,7 @@ def sinusoids() -> list[Figure]:
     """Return speed and errors on sinusoids, of the chosen integrator and of Runge-Kutta."""
     current, slowed = swings(UNITS), HodgkinHuxley(DIVISOR)
     fine = list(slowed.fire(TIME, current, dt=5e-6, stimulus_driven=False).times)
-    base = once(lambda: plain(current, exponential=False))[0]
+    base = fastest(lambda: plain(current, exponential=False), 3, WALL)[1]
     rows = []
     choices: tuple[tuple[str, dict[str, Any]], ...] = (
         (f"sinusoids, {FAST}", {"tolerance": TOLERANCE}),
@@ -170,7 +172,7 @@ def sinusoids() -> list[Figure]:
     )
     for label, options in choices:
         fire = partial(slowed.fire, TIME, current, stimulus_driven=False, **options)
-        wall, firing = once(fire)
+        firing, wall = fastest(fire, 3, WALL)
         error = compare(list(firing.times), fine)
         rows += [
             Figure(f"{label}: wall", wall, "s", base),
@@ -186,9 +188,8 @@ def ladder(fine: Spikes) -> list[Figure]:
     slowed, current, rows = HodgkinHuxley(DIVISOR), currents(UNITS), []
     for tolerance in TOLERANCES:
         method, dt = slowed.integrator(tolerance)
-        wall, firing = once(
-            partial(slowed.fire, TIME, current, tolerance=tolerance, stimulus_driven=False)
-        )
+        fire = partial(slowed.fire, TIME, current, tolerance=tolerance, stimulus_driven=False)
+        firing, wall = fastest(fire, 3, WALL)
         pairs = [(a, b) for a, b in zip(firing.times, fine, strict=True) if len(a) == len(b)]
         error = 1e3 * float(np.quantile(np.abs(np.concatenate([a - b for a, b in pairs])), 0.95))
         name = f"asked {1e3 * tolerance:g} ms: {method}, {1e6 * dt:.3g} us"
@@ -206,21 +207,11 @@ def chain() -> list[Figure]:
     types = tuple(np.tile(("SAI", "SAII", "FAI", "FAII"), UNITS // 4).tolist())
     press = np.outer(np.clip(TIME / 0.05, 0.0, 1.0), np.linspace(0.1, 1.5, len(types)))
     run = partial(simulate_units, TIME, press, types=types, check=False)
-    wall = once(run)[0]
+    _, wall = fastest(run, 3, WALL)
     return [
         Figure("skin to spikes: wall", wall, "s"),
         Figure("skin to spikes: memory beside its input", held(run), "MB"),
     ]
-
-
-def once(work: Callable[[], T]) -> tuple[float, T]:
-    """Return the seconds of the fastest of three runs, and what the last gave."""
-    walls = []
-    for _ in range(3):
-        started = time.perf_counter()
-        answer = work()
-        walls.append(time.perf_counter() - started)
-    return min(walls), answer
 
 
 def held(work: Callable[[], object]) -> float:
@@ -234,7 +225,7 @@ def held(work: Callable[[], object]) -> float:
 
 def figures(progress: Progress) -> list[Figure]:
     """Return speed and errors of each method, memory, and the load of the machine at the start."""
-    load = os.getloadavg()[0]
+    busy = load()
     timings = timed(progress)
     progress("neural", REPEATS / (REPEATS + 2))
     slowed, current = HodgkinHuxley(DIVISOR), currents(UNITS)
@@ -253,5 +244,5 @@ def figures(progress: Progress) -> list[Figure]:
         Figure("reference against order 8: worst spike-time error", check.worst, "ms"),
         Figure("reference against order 8: units miscounted", check.miscounted, f"of {EXACT}"),
         Figure(f"{FAST}: memory beside its input", memory, "MB"),
-        Figure("load average of the minute before", load, "processes"),
+        busy,
     ]

@@ -1,6 +1,5 @@
 """Speed of the afferents `recorded`: whole series, and in a loop with a finger at 1 kHz."""
 
-import os
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -9,6 +8,7 @@ from time import perf_counter, process_time
 import numpy as np
 from fefinger.validation.bench import condensed
 from fefinger.validation.bench.suites import Figure, Progress
+from fefinger.validation.bench.timing import Clock, fastest, load, timed
 from fefinger.validation.problems import published
 
 from fefinger.mechanics.realtime.condensed import Condensed
@@ -31,12 +31,12 @@ REPEATS = 40
 
 def figures(progress: Progress) -> list[Figure]:
     """Measure wall seconds of 1000 units for 1 s, and milliseconds of a step with a finger."""
-    load = os.getloadavg()[0]
+    busy = load()
     rows = series()
     progress("recorded", 0.3)
     rows += _loop()
     progress("recorded", 1.0)
-    return [*rows, Figure("load average of the minute before", load, "processes")]
+    return [*rows, busy]
 
 
 def inputs() -> tuple[tuple[str, ...], Array]:
@@ -71,10 +71,7 @@ def _stepped(types: tuple[str, ...], x: Array) -> float:
             strain[:, i, 2] = -x[:, i] / unit.length
         else:
             strain[:, i, 0] = x[:, i] / unit.length
-    started = perf_counter()
-    for row in strain:
-        units.step(row, TIME[1])
-    return perf_counter() - started
+    return timed(lambda: [units.step(row, TIME[1]) for row in strain], perf_counter)[1]
 
 
 @one_thread
@@ -88,14 +85,6 @@ def _loop() -> list[Figure]:
     )
 
 
-def _fastest(
-    work: Callable[[], object], repeats: int, clock: Callable[[], float] = perf_counter
-) -> float:
-    """Seconds of the fastest of some runs by a clock, after one that compiles."""
-    work()
-    seconds = []
-    for _ in range(repeats):
-        started = clock()
-        work()
-        seconds.append(clock() - started)
-    return min(seconds)
+def _fastest(work: Callable[[], object], repeats: int, clock: Clock = perf_counter) -> float:
+    work()  # compiles
+    return fastest(work, repeats, clock)[1]

@@ -5,12 +5,13 @@ slides at 60 mm/s in steps of 1 ms, without friction and with it. Times are medi
 seconds of the processor.
 """
 
-import os
 import resource
 import time
+from functools import partial
 
 import numpy as np
 from fefinger.validation.bench.suites import Figure, Progress
+from fefinger.validation.bench.timing import load, timed
 from fefinger.validation.empty_cache import empty_cache
 
 from fefinger import afferents
@@ -39,7 +40,7 @@ OBJECTS: tuple[tuple[str, Indenter, float], ...] = (
 @one_thread
 def figures(progress: Progress) -> list[Figure]:
     """Measure operator, steps and scan."""
-    load = os.getloadavg()[0]
+    busy = load()
     measured = [*_operator()]
     progress("sliding", 0.3)
     for number, (name, indenter, depth) in enumerate(OBJECTS):
@@ -48,7 +49,7 @@ def figures(progress: Progress) -> list[Figure]:
             measured += _steps("coarse", name, indenter, depth)
         progress("sliding", 0.3 + 0.12 * (number + 1))
     measured += _scan()
-    return [*measured, Figure("load average of the minute before", load, "processes")]
+    return [*measured, busy]
 
 
 def finger(mesh: str) -> Finger:
@@ -66,13 +67,9 @@ def sites() -> Sites:
 
 def _operator() -> list[Figure]:
     """Measure a finger with friction in an empty cache, and again; the peak is of the process."""
-    plate, seconds = Flat(30, friction=MU), []
+    make = partial(Sliding, finger("standard"), Flat(30, friction=MU), deepest=1.05, sites=sites())
     with empty_cache():
-        for _ in range(2):
-            started = time.process_time()
-            Sliding(finger("standard"), plate, deepest=1.05, sites=sites())
-            seconds.append(time.process_time() - started)
-    new, again = seconds
+        (_, new), (_, again) = timed(make), timed(make)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
     return [
         Figure("operator of a whole finger and its rows of tractions: new", new, "CPU s"),
@@ -111,11 +108,9 @@ def _scan() -> list[Figure]:
     }
     scene = builtin.load("slide-dots", changes)
     condensed.respond(scene)
-    started = time.process_time()
-    response = condensed.respond(scene)
-    solved = time.process_time() - started
-    trains = afferents.fire(scene.ask, response, since=scene.motion.recorded_from)
-    fired = time.process_time() - started - solved
+    response, solved = timed(lambda: condensed.respond(scene))
+    fire = partial(afferents.fire, scene.ask, response, since=scene.motion.recorded_from)
+    trains, fired = timed(fire)
     units = f"60 mm of dots at 60 mm/s, {len(trains)} units"
     return [
         Figure(f"{units}: contact and strain, {len(response.time)} steps", solved, "CPU s"),

@@ -4,10 +4,11 @@
 40 CPU s with one thread. Compilation is not counted.
 """
 
-import time
+from functools import partial
 
 import numpy as np
 from fefinger.validation.bench.suites import Figure, Progress
+from fefinger.validation.bench.timing import timed
 
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic.laws import neo_hookean
@@ -30,9 +31,8 @@ def figures(progress: Progress) -> list[Figure]:
         ball = Hemisphere(law, size, sectors=6)
         space = ball.space
         _ = space.unknowns  # numbered here: meshing is not counted
-        started = time.process_time()
-        force, solver = ball.pressed(TIMES, SPEED, SERIES, PRESS_EQUILIBRIUM)
-        seconds = time.process_time() - started
+        press = partial(ball.pressed, TIMES, SPEED, SERIES, PRESS_EQUILIBRIUM)
+        (force, solver), seconds = timed(press)
         progress("solid", (number + 1) / (len(SIZES) + 1))
     parts = _parts(solver)
     return [
@@ -64,7 +64,5 @@ def _parts(solver: Equilibrium) -> dict[str, float]:
     seconds = {}
     for name, call in work.items():
         call()
-        started = time.process_time()
-        call()
-        seconds[name] = time.process_time() - started
+        _, seconds[name] = timed(call)
     return seconds

@@ -1,7 +1,6 @@
 """The linear solvers on cubes held at one face, the worst shape for a factor: time and memory."""
 
 import ctypes
-import time
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -10,6 +9,7 @@ from typing import cast
 
 import numpy as np
 from fefinger.validation.bench.suites import Figure, Progress
+from fefinger.validation.bench.timing import timed
 from fefinger.validation.problems.grids import box
 from scipy import sparse
 
@@ -66,9 +66,7 @@ def cube(boxes: int, poisson: float = NU, ratio: float = 1.0) -> HeldCube:
         space = Space(space.points, space.cells, np.where(inside, 2, 1).astype(np.int8))
         tissues[2] = Elastic(ratio * MODULUS, 0.3)
     _ = space.unknowns  # the mesh's own tables, which are part of meshing
-    started = time.process_time()
-    matrix = stiffness(space, tissues)
-    seconds = time.process_time() - started
+    matrix, seconds = timed(lambda: stiffness(space, tissues))
     held = np.flatnonzero(np.repeat(space.node_points[:, 2] == 10, 3))
     return HeldCube(space, matrix, held, seconds)
 
@@ -102,20 +100,15 @@ def figures(progress: Progress) -> Iterator[Figure]:
 def measured(given: HeldCube, name: str) -> dict[str, float]:
     """Return the costs of a solver by what they are of."""
     before = _memory(reset=True)
-    started = time.process_time()
-    system = solve.factor(given.space, given.matrix, given.held, name)
-    costs = {"prepared: CPU": time.process_time() - started}
+    system, prepared = timed(lambda: solve.factor(given.space, given.matrix, given.held, name))
     counted = _Counted(system.solver) if name == "iterative" else None
-    started = time.process_time()
-    replace(system, solver=counted or system.solver).solve(given.load)
-    costs["one load: CPU"] = time.process_time() - started
+    once = replace(system, solver=counted or system.solver)
+    costs = {"prepared: CPU": prepared, "one load: CPU": timed(lambda: once.solve(given.load))[1]}
     if counted is not None:
         costs["one load: iterations"] = counted.iterations
     else:
         loads = np.random.default_rng(0).normal(size=(len(given.load), COLUMNS))
-        started = time.process_time()
-        system.solve(loads)
-        costs[f"{COLUMNS} loads: CPU"] = time.process_time() - started
+        _, costs[f"{COLUMNS} loads: CPU"] = timed(lambda: system.solve(loads))
     now = _memory()
     return costs if before is None or now is None else costs | {"peak memory": now - before}
 
