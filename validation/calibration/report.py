@@ -1,23 +1,20 @@
 """Read `reports/calibrated.json`, `calibration_sensitivity.json` and `round-tip.json`."""
 
-import json
 from functools import cache
 from typing import Any
 
 from fefinger.calibration.record import Calibration
+from fefinger.mechanics.evidence.table import read
 from fefinger.scene.library import CALIBRATED
-from fefinger.support.package_data import report
 
 
 SENSITIVITY = "calibration_sensitivity.json"
 ROUND_TIP = "round-tip.json"
 
 
-@cache
 def rows() -> dict[str, Any]:
     """Return the rows of the report by subject."""
-    records: dict[str, Any] = json.loads(report(CALIBRATED))["rows"]
-    return records
+    return dict(read(CALIBRATED)["rows"])
 
 
 @cache
@@ -26,15 +23,11 @@ def calibrated(subject: str) -> Calibration:
     return Calibration.from_record(rows()[subject]["calibration"])
 
 
-@cache
 def sensitivity() -> dict[str, Any]:
     """Read the causes of differences in R, m and c0 b, as `evidence.sensitivity` measured them."""
-    record: dict[str, Any] = json.loads(report(SENSITIVITY))
-    return record
+    return read(SENSITIVITY)
 
 
-@cache
 def round_tip() -> list[dict[str, Any]]:
     """Read the steps from the default finger of a.h. to the one with a round tip."""
-    rows: list[dict[str, Any]] = json.loads(report(ROUND_TIP))["rows"]
-    return rows
+    return list(read(ROUND_TIP)["rows"])

@@ -1,8 +1,6 @@
 """Table and figures of the suite `fem`: other programs and elements, pressures, histories."""
 
-import json
 from collections.abc import Iterator
-from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -10,6 +8,7 @@ from fefinger.validation.fem import element_kinds, hertz, history, solid
 from fefinger.validation.fem import exact as fem_exact
 from fefinger.validation.problems.peers import PEERS, Peer
 
+from fefinger.mechanics.evidence.table import read
 from fefinger.view.figures import INK, STEEL, figure, style
 
 
@@ -53,9 +52,7 @@ def figures() -> Iterator[tuple[str, Any]]:
 
 def measured() -> list[dict[str, Any]]:
     """Return the rows of the report on kinds of elements."""
-    text = resources.files("fefinger.reports").joinpath(element_kinds.REPORT).read_text("utf-8")
-    rows: list[dict[str, Any]] = json.loads(text)["rows"]
-    return rows
+    return list(read(element_kinds.REPORT)["rows"])
 
 
 def finding() -> dict[str, Any]:

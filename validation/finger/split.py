@@ -4,19 +4,17 @@ The chain of models and its order are in `chain.CHAIN`. Two of its causes are al
 way round, because a split depends on its order.
 """
 
-import json
 from collections.abc import Callable
-from functools import cache
 from typing import Any
 
 import numpy as np
 from fefinger.validation.evidence.solid import REPORT as SOLID
 from fefinger.validation.problems.chain import DEPTHS, SUBJECTS, models, scene
 
+from fefinger.mechanics.evidence.table import read
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
-from fefinger.support.package_data import report
 from fefinger.theory.relaxation import hereditary_integral
 
 
@@ -24,17 +22,14 @@ AT = {"flat-30": 6, "sphere-5": 6, "sphere-2": DEPTHS}
 """Which of the DEPTHS the split is given at: a tenth of the thickness, and 0.6 mm."""
 
 
-@cache
 def rows() -> dict[str, Any]:
     """Return the rows of the report by subject and press."""
-    report_rows: dict[str, Any] = json.loads(report(SOLID))["rows"]
-    return report_rows
+    return dict(read(SOLID)["rows"])
 
 
 def row(subject: str, press: str) -> dict[str, Any]:
     """Return a row of the report."""
-    press_row: dict[str, Any] = rows()[f"{subject}/{press}"]
-    return press_row
+    return dict(rows()[f"{subject}/{press}"])
 
 
 def part(subject: str, press: str) -> Array:
