@@ -1,9 +1,9 @@
 """Case of a validation suite: one computed number, its expected value and the source of that."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Literal, Self
+from typing import Literal, NamedTuple, Self
 
 
 Verdict = Literal["pass", "documented", "short", "fail"]
@@ -26,10 +26,10 @@ class Expected:
 
     value: float
     tolerance: float
-    unit: str
+    unit: str = "1"
 
     @classmethod
-    def between(cls, low: float, high: float, unit: str) -> Self:
+    def between(cls, low: float, high: float, unit: str = "1") -> Self:
         """Return the middle of two limits, with half of their distance as the tolerance."""
         return cls((low + high) / 2, (high - low) / 2, unit)
 
@@ -53,6 +53,21 @@ class Case:
     wanted: float | None = None
     shortfall: str = ""
     reason: str = ""
+
+
+class Row(NamedTuple):
+    """A Case in a table by names."""
+
+    measure: Callable[[], float | Noted]
+    expected: Expected
+    source: str
+    reason: str = ""
+
+
+def tabled(rows: Mapping[str, Row]) -> Iterator[Case]:
+    """Yield the cases of a table."""
+    for name, row in rows.items():
+        yield Case(name, row.measure, row.expected, row.source, reason=row.reason)
 
 
 @dataclass(frozen=True)

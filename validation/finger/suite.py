@@ -6,7 +6,7 @@ from functools import cache
 from itertools import product
 
 import numpy as np
-from fefinger.validation.case import Case, Expected
+from fefinger.validation.case import Case, Expected, Row, tabled
 from fefinger.validation.finger import causes, strain
 from fefinger.validation.finger import figures as finger_figures
 from fefinger.validation.finger import solid as finger_solid
@@ -135,67 +135,57 @@ def spikes(mechanics: str, refine: int) -> dict[str, int]:
 
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield balance, symmetry and, when not quick, the spikes of flat-press at half the step."""
-    resolution = QUICK if quick else STANDARD
-    statics = "equilibrium of the body"
-    yield Case(
-        "contact force against reactions",
-        lambda: balance(resolution)[0],
-        Expected(0.0, 1e-6, "1"),
-        statics,
-    )
-    yield Case(
-        "tangential reaction over the force",
-        lambda: balance(resolution)[1],
-        Expected(0.0, 1e-6, "1"),
-        statics,
-    )
-    yield Case(
-        "an elastic bone of 17 GPa held at its cut: change of the force",
-        lambda: 100 * yielding(resolution),
-        Expected(0.0, 0.5, "%"),
-        "the rigid bone",
-        reason="it bends; what the rigid bone of every scene leaves out",
-    )
-    yield Case(
-        "a nail of 2 GPa that floats on its bed: change of the force",
-        lambda: 100 * yielding(resolution, RIGID, NAIL),
-        Expected(0.0, 3.0, "%"),
-        "the nail that is held, as glued in the experiment",
-        reason="it moves as one piece, and stiffens the skin under it",
-    )
-    yield Case(
-        "an elastic bone: contact force against reactions, moduli 5e5 apart",
-        lambda: balance(resolution, BONE_TISSUE)[0],
-        Expected(0.0, 1e-8, "1"),
-        statics,
-    )
-    yield Case(
-        "lowest pressure", lambda: pull(resolution), Expected(0.0, 0.0, "kPa"), "no adhesion"
-    )
-    yield Case(
-        "forces at tilts of 10 and -10 degrees",
-        lambda: mirror(resolution),
-        Expected(0.0, 1e-6, "1"),
-        "mirror image",
-    )
+    yield from tabled(_on_mesh(QUICK if quick else STANDARD))
     yield from causes.cases(quick=quick)
-    if not quick:
+    if quick:
+        return
+    yield Case(
+        "solid, coarse: an elastic bone of 17 GPa: change of the peak after 17 ms",
+        lambda: 100 * peak(QUICK),
+        Expected(0.0, 1.0, "%"),
+        "the rigid bone",
+        reason="bone does not relax, so that it bends more under tissue that has not yet",
+    )
+    yield from tabled(finger_solid.CASES)
+    yield from strain.cases()
+    for mechanics, kind in product((linear.name, solid.name), KINDS):
         yield Case(
-            "solid, coarse: an elastic bone of 17 GPa: change of the peak after 17 ms",
-            lambda: 100 * peak(QUICK),
-            Expected(0.0, 1.0, "%"),
-            "the rigid bone",
-            reason="bone does not relax, so that it bends more under tissue that has not yet",
+            f"{mechanics}: spikes of {kind} in flat-press, change with half the time step",
+            lambda m=mechanics, k=kind: spikes(m, 2)[k] - spikes(m, 1)[k],
+            Expected(0.0, 0.0, "spikes"),
+            "the full step",
         )
-        yield from finger_solid.cases()
-        yield from strain.cases()
-        for mechanics, kind in product((linear.name, solid.name), KINDS):
-            yield Case(
-                f"{mechanics}: spikes of {kind} in flat-press, change with half the time step",
-                lambda m=mechanics, k=kind: spikes(m, 2)[k] - spikes(m, 1)[k],
-                Expected(0.0, 0.0, "spikes"),
-                "the full step",
-            )
+
+
+def _on_mesh(resolution: str) -> dict[str, Row]:
+    statics = "equilibrium of the body"
+    return {
+        "contact force against reactions": Row(
+            lambda: balance(resolution)[0], Expected(0.0, 1e-6), statics
+        ),
+        "tangential reaction over the force": Row(
+            lambda: balance(resolution)[1], Expected(0.0, 1e-6), statics
+        ),
+        "an elastic bone of 17 GPa held at its cut: change of the force": Row(
+            lambda: 100 * yielding(resolution),
+            Expected(0.0, 0.5, "%"),
+            "the rigid bone",
+            "it bends; what the rigid bone of every scene leaves out",
+        ),
+        "a nail of 2 GPa that floats on its bed: change of the force": Row(
+            lambda: 100 * yielding(resolution, RIGID, NAIL),
+            Expected(0.0, 3.0, "%"),
+            "the nail that is held, as glued in the experiment",
+            "it moves as one piece, and stiffens the skin under it",
+        ),
+        "an elastic bone: contact force against reactions, moduli 5e5 apart": Row(
+            lambda: balance(resolution, BONE_TISSUE)[0], Expected(0.0, 1e-8), statics
+        ),
+        "lowest pressure": Row(lambda: pull(resolution), Expected(0.0, 0.0, "kPa"), "no adhesion"),
+        "forces at tilts of 10 and -10 degrees": Row(
+            lambda: mirror(resolution), Expected(0.0, 1e-6), "mirror image"
+        ),
+    }
 
 
 finding = finger_figures.finding

@@ -55,7 +55,7 @@ def quantities(response: Response) -> tuple[Array, Array, Array]:
     return response.force, response.pressure, response.strain
 
 
-def plate_slides_as_it_presses() -> float:
+def slid_and_pressed() -> float:
     """Return the difference of a smooth plate that slid without friction from one that pressed."""
     slid = respond(Flat(30), Slide(20, 0.8, distance=2, settle=0.1), ELASTIC)
     pressed = respond(Flat(30), RampHold(10, 0.8, hold=0.1), ELASTIC)

@@ -27,7 +27,10 @@ DEPTH = 8.0  # mm, with which the wave stays in contact
 class Wave:
     """The wavy plate over nodes of one wavelength, as a `Travel`."""
 
-    places: Array
+    @property
+    def places(self) -> Array:
+        """Places (n,) mm of the nodes."""
+        return np.asarray(self.share * np.arange(NODES), dtype=np.float64)
 
     @property
     def number(self) -> float:
@@ -60,9 +63,9 @@ def flexibility(wave: Wave) -> Array:
     return np.asarray(wave.share * column[(index[:, None] - index) % NODES])
 
 
-def drag(speed: float) -> tuple[float, float]:
-    """Return the mean drag in mN per mm² of a cycle at a speed in mm/s, and the exact one."""
-    wave = Wave(wave_places())
+def drag_ratio(speed: float) -> float:
+    """Return the mean drag of a cycle at a speed in mm/s over the exact one."""
+    wave = Wave()
     cycles = int(np.ceil(SETTLED / min(PRONY.v) * speed / LENGTH)) + 1
     steps = np.linspace(0, cycles * LENGTH / speed, cycles * STEPS + 1)
     rest = SETTLED / min(PRONY.v)
@@ -80,18 +83,13 @@ def drag(speed: float) -> tuple[float, float]:
     assert (history.pressure > 0).all()
     assert history.sliding is not None
     measured = history.sliding.slopes[-STEPS:, 0].mean() / LENGTH
-    return float(measured), exact(speed)
+    return float(measured) / exact(speed)
 
 
 def exact(speed: float) -> float:
     """Return (k h)² Im E* / 4 in mN per mm² at a speed in mm/s; without inertia."""
-    omega, wave = 2 * np.pi / LENGTH * speed, Wave(wave_places())
+    omega, wave = 2 * np.pi / LENGTH * speed, Wave()
     weights, rates = PRONY.branches
     loss = float(np.sum(weights * omega / rates / (1 + (omega / rates) ** 2)))
     plane = MODULUS / (1 - POISSON**2)
     return (wave.number * HEIGHT) ** 2 * plane * loss / 4
-
-
-def wave_places() -> Array:
-    """Return the places (n,) mm of the nodes."""
-    return np.asarray(LENGTH / NODES * np.arange(NODES), dtype=np.float64)
