@@ -50,7 +50,7 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
     yield Case(
         f"{subject}: shipped tissue set against the report",
         partial(shipped, subject),
-        Expected(0.0, 5e-3, "1"),
+        Expected(0.0, 5e-3),
         "reports/calibrated.json",
         reason="rounded to the digits that are shipped",
     )
@@ -58,7 +58,7 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
         yield Case(
             f"{subject}: R, m and c0 b of Table 3.2 through the array and back, the largest miss",
             partial(sensitivity.oracle, subject),
-            Expected(0.0, 0.02, "1"),
+            Expected(0.0, 0.02),
             "Table 3.2: its half-space to 2.3 N, with the noise of the array",
             reason="half a unit of the last printed digit of m and b is 1 to 5 %",
         )
@@ -80,7 +80,7 @@ def _force(subject: str) -> Iterator[Case]:
             yield Case(
                 f"{subject}: {what} error of {frequency} Hz, which was not fitted",
                 partial(_predicted, subject, f"{frequency} Hz", what),
-                Expected(0.0, limit, "1"),
+                Expected(0.0, limit),
                 "the lumped model of Table 2.1",
                 reason="what the thesis reached on its subjects",
             )
@@ -92,7 +92,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
     yield Case(
         f"{subject}: a new press of the calibrated finger, coarse mesh",
         partial(again, subject),
-        Expected(0.0, 0.05, "1"),
+        Expected(0.0, 0.05),
         "the curve in the report",
         reason="exponents and radii between those of the presses, and a mesh of its own",
     )

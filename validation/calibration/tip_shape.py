@@ -227,7 +227,7 @@ def _fit(subject: str, row: dict[str, Any]) -> Iterator[Case]:
     yield Case(
         f"{subject}: misfit of stiffness and relaxation",
         partial(row.__getitem__, "misfit"),
-        Expected(0.0, 0.05, "1"),
+        Expected(0.0, 0.05),
         source,
         reason="1 is the scatter of the data; the fits are far below",
     )

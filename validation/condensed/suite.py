@@ -270,7 +270,7 @@ def _agreement(resolution: str) -> Iterator[Case]:
         for quantity in (*controlled, "force", "pressure", "strain"):
             title = f"{quantity} in every step, {name}"
             measure = partial(difference, resolution, name, quantity)
-            yield Case(title, measure, Expected(0.0, 1e-10, "1"), "linear on the same mesh")
+            yield Case(title, measure, Expected(0.0, 1e-10), "linear on the same mesh")
 
 
 def _theory(*, quick: bool) -> Iterator[Case]:
@@ -319,7 +319,7 @@ def _physics(resolution: str) -> Iterator[Case]:
     yield Case(
         f"deepest penetration {steps}, over the largest gap",
         lambda: swept(resolution)[1],
-        Expected(0.0, 2e-10, "1"),
+        Expected(0.0, 2e-10),
         "the weighted gaps of the contact conditions",
     )
     yield Case(
@@ -332,7 +332,7 @@ def _physics(resolution: str) -> Iterator[Case]:
         yield Case(
             f"work that the energy does not account for, {name}",
             partial(work, "coarse", prony),
-            Expected(0.0, 1e-4, "1"),
+            Expected(0.0, 1e-4),
             "balance of work, stored energy and dampers",
             reason="the trapezoidal rule in 4000 steps",
         )

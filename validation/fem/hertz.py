@@ -209,7 +209,7 @@ def _balance(nu: float, level: int) -> Iterator[Case]:
     yield Case(
         f"Hertz, nu {nu:g}, {BUDGETS[level]} nodes: force and reactions, over the force",
         lambda: errors(nu, level)["imbalance"],
-        Expected(0.0, 1e-8, "1"),
+        Expected(0.0, 1e-8),
         "equilibrium of the body",
         reason="the residual of the linear solution, 1e-10, with a margin",
     )
@@ -220,7 +220,7 @@ def _orders(nu: float) -> Iterator[Case]:
         yield Case(
             f"Hertz, nu {nu:g}: order of {name}",
             lambda n=name: order(n, nu),
-            Expected(expected, spread, "1"),
+            Expected(expected, spread),
             "regularity of the exact solution",
             reason=reason,
         )

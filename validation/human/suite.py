@@ -166,7 +166,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 
 def _close(value: float, part: float) -> Expected:
-    return Expected(value, part * value, "1")
+    return Expected(value, part * value)
 
 
 def _stiffness(subject: str) -> Iterator[Case]:
@@ -183,7 +183,7 @@ def _relaxation(subject: str) -> Iterator[Case]:
         yield _case(
             f"share of the peak force {name}, beside that of the subject, {subject}",
             partial(measure, subject),
-            Expected(0.0, 0.02, "1"),
+            Expected(0.0, 0.02),
             RELAXATION,
         )
 
@@ -241,7 +241,7 @@ def _pressures() -> Iterator[Case]:
     yield _case(
         "proximal over distal extent of contact at 1.1 N, means",
         partial(asymmetry, "1.1"),
-        Expected.between(1.0, 3.0, "1"),
+        Expected.between(1.0, 3.0),
         f"isobars reach further to the proximal side ({pawluk1997.SOURCE}, Figure 3-3)",
     )
 

@@ -189,7 +189,7 @@ def _protocols() -> Iterator[Case]:
     yield Case(
         "hysteresis: a ramp of 2 uA/cm²/s fires only past 9.775, where rest is lost, standard",
         lambda: float(9.775 < rising(2.0) < 16),
-        Expected(1.0, 0.0, "1"),
+        Expected(1.0, 0.0),
         "Linear stability of rest; how far past it is the rounding's (12.26 to 12.35 seen)",
         reason="none",
     )
@@ -207,7 +207,7 @@ def _ratios() -> Iterator[Case]:
         yield Case(
             f"4.3.2: rate at {current} uA/cm², standard over rates / 6",
             lambda current=current: rate(STANDARD, current) / rate(SLOWED, current),
-            Expected(RATES[STANDARD][current] / RATES[SLOWED][current], 0.02, "1"),
+            Expected(RATES[STANDARD][current] / RATES[SLOWED][current], 0.02),
             EXACT,
             printed=6.0,
             erratum=(
@@ -220,7 +220,7 @@ def _ratios() -> Iterator[Case]:
         yield Case(
             f"integrate-and-fire at {current} uA/cm²: rate over that of rates / 6",
             partial(cheap, float(current)),
-            Expected(1.0, 0.13, "1"),
+            Expected(1.0, 0.13),
             EXACT,
             reason="two constants cannot follow the curve any closer",
         )

@@ -152,7 +152,7 @@ def _shapes() -> Iterator[Case]:
         yield Case(
             f"{section}: {name}: fall of impulses per cycle with frequency at 0 dB",
             partial(fall, name),
-            Expected.between(-1.25, -0.75, "1"),
+            Expected.between(-1.25, -0.75),
             f"{THESIS}{section}: hyperbolic at large amplitudes",
             reason=FALL,
         )
@@ -174,21 +174,21 @@ def _shapes() -> Iterator[Case]:
         yield Case(
             f"{section}: {name}: octaves by which the peak moves up as the amplitude falls",
             partial(shift, name),
-            Expected.between(2.0, 12.0, "1"),
+            Expected.between(2.0, 12.0),
             f"{THESIS}{section}: the peak shifts to higher frequencies at lower amplitudes",
             reason="two octaves or more",
         )
         yield Case(
             f"{section}: {name}: rank correlation of the peak's frequency with the attenuation",
             partial(steadiness, name),
-            Expected.between(0.8, 1.0, "1"),
+            Expected.between(0.8, 1.0),
             f"{THESIS}{section}: the shift is steady",
             reason="1 would be strictly steady; subharmonics compete at the smallest amplitudes",
         )
     yield Case(
         "4.2.2: spring on integrate-and-fire: octaves by which the peak moves",
         partial(shift, "spring, integrate and fire"),
-        Expected.between(-0.5, 0.5, "1"),
+        Expected.between(-0.5, 0.5),
         f"{THESIS}4.2.2: the shift is a property of the membrane, so a leaky integrator lacks it",
         reason="none",
     )
@@ -196,7 +196,7 @@ def _shapes() -> Iterator[Case]:
         yield Case(
             f"4.2.2: spring, {name}, 1 Hz: R² of growth with log amplitude, less that with it",
             partial(logarithmic, SPRING, membrane, 1.0),
-            Expected.between(0.02, 1.0, "1"),
+            Expected.between(0.02, 1.0),
             f"{THESIS}4.2.2: the variation with the input amplitude is logarithmic",
             reason="a logarithm explains more than a straight line",
         )
@@ -260,7 +260,7 @@ def _orders() -> Iterator[Case]:
         yield Case(
             f"4.3.1: {name}: slope of impulses per second over frequency",
             partial(order, organ, low, high),
-            Expected.between(*limits, "1"),
+            Expected.between(*limits),
             source,
             reason="0, 1 and 2 for the orders; a first-order corner lies between 0 and 1",
         )
@@ -271,14 +271,14 @@ def _poles(*, quick: bool) -> Iterator[Case]:
         yield Case(
             f"4.3.3: damper with a pole at {pole:g} Hz: largest change in impulses per cycle",
             partial(closed, pole),
-            Expected.between(0.0, 1.0, "1"),
+            Expected.between(0.0, 1.0),
             f"{THESIS}4.3.3: a pole at 10 to 100 Hz keeps magnitude and range",
             reason="one impulse, up to 8 Hz",
         )
         yield Case(
             f"4.3.3: damper with a pole at {pole:g} Hz: current at 512 Hz, times smaller",
             partial(relief, pole),
-            Expected.between(2.0, 100.0, "1"),
+            Expected.between(2.0, 100.0),
             f"{THESIS}4.3.3: the pole significantly reduces unrealistically high voltages",
             reason="twofold or more",
         )

@@ -104,7 +104,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
             yield Case(
                 f"scene {number} of the rules: {quantity}, solved again",
                 lambda n=number, p=phase, q=quantity: solved(n)[p][q],
-                Expected.between(0.0, stated(phase, quantity, part), "1"),
+                Expected.between(0.0, stated(phase, quantity, part)),
                 "`solid` on the same mesh",
                 reason="the stated error",
             )
@@ -114,7 +114,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             f"scenes within the error that all others state: {quantity}, {phase}",
             partial(share_held, phase, quantity),
-            Expected.between(0.95, 1.0, "1"),
+            Expected.between(0.95, 1.0),
             SOURCE,
             reason="stated errors hold in 95 % of the scenes",
         )
@@ -127,9 +127,9 @@ def _aimed_at(draw: str, phase: str, quantity: str, limit: float) -> Case:
     name = f"error within which 95 % of the scenes of {DRAWS[draw]} are: {quantity}, {phase}"
     measure, source = partial(typical, draw, phase, quantity), f"aim: {100 * limit:g} %"
     if (draw, phase, quantity) not in MISSES:
-        return Case(name, measure, Expected.between(0.0, limit, "1"), source)
+        return Case(name, measure, Expected.between(0.0, limit), source)
     value, why = MISSES[draw, phase, quantity]
-    known = Expected(value, KNOWN * value, "1")
+    known = Expected(value, KNOWN * value)
     return Case(name, measure, known, source, wanted=limit, shortfall=why)
 
 

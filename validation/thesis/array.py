@@ -193,7 +193,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield Case(
         "Figure 3-5: largest difference between elements and G after a step",
         unlike_g,
-        Expected(0.0, 1e-12, "1"),
+        Expected(0.0, 1e-12),
         "section 3.3.2: the elements relax as the force does",
         reason="rounding of the arithmetic",
     )
@@ -226,7 +226,7 @@ def _fit() -> Iterator[Case]:
         yield Case(
             f"Section 3.4.2: c0 b when touch is found 80 um {name}, over that found right, a.h.",
             lambda o=offset: fitted(o)["c0_b"] / fitted(0.0)["c0_b"],
-            Expected(found_without_blur(offset) / found_without_blur(0.0), 0.01, "1"),
+            Expected(found_without_blur(offset) / found_without_blur(0.0), 0.01),
             "second method: least squares on the pressures without the blur",
             printed=1.0,
             erratum="A touch found 80 um off moves b by a quarter, R by 3 to 5 %, and hardly "

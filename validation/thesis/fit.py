@@ -56,7 +56,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             f"2.3: error in b of that fit over its own uncertainty, {subject}",
             partial(deviations, subject),
-            Expected(0.0, 3.0, "1"),
+            Expected(0.0, 3.0),
             "printed parameters, 3 mN and 3 um of noise",
             reason="three standard deviations",
         )
@@ -80,7 +80,7 @@ def _bias(subject: str) -> Iterator[Case]:
     yield Case(
         f"2.3: m that the thesis's procedure finds, {subject}",
         lambda: identified(subject, unbiased=False).spring.m / spring.m,
-        Expected(1.0, 0.015, "1"),
+        Expected(1.0, 0.015),
         "section 2.3, recomputed: within 1.5 %",
         reason="the limit of the recomputation",
     )
@@ -88,7 +88,7 @@ def _bias(subject: str) -> Iterator[Case]:
         yield Case(
             f"2.3: c0 that the thesis's procedure finds, {subject}",
             lambda: identified(subject, unbiased=False).prony.long_time,
-            Expected(APPARENT[subject], 0.006, "1"),
+            Expected(APPARENT[subject], 0.006),
             "section 2.3, recomputed: 0.30 to 0.42 instead of 0.22 to 0.29",
             printed=prony.long_time,
             erratum="What has relaxed on the ramp is missing in the hold, so c0 comes out high.",

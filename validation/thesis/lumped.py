@@ -130,7 +130,7 @@ def _velocity() -> Iterator[Case]:
         yield Case(
             f"2.3: P / T at {speed:g} mm/s, a.h., 2 mm",
             lambda v=speed: ratio("a.h.", v),
-            Expected(expected, 6e-4, "1"),
+            Expected(expected, 6e-4),
             "section 2.3, recomputed: sum of ci m v / (m v + vi)",
             printed=printed,
             erratum=(
@@ -179,7 +179,7 @@ def _forces() -> Iterator[Case]:
         yield Case(
             f"2.4.3: {name}, a.h.",
             measure,
-            Expected(expected, tolerance, "1"),
+            Expected(expected, tolerance),
             "section 2.4.3, recomputed",
             printed=printed,
             erratum=erratum,

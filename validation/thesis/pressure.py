@@ -167,7 +167,7 @@ def _ratios() -> Iterator[Case]:
                 yield Case(
                     f"3.2: lumped over integrated force at {depth:g} mm, {subject}, b {reading}",
                     partial(lumped_ratio, subject, reading, depth),
-                    Expected(expected, 0.006 if reading == "relaxed" else 0.06, "1"),
+                    Expected(expected, 0.006 if reading == "relaxed" else 0.06),
                     "section 3.2, recomputed: Eq. 2.1 over Eq. 3.16",
                     erratum=(
                         "Both chapters describe one finger, so this should be 1. The printed b of "
@@ -213,7 +213,7 @@ def _profiles() -> Iterator[Case]:
         yield Case(
             f"3.2: r² of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}",
             lambda s=subject: stiffness_line(s)[1],
-            Expected(expected, 6e-4, "1"),
+            Expected(expected, 6e-4),
             "section 3.2, recomputed: 0.996 or more; d.s. and p.w. have 0.993 and 0.994",
             reason=DIGITS,
         )
@@ -225,7 +225,7 @@ def _goodwin() -> Iterator[Case]:
         yield Case(
             f"3.6: relative peak pressure, 20 gf, curvature {curvature:g} 1/m",
             lambda c=curvature: float(goodwin.peak_at_force(c / 1e3, 20.0)),
-            Expected(peak, 6e-4, "1"),
+            Expected(peak, 6e-4),
             "section 3.6, recomputed: Eq. 3.23",
             printed=0.3 if flat else None,
             erratum=(
@@ -239,7 +239,7 @@ def _goodwin() -> Iterator[Case]:
         yield Case(
             f"3.6: relative contact radius, curvature {curvature:g} 1/m",
             lambda c=curvature: float(goodwin.contact_radius(c / 1e3)),
-            Expected(radius, 6e-4, "1"),
+            Expected(radius, 6e-4),
             "Eq. 3.25, recomputed; Figure 3-10",
             reason=DIGITS,
         )
@@ -247,7 +247,7 @@ def _goodwin() -> Iterator[Case]:
         yield Case(
             f"3.6: peak pressure at {force:g} gf over that at 20 gf",
             lambda f=force: float(goodwin.peak_at_force(0.0, f) / goodwin.peak_at_force(0.0, 20.0)),
-            Expected(expected, 6e-4, "1"),
+            Expected(expected, 6e-4),
             "section 3.6, recomputed",
             reason=DIGITS,
         )
@@ -271,7 +271,7 @@ def _readings() -> Iterator[Case]:
         yield Case(
             f"3.6: relative peak pressure of a plate {name}",
             lambda m=measure: float(m()),
-            Expected(expected, tolerance, "1"),
+            Expected(expected, tolerance),
             "section 3.6, recomputed",
             reason=DIGITS,
         )
@@ -292,7 +292,7 @@ def _others() -> Iterator[Case]:
         yield Case(
             f"Eq. 3.16: T(2 mm) over the integral of the pressure, {subject}",
             lambda s=subject: float(pad(s, "relaxed").force(2.0)) / integrated(s, 2.0),
-            Expected(1.0, 1e-10, "1"),
+            Expected(1.0, 1e-10),
             "(8/3) sqrt(R) x^(3/2) t(x) against quadrature of Eq. 3.15",
             reason="quadrature of 60 points",
         )
@@ -310,7 +310,7 @@ def _others() -> Iterator[Case]:
             goodwin.torsional_friction(0.5, hertz.force, hertz.contact_radius)
             / torque_by_quadrature(0.5, hertz)
         ),
-        Expected(1.0, 1e-5, "1"),
+        Expected(1.0, 1e-5),
         "quadrature of mu p r",
         reason="200 points across the square root at the rim",
     )
@@ -318,7 +318,7 @@ def _others() -> Iterator[Case]:
     yield Case(
         "3.5: contact radius at a depth, soft over stiff",
         lambda: softer.contact_radius / hertz.contact_radius,
-        Expected(1.0, 1e-12, "1"),
+        Expected(1.0, 1e-12),
         "section 3.5: compliance changes the pressure alone, curvature also the radius",
         reason="rounding of the arithmetic",
     )

@@ -109,7 +109,7 @@ def _coupling() -> Iterator[Case]:
             lambda i=rows, j=columns, c=over_center: (
                 neighbor(i, j) / (neighbor(0, 0) if c else 1.0)
             ),
-            Expected(expected, 6e-4 if expected == 0.662 else 6e-5, "1"),
+            Expected(expected, 6e-4 if expected == 0.662 else 6e-5),
             "section 3.2, recomputed",
             printed=printed if over_center else None,
             erratum="Chapter 3 has less than 11 %; appendix A divides the same by the total."

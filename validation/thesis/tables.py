@@ -115,7 +115,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(
             name,
             lambda c=column: float(np.mean(c)),
-            Expected(printed, tolerance, "1"),
+            Expected(printed, tolerance),
             "last row of the table; of the printed column, not of a fit: its data are not public",
             reason="half a unit of the last printed digit",
         )
@@ -129,7 +129,7 @@ def _normalization() -> Iterator[Case]:
             yield Case(
                 f"{table}: G(0), {subject}",
                 lambda s=f"{table} {subject}": float(prony(s).relaxation(0.0)),
-                Expected(1.0, 1e-12, "1"),
+                Expected(1.0, 1e-12),
                 "Eq. 2.2, which divides by the sum of c",
                 printed=printed,
                 erratum=(
@@ -162,7 +162,7 @@ def _correlations() -> Iterator[Case]:
         yield Case(
             f"Table 2.1: correlation of m and {name}",
             lambda c=column: correlation("m", c)[0],
-            Expected(r, 0.0015, "1"),
+            Expected(r, 0.0015),
             "section 2.4.1, recomputed",
             printed=printed,
             erratum="The table gives -0.798, which rounds to -0.80." if column == "w" else "",
@@ -171,7 +171,7 @@ def _correlations() -> Iterator[Case]:
         yield Case(
             f"Table 2.1: p of the correlation of m and {name}",
             lambda c=column: correlation("m", c)[1],
-            Expected(p, 0.002, "1"),
+            Expected(p, 0.002),
             "recomputed: two-sided, n = 4",
             printed=0.05,
             erratum=(
@@ -188,7 +188,7 @@ def _creep() -> Iterator[Case]:
             yield Case(
                 f"Creep weight k{index + 1}, {source}",
                 lambda s=source, i=index: float(prony(s).creep()[1][i]),
-                Expected(expected, 1e-4, "1"),
+                Expected(expected, 1e-4),
                 "recomputed: residues of 1 / (s G(s))",
                 reason="four digits of the recomputation",
             )
@@ -197,7 +197,7 @@ def _creep() -> Iterator[Case]:
             yield Case(
                 f"Creep: a / a(0) at {1e3 * time:g} ms of a step force, {source}",
                 lambda s=source, t=time: growth(prony(s), t),
-                Expected(expected, 6e-4, "1"),
+                Expected(expected, 6e-4),
                 "recomputed: a³ follows J(t)",
                 reason="three digits of the recomputation",
             )

@@ -65,7 +65,7 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     yield Case(
         "held-out scenes",
         partial(asked, "scenes"),
-        Expected(float(scenes.N_HELD_OUT), 2.0, "1"),
+        Expected(float(scenes.N_HELD_OUT), 2.0),
         "drawn by seed; `solid` answers them",
     )
     name, summary = "tolerance met by the planner's choices", reported()["summary"]
@@ -102,11 +102,11 @@ WHY = {
 def _kept(name: str, measure: Callable[[], float], share: float, quantity: str) -> Case:
     """Return the case of a share in which something holds, which may be short of KEPT."""
     if share >= KEPT:
-        return Case(name, measure, Expected.between(KEPT, 1.0, "1"), "95 % of the scenes")
+        return Case(name, measure, Expected.between(KEPT, 1.0), "95 % of the scenes")
     return Case(
         name,
         measure,
-        Expected(share, 0.01, "1"),
+        Expected(share, 0.01),
         "what the report says",
         wanted=KEPT,
         shortfall=WHY.get(quantity, ""),
@@ -131,9 +131,9 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     yield Case(
         share,
         lambda: float(data()["summary"]["within_1.2"]),
-        Expected.between(held_out.AIM, 1.0, "1")
+        Expected.between(held_out.AIM, 1.0)
         if enough
-        else Expected(reached_by_planner, AS_REPORTED, "1"),
+        else Expected(reached_by_planner, AS_REPORTED),
         "the target" if enough else "what the report says",
         wanted=None if enough else held_out.AIM,
         shortfall=""
@@ -150,7 +150,7 @@ def _cost(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     yield Case(
         f"{share}: how much smaller than that of an oracle",
         lambda: max(0.0, reached - float(data()["summary"]["within_1.2"])),
-        Expected(known_gap if short else 0.0, AS_REPORTED if short else AS_THE_ORACLE, "1"),
+        Expected(known_gap if short else 0.0, AS_REPORTED if short else AS_THE_ORACLE),
         f"an oracle that states every actual error {over:.2g} times too large, as the planner does "
         "in the median with that of the cheapest that will do",
         wanted=0.0 if short else None,
