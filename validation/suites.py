@@ -8,6 +8,7 @@ from typing import Any
 from fefinger.validation.case import Case, Noted, Outcome
 
 from fefinger.support.checks import choice
+from fefinger.view.figures import style
 
 
 ABOUT = {
@@ -47,11 +48,12 @@ def figures(record: dict[str, Any]) -> dict[str, list[tuple[str, Any]]]:
     A suite draws what it knows (`figures`), or what came out of its cases (`figures_of`).
     """
     drawn = {}
-    for suite, module, cases in _recorded(record):
-        if hasattr(module, "figures_of"):
-            drawn[suite] = list(module.figures_of(cases))
-        elif hasattr(module, "figures"):
-            drawn[suite] = list(module.figures())
+    with style():
+        for suite, module, cases in _recorded(record):
+            if hasattr(module, "figures_of"):
+                drawn[suite] = list(module.figures_of(cases))
+            elif hasattr(module, "figures"):
+                drawn[suite] = list(module.figures())
     return drawn
 
 

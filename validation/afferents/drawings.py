@@ -7,12 +7,13 @@ import numpy as np
 from fefinger.validation.afferents import data, measures, predicted
 from fefinger.validation.afferents.fit import FREE
 from fefinger.validation.afferents.vibration import Probed
+from fefinger.validation.panels import panel, panels
 
 from fefinger.neural.recorded import BOUNDS
 from fefinger.scene import builtin
 from fefinger.studies.receptive_field import receptive_field
 from fefinger.support.arrays import Array
-from fefinger.view.figures import COLORS, INK, STEEL, figure, style
+from fefinger.view.figures import COLORS, INK, STEEL, figure
 
 
 KINDS = ("SAI", "FAI", "FAII")
@@ -77,127 +78,108 @@ def figures(probed: Callable[[str], Probed], under_spheres: Array) -> Iterator[t
 
 
 def _rates(probed: Callable[[str], Probed]) -> Any:
-    with style():
-        drawn = figure(9.6, 6.4)
-        axes = drawn.subplots(3, 4, sharex="col")
-        for row, kind in zip(axes, KINDS, strict=True):
-            for axis, frequency in zip(row, data.FREQUENCIES, strict=True):
-                amplitude, rates = data.rates(kind, frequency)
-                axis.plot(1e3 * amplitude, rates, "o", ms=3, color=COLORS[kind])
-                unit = probed(kind)
-                axis.plot(1e3 * amplitude, unit.rates(frequency, amplitude), color=INK, lw=1.4)
-                single = unit.rates(frequency, amplitude, single=True)
-                axis.plot(1e3 * amplitude, single, color=STEEL, lw=0.7)
-                axis.set_xscale("log")
-                if kind == "SAI":
-                    axis.set_title(f"{frequency:g} Hz")
-                if kind == "FAII":
-                    axis.set_xlabel("amplitude / um")
-            row[0].set_ylabel(f"{kind} / Hz")
+    drawn, axes = panels(9.6, 6.4, 3, 4, sharex="col")
+    for row, kind in zip(axes, KINDS, strict=True):
+        for axis, frequency in zip(row, data.FREQUENCIES, strict=True):
+            amplitude, rates = data.rates(kind, frequency)
+            axis.plot(1e3 * amplitude, rates, "o", ms=3, color=COLORS[kind])
+            unit = probed(kind)
+            axis.plot(1e3 * amplitude, unit.rates(frequency, amplitude), color=INK, lw=1.4)
+            single = unit.rates(frequency, amplitude, single=True)
+            axis.plot(1e3 * amplitude, single, color=STEEL, lw=0.7)
+            axis.set_xscale("log")
+            if kind == "SAI":
+                axis.set_title(f"{frequency:g} Hz")
+            if kind == "FAII":
+                axis.set_xlabel("amplitude / um")
+        row[0].set_ylabel(f"{kind} / Hz")
     return drawn
 
 
 def _thresholds(probed: Callable[[str], Probed]) -> Any:
-    with style():
-        drawn = figure(6.2, 3.6)
-        axis = drawn.subplots()
-        for kind in KINDS:
-            frequency, amplitude = data.thresholds(kind)
-            computed = probed(kind).thresholds(frequency)
-            factor = float(np.exp(np.mean(np.log(amplitude / computed))))
-            axis.loglog(frequency, 1e3 * amplitude, "o", ms=3, color=COLORS[kind])
-            label = f"{kind}, times {factor:.2g}"
-            axis.loglog(frequency, 1e3 * factor * computed, color=COLORS[kind], label=label)
-        axis.set(xlabel="frequency / Hz", ylabel="threshold / um")
-        axis.legend()
+    drawn, axis = panel(6.2, 3.6, xlabel="frequency / Hz", ylabel="threshold / um")
+    for kind in KINDS:
+        frequency, amplitude = data.thresholds(kind)
+        computed = probed(kind).thresholds(frequency)
+        factor = float(np.exp(np.mean(np.log(amplitude / computed))))
+        axis.loglog(frequency, 1e3 * amplitude, "o", ms=3, color=COLORS[kind])
+        label = f"{kind}, times {factor:.2g}"
+        axis.loglog(frequency, 1e3 * factor * computed, color=COLORS[kind], label=label)
+    axis.legend()
     return drawn
 
 
 def _spheres(computed: Array) -> Any:
     points = data.table("curvature_SAI")
-    with style():
-        drawn = figure(6.2, 3.6)
-        axis = drawn.subplots()
-        for force, shade in zip(np.unique(points[:, 0]), (0.7, 0.4, 0.0), strict=True):
-            of = points[:, 0] == force
-            color = (shade, shade, shade)
-            axis.plot(points[of, 1], points[of, 2], "o", ms=4, color=color)
-            axis.plot(points[of, 1], computed[of], color=color, label=f"{force:g} N")
-        axis.set(xlabel="curvature / (1/m)", ylabel="impulses in 1 s")
-        axis.legend()
+    drawn, axis = panel(6.2, 3.6, xlabel="curvature / (1/m)", ylabel="impulses in 1 s")
+    for force, shade in zip(np.unique(points[:, 0]), (0.7, 0.4, 0.0), strict=True):
+        of = points[:, 0] == force
+        color = (shade, shade, shade)
+        axis.plot(points[of, 1], points[of, 2], "o", ms=4, color=color)
+        axis.plot(points[of, 1], computed[of], color=color, label=f"{force:g} N")
+    axis.legend()
     return drawn
 
 
 def _distances() -> Any:
     points = data.table("curvature_distance_SAI")
     computed, recorded = predicted.spheres()
-    with style():
-        drawn = figure(9.6, 2.6)
-        curvatures = np.unique(points[:, 0])
-        axes = drawn.subplots(1, len(curvatures), sharey=True)
-        for axis, curvature in zip(axes, curvatures, strict=True):
-            of = points[:, 0] == curvature
-            axis.plot(points[of, 1], recorded[of], "o", ms=3, color=COLORS["SAI"])
-            axis.plot(points[of, 1], computed[of], color=INK)
-            axis.set_title(f"{curvature:g} 1/m")
-            axis.set_xlabel("distance / mm")
-        axes[0].set_ylabel("impulses in 1 s")
+    drawn = figure(9.6, 2.6)
+    curvatures = np.unique(points[:, 0])
+    axes = drawn.subplots(1, len(curvatures), sharey=True)
+    for axis, curvature in zip(axes, curvatures, strict=True):
+        of = points[:, 0] == curvature
+        axis.plot(points[of, 1], recorded[of], "o", ms=3, color=COLORS["SAI"])
+        axis.plot(points[of, 1], computed[of], color=INK)
+        axis.set_title(f"{curvature:g} 1/m")
+        axis.set_xlabel("distance / mm")
+    axes[0].set_ylabel("impulses in 1 s")
     return drawn
 
 
 def _bar() -> Any:
-    with style():
-        drawn = figure(6.2, 3.6)
-        axis = drawn.subplots()
-        axis.plot(*predicted.bar_recorded(), color=STEEL, lw=1.0)
-        axis.plot(*predicted.bar_profile(), color=INK)
-        axis.set(xlabel="place from the middle of the bar / mm", ylabel="SAI / Hz")
+    drawn, axis = panel(6.2, 3.6, xlabel="place from the middle of the bar / mm", ylabel="SAI / Hz")
+    axis.plot(*predicted.bar_recorded(), color=STEEL, lw=1.0)
+    axis.plot(*predicted.bar_profile(), color=INK)
     return drawn
 
 
 def _pins() -> Any:
-    with style():
-        drawn = figure(6.2, 3.6)
-        axis = drawn.subplots()
-        for width, color in ((1.0, COLORS["SAI"]), (2.0, INK)):
-            for depth, band in zip(predicted.PIN_DEPTHS, predicted.PIN_BANDS[width], strict=True):
-                axis.plot([depth, depth], band, color=color, alpha=0.3, lw=6.0)
-            for factor, dashes in ((1.0, "o-"), (predicted.pin_factor(), "o--")):
-                rates = predicted.pin_hold(width, factor)
-                label = f"{width:g} mm, gain times {factor:.2g}"
-                axis.plot(predicted.PIN_DEPTHS, rates, dashes, color=color, label=label)
-        axis.set(xlabel="depth / mm", ylabel="SAI, 0.3 to 0.9 s / Hz")
-        axis.legend()
+    drawn, axis = panel(6.2, 3.6, xlabel="depth / mm", ylabel="SAI, 0.3 to 0.9 s / Hz")
+    for width, color in ((1.0, COLORS["SAI"]), (2.0, INK)):
+        for depth, band in zip(predicted.PIN_DEPTHS, predicted.PIN_BANDS[width], strict=True):
+            axis.plot([depth, depth], band, color=color, alpha=0.3, lw=6.0)
+        for factor, dashes in ((1.0, "o-"), (predicted.pin_factor(), "o--")):
+            rates = predicted.pin_hold(width, factor)
+            label = f"{width:g} mm, gain times {factor:.2g}"
+            axis.plot(predicted.PIN_DEPTHS, rates, dashes, color=color, label=label)
+    axis.legend()
     return drawn
 
 
 def _surround() -> Any:
     probes = np.arange(1, 8)
-    with style():
-        drawn = figure(6.2, 3.6)
-        axis = drawn.subplots()
-        for kind, part in (("SAI", 0.24), ("FAI", 0.12)):
-            counts = predicted.surround(kind)
-            axis.plot(probes, counts / counts[0], "o", color=COLORS[kind], label=kind)
-            axis.plot(probes, (1.0 - part) ** (probes - 1), color=COLORS[kind], lw=0.8)
-        axis.set(xlabel="probes", ylabel="response over that to one", ylim=(0.0, 1.15))
-        axis.legend()
+    drawn, axis = panel(6.2, 3.6)
+    for kind, part in (("SAI", 0.24), ("FAI", 0.12)):
+        counts = predicted.surround(kind)
+        axis.plot(probes, counts / counts[0], "o", color=COLORS[kind], label=kind)
+        axis.plot(probes, (1.0 - part) ** (probes - 1), color=COLORS[kind], lw=0.8)
+    axis.set(xlabel="probes", ylabel="response over that to one", ylim=(0.0, 1.15))
+    axis.legend()
     return drawn
 
 
 def _rasters() -> Any:
-    with style():
-        drawn = figure(6.2, 3.6)
-        top, axis = drawn.subplots(2, 1, sharex=True, height_ratios=(1, 3))
-        time, depth = predicted.trapezoid(0.7, 20.0, 1.0)
-        top.plot(time, depth, color=STEEL)
-        top.set_ylabel("mm")
-        row = 0
-        for kind in KINDS:
-            for times in predicted.population_under_pin(kind, time, depth):
-                axis.plot(times, np.full(len(times), row), "|", ms=5, color=COLORS[kind])
-                row += 1
-        axis.set(xlabel="time / s", yticks=[3.5, 11.5, 19.5], yticklabels=KINDS)
+    drawn, (top, axis) = panels(6.2, 3.6, 2, 1, sharex=True, height_ratios=(1, 3))
+    time, depth = predicted.trapezoid(0.7, 20.0, 1.0)
+    top.plot(time, depth, color=STEEL)
+    top.set_ylabel("mm")
+    row = 0
+    for kind in KINDS:
+        for times in predicted.population_under_pin(kind, time, depth):
+            axis.plot(times, np.full(len(times), row), "|", ms=5, color=COLORS[kind])
+            row += 1
+    axis.set(xlabel="time / s", yticks=[3.5, 11.5, 19.5], yticklabels=KINDS)
     return drawn
 
 

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from fefinger.validation.calibration.report import calibrated, rows
 from fefinger.validation.calibration.split import PARTS
+from fefinger.validation.panels import panel, panels
 
 from fefinger.calibration import targets
 from fefinger.scene import library, pawluk1997
-from fefinger.view.figures import INK, WIDE, figure, style
+from fefinger.view.figures import INK, WIDE
 
 
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#AA4499")
@@ -18,10 +19,9 @@ PART_COLORS = dict(zip(PARTS, ("#56B4E9", "#E69F00", "#009E73", "#D55E00", "#BBB
 
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure: stiffness, split, profiles."""
-    with style():
-        yield _split_caption(), _split()
-        yield _stiffness_caption(), _stiffness()
-        yield _profile_caption(), _profiles()
+    yield _split_caption(), _split()
+    yield _stiffness_caption(), _stiffness()
+    yield _profile_caption(), _profiles()
 
 
 def _split_caption() -> str:
@@ -38,8 +38,7 @@ def _split_caption() -> str:
 
 
 def _split() -> Any:
-    made = figure(WIDE, 3.0)
-    axes = made.subplots()
+    made, axes = panel(WIDE, 3.0)
     names = list(rows())
     for place, name in enumerate(names):
         left = 0.0
@@ -63,8 +62,7 @@ def _stiffness_caption() -> str:
 
 
 def _stiffness() -> Any:
-    made = figure(WIDE, 3.2)
-    axes = made.subplots()
+    made, axes = panel(WIDE, 3.2)
     for name, color in zip(rows(), COLORS, strict=False):
         wanted, calibration = targets.subject(name), calibrated(name)
         stiffnesses = calibration.law.stiffness(wanted.force)
@@ -133,8 +131,7 @@ def _profile_caption() -> str:
 
 def _profiles() -> Any:
     names = list(rows())
-    made = figure(WIDE, 1.9 * len(names))
-    axes = made.subplots(len(names), 3, sharex=True, sharey=True)
+    made, axes = panels(WIDE, 1.9 * len(names), len(names), 3, sharex=True, sharey=True)
     for line, name in zip(np.reshape(axes, (-1, 3)), names, strict=True):
         for ax, each in zip(line, rows()[name]["profiles"], strict=True):
             r, mine, theirs = (

@@ -4,9 +4,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from fefinger.validation.calibration.report import calibrated, sensitivity
+from fefinger.validation.panels import panels
 
 from fefinger.calibration import pad_radius
-from fefinger.view.figures import INK, STEEL, WIDE, figure, style
+from fefinger.view.figures import INK, STEEL, WIDE
 
 
 BLUE, ORANGE = "#0072B2", "#D55E00"
@@ -21,8 +22,7 @@ ROUNDING = 1e-9
 
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure: effect of assumptions."""
-    with style():
-        yield _caption(), _sensitivity()
+    yield _caption(), _sensitivity()
 
 
 def tables() -> Iterator[dict[str, Any]]:
@@ -58,8 +58,7 @@ def _sensitivity() -> Any:
     subject = sensitivity()["subject"]
     blocks = [each for each in (sensitivity()["finger"], sensitivity()["reading"][subject]) if each]
     count = sum(len(block) for block in blocks)
-    made = figure(WIDE, 0.8 + 0.21 * count)
-    axes = made.subplots(1, len(NAMES), sharey=True)
+    made, axes = panels(WIDE, 0.8 + 0.21 * count, 1, len(NAMES), sharey=True)
     printed = pad_radius.printed(subject)
     for ax, name, head in zip(axes, NAMES, HEADS, strict=True):
         first = 0

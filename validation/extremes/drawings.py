@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.extremes.trial import ANSWERED, FAILED, REFUSED, Kind
+from fefinger.validation.panels import panel
 
-from fefinger.view.figures import INK, WIDE, figure, style
+from fefinger.view.figures import INK, WIDE
 
 
 COLORS: dict[Kind, str] = {ANSWERED: "#009E73", REFUSED: "#56B4E9", FAILED: "#D55E00"}
@@ -62,12 +63,11 @@ def finding(cases: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 def figures(cases: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure."""
     done = [Ended.of(case) for case in cases]
-    with style():
-        yield (
-            f"{_caption(done)} Green: answered; blue: refused; red: failed. Columns: component; "
-            "rows: parameter at an extreme value. Numbers: trials.",
-            _table(done),
-        )
+    yield (
+        f"{_caption(done)} Green: answered; blue: refused; red: failed. Columns: component; "
+        "rows: parameter at an extreme value. Numbers: trials.",
+        _table(done),
+    )
 
 
 def _caption(done: Sequence[Ended]) -> str:
@@ -82,8 +82,7 @@ def _table(done: Sequence[Ended]) -> Any:
     edges = list(dict.fromkeys(each.edge for each in done))
     groups = list(dict.fromkeys(each.group for each in done))
     counts = Counter((each.edge, each.group, each.kind) for each in done)
-    drawn = figure(WIDE, 0.24 * len(edges) + 0.8)
-    axis = drawn.subplots()
+    drawn, axis = panel(WIDE, 0.24 * len(edges) + 0.8)
     for row, edge in enumerate(edges):
         for column, group in enumerate(groups):
             cell = {kind: counts[edge, group, kind] for kind in COLORS}

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from fefinger.validation.fem import element_kinds, hertz, history, solid
 from fefinger.validation.fem import exact as fem_exact
+from fefinger.validation.panels import panel, panels
 from fefinger.validation.problems.peers import PEERS, Peer
 
 from fefinger.mechanics.evidence.table import read
-from fefinger.view.figures import INK, STEEL, figure, style
+from fefinger.view.figures import INK, STEEL
 
 
 WIDE = 6.2  # inches; two stand side by side
@@ -23,31 +24,30 @@ COLUMNS = ("program", "nodes", "force %", "peak %", "pressure RMS %", "CPU time 
 
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and matplotlib Figure."""
-    with style():
-        yield (
-            "Elements on the same meshes: error of force and of strain against the CPU seconds of "
-            "assembly, factor, loads and contact (reports/elements.json). P1 at nu = 0.4999 is "
-            "beyond the axis. Right: skin on softer tissue, where one continuous pressure smears "
-            "what the pressure per tissue keeps.",
-            kinds(measured()),
-        )
-        yield "Hertz pressure at nu = 0.49 on two meshes, at every vertex, over the peak.", _hertz()
-        yield (
-            "Pressure at every vertex (dots) beside the exact contact (line), over the exact "
-            "largest; for the ellipse against the distance in its own axes.",
-            _profiles(),
-        )
-        yield (
-            "A bonded viscoelastic layer: force of the finite elements (line) and of Ting's theory "
-            "on the exact layer (dots). Where the line is at zero, the indenter has left the pad.",
-            _histories(),
-        )
-        yield (
-            "Finite strain. Left: unit cubes of 100 kPa squeezed to half between frictionless "
-            "plates, nu = 0.49, finite elements (dots) on the closed form (lines). Right: the "
-            "relaxing hemisphere (radius 14 mm, 60 mm/s to 1.5 mm); squares: FEBio 4.11.",
-            _finite_strain(),
-        )
+    yield (
+        "Elements on the same meshes: error of force and of strain against the CPU seconds of "
+        "assembly, factor, loads and contact (reports/elements.json). P1 at nu = 0.4999 is "
+        "beyond the axis. Right: skin on softer tissue, where one continuous pressure smears "
+        "what the pressure per tissue keeps.",
+        kinds(measured()),
+    )
+    yield "Hertz pressure at nu = 0.49 on two meshes, at every vertex, over the peak.", _hertz()
+    yield (
+        "Pressure at every vertex (dots) beside the exact contact (line), over the exact "
+        "largest; for the ellipse against the distance in its own axes.",
+        _profiles(),
+    )
+    yield (
+        "A bonded viscoelastic layer: force of the finite elements (line) and of Ting's theory "
+        "on the exact layer (dots). Where the line is at zero, the indenter has left the pad.",
+        _histories(),
+    )
+    yield (
+        "Finite strain. Left: unit cubes of 100 kPa squeezed to half between frictionless "
+        "plates, nu = 0.49, finite elements (dots) on the closed form (lines). Right: the "
+        "relaxing hemisphere (radius 14 mm, 60 mm/s to 1.5 mm); squares: FEBio 4.11.",
+        _finite_strain(),
+    )
 
 
 def measured() -> list[dict[str, Any]]:
@@ -106,10 +106,9 @@ def _seconds(value: float) -> str:
 
 def kinds(rows: list[dict[str, Any]]) -> Any:
     """Draw errors of force and strain against CPU seconds, one line per element."""
-    drawn = figure(WIDE, 5.4)
-    axes = drawn.subplots(2, 3, sharex="col", sharey="row")
-    panels = (("Hertz", 0.3), ("Hertz", 0.4999), ("stack", 0.49))
-    for column, (case, poisson) in zip(axes.T, panels, strict=True):
+    drawn, axes = panels(WIDE, 5.4, 2, 3, sharex="col", sharey="row")
+    compared = (("Hertz", 0.3), ("Hertz", 0.4999), ("stack", 0.49))
+    for column, (case, poisson) in zip(axes.T, compared, strict=True):
         for kind, color in reversed([*zip(element_kinds.KINDS, COLORS, strict=True)]):
             chosen = [
                 row
@@ -131,8 +130,7 @@ def kinds(rows: list[dict[str, Any]]) -> Any:
 
 
 def _hertz() -> Any:
-    drawn = figure(WIDE, 3.4)
-    axis = drawn.subplots()
+    drawn, axis = panel(WIDE, 3.4, xlabel="r / a", ylabel="pressure / peak")
     truth = hertz.hertz(0.49)
     r = np.linspace(0, 1.3, 400)
     axis.plot(r, truth.pressure(r) / truth.peak_pressure, color=STEEL, label="Hertz")
@@ -142,14 +140,12 @@ def _hertz() -> Any:
         pressure = body.pressed(truth.depth).pressure / truth.peak_pressure
         label = f"{body.space.n_nodes} nodes"
         axis.plot(np.hypot(*places.T[:2]), pressure, "o", ms=3, color=color, label=label)
-    axis.set(xlabel="r / a", ylabel="pressure / peak")
     axis.legend()
     return drawn
 
 
 def _profiles() -> Any:
-    drawn = figure(WIDE, 4.0)
-    axes = drawn.subplots(2, len(DRAWN) // 2, sharey=True, sharex=True)
+    drawn, axes = panels(WIDE, 4.0, 2, len(DRAWN) // 2, sharey=True, sharex=True)
     for axis, name in zip(axes.flat, DRAWN, strict=True):
         solution = fem_exact.solved(name)
         distance = np.hypot(*solution.places.T)
@@ -175,8 +171,7 @@ def _profiles() -> Any:
 
 def _histories() -> Any:
     names = history.UNLOADED
-    drawn = figure(WIDE, 2.8)
-    axes = drawn.subplots(1, len(names), sharey=True)
+    drawn, axes = panels(WIDE, 2.8, 1, len(names), sharey=True)
     for axis, name in zip(axes, names, strict=True):
         time, computed, exact = history.cycle(name, history.STEPS)
         axis.plot(time[::25], exact[::25], "o", ms=3, color=COLORS[0], label="Ting")
@@ -191,8 +186,7 @@ def _histories() -> Any:
 
 def _finite_strain() -> Any:
     drawn = solid.drawn()
-    drawing = figure(WIDE, 2.8)
-    left, right = drawing.subplots(1, 2)
+    drawing, (left, right) = panels(WIDE, 2.8, 1, 2)
     for color, (name, (depth, computed, exact)) in zip(
         COLORS, drawn["cubes"].items(), strict=False
     ):

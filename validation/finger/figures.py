@@ -19,9 +19,10 @@ from fefinger.validation.finger.split import (
     together,
     unexplained,
 )
+from fefinger.validation.panels import panels
 from fefinger.validation.problems.chain import CHAIN, PRESSES, SUBJECTS, models
 
-from fefinger.view.figures import INK, STEEL, WIDE, figure, style
+from fefinger.view.figures import INK, STEEL, WIDE, figure
 
 
 COLORS = {
@@ -57,11 +58,10 @@ def finding() -> dict[str, Any]:
 
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure: force ratios, factors, stiffening."""
-    with style():
-        yield _over("flat-30"), _ratios("flat-30")
-        yield _over("sphere-5"), _ratios("sphere-5")
-        yield _split(), _factors()
-        yield _rates_caption(), _rates()
+    yield _over("flat-30"), _ratios("flat-30")
+    yield _over("sphere-5"), _ratios("sphere-5")
+    yield _split(), _factors()
+    yield _rates_caption(), _rates()
 
 
 def _over(press: str) -> str:
@@ -78,8 +78,7 @@ def _over(press: str) -> str:
 
 
 def _ratios(press: str) -> Any:
-    drawn = figure(WIDE, 2.9)
-    axes = drawn.subplots(1, len(subjects(press)), sharey=True)
+    drawn, axes = panels(WIDE, 2.9, 1, len(subjects(press)), sharey=True)
     for axis, subject in zip(axes, subjects(press), strict=True):
         below = force(subject, press, "hertz")
         for model in models(press):
@@ -196,8 +195,7 @@ def _rates_caption() -> str:
 
 def _rates() -> Any:
     chain = [model for model in models("flat-30") if model != "level"]
-    drawn = figure(WIDE, 2.7)
-    axes = drawn.subplots(1, len(SUBJECTS), sharey=True)
+    drawn, axes = panels(WIDE, 2.7, 1, len(SUBJECTS), sharey=True)
     for axis, subject in zip(axes, SUBJECTS, strict=True):
         rates = [steepness(subject, model) for model in chain]
         rates.append(steepness(subject, "solid", "demiray"))

@@ -5,11 +5,12 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.human.presses import PROFILES, REPORT
+from fefinger.validation.panels import panels
 
 from fefinger.mechanics.evidence.table import read
 from fefinger.results.records import Response
 from fefinger.support.arrays import Array
-from fefinger.view.figures import INK, STEEL, figure, style
+from fefinger.view.figures import INK, STEEL, figure
 
 
 WIDE, HIGH = 8.0, 3.2  # inches
@@ -42,29 +43,27 @@ def figures(subjects: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def _loading(subjects: Mapping[str, Any]) -> Any:
-    with style():
-        drawn = figure(WIDE, HIGH)
-        for axis, (name, (response, (depth, force))) in zip(
-            drawn.subplots(1, len(subjects)), subjects.items(), strict=True
-        ):
-            up = slice(0, int(np.argmax(response.force)) + 1)
-            axis.plot(response.depth[up], response.force[up], color=STEEL)
-            axis.plot(depth[up], force[up], color=INK, ls="--", lw=0.9)
-            axis.set_title(name)
-            axis.set_xlabel("depth / mm")
-        drawn.axes[0].set_ylabel("force / N")
+    drawn = figure(WIDE, HIGH)
+    for axis, (name, (response, (depth, force))) in zip(
+        drawn.subplots(1, len(subjects)), subjects.items(), strict=True
+    ):
+        up = slice(0, int(np.argmax(response.force)) + 1)
+        axis.plot(response.depth[up], response.force[up], color=STEEL)
+        axis.plot(depth[up], force[up], color=INK, ls="--", lw=0.9)
+        axis.set_title(name)
+        axis.set_xlabel("depth / mm")
+    drawn.axes[0].set_ylabel("force / N")
     return drawn
 
 
 def _relaxing(subjects: Mapping[str, Any]) -> Any:
-    with style():
-        drawn = figure(WIDE, HIGH)
-        pairs = zip(drawn.subplots(1, len(subjects), sharey=True), subjects.items(), strict=True)
-        for axis, (name, (response, (_, force))) in pairs:
-            _relaxing_one(axis, response, force)
-            axis.set_title(name)
-            axis.set_xlabel("time after the peak / s")
-        drawn.axes[0].set_ylabel("force / peak")
+    drawn = figure(WIDE, HIGH)
+    pairs = zip(drawn.subplots(1, len(subjects), sharey=True), subjects.items(), strict=True)
+    for axis, (name, (response, (_, force))) in pairs:
+        _relaxing_one(axis, response, force)
+        axis.set_title(name)
+        axis.set_xlabel("time after the peak / s")
+    drawn.axes[0].set_ylabel("force / peak")
     return drawn
 
 
@@ -78,25 +77,23 @@ def _relaxing_one(axis: Any, response: Response, force: Array) -> None:
 
 
 def _deep() -> Any:
-    with style():
-        drawn = figure(WIDE, HIGH)
-        left, right = drawn.subplots(1, 2)
-        for look, (name, row) in zip(("-", ":"), read(REPORT)["deep"].items(), strict=True):
-            if "refused" in row:
-                continue
-            force, depth, area = (np.array(row[key]) for key in ("force_N", "depth_mm", "area_mm2"))
-            last = min(5.2, force[-1])
-            left.plot(force, depth / np.interp(last, force, depth), look, color=STEEL, label=name)
-            last = min(10.0, force[-1])
-            right.plot(force, area / np.interp(last, force, area), look, color=STEEL, label=name)
-        left.plot([1.0, 5.2], [DEPTH_AT_5, 1.0], "o", color=INK)
-        right.plot([1.0, 10.0], [AREA_AT_10, 1.0], "o", color=INK)
-        left.set_ylabel("displacement over that at 5.2 N")
-        right.set_ylabel("contact area over that at 10 N")
-        left.set_xlim(0, 6)
-        for axis in (left, right):
-            axis.set_xlabel("force / N")
-            axis.legend()
+    drawn, (left, right) = panels(WIDE, HIGH, 1, 2)
+    for look, (name, row) in zip(("-", ":"), read(REPORT)["deep"].items(), strict=True):
+        if "refused" in row:
+            continue
+        force, depth, area = (np.array(row[key]) for key in ("force_N", "depth_mm", "area_mm2"))
+        last = min(5.2, force[-1])
+        left.plot(force, depth / np.interp(last, force, depth), look, color=STEEL, label=name)
+        last = min(10.0, force[-1])
+        right.plot(force, area / np.interp(last, force, area), look, color=STEEL, label=name)
+    left.plot([1.0, 5.2], [DEPTH_AT_5, 1.0], "o", color=INK)
+    right.plot([1.0, 10.0], [AREA_AT_10, 1.0], "o", color=INK)
+    left.set_ylabel("displacement over that at 5.2 N")
+    right.set_ylabel("contact area over that at 10 N")
+    left.set_xlim(0, 6)
+    for axis in (left, right):
+        axis.set_xlabel("force / N")
+        axis.legend()
     return drawn
 
 
@@ -108,16 +105,15 @@ def _means(x: Array, pressure: Array) -> tuple[Array, Array]:
 
 
 def _profiles() -> Any:
-    with style():
-        drawn = figure(WIDE, HIGH)
-        pairs = zip(drawn.subplots(1, len(PROFILES)), PROFILES.items(), strict=True)
-        for axis, (force, (_, radius, highest)) in pairs:
-            row = read(REPORT)["held"][force]
-            axis.plot(*_means(np.array(row["x_mm"]), np.array(row["pressure_kPa"])), color=STEEL)
-            x = np.linspace(-radius, radius, 101)
-            axis.plot(x, highest * np.sqrt(1 - (x / radius) ** 2), color=INK, ls="--", lw=0.9)
-            axis.set_title(f"{force} N")
-            axis.set_xlabel("x / mm, toward the tip")
-            axis.set_xlim(-9, 9)
-        drawn.axes[0].set_ylabel("pressure / kPa")
+    drawn = figure(WIDE, HIGH)
+    pairs = zip(drawn.subplots(1, len(PROFILES)), PROFILES.items(), strict=True)
+    for axis, (force, (_, radius, highest)) in pairs:
+        row = read(REPORT)["held"][force]
+        axis.plot(*_means(np.array(row["x_mm"]), np.array(row["pressure_kPa"])), color=STEEL)
+        x = np.linspace(-radius, radius, 101)
+        axis.plot(x, highest * np.sqrt(1 - (x / radius) ** 2), color=INK, ls="--", lw=0.9)
+        axis.set_title(f"{force} N")
+        axis.set_xlabel("x / mm, toward the tip")
+        axis.set_xlim(-9, 9)
+    drawn.axes[0].set_ylabel("pressure / kPa")
     return drawn

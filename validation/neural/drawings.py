@@ -7,13 +7,14 @@ import numpy as np
 from fefinger.validation.neural import gains, ramps, skin
 from fefinger.validation.neural.filters import SLOW, same_rate
 from fefinger.validation.neural.sweep import MODELS, SLOWED, STANDARD, impulses, swing
+from fefinger.validation.panels import ticks_at
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import saturating
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support.arrays import Array
-from fefinger.view.figures import COLORS, INK, STEEL, figure, style
+from fefinger.view.figures import COLORS, INK, STEEL, figure
 
 
 SIZE = (5.6, 3.6)  # inches; two stand side by side
@@ -49,50 +50,49 @@ COURSES = (
 
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure in the order of the thesis."""
-    with style():
-        yield (
-            "Figure 4-2. Seven FAI units, 1 mm peak to peak: gains drawn with a spread of 0.5 in "
-            "their logarithm (seed 0). The spread is a choice: the thesis gives no number.",
-            _seven(),
-        )
-        yield (
-            "Figure 4-3. Spring, 6.3 C, 200 uA/cm² peak to peak at 2 Hz, second half: the response "
-            "spans phi1 to phi2; near the crest the peaks stay below 40 mV.",
-            _trace(),
-        )
-        for name, caption in RESPONSES:
-            yield f"{caption} 0 dB is the largest input; zeros are left out.", _response(name)
-        yield (
-            "Figures 4-6a and 4-7a. Impulses per second over frequency at one amplitude of each "
-            "model: the slope tells the order.",
-            _rates(),
-        )
-        yield (
-            "Section 4.3.4. Moving zero and pole: impulses per cycle (above) hardly change, the "
-            "phase (below) does.",
-            _sensitivity(),
-        )
-        for name, caption in COURSES:
-            yield f"{caption}. Position, impulses and instantaneous rate at 8 mm/s.", _course(name)
-        yield (
-            "Section 4.4.1, Figure 4-18. Step of force: serial chain (dashes), with a parallel "
-            "spring as stiff as the nerve (lines).",
-            _force(),
-        )
-        yield (
-            "Figure 5-3. Change of amplitude that keeps the impulses per cycle, spring, rates / 6.",
-            _same_rate(),
-        )
-        yield (
-            "Gains. SA rates in a hold at the default gains, with the acceptance bands; dashes: "
-            "the linear generator, until it blocks.",
-            _gains(),
-        )
-        yield (
-            "Sections 3.6 and 5.2. SAI across the finger under a plate and spheres at 0.1 N, on "
-            "`layered`: input of the end organs, and rates.",
-            _population(),
-        )
+    yield (
+        "Figure 4-2. Seven FAI units, 1 mm peak to peak: gains drawn with a spread of 0.5 in "
+        "their logarithm (seed 0). The spread is a choice: the thesis gives no number.",
+        _seven(),
+    )
+    yield (
+        "Figure 4-3. Spring, 6.3 C, 200 uA/cm² peak to peak at 2 Hz, second half: the response "
+        "spans phi1 to phi2; near the crest the peaks stay below 40 mV.",
+        _trace(),
+    )
+    for name, caption in RESPONSES:
+        yield f"{caption} 0 dB is the largest input; zeros are left out.", _response(name)
+    yield (
+        "Figures 4-6a and 4-7a. Impulses per second over frequency at one amplitude of each "
+        "model: the slope tells the order.",
+        _rates(),
+    )
+    yield (
+        "Section 4.3.4. Moving zero and pole: impulses per cycle (above) hardly change, the "
+        "phase (below) does.",
+        _sensitivity(),
+    )
+    for name, caption in COURSES:
+        yield f"{caption}. Position, impulses and instantaneous rate at 8 mm/s.", _course(name)
+    yield (
+        "Section 4.4.1, Figure 4-18. Step of force: serial chain (dashes), with a parallel "
+        "spring as stiff as the nerve (lines).",
+        _force(),
+    )
+    yield (
+        "Figure 5-3. Change of amplitude that keeps the impulses per cycle, spring, rates / 6.",
+        _same_rate(),
+    )
+    yield (
+        "Gains. SA rates in a hold at the default gains, with the acceptance bands; dashes: "
+        "the linear generator, until it blocks.",
+        _gains(),
+    )
+    yield (
+        "Sections 3.6 and 5.2. SAI across the finger under a plate and spheres at 0.1 N, on "
+        "`layered`: input of the end organs, and rates.",
+        _population(),
+    )
 
 
 def _axes(rows: int = 1, **options: Any) -> tuple[Any, Any]:
@@ -114,8 +114,7 @@ def _response(name: str) -> Any:
         label = f"{levels[i]:.0f}"
         axis.plot(model.frequencies, curve, "o-", ms=3, lw=1.3, color=color, label=label)
     axis.set(xscale="log", yscale="log", xlabel="frequency / Hz", ylabel="impulses / cycle")
-    axis.set_xticks(model.frequencies, [f"{f:g}" for f in model.frequencies])
-    axis.minorticks_off()
+    ticks_at(axis, model.frequencies)
     axis.legend(ncols=1 + len(shown) // 8, fontsize=7, title="amplitude / dB", title_fontsize=7)
     return drawn
 
@@ -136,8 +135,7 @@ def _seven() -> Any:
     table = np.where(np.array(rows) > 0, rows, np.nan)
     axis.plot(tones, table, "o-", ms=3, lw=1.2)
     axis.set(xscale="log", yscale="log", xlabel="frequency / Hz", ylabel="impulses / cycle")
-    axis.set_xticks(tones, [f"{tone:g}" for tone in tones])
-    axis.minorticks_off()
+    ticks_at(axis, tones)
     return drawn
 
 
@@ -199,8 +197,7 @@ def _sensitivity() -> Any:
         bottom.plot(SLOW, lead, "o-", ms=3, color=color)
     top.set(yscale="log", ylabel="impulses / cycle")
     bottom.set(xscale="log", xlabel="frequency / Hz", ylabel="lead / degrees")
-    bottom.set_xticks(SLOW, [f"{tone:g}" for tone in SLOW])
-    bottom.minorticks_off()
+    ticks_at(bottom, SLOW)
     top.legend(fontsize=7)
     return drawn
 
@@ -242,8 +239,7 @@ def _same_rate() -> Any:
         widths = [same_rate(tone, 50.0 / 2**k) for tone in tones]
         axis.plot(tones, widths, "o-", ms=3, color=color, label=f"{-6 * k} dB")
     axis.set(xscale="log", xlabel="frequency / Hz", ylabel="range with the same rate / dB")
-    axis.set_xticks(tones, [f"{tone:g}" for tone in tones])
-    axis.minorticks_off()
+    ticks_at(axis, tones)
     axis.legend()
     return drawn
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.oracles import goodwin
+from fefinger.validation.panels import panels
 from fefinger.validation.thesis.array import ELEMENTS, LEVEL, blurred_nodes, felt_history, sinusoid
 from fefinger.validation.thesis.ball import bonded
 from fefinger.validation.thesis.figures import COLORS, canvas
@@ -14,7 +15,7 @@ from fefinger.validation.thesis.sensor import array_pressure, ball_pressure
 from fefinger.support.arrays import Array
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.view.figures import INK, STEEL, figure, style
+from fefinger.view.figures import INK, STEEL, figure
 
 
 SLOW = 0.2  # mm/s
@@ -23,41 +24,40 @@ GOODWIN_FORCES = (20.0, 15.0, 10.0)  # gf
 
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure in the order of the thesis."""
-    with style():
-        yield (
-            "Figure 3-2. Readings of elements 0, 2, 4 and 6 mm from the center in a press at "
-            "0.2 mm/s, means, b of Table 3.2 read as c0 b.",
-            _slow(),
-        )
-        yield (
-            "Figure 3-3. Isobars 4 kPa apart at 0.54, 1.1 and 2.3 N. The model's are circles; the "
-            "measured ones are not, from proximal to distal.",
-            _isobars(),
-        )
-        yield (
-            "Figure 3-4. Pressure profiles at 0.54, 1.1 and 2.3 N: filtered by the array (lines) "
-            "and as they are (dashes).",
-            _profiles(),
-        )
-        yield "Figure 3-5. Relaxation after a ramp at 60 mm/s: force, and elements.", _relaxation()
-        yield (
-            "Figure 3-6. A 4 Hz sinusoid of 0.4 mm about 1.5 mm; the caption has 8 Hz, the text "
-            "4 Hz. Elements 0, 2, 4 and 6 mm from the center.",
-            _sinusoid(),
-        )
-        yield (
-            "Figure 3-8. Relative peak pressure against the curvature of a sphere, Eq. 3.23. At "
-            "zero it is 0.196 for 20 gf, not about 0.3 (cross).",
-            _goodwin(),
-        )
-        yield "Figure 3-10. Contact radius relative to that of a plate, Eq. 3.25.", _radius()
-        yield "Figure A-4. Response of an element against the distance of a load.", _response()
-        yield (
-            "Figure A-5. The fitted rubber ball: pressure at 0.59 mm, filtered (line) and not "
-            "(dashes), and net force, on a cover that is a half-space (lines) or a bonded layer "
-            "(dots). The cross is the force that the thesis gives, 1.8 N.",
-            _ball(),
-        )
+    yield (
+        "Figure 3-2. Readings of elements 0, 2, 4 and 6 mm from the center in a press at "
+        "0.2 mm/s, means, b of Table 3.2 read as c0 b.",
+        _slow(),
+    )
+    yield (
+        "Figure 3-3. Isobars 4 kPa apart at 0.54, 1.1 and 2.3 N. The model's are circles; the "
+        "measured ones are not, from proximal to distal.",
+        _isobars(),
+    )
+    yield (
+        "Figure 3-4. Pressure profiles at 0.54, 1.1 and 2.3 N: filtered by the array (lines) "
+        "and as they are (dashes).",
+        _profiles(),
+    )
+    yield "Figure 3-5. Relaxation after a ramp at 60 mm/s: force, and elements.", _relaxation()
+    yield (
+        "Figure 3-6. A 4 Hz sinusoid of 0.4 mm about 1.5 mm; the caption has 8 Hz, the text "
+        "4 Hz. Elements 0, 2, 4 and 6 mm from the center.",
+        _sinusoid(),
+    )
+    yield (
+        "Figure 3-8. Relative peak pressure against the curvature of a sphere, Eq. 3.23. At "
+        "zero it is 0.196 for 20 gf, not about 0.3 (cross).",
+        _goodwin(),
+    )
+    yield "Figure 3-10. Contact radius relative to that of a plate, Eq. 3.25.", _radius()
+    yield "Figure A-4. Response of an element against the distance of a load.", _response()
+    yield (
+        "Figure A-5. The fitted rubber ball: pressure at 0.59 mm, filtered (line) and not "
+        "(dashes), and net force, on a cover that is a half-space (lines) or a bonded layer "
+        "(dots). The cross is the force that the thesis gives, 1.8 N.",
+        _ball(),
+    )
 
 
 def _label(r: float) -> str:
@@ -105,8 +105,7 @@ def _profiles() -> Any:
 
 
 def _relaxation() -> Any:
-    drawn = figure(5.6, 3.6)
-    top, bottom = drawn.subplots(2, 1, sharex=True)
+    drawn, (top, bottom) = panels(5.6, 3.6, 2, 1, sharex=True)
     end = 2.0 / 60.0
     time = np.concatenate([np.linspace(0.0, end, 60)[:-1], end + np.geomspace(1e-4, 6.0, 200)])
     pressed, pressures = felt_history(time, np.minimum(60 * time, 2.0))
@@ -159,8 +158,7 @@ def _response() -> Any:
 
 
 def _ball() -> Any:
-    drawn = figure(5.6, 3.0)
-    left, right = drawn.subplots(1, 2)
+    drawn, (left, right) = panels(5.6, 3.0, 1, 2)
     r = np.linspace(0.0, 9.0, 200)
     left.plot(r, array_pressure(r), color=INK)
     left.plot(r, ball_pressure().pressure(r), "--", color=STEEL)

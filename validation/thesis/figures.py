@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.oracles.impedance import decibel, impedance, phase, relaxation_spectrum
+from fefinger.validation.panels import panel, panels
 from fefinger.validation.thesis.lumped import OFFSETS, finger, sinusoid, vibrated
 
 from fefinger.theory.lumped.spring import constant_velocity
-from fefinger.view.figures import INK, STEEL, figure, style
+from fefinger.view.figures import INK, STEEL
 
 
 SIZE = (5.6, 3.6)  # inches; two stand side by side
@@ -20,29 +21,26 @@ MODEL = "The model alone: no data of the thesis can be read off its text."
 
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure in the order of the thesis."""
-    with style():
-        yield f"Figures 2-2 and 5-1. Force at constant velocity, a.h. {MODEL}", _velocities()
-        yield "Figure 2-3. Relaxation of p.w. after a ramp at 60 mm/s to 2.5 N.", _relaxation()
-        yield (
-            "Figure 2-4. A ramp at 20 mm/s, then 4 Hz, a.h. Below zero Eq. 2.3 pulls: the finger "
-            "would lose contact there.",
-            _sinusoid(),
-        )
-        yield "Figure 2-5. Stiffness against force, Eq. 2.4, with Table 2.1.", _stiffness()
-        yield (
-            "Figures 2-6 and 2-7. |Z| of the means at two preloads: with the relaxed preload put "
-            "right (lines), and by Eq. 2.12 as printed (dashes). Parallel, as the thesis says.",
-            _magnitude(),
-        )
-        yield "Figure 2-8. Phase of the relaxation function, means.", _phase()
-        yield from _energy()
+    yield f"Figures 2-2 and 5-1. Force at constant velocity, a.h. {MODEL}", _velocities()
+    yield "Figure 2-3. Relaxation of p.w. after a ramp at 60 mm/s to 2.5 N.", _relaxation()
+    yield (
+        "Figure 2-4. A ramp at 20 mm/s, then 4 Hz, a.h. Below zero Eq. 2.3 pulls: the finger "
+        "would lose contact there.",
+        _sinusoid(),
+    )
+    yield "Figure 2-5. Stiffness against force, Eq. 2.4, with Table 2.1.", _stiffness()
+    yield (
+        "Figures 2-6 and 2-7. |Z| of the means at two preloads: with the relaxed preload put "
+        "right (lines), and by Eq. 2.12 as printed (dashes). Parallel, as the thesis says.",
+        _magnitude(),
+    )
+    yield "Figure 2-8. Phase of the relaxation function, means.", _phase()
+    yield from _energy()
 
 
 def canvas(xlabel: str, ylabel: str, **limits: Any) -> tuple[Any, Any]:
     """Return an empty figure and its axes."""
-    drawn = figure(*SIZE)
-    axis = drawn.subplots()
-    axis.set(xlabel=xlabel, ylabel=ylabel, **limits)
+    drawn, axis = panel(*SIZE, xlabel=xlabel, ylabel=ylabel, **limits)
     return drawn, axis
 
 
@@ -138,8 +136,7 @@ def _energy() -> Iterator[tuple[str, Any]]:
 
 
 def _dissipation(tones: tuple[int, ...], rows: dict[str, list[Any]]) -> Any:
-    drawn = figure(*SIZE)
-    top, bottom = drawn.subplots(2, 1, sharex=True)
+    drawn, (top, bottom) = panels(*SIZE, 2, 1, sharex=True)
     for (name, works), color in zip(rows.items(), COLORS, strict=False):
         top.plot(tones, [work.power for work in works], "o-", ms=3, color=color)
         share = [100 * work.fraction for work in works]

@@ -4,11 +4,12 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from fefinger.validation.panels import label_outside, panels
 from fefinger.validation.tradeoff.held_out import ENOUGH
 
 from fefinger.results.candidate import Candidate
 from fefinger.support.arrays import Array
-from fefinger.view.figures import INK, STEEL, WIDE, figure, style
+from fefinger.view.figures import INK, STEEL, WIDE, figure
 
 
 COLORS = {
@@ -37,11 +38,10 @@ Points = dict[str, tuple[float, float]]
 
 def figures(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure."""
-    with style():
-        yield _front_caption(), _front(data)
-        yield _others_caption(), _others(data)
-        yield _held_caption(data), _held(data)
-        yield _cost_caption(data), _cost(data)
+    yield _front_caption(), _front(data)
+    yield _others_caption(), _others(data)
+    yield _held_caption(data), _held(data)
+    yield _cost_caption(data), _cost(data)
 
 
 def _point(axes: Any, candidate: str, cost: float, error: float) -> None:
@@ -157,15 +157,11 @@ def _others_caption() -> str:
 
 
 def _others(data: dict[str, Any]) -> Any:
-    drawn = figure(WIDE, 5.2)
-    grid = drawn.subplots(2, 2, sharex=True)
+    drawn, grid = panels(WIDE, 5.2, 2, 2, sharex=True)
     for axis, (quantity, title) in zip(grid.ravel(), OTHERS.items(), strict=True):
         _scatter(axis, _medians(_points(data, quantity)))
         axis.set_title(title)
-    for axis in grid[1]:
-        axis.set_xlabel("CPU time of a first answer / s")
-    for axis in grid[:, 0]:
-        axis.set_ylabel("error")
+    label_outside(grid, "CPU time of a first answer / s", "error")
     _legend(drawn)
     return drawn
 
@@ -192,8 +188,7 @@ _NAMES = {
 
 
 def _held(data: dict[str, Any]) -> Any:
-    drawn = figure(WIDE, 5.2)
-    grid = drawn.subplots(2, 2, sharex=True, sharey=True)
+    drawn, grid = panels(WIDE, 5.2, 2, 2, sharex=True, sharey=True)
     for axis, (quantity, title) in zip(grid.ravel(), _NAMES.items(), strict=True):
         for each in data["scenes"].values():
             for name, row in each["candidates"].items():
@@ -215,10 +210,7 @@ def _held(data: dict[str, Any]) -> Any:
         axis.set(
             xscale="log", yscale="log", title=f"{title}: candidates (small), choices (outlined)"
         )
-    for axis in grid[1]:
-        axis.set_xlabel("stated error")
-    for axis in grid[:, 0]:
-        axis.set_ylabel("actual error")
+    label_outside(grid, "stated error", "actual error")
     _legend(drawn)
     return drawn
 
@@ -238,8 +230,7 @@ def _cost_caption(data: dict[str, Any]) -> str:
 
 def _cost(data: dict[str, Any]) -> Any:
     summary = data["summary"]
-    drawn = figure(WIDE, 3.2)
-    left, right = drawn.subplots(1, 2)
+    drawn, (left, right) = panels(WIDE, 3.2, 1, 2)
     ratios = np.sort([e["ratio"] for e in data["scenes"].values() if e["ratio"] is not None])
     left.step(ratios, np.arange(1, len(ratios) + 1) / len(ratios), where="post", color=INK)
     left.axvline(ENOUGH, color=STEEL, linewidth=1)

@@ -4,11 +4,12 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from fefinger.validation.panels import panels
 from fefinger.validation.waves import finger, lateral, loops
 from numpy.typing import NDArray
 
 from fefinger.support.arrays import Array, Integers
-from fefinger.view.figures import INK, STEEL, figure, style
+from fefinger.view.figures import INK, STEEL, figure
 
 
 FORCES = 0.2, 0.5, 1.0
@@ -68,57 +69,51 @@ def figures() -> Iterator[tuple[str, Any]]:
 
 
 def _impedance() -> Any:
-    with style():
-        drawn = figure(8.0, 3.4)
-        left, right = drawn.subplots(1, 2)
-        for tissue, line in ((loops.TISSUE, "-"), (finger.VISCOUS, "--")):
-            for force, shade in zip(FORCES, SHADES, strict=True):
-                harmonic = finger.answer(tissue, force)
-                left.loglog(harmonic.frequency, np.abs(harmonic.stiffness), line, color=shade)
-                phase = np.degrees(np.angle(harmonic.impedance))
-                right.semilogx(harmonic.frequency, phase, line, color=shade)
-        left.set(xlabel="frequency / Hz", ylabel="dynamic stiffness / (N/mm)")
-        right.set(xlabel="frequency / Hz", ylabel="phase of the impedance / degrees")
+    drawn, (left, right) = panels(8.0, 3.4, 1, 2)
+    for tissue, line in ((loops.TISSUE, "-"), (finger.VISCOUS, "--")):
+        for force, shade in zip(FORCES, SHADES, strict=True):
+            harmonic = finger.answer(tissue, force)
+            left.loglog(harmonic.frequency, np.abs(harmonic.stiffness), line, color=shade)
+            phase = np.degrees(np.angle(harmonic.impedance))
+            right.semilogx(harmonic.frequency, phase, line, color=shade)
+    left.set(xlabel="frequency / Hz", ylabel="dynamic stiffness / (N/mm)")
+    right.set(xlabel="frequency / Hz", ylabel="phase of the impedance / degrees")
     return drawn
 
 
 def _lateral() -> Any:
-    with style():
-        drawn = figure(8.0, 3.4)
-        left, right = drawn.subplots(1, 2)
-        for tissue, line in ((loops.TISSUE, "-"), (finger.VISCOUS, "--")):
-            impedance = lateral.impedance(tissue, lateral.SHOWN)
-            left.loglog(lateral.BAND, np.abs(impedance), line, color=STEEL)
-            right.semilogx(lateral.BAND, np.degrees(np.angle(impedance)), line, color=STEEL)
-        ends = [lateral.measured(lateral.SHOWN, lateral.BAND, mass) for mass in lateral.MASSES]
-        left.fill_between(lateral.BAND, *np.abs(ends), color=SHADES[0])
-        right.fill_between(lateral.BAND, *np.degrees(np.angle(ends)), color=SHADES[0])
-        for axis in (left, right):
-            axis.minorticks_off()
-            axis.set_xticks(MARKS, [f"{mark:g}" for mark in MARKS])
-        left.set(xlabel="frequency / Hz", ylabel="impedance / (N s/m)")
-        right.set(xlabel="frequency / Hz", ylabel="phase of the impedance / degrees")
+    drawn, (left, right) = panels(8.0, 3.4, 1, 2)
+    for tissue, line in ((loops.TISSUE, "-"), (finger.VISCOUS, "--")):
+        impedance = lateral.impedance(tissue, lateral.SHOWN)
+        left.loglog(lateral.BAND, np.abs(impedance), line, color=STEEL)
+        right.semilogx(lateral.BAND, np.degrees(np.angle(impedance)), line, color=STEEL)
+    ends = [lateral.measured(lateral.SHOWN, lateral.BAND, mass) for mass in lateral.MASSES]
+    left.fill_between(lateral.BAND, *np.abs(ends), color=SHADES[0])
+    right.fill_between(lateral.BAND, *np.degrees(np.angle(ends)), color=SHADES[0])
+    for axis in (left, right):
+        axis.minorticks_off()
+        axis.set_xticks(MARKS, [f"{mark:g}" for mark in MARKS])
+    left.set(xlabel="frequency / Hz", ylabel="impedance / (N s/m)")
+    right.set(xlabel="frequency / Hz", ylabel="phase of the impedance / degrees")
     return drawn
 
 
 def _skin() -> Any:
-    with style():
-        drawn = figure(8.0, 3.4)
-        left, right = drawn.subplots(1, 2)
-        for tissue, line in ((loops.TISSUE, "-"), (finger.VISCOUS, "--")):
-            for frequency, shade in zip((50.0, 200.0, 350.0), SHADES, strict=True):
-                harmonic = finger.finger(tissue).harmonic([frequency], force=0.5)
-                reach = harmonic.skin_points[:, 0] < 0
-                moved = harmonic.skin[0, reach, 2]
-                away = -harmonic.skin_points[reach, 0]
-                left.semilogy(away, np.abs(moved), line, color=shade, label=f"{frequency:g} Hz")
-                order = np.argsort(away)
-                phase = np.degrees(np.unwrap(np.angle(moved[order])))
-                right.plot(away[order], phase, line, color=shade)
-        handles, labels = left.get_legend_handles_labels()
-        left.legend(handles[:3], labels[:3])
-        left.set(xlabel="distance / mm", ylabel="amplitude")
-        right.set(xlabel="distance / mm", ylabel="phase / degrees")
+    drawn, (left, right) = panels(8.0, 3.4, 1, 2)
+    for tissue, line in ((loops.TISSUE, "-"), (finger.VISCOUS, "--")):
+        for frequency, shade in zip((50.0, 200.0, 350.0), SHADES, strict=True):
+            harmonic = finger.finger(tissue).harmonic([frequency], force=0.5)
+            reach = harmonic.skin_points[:, 0] < 0
+            moved = harmonic.skin[0, reach, 2]
+            away = -harmonic.skin_points[reach, 0]
+            left.semilogy(away, np.abs(moved), line, color=shade, label=f"{frequency:g} Hz")
+            order = np.argsort(away)
+            phase = np.degrees(np.unwrap(np.angle(moved[order])))
+            right.plot(away[order], phase, line, color=shade)
+    handles, labels = left.get_legend_handles_labels()
+    left.legend(handles[:3], labels[:3])
+    left.set(xlabel="distance / mm", ylabel="amplitude")
+    right.set(xlabel="distance / mm", ylabel="phase / degrees")
     return drawn
 
 
@@ -127,20 +122,19 @@ def _shapes() -> Any:
     solid = loop.vibrating.solid
     points = solid.space.points
     edges = _outlines(points, solid.space.cells, solid.space.tissue)
-    with style():
-        drawn = figure(8.0, 4.6)
-        for number, axis in enumerate(drawn.subplots(2, SHAPES // 2).ravel()):
-            one = np.array([number]), np.ones((1, 1))
-            moved = loop.modes.combined(3 * len(points), *one).reshape(-1, 3)
-            moved = moved * (1.2 / np.abs(moved).max())
-            for place, color, width in ((points, "#b0b0b0", 0.6), (points + moved, STEEL, 1.2)):
-                lines = place[edges]
-                x = np.insert(lines[:, :, 0], 2, np.nan, axis=1).ravel()
-                z = np.insert(lines[:, :, 2], 2, np.nan, axis=1).ravel()
-                axis.plot(x, z, color=color, lw=width)
-            axis.set_aspect("equal")
-            axis.set_title(f"{loop.frequencies[number]:.0f} Hz")
-            axis.axis("off")
+    drawn = figure(8.0, 4.6)
+    for number, axis in enumerate(drawn.subplots(2, SHAPES // 2).ravel()):
+        one = np.array([number]), np.ones((1, 1))
+        moved = loop.modes.combined(3 * len(points), *one).reshape(-1, 3)
+        moved = moved * (1.2 / np.abs(moved).max())
+        for place, color, width in ((points, "#b0b0b0", 0.6), (points + moved, STEEL, 1.2)):
+            lines = place[edges]
+            x = np.insert(lines[:, :, 0], 2, np.nan, axis=1).ravel()
+            z = np.insert(lines[:, :, 2], 2, np.nan, axis=1).ravel()
+            axis.plot(x, z, color=color, lw=width)
+        axis.set_aspect("equal")
+        axis.set_title(f"{loop.frequencies[number]:.0f} Hz")
+        axis.axis("off")
     return drawn
 
 
