@@ -16,11 +16,16 @@ from fefinger.view.figures import INK, WIDE
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#AA4499")
 PART_COLORS = dict(zip(PARTS, ("#56B4E9", "#E69F00", "#009E73", "#D55E00", "#BBBBBB"), strict=True))
 
+STIFFNESS = (
+    "Stiffness against instantaneous force: the line of Table 2.1 (dashed) and the calibrated "
+    "finger. A finger begins without stiffness, as Hertz's contact does; the line does not."
+)
+
 
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure: stiffness, split, profiles."""
     yield _split_caption(), _split()
-    yield _stiffness_caption(), _stiffness()
+    yield STIFFNESS, _stiffness()
     yield _profile_caption(), _profiles()
 
 
@@ -52,13 +57,6 @@ def _split() -> Any:
     axes.set_xlabel("m / 1/mm (line: Table 2.1)")
     axes.legend(ncols=len(PARTS), loc="lower right", bbox_to_anchor=(1, 1), frameon=False)
     return made
-
-
-def _stiffness_caption() -> str:
-    return (
-        "Stiffness against instantaneous force: the line of Table 2.1 (dashed) and the calibrated "
-        "finger. A finger begins without stiffness, as Hertz's contact does; the line does not."
-    )
 
 
 def _stiffness() -> Any:

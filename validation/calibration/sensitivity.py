@@ -104,23 +104,13 @@ def fingers(start: Finger) -> Iterator[tuple[str, Finger, Laws]]:
     yield "bone elastic, 17 GPa (rigid)", replace(start, bone=Hard(17e6)), stiffening
     yield "proximal cut held by bone and nail alone", replace(start, cut="nail"), stiffening
     yield "one exponent in both layers", start, both
-    yield "skin alone stiffens", start, skin_alone
-    yield "pulp alone stiffens", start, pulp_alone
+    yield "skin alone stiffens", start, lambda one, exponent: layers(one, 2.5 * exponent, LOW)
+    yield "pulp alone stiffens", start, lambda one, exponent: layers(one, LOW, exponent)
 
 
 def both(finger: Finger, exponent: float) -> Finger:
     """Return the finger with the exponent in both layers."""
     return layers(finger, exponent, exponent)
-
-
-def skin_alone(finger: Finger, exponent: float) -> Finger:
-    """Return the finger with 2.5 times the exponent in its skin, the pulp hardly stiffening."""
-    return layers(finger, 2.5 * exponent, LOW)
-
-
-def pulp_alone(finger: Finger, exponent: float) -> Finger:
-    """Return the finger with the exponent in its pulp, the skin hardly stiffening."""
-    return layers(finger, LOW, exponent)
 
 
 def layers(finger: Finger, skin: float, pulp: float) -> Finger:

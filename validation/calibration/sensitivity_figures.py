@@ -19,6 +19,15 @@ MISSES = 0.1
 ROUNDING = 1e-9
 """What the fit leaves of a value that it drives to zero."""
 
+SESSIONS = (
+    "Tables 2.1 and 3.2 are from two sessions and do not describe the same contact. Results of "
+    "the thesis's fit to frames up to 2.3 N: for the half-space of Table 3.2 with the noise of "
+    "the array it returns the printed row. For a Hertz contact with the printed R and the "
+    "relaxed force of Table 2.1, with touch at zero force or 0.3 mm earlier, it returns R but "
+    "different m and c0 b, which a finger with the force of Table 2.1 therefore shows. Last "
+    "row: the calibrated finger at 0.2 mm/s, whose tissue is not fully relaxed."
+)
+
 
 def figures() -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure: effect of assumptions."""
@@ -127,21 +136,10 @@ def _changed(value: float, plain: float, *, first: bool) -> str:
     return f"{value:.3g}" if first else f"{value:.3g} ({100 * (value / plain - 1):+.0f} %)"
 
 
-def _sessions_caption() -> str:
-    return (
-        "Tables 2.1 and 3.2 are from two sessions and do not describe the same contact. Results of "
-        "the thesis's fit to frames up to 2.3 N: for the half-space of Table 3.2 with the noise of "
-        "the array it returns the printed row. For a Hertz contact with the printed R and the "
-        "relaxed force of Table 2.1, with touch at zero force or 0.3 mm earlier, it returns R but "
-        "different m and c0 b, which a finger with the force of Table 2.1 therefore shows. Last "
-        "row: the calibrated finger at 0.2 mm/s, whose tissue is not fully relaxed."
-    )
-
-
 def _sessions() -> dict[str, Any]:
     cells = [row for name in sensitivity()["force"] for row in ([name], *_rows(name))]
     heads = ("frames of", *HEADS, "squared error")
-    return {"caption": _sessions_caption(), "heading": heads, "rows": cells}
+    return {"caption": SESSIONS, "heading": heads, "rows": cells}
 
 
 def _rows(subject: str) -> list[list[str]]:

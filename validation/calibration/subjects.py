@@ -79,7 +79,7 @@ def _force(subject: str) -> Iterator[Case]:
         for what, limit in PRINTED.items():
             yield Case(
                 f"{subject}: {what} error of {frequency} Hz, which was not fitted",
-                partial(_predicted, subject, f"{frequency} Hz", what),
+                lambda f=f"{frequency} Hz", w=what: calibration.checks[f][w],
                 Expected(0.0, limit),
                 "the lumped model of Table 2.1",
                 reason="what the thesis reached on its subjects",
@@ -225,7 +225,3 @@ def width_again(subject: str, stored: dict[str, Any]) -> float:
         for name in ("finger_kPa", "thesis_kPa")
     )
     return finger / thesis * width(new.distance, new.finger) / width(old.distance, old.finger)
-
-
-def _predicted(subject: str, frequency: str, what: str) -> float:
-    return calibrated(subject).checks[frequency][what]

@@ -114,11 +114,6 @@ def steps() -> Iterator[tuple[str, Finger]]:
     yield f"and skin {library.SKIN_RATIO:g} times as stiff as pulp", replace(one, skin=stiff)
 
 
-def law(finger: Finger, exponent: float) -> Finger:
-    """Return the finger with the exponent in its pulp, and a larger one in its skin."""
-    return stiffening(finger, exponent)
-
-
 def refitted(finger: Finger, law: sensitivity.Laws) -> Finger:
     """Return the finger with modulus, exponent and relaxation fitted to Table 2.1."""
     fitted = sensitivity.fit(finger, law, EXPONENTS)
@@ -185,9 +180,9 @@ def measured() -> list[dict[str, Any]]:
     """
     trials = [(name, finger, sensitivity.both) for name, finger in steps()]
     (_, first, _), (_, last, _) = trials[0], trials[-1]
-    trials.append((f"and {library.SKIN_EXPONENT_RATIO:g} times its exponent", last, law))
+    trials.append((f"and {library.SKIN_EXPONENT_RATIO:g} times its exponent", last, stiffening))
     trials.append((FIRST, replace(first, resolution="standard"), sensitivity.both))
-    trials.append((ALL, replace(last, resolution="standard"), law))
+    trials.append((ALL, replace(last, resolution="standard"), stiffening))
     rows = [figures(step, refitted(finger, of)) for step, finger, of in trials]
     meshes = ("coarse", "standard")
     rows += [shipped(subject, mesh) for subject in SUBJECTS for mesh in meshes]

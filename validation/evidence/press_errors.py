@@ -5,6 +5,7 @@ from typing import Self
 
 import numpy as np
 
+from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.linear import FACETS
 from fefinger.results.pressure import peaks
 from fefinger.results.records import Response
@@ -36,17 +37,10 @@ class Press:
     @classmethod
     def of(cls, response: Response) -> Self:
         """Return the press that was answered by a ramp, without the time of first touch."""
-        assert response.contact_area is not None
-        assert response.strain is not None
-        assert response.pad is not None
-        assert response.pressure is not None
         wanted = response.depth.max() * np.arange(1, DEPTHS + 1) / DEPTHS
         return cls(
             depth=response.depth[1:],
-            force=response.force[1:],
-            area=response.contact_area[1:],
-            pressure=peaks(response.pad, response.pressure)[1:],
-            strain=response.strain[1:],
+            **{what: curve(response, what)[1:] for what in STATED},
             at=np.searchsorted(response.depth, wanted * (1 - 1e-9)) - 1,
         )
 

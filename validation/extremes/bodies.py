@@ -5,7 +5,7 @@ from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.extremes.invariants import invariants, off
-from fefinger.validation.extremes.scenes import SUBJECT, answered, ramp
+from fefinger.validation.extremes.scenes import SUBJECT, answered, pressed, ramp
 from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Row, Trial, grouped
 from fefinger.validation.problems import cube
 from fefinger.validation.problems.grids import box
@@ -233,8 +233,10 @@ def _places() -> Iterator[Row]:
         for radius in (4.0, 50.0):
             case = f"{name}, ball of {radius:g} mm"
             yield "first touch", case, partial(_touching, weights, radius), ANSWERED
-    yield "first touch", "on the border of the pad", partial(_border, 0.0), REFUSED
-    yield "first touch", "grazing, a depth of 1e-3 R", partial(_grazing, 1e-3), None
+    border = {"indenter": Sphere(3, (-19.0, 0.0))}
+    yield "first touch", "on the border of the pad", partial(pressed, "condensed", border), REFUSED
+    grazing = {"indenter": Sphere(50.0), "motion": ramp(60, 1e-3 * 50)}
+    yield "first touch", "grazing, a depth of 1e-3 R", partial(pressed, "condensed", grazing), None
 
 
 def _touching(weights: tuple[float, ...], radius: float) -> Findings:
@@ -254,12 +256,3 @@ def _touching(weights: tuple[float, ...], radius: float) -> Findings:
         findings |= invariants(scene, response)
         forces.append(response.force)
     return findings | {"a nudge of 1e-9 mm": off(forces[1], forces[0], 1e-5)}
-
-
-def _border(y: float) -> Findings:
-    return invariants(*answered("condensed", {"indenter": Sphere(3, (-19.0, y))}))
-
-
-def _grazing(part: float) -> Findings:
-    settings = {"indenter": Sphere(50.0), "motion": ramp(60, part * 50)}
-    return invariants(*answered("condensed", settings))

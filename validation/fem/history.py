@@ -103,11 +103,6 @@ def theory(control: str, time: Array, value: Array) -> ContactHistory:
     return press_by_force(prony(), time, value, ElasticForce(depth, instant))
 
 
-def theory_force(history: ContactHistory) -> Array:
-    """Return its force (n_t,) in mN."""
-    return history.stress(layer_contacts()[1] / prony().long_time)
-
-
 MOTIONS: dict[str, Callable[[Array], Array]] = {
     "ramp and hold": lambda x: np.minimum(5 * x, 1.0),
     "half sine": lambda x: np.sin(np.pi * x),
@@ -133,7 +128,8 @@ def cycle(name: str, steps: int) -> tuple[Array, Array, Array]:
     """Return time, the finite elements' force and the exact force (n_t,) of one of MOTIONS."""
     time, depth = motion(name, steps)
     computed = force(pressed(prony(), "depth", time, depth))
-    return time, computed, theory_force(theory("depth", time, depth))
+    exact = theory("depth", time, depth).stress(layer_contacts()[1] / prony().long_time)
+    return time, computed, exact
 
 
 def force_error(name: str, steps: int = STEPS) -> float:

@@ -49,6 +49,14 @@ NAMES = {
 }
 ORDER = "; then ".join(CHAIN.values())
 
+RATES = (
+    "Stiffening under the plate: m of the spring (b / m) (exp(m x) - 1) through the forces at "
+    "the deepest press and at half its depth, model after model, and m of the thesis (lines: "
+    "Tables 2.1 and 3.2). The step to the finger is shape and angle together; "
+    "the last is tissue that itself stiffens, by Demiray's law with the exponent 3. Only an "
+    "exponential has one m: that of the others falls with depth."
+)
+
 
 def finding() -> dict[str, Any]:
     """Return the sentences of the finding, and the table of factors."""
@@ -61,7 +69,7 @@ def figures() -> Iterator[tuple[str, Any]]:
     yield _over("flat-30"), _ratios("flat-30")
     yield _over("sphere-5"), _ratios("sphere-5")
     yield _split(), _factors()
-    yield _rates_caption(), _rates()
+    yield RATES, _rates()
 
 
 def _over(press: str) -> str:
@@ -181,16 +189,6 @@ def _table() -> list[list[str]]:
 
 def _two(value: float) -> str:
     return "-" if np.isnan(value) else f"{value:.2f}"
-
-
-def _rates_caption() -> str:
-    return (
-        "Stiffening under the plate: m of the spring (b / m) (exp(m x) - 1) through the forces at "
-        "the deepest press and at half its depth, model after model, and m of the thesis (lines: "
-        "Tables 2.1 and 3.2). The step to the finger is shape and angle together; "
-        "the last is tissue that itself stiffens, by Demiray's law with the exponent 3. Only an "
-        "exponential has one m: that of the others falls with depth."
-    )
 
 
 def _rates() -> Any:

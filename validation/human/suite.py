@@ -127,14 +127,11 @@ def preloaded_speed(name: str, force: float) -> Noted:
 
 def wave_speed(name: str, layer: str, *, instantaneous: bool) -> float:
     """Return the speed in m/s of Rayleigh waves in the bulk of a layer, incompressible."""
-    tissue = finger(name) if name != library.PUBLISHED else _published()
+    published = Finger.subject(DEFAULT, tissue=library.PUBLISHED)
+    tissue = published if name == library.PUBLISHED else finger(name)
     modulus = getattr(tissue, layer).modulus
     shear = modulus / 3 / (tissue.prony.long_time if instantaneous else 1.0)
     return float(RAYLEIGH * np.sqrt(shear / DENSITY) / 1e3)
-
-
-def _published() -> Finger:
-    return Finger.subject(DEFAULT, tissue=library.PUBLISHED)
 
 
 def of_profile(force: str, key: str) -> float:

@@ -95,11 +95,6 @@ def ratio_drift(least: float) -> float:
     return float(ratio.max() / ratio.min() - 1.0)
 
 
-def printed_share(nerve: float) -> float:
-    """Return Eq. 5.8 as printed over the exact share of the nerve, skin and end organ of 1."""
-    return (1.0 / (nerve * 2.0)) / float(spring(1.0, 1.0, nerve).gain)
-
-
 def coded(kind: str, amplitudes: tuple[float, float], frequency: float) -> tuple[float, float]:
     """Return the differences of two amplitudes in mm, in impulses per cycle and in degrees.
 
@@ -239,7 +234,7 @@ def _ratios() -> Iterator[Case]:
     for nerve, exact in ((1.0, 1.5), (20.0, 1.025)):
         yield Case(
             f"5.8 as printed, over the exact share, nerve {nerve:g} times as stiff as the rest",
-            partial(printed_share, nerve),
+            lambda k=nerve: (1.0 / (k * 2.0)) / float(spring(1.0, 1.0, k).gain),
             Expected(exact, 1e-12),
             "1 + k / kn, with k of skin and end organ in series",
             printed=1.0,

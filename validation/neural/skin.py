@@ -116,11 +116,6 @@ def steps(mechanics: str, what: str, force: float) -> float:
     return float(np.min(np.diff(values) / values[:-1]))
 
 
-def narrowing(mechanics: str, force: float) -> float:
-    """Return the width of the profile under the most curved sphere, over that of the plate."""
-    return profile(mechanics, CURVATURES[-1], force).width / profile(mechanics, FLAT, force).width
-
-
 def fan(mechanics: str) -> float:
     """Return by how much more the peak rises with curvature at the larger force than at the less.
 
@@ -172,7 +167,9 @@ def _curvature(mechanics: str, forces: tuple[float, ...]) -> Iterator[Case]:
         )
         yield Case(
             f"3.6: {mechanics}, {force:g} N: width of the SAI profile, 340 1/m over the plate",
-            partial(narrowing, mechanics, force),
+            lambda f=force: (
+                profile(mechanics, CURVATURES[-1], f).width / profile(mechanics, FLAT, f).width
+            ),
             Expected.between(0.1, 0.9),
             f"{RULING}3.6; {goodwin}the profile becomes higher and narrower",
             reason="narrower by a tenth or more",

@@ -254,7 +254,7 @@ def _apparatus() -> Iterator[Case]:
         )
     yield Case(
         "Section 2.2.1: gain of the force filter at its corner of 1 kHz",
-        _gain,
+        filter_gain,
         Expected(-3.01, 0.01, "dB"),
         "Butterworth of second order: 1 / sqrt(2); section 2.2.1",
         reason=DIGITS,
@@ -277,7 +277,7 @@ def _apparatus() -> Iterator[Case]:
     )
 
 
-def _gain() -> float:
+def filter_gain() -> float:
     """Return the gain in dB of the steady response to 1 kHz."""
     time = np.linspace(0.0, 0.02, 40_001)
     steady = two_pole(time, np.sin(2 * np.pi * 1000 * time))[-4000:]

@@ -60,13 +60,9 @@ def figures() -> Iterator[tuple[str, Any]]:
     )
 
 
-def _label(r: float) -> str:
-    return f"{r:g} mm"
-
-
 def _elements(axis: Any, time: Array, pressures: Array) -> None:
     for r, color, values in zip(ELEMENTS, COLORS, pressures.T, strict=False):
-        axis.plot(time, values, color=color, label=_label(r))
+        axis.plot(time, values, color=color, label=f"{r:g} mm")
     axis.legend()
 
 

@@ -1,10 +1,11 @@
 """Appendix A of Pawluk (1997): the tactile array, its blur and its rubber ball."""
 
 from collections.abc import Iterator
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
+from fefinger.validation.thesis.array import GRAM_FORCE
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import BALL_DEPTH, BALLS, ball
 
@@ -15,8 +16,6 @@ from fefinger.theory.contact.hertz import Hertz
 
 FILTERED = ((0, 39.4), (1, 38.1), (2, 34.0), (3, 25.7), (4, 13.8), (5, 4.1), (6, 0.57))
 """Distance in mm and blurred pressure in kPa of Figure A-5, fitted ball (recomputed)."""
-
-GRAM_FORCE = 9.80665  # mN
 
 
 def ball_pressure() -> Hertz:
@@ -31,13 +30,8 @@ def array_pressure(r: Array) -> Array:
     return blurred(hertz.pressure, hertz.contact_radius, r)
 
 
-def felt_at(r: float) -> float:
-    """Return `felt` at one distance."""
-    return float(array_pressure(np.array([r]))[0])
-
-
 def felt_force() -> float:
-    """Return the integral of `felt` in N."""
+    """Return the integral of `array_pressure` in N."""
     r = np.linspace(0.0, 12.0, 2401)
     return float(np.trapezoid(2 * np.pi * r * array_pressure(r), r)) / 1e3
 
@@ -65,7 +59,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for r, expected in FILTERED:
         yield Case(
             f"Figure A-5: filtered pressure of the fitted ball at {r} mm",
-            partial(felt_at, float(r)),
+            lambda r=r: float(array_pressure(np.array([float(r)]))[0]),
             Expected(expected, 0.006 if expected < 1 else 0.06, "kPa"),
             "section A.3, recomputed: Eq. A.4 on a grid",
             reason=DIGITS,

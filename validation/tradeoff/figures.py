@@ -35,11 +35,25 @@ OTHERS = {
 Points = dict[str, tuple[float, float]]
 """Cost and error by candidate."""
 
+FRONT = (
+    "Pareto front of error and time: error of the force in the scenes, held out and of "
+    "development, against the CPU time of a first answer; medians of each candidate with "
+    "the quarters on either side. Scenes of published tissue (left), which all mechanics "
+    "answer, and of calibrated fingers (right). Gray line: Pareto front of the medians."
+)
+
+OTHERS_CAPTION = (
+    "Errors of other quantities in the scenes that `solid` answers, held out and of "
+    "development: medians of each candidate. Highest pressure over 1 mm², contact area and "
+    "strain at the end organs when the force is largest; missing and extra spikes of SAI, SAII "
+    "and FAI, of all, against those of solid on the standard mesh."
+)
+
 
 def figures(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
     """Yield caption and Figure."""
-    yield _front_caption(), _front(data)
-    yield _others_caption(), _others(data)
+    yield FRONT, _front(data)
+    yield OTHERS_CAPTION, _others(data)
     yield _held_caption(data), _held(data)
     yield _cost_caption(data), _cost(data)
 
@@ -117,15 +131,6 @@ def _legend(drawn: Any) -> None:
     drawn.legend(handles=lines, loc="outside upper center", ncols=5)
 
 
-def _front_caption() -> str:
-    return (
-        "Pareto front of error and time: error of the force in the scenes, held out and of "
-        "development, against the CPU time of a first answer; medians of each candidate with "
-        "the quarters on either side. Scenes of published tissue (left), which all mechanics "
-        "answer, and of calibrated fingers (right). Gray line: Pareto front of the medians."
-    )
-
-
 def _front(data: dict[str, Any]) -> Any:
     drawn = figure(WIDE, 3.6)
     for axis, published in zip(drawn.subplots(1, 2, sharey=True), (True, False), strict=True):
@@ -145,15 +150,6 @@ def _front(data: dict[str, Any]) -> Any:
     drawn.axes[0].set_ylabel("error of the force")
     _legend(drawn)
     return drawn
-
-
-def _others_caption() -> str:
-    return (
-        "Errors of other quantities in the scenes that `solid` answers, held out and of "
-        "development: medians of each candidate. Highest pressure over 1 mm², contact area and "
-        "strain at the end organs when the force is largest; missing and extra spikes of SAI, SAII "
-        "and FAI, of all, against those of solid on the standard mesh."
-    )
 
 
 def _others(data: dict[str, Any]) -> Any:

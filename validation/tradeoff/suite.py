@@ -58,18 +58,16 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     """Yield the cases on the planner's picks for scenes that its rules were not derived from."""
-
-    def asked(key: str) -> float:
-        return float(data()["summary"][key])
-
     yield Case(
         "held-out scenes",
-        partial(asked, "scenes"),
+        partial(_share_of, data, "scenes"),
         Expected(float(scenes.N_HELD_OUT), 2.0),
         "drawn by seed; `solid` answers them",
     )
     name, summary = "tolerance met by the planner's choices", reported()["summary"]
-    yield _kept(name, partial(asked, "tolerance_met"), float(summary["tolerance_met"]), "force")
+    yield _kept(
+        name, partial(_share_of, data, "tolerance_met"), float(summary["tolerance_met"]), "force"
+    )
     for quantity, name in QUANTITIES.items():
         for whose, key in WHOSE.items():
             yield _kept(
@@ -81,8 +79,9 @@ def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     yield from _cost(data)
 
 
-def _share_of(data: Callable[[], dict[str, Any]], key: str, quantity: str) -> float:
-    return float(data()["summary"][key][quantity])
+def _share_of(data: Callable[[], dict[str, Any]], key: str, quantity: str = "") -> float:
+    value = data()["summary"][key]
+    return float(value[quantity] if quantity else value)
 
 
 KEPT = 0.95

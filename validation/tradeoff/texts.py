@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from fefinger.validation.tradeoff.held_out import AIM, ENOUGH
+from fefinger.validation.tradeoff.held_out import AIM, CANDIDATES, ENOUGH
 
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence.stated_errors import STATED
@@ -20,15 +20,6 @@ from fefinger.support.text import percent
 
 DEPTH = 1.0
 """Depth in mm of the press of the table of stated errors."""
-
-CANDIDATES = (
-    *("lumped", "hertz", "layered"),
-    *(
-        f"{name} {mesh}"
-        for name in ("condensed", "pressed", "linear", "solid")
-        for mesh in ("coarse", "standard")
-    ),
-)
 
 
 def finding(data: dict[str, Any]) -> dict[str, Any]:

@@ -146,14 +146,8 @@ def _outlines(points: Array, cells: Integers, region: NDArray[np.int8]) -> Integ
     owners = np.repeat(region, 4)[medial]
     pairs = faces[medial][:, [[0, 1], [0, 2], [1, 2]]].reshape(-1, 2)
     edges, place = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True)
-    labels = np.repeat(owners, 3).astype(np.float64)
+    labels, one = np.repeat(owners, 3).astype(np.float64), np.zeros(len(edges))
+    one[place.ravel()] = labels
     count = np.bincount(place.ravel())
-    uneven = np.bincount(place.ravel(), labels) / count != _one_label(place, labels, len(edges))
+    uneven = np.bincount(place.ravel(), labels) / count != one
     return np.asarray(edges[(count == 1) | uneven])
-
-
-def _one_label(place: Integers, labels: Array, count: int) -> Array:
-    """Return one of the labels of each edge."""
-    values = np.zeros(count)
-    values[place.ravel()] = labels
-    return values
