@@ -91,7 +91,6 @@ def html(
 
 
 def _answer(total: dict[str, int]) -> str:
-    """Return the outcome in one or two sentences."""
     text = f"Of {sum(total.values())} comparisons, {total['pass']} pass."
     if total["documented"]:
         text += (

@@ -69,7 +69,6 @@ def measured(drive: str, organ: float) -> Measured:
 
 
 def _held(curvature: float, force: float, places: Array, drive: str, organ: float) -> Array:
-    """Mean drive (n_places,) in the hold of a sphere."""
     time, driven = experiments.under_sphere(curvature, force, places, drive=drive, organ=organ)
     return np.asarray(driven[time >= HELD].mean(axis=0))
 

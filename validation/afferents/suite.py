@@ -118,7 +118,6 @@ def falls(drift: float) -> np.ndarray:
 
 
 def _fall(drift: float, number: int) -> float:
-    """Return one of these falls."""
     return float(falls(drift)[number])
 
 
@@ -160,7 +159,6 @@ def _case(
 
 
 def _fitted() -> Iterator[Case]:
-    """Yield the cases of what was fitted."""
     for kind in ("SAI", "FAI", "FAII"):
         name = f"fitted: R² of the rates of {kind} at 20, 50, 300 and 600 Hz"
         yield _case(name, partial(rates, kind, single=False), 0.9, 1.1, "1", MUNIAK)
@@ -205,7 +203,6 @@ def _scaled_hold(number: int) -> float:
 
 
 def _of_holds() -> Iterator[Case]:
-    """Yield the predictions of holds."""
     for (i, depth), width in product(enumerate(predicted.PIN_DEPTHS), predicted.PIN_BANDS):
         low, high = predicted.PIN_BANDS[width][i]
         name = f"predicted: SAI in a hold of the pin at {depth:g} mm, {width:g} mm wide"
@@ -288,7 +285,6 @@ def _growth(kind: str) -> float:
 
 
 def _of_bursts() -> Iterator[Case]:
-    """Yield the predictions of onsets and releases."""
     for kind in ("FAI", "FAII"):
         for part, low, high in (("onset", 2, 8), ("hold", -0.5, 0.5), ("release", 1, 8)):
 
@@ -319,7 +315,6 @@ def _far_over_near() -> float:
 
 
 def _of_variation() -> Iterator[Case]:
-    """Yield the predictions of variability."""
     for kind, frequency, amplitude in (("FAI", 50.0, 0.1), ("FAII", 300.0, 0.03)):
         name = f"set by hand: jitter of {kind} at {frequency:g} Hz, one impulse per cycle"
         measure = partial(predicted.jitter, kind, frequency, amplitude)

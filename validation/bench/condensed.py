@@ -200,7 +200,6 @@ def _rolling(finger: Finger, sites: Sites) -> list[Figure]:
 
 
 def _contact(finger: Condensed) -> list[Figure]:
-    """Time the steps of contact and force alone."""
     _warm(finger)
     spent = of_each(lambda depth: finger.step_contact(depth, DT), motion().tolist())
     exchanged = float(finger.counts[lcp_compiled.EXCHANGED])
@@ -292,7 +291,6 @@ def _forces(finger: Condensed) -> Array:
 
 
 def _warm(finger: Condensed) -> None:
-    """Compile, and come back to rest."""
     finger.step(DEPTH / 2, DT)
     finger.step_contact(DEPTH / 2, DT)
     finger.reset()

@@ -49,7 +49,6 @@ def figures(progress: Progress) -> list[Figure]:
 
 
 def _finger() -> Finger:
-    """Return the finger that is measured."""
     return Finger.subject("a.h.", tissue=TISSUE, resolution=MESH)
 
 

@@ -217,7 +217,6 @@ def of_report(step: str) -> dict[str, Any]:
 
 
 def _fit(subject: str, row: dict[str, Any]) -> Iterator[Case]:
-    """Yield misfit and R of a shipped finger."""
     source = f"Tables 2.1 and 3.2, by reports/{ROUND_TIP}"
     yield Case(
         f"{subject}: misfit of stiffness and relaxation",
@@ -256,7 +255,6 @@ def _central(subject: str, by: str, measure: Callable[[], float]) -> Case:
 
 
 def _waves(row: dict[str, Any]) -> Iterator[Case]:
-    """Yield the speeds of surface waves by the moduli of a.h."""
     yield Case(
         "a.h.: surface wave speed by the instantaneous modulus of skin",
         partial(row.__getitem__, "skin_speed"),

@@ -63,7 +63,6 @@ def answer(rows: Rows) -> str:
 
 
 def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
-    """Give the sections."""
     yield part("Predictions of the model", *_predicted(rows))
     for at, skip in (("1 mm", "depth_mm"), ("1 N", "force_N")):
         chosen = [
@@ -106,7 +105,6 @@ def _parts(rows: Rows) -> Iterator[dict[str, Any]]:
 
 
 def _predicted(rows: Rows) -> Iterator[str]:
-    """Yield the results as sentences."""
     asymmetry, shift, ellipticity = (
         curve(rows, MAIN["1 mm"], "1 mm", name)
         for name in ("asymmetry", "shift_distal_mm", "ellipticity")
@@ -231,7 +229,6 @@ def _crossing(rows: Rows, at: str = "1 N") -> float:
 
 
 def _spikes(rows: Rows) -> Iterator[dict[str, Any]]:
-    """Give the spikes at a fixed depth and a fixed force."""
     chosen = [
         {**row, "case": name}
         for row in rows

@@ -304,7 +304,6 @@ def _wide(wide: float) -> Findings:
 
 
 def _many() -> Iterator[Row]:
-    """1e5 cycles of the fast mechanics."""
     yield "cycles", "1e5 cycles at 200 Hz of the lumped finger", _cycles, ANSWERED
 
 

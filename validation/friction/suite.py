@@ -259,7 +259,6 @@ QUANTITIES = {
 
 
 def _rates() -> Iterator[Case]:
-    """Yield rates over scanned dots beside those of monkeys."""
     for scan, what in ((dots.scanned, ""), (layers.scanned, " on exact layers")):
         for kind in dots.recorded():
             silent = scan == layers.scanned and kind == "FAII"

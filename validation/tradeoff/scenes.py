@@ -77,7 +77,6 @@ def _finger(rng: np.random.Generator, *, published: bool) -> tuple[Finger, str]:
 
 
 def _object(rng: np.random.Generator, kind: str) -> Indenter:
-    """Return an object of a kind at random."""
     if kind == "plate":
         return Flat(round(float(rng.uniform(0.0, 60.0)), 1))
     if kind == "ball":
@@ -94,7 +93,6 @@ def _object(rng: np.random.Generator, kind: str) -> Indenter:
 def _drawn(
     rng: np.random.Generator, name: str, finger: Finger, indenter: Indenter, deepest: float
 ) -> Scene:
-    """Return a scene with a motion, quantities and a tolerance at random."""
     depth = round(float(rng.uniform(0.15, 0.95)) * deepest, 3)
     speed = float(f"{10 ** rng.uniform(0, 2):.3g}")
     kind = str(rng.choice(["ramp-hold", "ramp", "trapezoid", "sinusoid"]))

@@ -54,7 +54,6 @@ def texts(summary: dict[str, Any]) -> list[str]:
 
 
 def _developed(summary: dict[str, Any]) -> list[str]:
-    """Return the verdict on the scenes of development."""
     picks, every = summary["stated_kept"], summary["stated_kept_by_all_candidates"]
     return [
         f"On the {summary['scenes']} scenes of development, which were held out until the present "

@@ -277,7 +277,6 @@ SPEED = (
 
 
 def _along_the_skin() -> Iterator[Case]:
-    """Yield the impedance at 200 Hz of a finger that sticks to a plate, by magnitude and phase."""
     for force in (0.2, 0.5, 1.0):
         yield Case(
             f"impedance along the skin at 200 Hz over the published one, preload {force:g} N, "
