@@ -19,7 +19,7 @@ from fefinger.validation.calibration import split as calibration_split
 from fefinger.validation.calibration.report import calibrated, rows
 
 from fefinger.calibration import pad_radius, targets
-from fefinger.calibration.outcome import line
+from fefinger.calibration.outcome import line, stiffening
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.finger import Finger
 from fefinger.view import figures
@@ -107,7 +107,7 @@ def test_the_steps_to_a_round_tip_end_at_the_shipped_finger():
         assert getattr(last, name) == getattr(shipped, name)
     ratio = last.skin.modulus / last.subcutaneous.modulus
     assert ratio == pytest.approx(shipped.skin.modulus / shipped.subcutaneous.modulus)
-    stiff = tip_shape.law(last, 3.0)
+    stiff = stiffening(last, 3.0)
     assert stiff.skin.exponent / stiff.subcutaneous.exponent == pytest.approx(
         shipped.skin.exponent / shipped.subcutaneous.exponent
     )

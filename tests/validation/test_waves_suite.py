@@ -8,6 +8,8 @@ from fefinger.validation.case import Outcome
 from fefinger.validation.waves import bodies, drawings, finger, suite
 from scipy import special
 
+from fefinger.view.figures import style
+
 
 CASES = {case.name: case for case in suite.cases(quick=True)}
 ALREADY = [name for name in CASES if "half-space" not in name]
@@ -43,7 +45,8 @@ def test_the_lowest_modes_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Only the whole suite draws them otherwise."""
     monkeypatch.setattr(finger, "MESH", "coarse")
     finger.finger.cache_clear()
-    drawn = drawings._shapes()
+    with style():
+        drawn = drawings._shapes()
     finger.finger.cache_clear()
     assert len(drawn.axes) == 2 * (drawings.SHAPES // 2)
     assert all(axis.get_title("left").endswith(" Hz") for axis in drawn.axes)
