@@ -122,10 +122,14 @@ class Scene:
 
     @classmethod
     def from_toml(cls, source: str | Path) -> Self:
-        """Read a scene from a file, or from TOML text (a string with a line break or a "=")."""
+        """Read a scene from a file, or from TOML text (a string with a line break or a "=").
+
+        A scene without a name has that of its file, without the ending.
+        """
         if isinstance(source, str) and ("\n" in source or "=" in source or not source.strip()):
             return cls.from_dict(parse(source))
-        return cls.from_dict(read(source), folder=Path(source).parent)
+        path = Path(source)
+        return cls.from_dict({"name": path.stem, **read(path)}, folder=path.parent)
 
     @classmethod
     def from_stored(cls, text: str) -> Self:

@@ -106,8 +106,10 @@ def test_a_file_and_its_text_give_the_same_scene_named_after_the_file(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text(text)
     assert builtin.load(file).name == "mine"
-    assert Scene.from_toml(file) == Scene.from_toml(text)
-    assert Scene.from_toml(str(file)) == Scene.from_toml(text)
+    assert (
+        Scene.from_toml(file) == builtin.load(file) == replace(Scene.from_toml(text), name="mine")
+    )
+    assert Scene.from_toml(str(file)) == Scene.from_toml(file)
 
 
 def test_samples_are_read_beside_the_scene_file_and_then_belong_to_the_scene(tmp_path):
