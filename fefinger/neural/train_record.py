@@ -1,6 +1,7 @@
 """Record of the spike trains of afferent units, with the signals that drove them."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +15,7 @@ FEW = 12
 """Largest number of units that are listed and drawn one by one."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class TrainRecord:
     """Spike trains of afferent units, with their input displacement and generator current.
 
@@ -79,6 +80,18 @@ class TrainRecord:
         """Show the numbers of spikes, not the arrays."""
         return f"<SpikeTrains, {self.t_start:g} to {self.t_stop:g} s: {self.summary()}>"
 
+    def __eq__(self, other: object) -> bool:
+        """Whether every field is equal, arrays element by element; nan equals nan."""
+        if not isinstance(other, TrainRecord):
+            return NotImplemented
+        return all(
+            _equal(getattr(self, each.name), getattr(other, each.name)) for each in fields(self)
+        )
+
+    def __hash__(self) -> int:
+        """Return a hash of the units and the times at which their spikes begin and end to count."""
+        return hash((self.types, self.names, self.t_start, self.t_stop))
+
     def __len__(self) -> int:
         """Return the number of units."""
         return len(self.names)
@@ -121,3 +134,13 @@ class TrainRecord:
         times = self.times[self.index(unit)]
         steps = np.concatenate([[0.0], 1.0 / np.diff(times), [0.0]]) if len(times) else np.zeros(1)
         return steps[np.searchsorted(times, np.asarray(t, float), side="right")]
+
+
+def _equal(one: Any, other: Any) -> bool:
+    """Whether two values of a field are equal; tuples and arrays element by element."""
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(_equal, one, other))
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        both = one is not None and other is not None
+        return both and np.array_equal(one, other, equal_nan=True)
+    return bool(one == other)

@@ -32,6 +32,19 @@ def test_counts_follow_the_units():
     np.testing.assert_array_equal(both.count(), [2, 1])
 
 
+def test_equal_trains_are_equal_and_others_are_not():
+    one = trains([0.5, 1.0], [])
+    assert one == trains([0.5, 1.0], [])
+    assert hash(one) == hash(trains([0.5, 1.0], []))
+    assert one != trains([0.5, 1.1], [])
+    assert one != trains([0.5], [])
+    assert one != replace(one, depths=np.full(2, 0.8))
+    assert one != replace(one, family="recorded")
+    assert one != "SAI"
+    unknown = replace(one, depths=np.full(2, np.nan))
+    assert unknown == replace(one, depths=np.full(2, np.nan))
+
+
 def test_rate_is_one_over_the_interval_all_through_it():
     one = trains([0.5, 0.6, 1.0])
     t = [0.0, 0.5, 0.59, 0.6, 0.99, 1.0, 2.0]
