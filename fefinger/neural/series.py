@@ -14,6 +14,7 @@ from fefinger.neural.signals import SMALLEST_MM, Signals, given, likely_unit
 from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import as_input_error
 from fefinger.support.checks import InputError, choice, integer, number, repeated, suggestion
+from fefinger.support.likely_units import in_milliseconds, seconds_or_milliseconds
 from fefinger.support.vocabulary import FAMILIES, GENERATORS, TYPE_SYNONYMS, TYPES
 
 
@@ -34,6 +35,9 @@ RATE = 5.0
 
 OR_CORNERS = "or say that straight lines between the samples are exact (corners, --corners)"
 """What else can be done where samples are too coarse for a type."""
+
+MILLISECONDS = "divide them by 1000, or, if they are in s, pass corners=True"
+"""What can be done with arrays whose times are likely in ms."""
 
 FINER, FINEST = 8, 1e-4
 """Number of parts of an interval on the smooth curve, and the shortest of them in s."""
@@ -92,12 +96,19 @@ def spikes(
     ------
     InputError
         Series that do not fit, are not finite, or are beyond 10 mm or a strain of 1; times that
-        decrease; an unknown type, family or name of a series; a type given twice; a strain without
-        a length; samples too coarse for a type that is named, or for all; a choice that the family
-        does not have.
+        decrease, or that are likely in ms (noted instead with `corners`); an unknown type, family
+        or name of a series; a type given twice; a strain without a length; samples too coarse for a
+        type that is named, or for all; a choice that the family does not have.
     """
-    return fire(
-        given(time, displacement),
+    signals = given(time, displacement)
+    notes: tuple[str, ...] = ()
+    if in_milliseconds(signals.time):
+        sentence = f"time: {seconds_or_milliseconds(signals.time, MILLISECONDS)}"
+        if not corners:
+            raise InputError(sentence)
+        notes = (sentence,)
+    trains = fire(
+        signals,
         types,
         length=length,
         corners=corners,
@@ -106,6 +117,7 @@ def spikes(
         family=family,
         trial=trial,
     )
+    return replace(trains, notes=(*notes, *trains.notes))
 
 
 def fire(

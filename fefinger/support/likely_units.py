@@ -67,11 +67,13 @@ def in_milliseconds(time: Array) -> bool:
     return len(time) >= RECORDED and float(np.median(np.diff(time))) >= SLOW
 
 
-def seconds_or_milliseconds(time: Array) -> str:
-    """Return a sentence on times that are likely in ms, with what to do."""
+def seconds_or_milliseconds(
+    time: Array, advice: str = "name the column time_ms, or time_s if they are in s"
+) -> str:
+    """Return a sentence on times that are likely in ms, with `advice` on what to do."""
     return (
         f"expected s, received {len(time)} samples {float(np.median(np.diff(time))):g} apart, as "
-        "if they were in ms; name the column time_ms, or time_s if they are in s"
+        f"if they were in ms; {advice}"
     )
 
 

@@ -306,6 +306,16 @@ def test_arrays_that_cannot_be_used_are_refused(time, displacement, options, mes
         ff.spikes(time, displacement, **options)
 
 
+def test_times_that_are_likely_in_milliseconds_are_refused_or_noted():
+    time = np.arange(100.0)
+    press = np.clip(time / 50, 0, 1)
+    with pytest.raises(InputError, match="time: expected s, received 100 samples 1 apart, as if"):
+        ff.spikes(time, press)
+    noted = ff.spikes(time, press, ("SAI",), corners=True).notes
+    assert "as if they were in ms; divide them by 1000" in noted[0]
+    assert not any("in ms" in note for note in ff.spikes(1e-3 * time, press).notes)
+
+
 def test_trials_of_the_command_are_other_noise(press, tmp_path, capsys):
     for name, extra in (("first", []), ("again", ["--trial", "0"]), ("other", ["--trial", "1"])):
         command = ["spikes", "--from", press, "--type", "SAI", "-o", str(tmp_path / name), *extra]
