@@ -1,6 +1,7 @@
 """Marks of end organs and units in pictures: positions, labels, rates."""
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -57,6 +58,32 @@ def on_skin(result: ResultRecord) -> Marks | None:
     )
     places = np.stack([np.bincount(unit, above[:, k]) / count for k in range(3)], axis=1)
     return _marks(result, sites, places, first, units)
+
+
+def leader_order(marks: Array, ends: Array) -> list[int]:
+    """Return the mark (n, 2) that each end (n, 2) of a leader belongs to, so that none cross.
+
+    Two leaders that cross swap their ends, which makes them shorter together, so that this ends.
+    """
+    order = np.argsort(-marks[:, 1], kind="stable").tolist()
+    pairs = list(combinations(range(len(order)), 2))
+    swapped = True
+    while swapped:
+        swapped = False
+        for i, j in pairs:
+            if _cross(marks[order[i]], ends[i], marks[order[j]], ends[j]):
+                order[i], order[j] = order[j], order[i]
+                swapped = True
+    return order
+
+
+def _cross(a: Array, b: Array, c: Array, d: Array) -> bool:
+    """Whether the segments from a to b and from c to d (2,) cross within both."""
+
+    def side(p: Array, q: Array, r: Array) -> float:
+        return float((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
+
+    return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
 
 
 def highest_rate(result: ResultRecord) -> float:

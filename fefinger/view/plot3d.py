@@ -10,7 +10,7 @@ from fefinger.neural.train_record import FEW
 from fefinger.support.checks import choice
 from fefinger.view import figures, frames, indenter_pose, quantities, surfaces
 from fefinger.view.drawing import Drawing
-from fefinger.view.markers import Marks
+from fefinger.view.markers import Marks, leader_order
 
 
 PARTS = ("skin", "subcutaneous tissue", "bone", "pressure", "end organs", "rates", "indenter")
@@ -265,12 +265,14 @@ class FingerActor:
         """Add the labels of a few end organs, in a column above the finger, joined to them."""
         import pyvista as pv
 
-        order = [i for i in np.argsort(-marks.points[:, 2]) if labels[i]]
-        words = [f"  {labels[i]}" for i in order]
+        named = [i for i, label in enumerate(labels) if label]
         aside, above, line = LABELS  # there the indenter never is
         distal = marks.points[:, 0].max() + aside
-        level = self.shown.fields.points[:, 2].max() + above + line * np.arange(len(words))[::-1]
-        column = np.column_stack([np.full(len(words), distal), np.zeros(len(words)), level])
+        level = self.shown.fields.points[:, 2].max() + above + line * np.arange(len(named))[::-1]
+        column = np.column_stack([np.full(len(named), distal), np.zeros(len(named)), level])
+        upright = leader_order(marks.points[named][:, [0, 2]], column[:, [0, 2]])
+        order = [named[i] for i in upright]
+        words = [f"  {labels[i]}" for i in order]
         pairs = np.arange(2 * len(words)).reshape(2, -1).T
         lines = pv.PolyData(
             np.concatenate([marks.points[order], column]), lines=np.insert(pairs, 0, 2, axis=1)

@@ -161,14 +161,17 @@ def _draw_organs(whole: Any, close: Any, cut: Medial) -> None:
     """Mark the end organs; labels of a few stand in a column beside the close view's marks."""
     if len(cut.organs) > FEW:
         return _draw_population(whole, close, cut)
-    ordered = sorted(cut.organs, key=lambda organ: -organ[0][1])
-    for row, (place, label, color, inside) in enumerate(ordered):
+    column = [(0.69, 0.36 - 0.088 * row) for row in range(len(cut.organs))]
+    ends = close.transData.inverted().transform(close.transAxes.transform(column))
+    places = np.reshape([place for place, *_ in cut.organs], (-1, 2))
+    for at, i in zip(column, markers.leader_order(places, np.reshape(ends, (-1, 2))), strict=True):
+        place, label, color, inside = cut.organs[i]
         face = color if inside else "none"
         for axis, size, rim in ((whole, 2.5, 0.4), (close, 6.5, 0.8)):
             axis.plot(*place, "o", ms=size, mfc=face, mec="white", mew=rim, zorder=5)
         box = {"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": color}
         close.annotate(
-            label, place, xytext=(0.69, 0.36 - 0.088 * row), textcoords="axes fraction",
+            label, place, xytext=at, textcoords="axes fraction",
             va="center", color=color, fontweight="bold", zorder=6, bbox=box, arrowprops=LEADER,
         )  # fmt: skip
 

@@ -27,6 +27,25 @@ def crowd(synthetic: Result) -> Result:
     return dataclasses.replace(synthetic, response=response)
 
 
+@pytest.mark.parametrize("count", [1, 2, 12])
+def test_leaders_do_not_cross(count: int) -> None:
+    marks = np.random.default_rng(count).uniform(-1.0, 1.0, (count, 2))
+    ends = np.column_stack([np.full(count, 3.0), np.arange(count)[::-1] + 2.0])
+    order = markers.leader_order(marks, ends)
+    assert sorted(order) == list(range(count))
+    for i in range(count):
+        for j in range(i):
+            a, b = marks[order[i]], marks[order[j]]
+            # Solve a + s (ends_i - a) = b + t (ends_j - b).
+            s, t = np.linalg.solve(np.column_stack([ends[i] - a, b - ends[j]]), b - a)
+            assert not (0 < s < 1 and 0 < t < 1)
+
+
+def test_the_higher_of_two_marks_has_the_lower_label_where_it_is_nearer_to_the_column() -> None:
+    marks, ends = np.array([[0.0, 0.0], [1.0, 0.2]]), np.array([[2.0, 3.0], [2.0, 2.0]])
+    assert markers.leader_order(marks, ends) == [0, 1]
+
+
 def test_few_end_organs_are_marked_each_and_none_on_the_skin(synthetic: Result) -> None:
     found = markers.in_section(synthetic)
     assert found is not None

@@ -301,6 +301,7 @@ class Scene {
     const places = labels.map((words, k) => [words, ...this.project(this.organs, k)])
       .filter((place) => place[0]).sort((a, b) => a[2] - b[2]);
     const left = Math.min(Math.max(...places.map((place) => place[1])) / ratio + 60, right), top = 104;
+    this.uncross(places, ratio, left, top);
     pen.font = "13px system-ui, sans-serif";
     pen.strokeStyle = INK;
     pen.lineWidth = 0.8;
@@ -315,6 +316,22 @@ class Scene {
       pen.fillStyle = INK;
       pen.fillText(words, left + 5, level + 4);
     });
+  }
+
+  // Swaps places (words, x, y) whose lines to the column of labels cross, until none do.
+  uncross(places, ratio, left, top) {
+    const side = (p, q, r) => (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    const end = (row) => [left, top + 22 * row], start = (row) => [places[row][1] / ratio, places[row][2] / ratio];
+    for (let swapped = true; swapped;) {
+      swapped = false;
+      for (let i = 0; i < places.length; i++) for (let j = 0; j < i; j++) {
+        const [a, b, c, d] = [start(i), end(i), start(j), end(j)];
+        if (side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0) {
+          [places[i], places[j]] = [places[j], places[i]];
+          swapped = true;
+        }
+      }
+    }
   }
 
   // Returns the vertex next to the pointer that is seen there, and its place on the screen.
