@@ -64,7 +64,10 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
         status=result.status,
         seconds=f"{sum(result.seconds.values()):.3g}",
         stages=page.svg(figures.stages(result)),
-        notes=[*result.notes, *_dry(result), *STANDING, *_chance(result)],
+        notes=[
+            note if note.endswith(".") else f"{note}."
+            for note in (*result.notes, *_dry(result), *STANDING, *_chance(result))
+        ],
         folder="out",
         fields=result.fields is not None,
         provenance=list(page.flat(result.provenance)),
@@ -117,7 +120,7 @@ def answer(result: ResultRecord) -> str:
             f"{result.force[-1]:.3g} N at the end"
         )
     if result.contact_area is not None:
-        parts.append(f"it touches over at most {np.nanmax(result.contact_area):.3g} mm²")
+        parts.append(f"the contact area is at most {np.nanmax(result.contact_area):.3g} mm²")
     if result.spikes is not None:
         parts.append(f"spikes: {result.spikes.summary()}")
     if not parts:

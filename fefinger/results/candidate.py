@@ -42,6 +42,13 @@ class Candidate:
         return cls(mechanics, resolution or None)
 
     @property
+    def on(self) -> str:
+        """Mechanics and mesh in words, as in "pressed on the standard mesh"."""
+        return (
+            f"{self.mechanics} on the {self.resolution} mesh" if self.resolution else self.mechanics
+        )
+
+    @property
     def label(self) -> str:
         """Its name in reports and tables."""
         return f"{self.mechanics} {self.resolution or ''}".rstrip()

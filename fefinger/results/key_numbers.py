@@ -141,7 +141,7 @@ def _far_off(result: ResultRecord) -> list[str]:
     best = min(others, key=lambda rung: rung.errors[worst])
     better = "no mechanics states less"
     if best.errors[worst] < BETTER * chosen.errors[worst]:
-        better = f"{best.candidate.label} states {percent(best.errors[worst])}"
+        better = f"{best.candidate.on} states {percent(best.errors[worst])}"
         ways = [f"--mechanics {best.mechanics}"] * (best.mechanics != chosen.mechanics)
         if best.resolution not in (None, chosen.resolution, STANDARD):
             ways.append(f"--set finger.resolution={best.resolution}")
@@ -150,7 +150,8 @@ def _far_off(result: ResultRecord) -> list[str]:
         better = f"finger.resolution = {STANDARD!r} may help"
     elif REFERENCE not in {rung.mechanics for rung in result.plan.rungs}:
         better = f"the reference is {REFERENCE} (--mechanics {REFERENCE})"
-    names = " and ".join(QUANTITIES[name] for name in far)
+    *first, last = (QUANTITIES[name] for name in far)
+    names = f"{', '.join(first)} and {last}" if first else last
     why = ", as ask.rel_error limits the force alone" if chosen.error <= ask.rel_error else ""
     return [f"{names} may be far off{why}; for the {QUANTITIES[worst]}, {better}"]
 

@@ -63,7 +63,7 @@ class Plan:
     def on(self) -> str:
         """Mechanics and mesh, as in "pressed on the standard mesh"."""
         mesh = self.settings.resolution if self.settings else None
-        return f"{self.mechanics} on the {mesh} mesh" if mesh else self.mechanics
+        return Candidate(self.mechanics, mesh).on
 
     @property
     def chosen(self) -> Rung:
