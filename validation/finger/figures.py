@@ -51,8 +51,8 @@ ORDER = "; then ".join(CHAIN.values())
 
 RATES = (
     "Stiffening under the plate: m of the spring (b / m) (exp(m x) - 1) through the forces at "
-    "the deepest press and at half its depth, model after model, and m of the thesis (lines: "
-    "Tables 2.1 and 3.2). The step to the finger is shape and angle together; "
+    "the deepest press and at half its depth, model after model, and m of the thesis (line: "
+    "Table 2.1; dashed: Table 3.2). The step to the finger is shape and angle together; "
     "the last is tissue that itself stiffens, by Demiray's law with the exponent 3. Only an "
     "exponential has one m: that of the others falls with depth."
 )

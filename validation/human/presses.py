@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.provenance import save, short
+from numpy.typing import NDArray
 
 from fefinger.mechanics import pressed
 from fefinger.results.pressure import peaks
@@ -20,6 +21,7 @@ from fefinger.scene.indenters import Flat
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import ForceRampHold, Ramp, RampHold
 from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 
 
@@ -100,7 +102,7 @@ def held(name: str, force: float, angle: float = 30.0) -> dict[str, Any]:
     assert response.contact_area is not None
     assert response.centroid is not None
     pressure, points = response.pressure[-1], response.pad.points
-    middle = np.abs(points[:, 1]) < 0.3
+    middle = _palmar(points) & (np.abs(points[:, 1]) < 0.3)
     along = np.argsort(points[middle, 0])
     pushed = points[pressure > 0, 0]
     return {
@@ -115,6 +117,14 @@ def held(name: str, force: float, angle: float = 30.0) -> dict[str, Any]:
         "x_mm": short(points[middle, 0][along]),
         "pressure_kPa": short(pressure[middle][along]),
     }
+
+
+def _palmar(points: Array) -> NDArray[np.bool_]:
+    """Whether points (n, 3) of the pad lie no higher than its most distal one.
+
+    The pad reaches around the tip, so that a place along x has a palmar and a dorsal point there.
+    """
+    return points[:, 2] <= points[np.argmax(points[:, 0]), 2]
 
 
 def main(folder: Path) -> None:

@@ -30,8 +30,8 @@ def figures() -> Iterator[tuple[str, Any]]:
     )
     yield "Figure 2-5. Stiffness against force, Eq. 2.4, with Table 2.1.", _stiffness()
     yield (
-        "Figures 2-6 and 2-7. |Z| of the means at two preloads: with the relaxed preload put "
-        "right (lines), and by Eq. 2.12 as printed (dashes). Parallel, as the thesis says.",
+        "Figures 2-6 and 2-7. |Z| of the means at two preloads: with the relaxed preload "
+        "corrected (lines), and by Eq. 2.12 as printed (dashes). Parallel, as the thesis says.",
         _magnitude(),
     )
     yield "Figure 2-8. Phase of the relaxation function, means.", _phase()
