@@ -44,3 +44,9 @@ def test_the_held_presses_bear_their_forces() -> None:
         assert (np.diff(x) >= 0).all()
         assert pressure.max() < 2.5 * row["highest_kPa"]
     assert read(REPORT)["deep"][DEFAULT]["force_N"][-1] > 5.2
+
+
+def test_the_pressure_along_the_pad_has_no_places_on_the_back_of_the_tip() -> None:
+    for row in read(REPORT)["held"].values():
+        x, pressure = np.array(row["x_mm"]), np.array(row["pressure_kPa"])
+        assert (pressure[(x >= 0) & (x <= x[pressure > 0].max())] > 0).all()

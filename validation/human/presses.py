@@ -102,7 +102,7 @@ def held(name: str, force: float, angle: float = 30.0) -> dict[str, Any]:
     assert response.contact_area is not None
     assert response.centroid is not None
     pressure, points = response.pressure[-1], response.pad.points
-    middle = _palmar(points) & (np.abs(points[:, 1]) < 0.3)
+    middle = (_palmar(points) | (pressure > 0)) & (np.abs(points[:, 1]) < 0.3)
     along = np.argsort(points[middle, 0])
     pushed = points[pressure > 0, 0]
     return {
