@@ -24,7 +24,7 @@ for axis, radius in zip(axes, (2, 5, 12), strict=True):
     shown = axis.tricontourf(
         pad.points[:, 0], pad.points[:, 1], pad.triangles, result.pressure[-1], levels=12
     )
-    fig.colorbar(shown, ax=axis, label="kPa")
+    fig.colorbar(shown, ax=axis, label="pressure / kPa")
     axis.set(title=f"R = {radius} mm: {result.force[-1]:.2f} N", xlabel="x / mm", aspect="equal")
     axis.set(xlim=(-6, 6), ylim=(-5, 5))
 axes[0].set_ylabel("y / mm")

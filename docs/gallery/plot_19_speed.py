@@ -22,7 +22,7 @@ for speed in (1, 5, 20, 100):
     began = time.perf_counter()
     result = ff.run(scene)
     took = 1e3 * (time.perf_counter() - began)
-    label = f"{speed} mm/s ({result.plan.mechanics}, {took:.0f} ms)"
+    label = f"{speed} mm/s ({result.plan.mechanics}, in {took:.0f} ms)"
     axis.plot(result.time, result.force, label=label)
 axis.set(xlabel="time / s", ylabel="force / N", xlim=(0, 2))
 axis.legend(fontsize=8)

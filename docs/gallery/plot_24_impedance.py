@@ -36,11 +36,13 @@ for site, kind in enumerate(finger.sites.types):
     strain = np.linalg.norm(answer.strain[:, site], axis=(-2, -1))
     axes[2].semilogx(frequency, 100 * strain, label=kind)
 axes[2].set(xlabel="frequency / Hz", ylabel="strain per mm of the plate / %", ylim=(0, None))
+axes[2].set_title(tissue, fontsize=10)
 axes[2].legend(loc="lower left", ncols=2)
 plt.show()
 
 # %%
-# The three lowest modes, cut along the finger. ``mode.vtkhdf`` is one cycle: ParaView plays it.
+# The three lowest modes, cut along the finger and colored by their displacement, whose scale is
+# arbitrary. ``mode.vtkhdf`` is one cycle: ParaView plays it.
 file = Path(tempfile.mkdtemp(), "mode.vtkhdf")
 fig, axes = plt.subplots(1, 3, figsize=(8.5, 2.2), layout="constrained", sharey=True)
 for which, axis in enumerate(axes):

@@ -255,7 +255,8 @@ def _spikes(result: ResultRecord) -> dict[str, Any]:
     part = _part("spikes", "Spikes of the population", text, unit_figures.raster(result))
     if result.spikes.positions is None:
         return part
-    caption = "Mean rates over the whole time, at the units' places, seen along z."
+    counted = f"{result.spikes.t_start:.3g} to {result.spikes.t_stop:.3g} s"
+    caption = f"Mean rates from {counted}, at the units' places, seen along z."
     map_ = {"source": page.svg(unit_figures.rate_map(result)), "caption": caption}
     return part | {"pictures": [map_]}
 

@@ -25,6 +25,9 @@ from fefinger.view.figures import (
 
 BIN = 60  # bins of the histogram over the whole time
 
+LEAST = 0.02
+"""Share of the highest pressure from which on the pad is drawn as pressed."""
+
 
 def raster(result: ResultRecord) -> Any:
     """Draw the spikes of a population by type, nearest to the first touch on top, and its rates."""
@@ -64,7 +67,8 @@ def rate_map(result: ResultRecord) -> Any:
     kinds = of_each(trains.types)
     rates = mean_rates(trains)
     across = trains.positions[:, :2]
-    low, high = across.min(axis=0) - 0.8, across.max(axis=0) + 0.8
+    seen = np.concatenate([across, _pressed(result)])
+    low, high = seen.min(axis=0) - 0.8, seen.max(axis=0) + 0.8
     with style():
         drawn = figure(WIDE, 2.1 + 3.2 / len(kinds))
         axes = drawn.subplots(1, len(kinds), sharey=True, squeeze=False)[0]
@@ -107,12 +111,20 @@ def receptive_fields(
         return drawn
 
 
+def _pressed(result: ResultRecord) -> Array:
+    """Return the places x, y (n, 2) mm of the pad that are pressed at the peak of the press."""
+    if result.pad is None or result.pressure is None:
+        return np.zeros((0, 2))
+    pressure = result.pressure[result.peak]
+    return result.pad.points[pressure > LEAST * pressure.max(), :2]
+
+
 def _outline(axis: Any, result: ResultRecord) -> None:
     """Draw where the pad is pressed at the peak of the press."""
     if result.pad is None or result.pressure is None:
         return
     pressure = result.pressure[result.peak]
     if pressure.max() > 0:
-        levels = np.linspace(0.02, 1.0, 6) * pressure.max()
+        levels = np.linspace(LEAST, 1.0, 6) * pressure.max()
         corners = *result.pad.points[:, :2].T, palmar_triangles(result.pad)
         axis.tricontourf(*corners, pressure, levels=levels, cmap="Greys", alpha=0.35)
