@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 RECORDED = (
     "Afferents: the family recorded, fitted to units of monkeys under probes and spheres. The "
-    "input of a unit is its strain, given in mm of a pin 1 mm wide that strains it as much."
+    "input of a unit is its strain, expressed in mm of travel of a pin 1 mm wide that causes it."
 )
 """Note on every result with units of the family `recorded`."""
 

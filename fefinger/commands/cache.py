@@ -17,10 +17,10 @@ def cache(days: float | None, as_json: bool) -> None:
     """List and prune the cache.
 
     The cache holds meshes, operators of condensed fingers (a few hundred MB each), their modes of
-    vibration (50 MB), patches (one per indenter and set of end organs) and presses of a calibration
-    (small). Beyond 10 GB of operators and 2 GB of modes or patches the least recently used are
-    removed automatically. Entries are built again when they are needed; `--prune 0` removes
-    everything.
+    vibration (50 MB), patches (their parts under one indenter with one set of end organs) and
+    presses of a calibration (small). Beyond 10 GB of operators and 2 GB of modes or patches the
+    least recently used are removed automatically. Entries are built again when they are needed;
+    `--prune 0` removes everything.
     """
     from fefinger.support import cache as store
     from fefinger.support.checks import number

@@ -25,7 +25,11 @@ NO_TISSUE = "no tissue.toml is written: t(u) scales the force, not a tissue; use
 @click.option("--pad-radius", type=float, help="Effective pad radius of that fingertip in mm.")
 @click.option("--frames", metavar="FILE", help="CSV of a slow press: time, position, p1 to p64.")
 @click.option("--check", metavar="FILE", help="CSV of a motion to predict, not to fit.")
-@click.option("--mechanics", default="solid", help="solid, or condensed (small strain times t(u)).")
+@click.option(
+    "--mechanics",
+    default="solid",
+    help="solid, or condensed (small strain, times the stiffening t(u) of the thesis).",
+)
 @click.option(
     "--resolution", default="standard", help="Mesh of the last step: coarse, standard, fine."
 )

@@ -25,7 +25,9 @@ if TYPE_CHECKING:
 @click.option(
     "--spacing", type=float, default=1.0, metavar="MM", help="Spacing of the grid positions."
 )
-@click.option("--seed", type=int, default=0, metavar="N", help="Seed of the end organs.")
+@click.option(
+    "--seed", type=int, default=0, metavar="N", help="Seed of the random places of the end organs."
+)
 @click.option("--mechanics", metavar="NAME", help="Use this mechanics.")
 @output_option("field.csv and field.svg")
 @changes_option

@@ -8,7 +8,12 @@ from fefinger.commands.options import json_option, output_option
 
 @click.command()
 @click.argument("data", metavar="DATA.csv")
-@click.option("--terms", default=3, type=click.IntRange(1, 5), help="Exponentials of relaxation.")
+@click.option(
+    "--terms",
+    default=3,
+    type=click.IntRange(1, 5),
+    help="Number of exponentials of the relaxation function.",
+)
 @output_option("fit.json and fit.csv")
 @json_option
 def fit(data: str, terms: int, output: str | None, as_json: bool) -> None:

@@ -19,7 +19,7 @@ OPTIONS = {
 
 @click.command()
 @click.option("--from", "source", required=True, metavar="SIGNALS.csv", help="Series to read.")
-@types_option("repeatable, by default all four")
+@types_option("repeatable, by default all that the sampling rate allows")
 @click.option(
     "--length",
     type=float,

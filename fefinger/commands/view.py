@@ -12,7 +12,10 @@ import click
     "--time", "at", type=float, metavar="T", help="Time in s, by default that of the peak."
 )
 @click.option(
-    "--limits", metavar="LOW:HIGH", help="Ends of the color bar, by default the full range."
+    "--limits",
+    metavar="LOW:HIGH",
+    help="Ends of the color bar, by default from 0, or the negative of its upper end, to a round "
+    "number; the highest half percent of the values may lie beyond.",
 )
 @click.option("--screenshot", metavar="PNG", help="Draw to this file instead of a window.")
 @click.option("--movie", metavar="FILE", help="Draw all times to a .gif or .mp4 file.")
