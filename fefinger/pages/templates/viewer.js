@@ -2,6 +2,7 @@
 "use strict";
 const data = JSON.parse(document.getElementById("data").textContent);
 const INK = "#1f2933", BONE = [0.937, 0.902, 0.839], STEEL = [0.56, 0.64, 0.71];
+const NARROW = 640;  // px of a scene below which words and color bar would cross
 const PARTS = ["skin", "subcutaneous tissue", "bone", "other half", "pressure", "end organs", "rates", "indenter"];
 const HOME = { yaw: 0.45, pitch: -0.2, zoom: 1, x: 0, y: 0 };
 const view = { ...HOME };
@@ -270,12 +271,13 @@ class Scene {
     pen.fillText(words.join(",  "), 14, 64, wide);
     const right = this.paper.clientWidth - 84, tall = this.paper.clientHeight;
     const organs = this.marks, rated = organs?.rates && shown.rates;
-    this.bar(pen, right, 84, 0.32 * tall, field, data.fields[field]);
+    const top = this.paper.clientWidth < NARROW ? 112 : 84;  // below the words, where the bar would cross them
+    this.bar(pen, right, top, 0.32 * tall, field, data.fields[field]);
     const lower = 0.64 * tall, height = 0.26 * tall, pressed = shown.pressure && shown.skin && field !== "pressure";
     if (pressed) this.bar(pen, right, lower, height, "pressure", data.pressure);
     if (rated) this.bar(pen, right - (pressed ? 130 : 0), lower, height, "rate", { low: 0, high: data.rate, colors: data.rates, unit: "Hz", extend: "neither" });
     const few = organs && organs.labels.length <= data.few;
-    if (few) this.label(pen, organs.labels, ratio, right - 150);
+    if (few) this.label(pen, organs.labels, ratio, right - 12, top + 20);
   }
 
   bar(pen, x, y, height, name, { low, high, colors, unit, extend }) {
@@ -297,31 +299,35 @@ class Scene {
     pen.textAlign = "left";
   }
 
-  label(pen, labels, ratio, right) {
+  // Labels stand in a column on the right of all organs, or on their left where there is no room.
+  label(pen, labels, ratio, right, top) {
     const places = labels.map((words, k) => [words, ...this.project(this.organs, k)])
       .filter((place) => place[0]).sort((a, b) => a[2] - b[2]);
-    const left = Math.min(Math.max(...places.map((place) => place[1])) / ratio + 60, right), top = 104;
-    this.uncross(places, ratio, left, top);
     pen.font = "13px system-ui, sans-serif";
     pen.strokeStyle = INK;
     pen.lineWidth = 0.8;
+    const across = places.map((place) => place[1] / ratio), aside = 60;
+    const width = Math.max(...places.map(([words]) => pen.measureText(words).width)) + 10;
+    const beyond = Math.max(...across) + aside, fits = beyond + width <= right;
+    const end = fits ? beyond : Math.max(Math.min(...across) - aside, width);
+    this.uncross(places, ratio, end, top);
     places.forEach(([words, x, y], row) => {
-      const level = top + 22 * row, wide = pen.measureText(words).width;
+      const level = top + 22 * row, wide = pen.measureText(words).width + 10, left = fits ? end : end - wide;
       pen.beginPath();
-      pen.moveTo(x / ratio + 6, y / ratio);
-      pen.lineTo(left, level);
+      pen.moveTo(x / ratio + (fits ? 6 : -6), y / ratio);
+      pen.lineTo(end, level);
       pen.stroke();
       pen.fillStyle = "rgba(255, 255, 255, 0.8)";
-      pen.fillRect(left, level - 10, wide + 10, 20);
+      pen.fillRect(left, level - 10, wide, 20);
       pen.fillStyle = INK;
       pen.fillText(words, left + 5, level + 4);
     });
   }
 
   // Swaps places (words, x, y) whose lines to the column of labels cross, until none do.
-  uncross(places, ratio, left, top) {
+  uncross(places, ratio, across, top) {
     const side = (p, q, r) => (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
-    const end = (row) => [left, top + 22 * row], start = (row) => [places[row][1] / ratio, places[row][2] / ratio];
+    const end = (row) => [across, top + 22 * row], start = (row) => [places[row][1] / ratio, places[row][2] / ratio];
     for (let swapped = true; swapped;) {
       swapped = false;
       for (let i = 0; i < places.length; i++) for (let j = 0; j < i; j++) {
