@@ -270,7 +270,7 @@ def front() -> Iterator[str]:
         ("mechanics and mesh", "scenes", "CPU time of a first answer / s", *QUANTITIES.values()),
         ((name, count, f"{seconds:.2g}", *errors) for seconds, name, count, errors in sorted(rows)),
     )
-    yield "Every kind of object, finger and motion is drawn at random."
+    yield "Scenes are drawn at random from all kinds of objects, fingers and motions."
 
 
 def kept() -> Iterator[str]:

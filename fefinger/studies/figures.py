@@ -213,6 +213,7 @@ def spikes(rows: Rows, x: str, series: Sequence[str], labels: Sequence[str] = ()
                 axis.plot([row[x] for row in counted], counts, markersize=2.5, **_look(number))
             axis.set(title=f"{kind}: spikes", xlabel=words(x))
             axis.set_ylim(bottom=0)
+            axis.yaxis.get_major_locator().set_params(integer=True)
         _legend(drawn, groups)
         return drawn
 

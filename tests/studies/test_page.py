@@ -168,3 +168,9 @@ def test_a_failure_with_a_table_is_told_by_its_first_and_its_last_line():
     assert short in report.html(study)
     assert short in console.study_summary(console.study_record(study, []))
     assert "one line" in report.html(Study("p", (X,), (), (({X: 1.0}, "one line"),), 1, 0, about))
+
+
+def test_counts_of_spikes_have_whole_numbers_at_their_ticks() -> None:
+    rows = [{X: x, "spikes_SAI": count} for x, count in ((1.0, 0), (2.0, 1), (3.0, 2))]
+    (axis,) = figures.spikes(rows, X, []).axes
+    assert all(float(tick).is_integer() for tick in axis.get_yticks())
