@@ -21,7 +21,7 @@ Where else to look:
 friction              `mechanics/press/sliding.py` at small strain (solved in
                       `fem/contact/march.py`), `mechanics/press/dragged.py` at finite strain
 table of `pressed`    `mechanics/press/elastic_press.py`: `load_or_solve` reads it, or solves and
-                      stores it; its files are written by `depth_table_store.write`
+                      stores it; its files are written by `depth_table.write`
 stated error          `plan._rung`: `error` of the mechanics, and that of neglecting inertia
 """
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.mechanics import QUICKEST, get, names
-from fefinger.mechanics.evidence import force_control, machine, vibration, wall_time
+from fefinger.mechanics.evidence import costs, machine, stated_errors, vibration
 from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, MESHED, Candidate
@@ -197,14 +197,14 @@ def _rung(
         refusals = (*refusals, Refusal(name, "accuracy", reason, ERROR))
     error = max(whole, inertia.vibration) if left_out else whole
     refusals = (*refusals, *left_out)
-    wall = wall_time.wall(name, case, seconds)
+    wall = costs.wall(name, case, seconds)
     if ask.seconds is not None and wall > ask.seconds:
         reason = f"expected time = {format_excess(wall, ask.seconds, ' s')} ({SECONDS})"
         refusals = (*refusals, Refusal(name, "time", reason, SECONDS))
     errors = {what: mechanics.error(case, what)[0] for what in STATED[1:]}
     errors = {what: each for what, each in errors.items() if math.isfinite(each)}
     if case.motion.control == "force" and math.isfinite(error):
-        errors = force_control.errors(errors, error, case)
+        errors = stated_errors.at_force(errors, error, case)
     return Rung(name, seconds, error, evidence, refusals, candidate.resolution, errors, wall)
 
 
@@ -376,5 +376,5 @@ def _built(case: Situation, rung: Rung) -> str:
         return ""
     on_mesh = case.on(rung.resolution)
     again = rung.seconds - get(rung.mechanics).once(on_mesh)
-    first = rung.wall - wall_time.wall(rung.mechanics, on_mesh, again)
+    first = rung.wall - costs.wall(rung.mechanics, on_mesh, again)
     return f" What is built once and kept takes {duration(first)} of the time." if first else ""

@@ -11,7 +11,7 @@ from fefinger import afferents
 from fefinger.afferents import fire
 from fefinger.mechanics import get
 from fefinger.mechanics.press import population
-from fefinger.mechanics.press.skin import meshed, spherical
+from fefinger.mechanics.press.sites import meshed, spherical
 from fefinger.pages import report
 from fefinger.scene import builtin
 from fefinger.scene.indenter import direction

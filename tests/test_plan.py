@@ -16,7 +16,7 @@ from fefinger.validation.problems import published
 import fefinger as ff
 from fefinger import mechanics, plan
 from fefinger.mechanics import get
-from fefinger.mechanics.evidence import machine, wall_time
+from fefinger.mechanics.evidence import costs, machine
 from fefinger.mechanics.situation import Situation
 from fefinger.results import plan_text
 from fefinger.results.candidate import MESHED
@@ -59,7 +59,7 @@ LADDER = {
 def four(monkeypatch):
     monkeypatch.setattr(plan, "names", lambda: tuple(LADDER))
     monkeypatch.setattr(plan, "get", LADDER.__getitem__)
-    monkeypatch.setattr(wall_time, "threads", lambda: 1)  # their seconds are wall time
+    monkeypatch.setattr(costs, "threads", lambda: 1)  # their seconds are wall time
 
 
 @pytest.fixture
@@ -323,7 +323,7 @@ def test_a_depth_in_meters_is_asked_about() -> None:
 
 
 def test_a_plan_is_read_in_a_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(wall_time, "threads", lambda: 4)
+    monkeypatch.setattr(costs, "threads", lambda: 4)
     chosen = plan.explain("flat-press")
     first, sentence, trust, ladder, _ = repr(chosen).split("\n\n")
     assert first.startswith(f"{chosen.on}: force within ")
@@ -478,7 +478,6 @@ def test_a_machine_that_is_slower_is_expected_to_take_longer(monkeypatch):
 
 
 def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):
-    from fefinger.mechanics.evidence import small_strain_cost
     from fefinger.mesh import store
 
     scene = asked(rel_error=0.1, pressure=True, depth=1.5, resolution="coarse")
@@ -486,7 +485,7 @@ def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):
     assert "built once" not in kept.sentence
     monkeypatch.setattr(store, "at_hand", lambda *a: False)
     made = plan.choose(scene, "solid")
-    build = small_strain_cost.MORPH_SECONDS["coarse"]
+    build = costs.MORPH_SECONDS["coarse"]
     assert made.chosen.seconds - kept.chosen.seconds == pytest.approx(build)
     assert "What is built once and kept takes " in made.sentence
 

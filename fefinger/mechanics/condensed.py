@@ -9,10 +9,9 @@ degree plate, where the mesh of `linear` follows the touch.
 from dataclasses import replace
 
 from fefinger.mechanics import linear
-from fefinger.mechanics.evidence import small_strain_cost
+from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.stated_errors import measured
-from fefinger.mechanics.press.notes import RIGID_BONE, elastic_hard_parts_reasons
-from fefinger.mechanics.refusals import Reason, refusals
+from fefinger.mechanics.press.notes import RIGID_BONE, Reason, elastic_hard_parts_reasons, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
@@ -49,7 +48,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     return refusals(name, "ability", unable) + shared
 
 
-cost, once = small_strain_cost.condensed_seconds, small_strain_cost.condensed_once
+cost, once = costs.condensed_seconds, costs.condensed_once
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:

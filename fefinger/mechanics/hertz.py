@@ -18,12 +18,13 @@ from fefinger.mechanics.press.notes import (
     CONVOLVED,
     QUASISTATIC,
     SPHERICAL,
+    Reason,
     elastic_hard_parts_reasons,
     normalization_notes,
+    refusals,
     separate_relaxation_reasons,
     tangential_reasons,
 )
-from fefinger.mechanics.refusals import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response

@@ -12,12 +12,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence import small_strain_cost
+from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import axisymmetric
-from fefinger.mechanics.press.notes import CONVOLVED, QUASISTATIC, SPHERICAL, normalization_notes
+from fefinger.mechanics.press.notes import (
+    CONVOLVED,
+    QUASISTATIC,
+    SPHERICAL,
+    Reason,
+    normalization_notes,
+    refusals,
+)
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
-from fefinger.mechanics.refusals import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
@@ -139,7 +145,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     return refusals(name, "ability", unable)
 
 
-cost = small_strain_cost.layered_seconds
+cost = costs.layered_seconds
 once, coarser = hertz.once, hertz.coarser
 
 

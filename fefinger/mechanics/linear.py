@@ -10,18 +10,18 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from fefinger.mechanics import hertz, layered
-from fefinger.mechanics.evidence import small_strain_cost
+from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.measured_tissue import largest_exponents
 from fefinger.mechanics.evidence.stated_errors import measured
-from fefinger.mechanics.press import proximal_cut
-from fefinger.mechanics.press.discretization import refinement_location
+from fefinger.mechanics.press.discretization import ALONG, NEAR, gap, refinement_location
 from fefinger.mechanics.press.notes import (
     QUASISTATIC,
+    Reason,
     hard_parts_notes,
+    refusals,
     separate_relaxation_reasons,
     turning_reasons,
 )
-from fefinger.mechanics.refusals import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
@@ -59,6 +59,9 @@ CONTRAST = 30.0
 """Ratio of the moduli of the layers up to which errors are taken as measured at 3: three times the
 largest of a published set."""
 
+FAR = 1.25
+"""Depth over the gap at the proximal end beyond which contact has reached it; see NEAR."""
+
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: it can solve every scene, less accurately at large strain."""
@@ -67,7 +70,31 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     if unable:
         return refusals(name, "ability", unable)
     reasons = [*too_small(case), *too_soft(case.finger), *unmeasured(case.finger)]
-    return proximal_cut.reached(name, case) + refusals(name, "accuracy", reasons)
+    return beyond_cut(name, case) + refusals(name, "accuracy", reasons)
+
+
+def beyond_cut(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
+    """Return the refusal of a mechanics if a plate along the finger reaches its proximal end.
+
+    The finger is continued behind its cut where that is needed. Checked before a solution.
+    """
+    flat, motion, finger = case.indenter.flat, case.motion, case.finger
+    if flat is None or flat.angle > ALONG:
+        return ()
+    if motion.control != "depth" or finger.surface is not None:
+        return ()
+    if case.peak <= NEAR * gap(finger, flat):
+        return ()
+    end = gap(finger, flat, continued=True)
+    if case.peak <= NEAR * end:
+        return ()
+    sure = case.peak > FAR * end
+    reason = (
+        f"depth / gap at the proximal end = {case.peak:.3g} / {end:.3g} mm: contact "
+        f"{'reaches' if sure else 'may reach'} the end, behind which there is no finger; press "
+        "less, or at a steeper angle"
+    )
+    return (Refusal(mechanics, "ability" if sure else "accuracy", reason, "motion.depth"),)
 
 
 def unmeshable(case: Situation) -> tuple[Reason, ...]:
@@ -132,7 +159,7 @@ def too_soft(finger: Finger) -> Iterator[Reason]:
             yield Reason(field, reason)
 
 
-cost, once = small_strain_cost.linear_seconds, small_strain_cost.mesh_seconds
+cost, once = costs.linear_seconds, costs.mesh_seconds
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:

@@ -11,9 +11,8 @@ from dataclasses import replace
 from types import ModuleType
 
 from fefinger.mechanics import condensed, pressed
-from fefinger.mechanics.evidence import small_strain_cost, vibration
-from fefinger.mechanics.press.notes import QUASISTATIC, stiffens, tangential_reasons
-from fefinger.mechanics.refusals import refusals
+from fefinger.mechanics.evidence import costs, vibration
+from fefinger.mechanics.press.notes import QUASISTATIC, refusals, stiffens, tangential_reasons
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
@@ -46,19 +45,12 @@ def _base(finger: Finger) -> ModuleType:
 
 def cost(case: Situation) -> float:
     """Return the expected CPU time in s, less where modes and operator are in the cache."""
-    return _base(case.finger).cost(case) + _operator(case) + vibration.seconds(case)
+    return _base(case.finger).cost(case) + costs.modal_seconds(case)
 
 
 def once(case: Situation) -> float:
     """Return the time in s of building what is kept for the next run; 0 where at hand."""
-    return _base(case.finger).once(case) + _operator(case) + vibration.once(case)
-
-
-def _operator(case: Situation) -> float:
-    """Return the time in s of building an operator that the mechanics without inertia lacks."""
-    if not stiffens(case.finger):
-        return 0.0
-    return small_strain_cost.condensed_once(vibration.of_inertia(case))
+    return _base(case.finger).once(case) + costs.modal_once(case)
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:

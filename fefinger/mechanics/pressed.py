@@ -13,16 +13,17 @@ import math
 from dataclasses import replace
 
 from fefinger.mechanics import layered, linear, solid
-from fefinger.mechanics.evidence import tabulation_error
+from fefinger.mechanics.evidence import costs, tabulation_error
 from fefinger.mechanics.press.notes import (
     LOGARITHMIC,
     QUASISTATIC,
     RIGID_BONE,
+    Reason,
     elastic_hard_parts_reasons,
     friction_reasons,
+    refusals,
     separate_relaxation_reasons,
 )
-from fefinger.mechanics.refusals import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
@@ -77,7 +78,7 @@ def too_shallow(case: Situation) -> list[Reason]:
     return [Reason("motion", reason)]
 
 
-cost, once, coarser = tabulation_error.seconds, tabulation_error.once, linear.coarser
+cost, once, coarser = costs.pressed_seconds, costs.pressed_once, linear.coarser
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:

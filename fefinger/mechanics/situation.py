@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
-from fefinger.mechanics.evidence import measured_tissue, reached_depth
+from fefinger.mechanics.evidence import measured_tissue, pressed_objects
 from fefinger.mechanics.evidence.table import Measured
 from fefinger.mechanics.press.discretization import refinement_location
+from fefinger.mechanics.press.notes import Reason
 from fefinger.mechanics.press.time_steps import moving, time_grid, too_long
-from fefinger.mechanics.refusals import Reason
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import AUTO, RESOLUTIONS, Finger
 from fefinger.scene.indenter import Indenter
@@ -118,7 +118,7 @@ class Situation:
     @cached_property
     def force_curves(self) -> tuple[Measured, ...]:
         """Force over the depth in the measured presses next to the scene."""
-        return reached_depth.curves(self.finger, self.indenter)
+        return pressed_objects.curves(self.finger, self.indenter)
 
     @cached_property
     def depth_over_thickness(self) -> float:
@@ -128,4 +128,4 @@ class Situation:
         """
         if self.motion.control == "depth":
             return self.peak / self.finger.thickness
-        return reached_depth.under_force(self.finger, self.peak, self.force_curves)
+        return pressed_objects.under_force(self.finger, self.peak, self.force_curves)

@@ -7,16 +7,16 @@ small strain. What it still leaves out is in `NOTES`.
 from typing import TYPE_CHECKING
 
 from fefinger.mechanics import linear
-from fefinger.mechanics.evidence import small_strain_cost, solid_cost
+from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.stated_errors import measured
-from fefinger.mechanics.press import proximal_cut
 from fefinger.mechanics.press.notes import (
     LOGARITHMIC,
     QUASISTATIC,
+    Reason,
     finite_sliding_reasons,
     hard_parts_notes,
+    refusals,
 )
-from fefinger.mechanics.refusals import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
@@ -62,10 +62,10 @@ def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
     if unable:
         return refusals(mechanics, "ability", unable)
     reasons = [*linear.too_small(case), *linear.unmeasured(case.finger)]
-    return proximal_cut.reached(mechanics, case) + refusals(mechanics, "accuracy", reasons)
+    return linear.beyond_cut(mechanics, case) + refusals(mechanics, "accuracy", reasons)
 
 
-cost, once, coarser = solid_cost.seconds, small_strain_cost.mesh_seconds, linear.coarser
+cost, once, coarser = costs.solid_seconds, costs.mesh_seconds, linear.coarser
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:

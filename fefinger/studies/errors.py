@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fefinger.mechanics.evidence.force_control import errors as at_force
+from fefinger.mechanics.evidence.stated_errors import at_force
 from fefinger.mechanics.situation import Situation
 from fefinger.plan import choose, settled
 from fefinger.result import Result

@@ -10,7 +10,7 @@ import fefinger as ff
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.mechanics import linear, pressed, solid
 from fefinger.mechanics.press import finite_strain
-from fefinger.mechanics.press.constitutive import laws
+from fefinger.mechanics.press.materials import laws
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Response

@@ -15,7 +15,7 @@ from fefinger.fem.elements.probe import strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics import linear
 from fefinger.mechanics import solid as finite
-from fefinger.mechanics.press import hard_parts, placement
+from fefinger.mechanics.press import materials, placement
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
@@ -24,7 +24,7 @@ from fefinger.support.checks import ConvergenceError, InputError
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
-HELD = hard_parts.fixed_facets(FINGER)
+HELD = materials.fixed_facets(FINGER)
 DEPTH = 0.6
 
 

@@ -14,14 +14,7 @@ from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import measured_tissue
-from fefinger.mechanics.press import (
-    constitutive,
-    hard_parts,
-    placement,
-    problem,
-    small_strain,
-    time_steps,
-)
+from fefinger.mechanics.press import materials, placement, problem, small_strain, time_steps
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Response
@@ -45,7 +38,7 @@ def scene(**parts: object) -> ff.Scene:
 @pytest.fixture(scope="module")
 def half() -> Body:
     mesh = load_or_build(FINGER, half=True)
-    return body(mesh, constitutive.tissues(FINGER), hard_parts.fixed_facets(FINGER))
+    return body(mesh, materials.tissues(FINGER), materials.fixed_facets(FINGER))
 
 
 @pytest.fixture(scope="module")

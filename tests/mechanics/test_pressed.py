@@ -11,7 +11,7 @@ from fefinger.validation.pressed.scenes import LIGHT
 from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.evidence import tabulation_error
 from fefinger.mechanics.evidence.table import TABULATION, table
-from fefinger.mechanics.press import depth_table_store, elastic_press
+from fefinger.mechanics.press import depth_table, elastic_press
 from fefinger.mechanics.press.depth_table import SHALLOWEST, STEP, DepthTable, DisplacementBasis
 from fefinger.mechanics.press.elastic_press import FEWEST, depths
 from fefinger.mechanics.realtime.pressed import Pressed
@@ -261,15 +261,13 @@ def test_a_force_beyond_the_deepest_table_is_refused_without_another_press(
 
 def test_a_press_is_the_same_after_it_was_written_and_read(tmp_path: Path) -> None:
     table = _table()
-    depth_table_store.write(table, tmp_path / "press.npz")
-    back = depth_table_store.read(tmp_path / "press.npz")
+    depth_table.write(table, tmp_path / "press.npz")
+    back = depth_table.read(tmp_path / "press.npz")
     assert np.array_equal(back.force, table.force)
     assert np.array_equal(back.modes.shapes, table.modes.shapes)
     assert np.allclose(back.pressure, table.pressure, rtol=1e-6)
-    for name in depth_table_store.ROUNDED:
-        assert np.array_equal(
-            getattr(back, name), getattr(depth_table_store.as_stored(table), name)
-        )
+    for name in depth_table.ROUNDED:
+        assert np.array_equal(getattr(back, name), getattr(depth_table.as_stored(table), name))
     stiffer = back.of_modulus(2 * back.modulus)
     assert np.allclose(stiffer.force, 2 * back.force)
     assert np.array_equal(stiffer.modes.amplitudes, back.modes.amplitudes)
@@ -430,7 +428,7 @@ def test_shipped_presses_are_found_and_are_of_the_candidates_of_today(
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     for mesh in ("coarse", "standard"):
         finger = Finger.subject(subject, resolution=mesh)
-        depth, force = depth_table_store.deepest_at_hand(finger, indenter, Ramp(1.0, 0.5))
+        depth, force = depth_table.deepest_at_hand(finger, indenter, Ramp(1.0, 0.5))
         assert depth > 0.1 * finger.thickness
         assert force > 0.1
     asked = scene(Ramp(60, 0.5), Finger.subject(subject, resolution="coarse"))
@@ -445,10 +443,10 @@ def test_a_whole_finger_takes_no_press_of_its_half(
     """Both are of one mesh file, but a table holds the displacements of one of them."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     half = load_or_build(FINGER, half=True)
-    assert depth_table_store.at_hand(FINGER, Flat(30), half) is not None
-    assert depth_table_store.at_hand(FINGER, Flat(30), whole(half)) is None
+    assert depth_table.at_hand(FINGER, Flat(30), half) is not None
+    assert depth_table.at_hand(FINGER, Flat(30), whole(half)) is None
     aside = Slide(20, 0.5, distance=1, direction=90)
-    assert depth_table_store.deepest_at_hand(FINGER, Flat(30), aside) == (0.0, 0.0)
+    assert depth_table.deepest_at_hand(FINGER, Flat(30), aside) == (0.0, 0.0)
 
 
 def _table() -> DepthTable:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.mechanics.evidence import force_control
+from fefinger.mechanics.evidence import stated_errors
 from fefinger.mechanics.situation import Situation
 from fefinger.pipeline import run
 from fefinger.plan import choose
@@ -105,7 +105,7 @@ def test_at_a_force_the_depth_has_an_error_and_at_a_depth_the_force(motion):
     assert told["end"].get("depth_rel_error") == errors.get("depth")
     press = replace(held.scene, motion=ff.Ramp(SPEED, told["0.2 N"]["depth_mm"], corner=0))
     there = choose(press, "hertz").chosen
-    at_force = force_control.errors(there.errors, there.error, Situation.of(press))
+    at_force = stated_errors.at_force(there.errors, there.error, Situation.of(press))
     for column, name in (("depth", "depth"), ("contact_area", "area"), ("strain", "strain")):
         assert told["0.2 N"][f"{column}_rel_error"] == pytest.approx(at_force[name], rel=1e-9)
 

@@ -27,7 +27,7 @@ from fefinger.fem.contact.march import march
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import constitutive, hard_parts, operator, operator_cache
+from fefinger.mechanics.press import materials, operator, operator_cache
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.mechanics.realtime.rolling import Rolling
 from fefinger.mesh.store import load_or_build
@@ -123,7 +123,7 @@ def _superlu(finger: Finger, mesh: FingerMesh) -> float:
 
     The factor and LOADS of the loads are timed, on the even half.
     """
-    solid = body(mesh, constitutive.tissues(finger), hard_parts.fixed_facets(finger))
+    solid = body(mesh, materials.tissues(finger), materials.fixed_facets(finger))
     system, space = solid.system, solid.space
     superlu_system, factoring = timed(lambda: superlu.factor(space, system.matrix, system.fixed))
     count = 3 * len(palmar(solid))

@@ -21,7 +21,7 @@ from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.fem.elements.forms import stiffness
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.linalg import system as solve
-from fefinger.mechanics.press import constitutive, hard_parts, placement
+from fefinger.mechanics.press import materials, placement
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import STANDARD
@@ -45,7 +45,7 @@ def finger_figures(progress: Progress) -> list[Figure]:
     """Measure the half finger of flat-press; the best of REPEATS runs of each stage."""
     finger = replace(published.load("flat-press").finger, resolution=RESOLUTION)
     mesh = load_or_build(finger, half=True)
-    tissues, held = constitutive.tissues(finger), hard_parts.fixed_facets(finger)
+    tissues, held = materials.tissues(finger), materials.fixed_facets(finger)
     solid = body.body(mesh, tissues, held)
     space, system = solid.space, solid.system
     progress("fem", 0.05)

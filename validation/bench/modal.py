@@ -17,7 +17,7 @@ from fefinger.validation.bench.organs import COUNT, crowd
 from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.validation.bench.timing import of_each, timed
 
-from fefinger.mechanics.press.mode_store import finger_modes
+from fefinger.mechanics.press.modal_body import finger_modes
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.realtime.modal import Modal
 from fefinger.results.records import Sites

@@ -26,8 +26,7 @@ from fefinger.validation.evidence.press_errors import Press, left_on, norm
 from fefinger.validation.provenance import save, saved, short
 from numpy.typing import NDArray
 
-from fefinger.mechanics import get
-from fefinger.mechanics.evidence import lumped_law
+from fefinger.mechanics import get, lumped
 from fefinger.mechanics.evidence.press_margins import ABOUT
 from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.evidence.table import PRESS_MESH
@@ -282,7 +281,7 @@ def _over(difference: NDArray[np.float64], size: NDArray[np.float64]) -> NDArray
 
 def _lumped(measurement: Measurement, true: Press) -> NDArray[np.float64] | None:
     """Return the errors (n,) of the relaxed force by the law of the finger; None without one."""
-    law = lumped_law.law(Situation.of(replace(measurement.scene(None), finger=measurement.finger)))
+    law = lumped.law(Situation.of(replace(measurement.scene(None), finger=measurement.finger)))
     if law.caveat and measurement.tissue is not None:
         return None
     force = law.prony.long_time * np.array([law.spring.force(depth) for depth in true.depth])

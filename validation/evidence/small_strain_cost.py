@@ -19,7 +19,7 @@ from fefinger.validation.tradeoff import held_out, scenes
 
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence import machine
-from fefinger.mechanics.evidence.small_strain_cost import areas
+from fefinger.mechanics.evidence.costs import areas
 from fefinger.mechanics.evidence.table import SMALL_STRAIN_COST, read
 from fefinger.mechanics.press.time_steps import moving
 from fefinger.mechanics.situation import Situation

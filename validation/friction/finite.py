@@ -12,7 +12,7 @@ from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.state import State
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain
-from fefinger.mechanics.press.constitutive import laws
+from fefinger.mechanics.press.materials import laws
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Response
 from fefinger.scene.indenters import Flat

@@ -16,7 +16,7 @@ from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.laws import Law
 from fefinger.fem.hyperelastic.stress_kernels import PAIRS, moduli_of, stresses
 from fefinger.mechanics.press import tabulated_press
-from fefinger.mechanics.press.constitutive import laws
+from fefinger.mechanics.press.materials import laws
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.tabulated_press import TabulatedPress, table_of
 from fefinger.scene.ask import Ask

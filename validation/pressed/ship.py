@@ -8,7 +8,7 @@ degrees and a ball of 5 mm, to a fifth of the thickness or as deep as the object
 import sys
 from pathlib import Path
 
-from fefinger.mechanics.press import depth_table_store as store
+from fefinger.mechanics.press import depth_table as store
 from fefinger.mechanics.press.elastic_press import solve
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.tabulated_press import METHOD

@@ -13,7 +13,7 @@ from fefinger.fem.elements.mass import mass
 from fefinger.fem.modes import modes_of
 from fefinger.mechanics import modal, pressed, solid
 from fefinger.mechanics.evidence import vibration
-from fefinger.mechanics.press.mode_store import PER_CUBIC_METER, finger_modes
+from fefinger.mechanics.press.modal_body import PER_CUBIC_METER, finger_modes
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.realtime.modal import Modal
 from fefinger.mechanics.situation import Situation

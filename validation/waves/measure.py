@@ -24,9 +24,8 @@ from fefinger.validation.provenance import save
 from fefinger.validation.waves.preload import Preloaded, modulus, viscous
 
 from fefinger.mechanics.evidence.vibration import suddenness
-from fefinger.mechanics.press.modal_body import ModalBody
+from fefinger.mechanics.press.modal_body import FingerModes, ModalBody, finger_modes
 from fefinger.mechanics.press.modal_press import contact_of
-from fefinger.mechanics.press.mode_store import FingerModes, finger_modes
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.realtime.modal import Modal
 from fefinger.scene.finger import Finger

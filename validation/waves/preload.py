@@ -22,15 +22,14 @@ from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.linalg.system import System
 from fefinger.mechanics.press import operator, tabulated_press
-from fefinger.mechanics.press.constitutive import laws
 from fefinger.mechanics.press.finite_strain import FINITE_STRAIN
 from fefinger.mechanics.press.harmonic import Vibrating, about
+from fefinger.mechanics.press.materials import laws
+from fefinger.mechanics.press.modal_body import PER_CUBIC_METER, finger_modes
 from fefinger.mechanics.press.modal_press import operator_of
 from fefinger.mechanics.press.modal_response import stiffening
-from fefinger.mechanics.press.mode_store import PER_CUBIC_METER, finger_modes
-from fefinger.mechanics.press.preload_relaxation import about_preload
 from fefinger.mechanics.press.problem import Press
-from fefinger.mechanics.press.tabulated_press import TabulatedPress, table_of
+from fefinger.mechanics.press.tabulated_press import TabulatedPress, about_preload, table_of
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import STANDARD

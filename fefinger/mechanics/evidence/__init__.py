@@ -1,14 +1,11 @@
 """Measured error and cost of each mechanics, and the rules that read them.
 
-table.py                         the measurements, as the files of `reports/` hold them
-stated_errors.py                 the error that a mechanics states of a scene; from
-press_mesh.py                    the measured presses next to it,
-pressed_objects.py               the objects between which it lies,
-press_margins.py                 and margins, from leaving presses out
-measured_tissue.py               what tissue counts as measured
+table.py                 the measurements, as the files of `reports/` hold them
+stated_errors.py         the error that a mechanics states of a scene; from
+press_mesh.py            the measured presses next to it,
+pressed_objects.py       the objects between which it lies, and depths under a force,
+press_margins.py         and margins, from leaving presses out
+measured_tissue.py       what tissue counts as measured
 tabulation_error.py, vibration.py    what time and inertia add
-force_control.py, reached_depth.py    what changes where the force is prescribed
-lumped_law.py                    the force law of `lumped`
-small_strain_cost.py, solid_cost.py    seconds of the mechanics, and of meshes
-wall_time.py, machine.py         on the cores and at the speed of this machine
+costs.py, machine.py     seconds of the mechanics, and of meshes, at the speed of this machine
 """

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fefinger.mechanics.evidence import measured_tissue, reached_depth, tabulation_error
+from fefinger.mechanics.evidence import measured_tissue, pressed_objects, tabulation_error
 from fefinger.mechanics.evidence.press_margins import (
     LOCAL,
     between_presses,
@@ -221,7 +221,7 @@ def _reached(press: Measured, case: Situation) -> float:
     if case.motion.control == "depth":
         return case.depth_over_thickness
     same_object = [x for x in case.force_curves if x.object == press.object]
-    return reached_depth.under_force(case.finger, case.peak, same_object or case.force_curves)
+    return pressed_objects.under_force(case.finger, case.peak, same_object or case.force_curves)
 
 
 def _deep_enough(parts: list[tuple[Measured, float]]) -> bool:

@@ -2,17 +2,20 @@
 
 Finite strain: error of the mesh. Other mechanics: difference from finite strain. The error of the
 time steps (`reports/time-steps.json`) is added in quadrature. `pressed.error` adds the error of its
-convolution, `modal.error` that of its modes, and `plan` that of neglected inertia.
+convolution, `modal.error` that of its modes, and `plan` that of neglected inertia. Errors under
+force control follow from those at a given depth.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from fefinger.mechanics.evidence import measured_tissue, press_mesh
 from fefinger.mechanics.evidence.press_mesh import UNKNOWN, StatedError
-from fefinger.mechanics.evidence.table import TIME_STEPS, table
+from fefinger.mechanics.evidence.pressed_objects import axis_and_value
+from fefinger.mechanics.evidence.table import TIME_STEPS, Measured, table
 from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate
@@ -94,3 +97,33 @@ def _other_tissue(candidate: Candidate, case: Situation, quantity: str) -> State
     bent = measured(candidate, plate, quantity) if case.indenter.sharp else on_published
     error = float(np.maximum(on_published.error, SOFT_SKIN * bent.error))
     return StatedError(error, f"{source}, and {SOFT_SKIN:g} times as much for softer skin")
+
+
+def at_force(at_depth: Mapping[str, float], force: float, case: Situation) -> dict[str, float]:
+    """Convert relative errors at a depth, `at_depth` and that of the `force`, to those at a force.
+
+    A quantity that grows no faster than the force gains at most the error of the force. The force
+    grows as a power p of the depth, so the error of the depth is at most (1 - force)^(-1/p) - 1.
+    """
+    depth = (1 - force) ** (-1 / steepness(case)) - 1 if force < 1 else math.inf
+    return {"depth": depth} | {name: error + force for name, error in at_depth.items()}
+
+
+def steepness(case: Situation) -> float:
+    """Return the smallest exponent p of force = a depth^p in the measured presses around a scene.
+
+    It is 1 for a scene without comparable presses: a contact stiffens as it grows.
+    """
+    if axis_and_value(case.indenter) is None or not (
+        case.published_tissue or case.calibrated_tissue
+    ):
+        return 1.0
+    return max(1.0, min(_power(each, case.depth_over_thickness) for each in case.force_curves))
+
+
+def _power(force: Measured, part: float) -> float:
+    """Return the smallest exponent of force over depth near a relative depth of a press."""
+    depth = np.asarray(force.depth)
+    powers = np.diff(np.log(force.values)) / np.diff(np.log(depth))
+    at = int(np.searchsorted(depth, part * force.conditions["thickness_mm"]))
+    return float(powers[max(at - 2, 0) : at + 1].min(initial=powers[-1]))

@@ -1,4 +1,4 @@
-"""Error of `pressed` against `solid` on the same mesh, and its cost.
+"""Error of `pressed` against `solid` on the same mesh.
 
 The error is the largest of the measured scenes of about the same relative depth (indentation over
 thickness), times a margin: shallow contact has the largest error of force on retreat, deep contact
@@ -12,9 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fefinger.mechanics.evidence import small_strain_cost
-from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.table import AS_ONE, TABULATION, Measured, read, table
+from fefinger.mechanics.evidence.table import AS_ONE, TABULATION, Measured, table
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.scene.motion import Motion
@@ -57,18 +55,6 @@ BETWEEN = {
 """Largest error between the depths of a table, by mesh: a part over the relative depth, and the
 least. Of presses solved at two depths between each pair, from 0.002 to 0.16 of the thickness, under
 the plate at 30 degrees and the ball of 5 mm on a.h."""
-
-TIMED = 0.16
-"""Depth over the thickness of the press whose cost was measured."""
-
-HARDER = 2.0
-"""Exponent of the cost of deeper presses over the depth: 79 and 33 s at 0.28 of the
-thickness under the plate at 30 degrees and the ball of 5 mm on the standard mesh."""
-
-SHALLOW = 0.25
-"""Cost of a press to first touch over that of one to TIMED: to 0.02, 0.04, 0.08 and 0.12 of the
-thickness 0.3, 0.45, 0.65 and 0.85 under two balls, a bar and a cylinder on the coarse mesh, 0.36
-and 0.7 to 0.02 and 0.08 under a ball on the standard one."""
 
 
 def retreats(motion: Motion) -> bool:
@@ -146,45 +132,3 @@ def _by_part(rows: Sequence[Measured]) -> list[tuple[float, float]]:
 
 def _rows(quantity: str) -> list[Measured]:
     return table().all(TABULATION, f"error of {quantity}", Candidate("pressed"))
-
-
-def at_hand(case: Situation) -> bool:
-    """Return whether the press of a scene is shipped or cached, to its depth or force."""
-    # Imported here, because errors are also read for scenes without a mesh.
-    from fefinger.mechanics.press.depth_table_store import deepest_at_hand
-
-    depth, force = deepest_at_hand(case.finger, case.indenter, case.motion)
-    reached = depth if case.motion.control == "depth" else force
-    return reached > 0 and reached >= case.peak * (1 - 1e-9)
-
-
-def seconds(case: Situation) -> float:
-    """Return the expected CPU time in s."""
-    setup, step = (_seconds(case, stage) for stage in ("setup", "step"))
-    return setup + len(case.times) * step + once(case)
-
-
-def once(case: Situation) -> float:
-    """Return the time in s of building mesh and press, which are kept; 0 where at hand."""
-    return 0.0 if at_hand(case) else building(case) + small_strain_cost.mesh_seconds(case)
-
-
-def building(case: Situation) -> float:
-    """Return the CPU time in s of solving the press of a scene; 0 where it is at hand."""
-    if at_hand(case):
-        return 0.0
-    deep = case.depth_over_thickness / TIMED
-    if deep > 1.0:
-        harder = deep**HARDER
-    else:  # plates go on to that depth, so that other motions find their press
-        harder = 1.0 if case.indenter.flat is not None else SHALLOW + (1 - SHALLOW) * deep
-    return _seconds(case, "build") * harder
-
-
-def _seconds(case: Situation, stage: str) -> float:
-    """Return the CPU seconds of a stage on this machine."""
-    mesh = "standard" if case.mesh == "fine" else case.mesh
-    seconds = table().value(TABULATION, f"{stage} seconds", Candidate("pressed", mesh))
-    bodies = 1.0 if case.half or stage == "step" else small_strain_cost.WHOLE
-    larger = small_strain_cost.FINE if case.mesh == "fine" and stage != "step" else 1.0
-    return seconds * bodies * larger * slowness(read(TABULATION))

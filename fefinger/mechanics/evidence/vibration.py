@@ -1,4 +1,4 @@
-"""Error of neglecting inertia, and error and cost of `modal`.
+"""Error of neglecting inertia, and error of `modal`.
 
 Measured in `reports/modal.json` on the fingers of four subjects under a plate and a ball: the
 change of the dynamic stiffness by inertia over frequency x thickness / wave speed, with the modulus
@@ -16,13 +16,10 @@ from functools import cache
 
 import numpy as np
 
-from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.small_strain_cost import FINE
 from fefinger.mechanics.evidence.table import read
-from fefinger.mechanics.press.notes import stiffens
-from fefinger.mechanics.press.operator_cache import MESH_OF_INERTIA, at_hand, parities
+from fefinger.mechanics.press.notes import Reason, stiffens
+from fefinger.mechanics.press.operator_cache import MESH_OF_INERTIA
 from fefinger.mechanics.press.time_steps import MODAL_STEP, RESOLVED
-from fefinger.mechanics.refusals import Reason
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
@@ -37,7 +34,7 @@ from fefinger.theory.contact.moving_load import amplification
 REPORT = "modal.json"
 
 STEPS = 0.003
-"""Error of 60 steps per cycle, by the order of the steps (`mechanics/press/modal_steps.py`)."""
+"""Error of 60 steps per cycle, by the order of the steps (`mechanics/press/modal_press.py`)."""
 
 BEYOND = 0.7
 """Frequency over that of the last mode beyond which the answer through time is not trusted."""
@@ -277,31 +274,9 @@ def _rounded(value: float) -> str:
     return f"{np.floor(value / step) * step:.12g}"
 
 
-def seconds(case: Situation) -> float:
-    """Return the expected time in s of modes and steps, besides that without inertia."""
-    build, case = once(case), of_inertia(case)
-    bodies, steps = len(parities(half=case.half)), 2 * len(case.times)
-    return bodies * _seconds(case, "setup") + steps * _seconds(case, "step") + build
-
-
 def of_inertia(case: Situation) -> Situation:
     """Return the situation on the mesh on which inertia is computed."""
     return case.on(MESH_OF_INERTIA[case.mesh]) if stiffens(case.finger) else case
-
-
-def once(case: Situation) -> float:
-    """Return the time in s of computing the modes, which are kept; 0 where at hand."""
-    case = of_inertia(case)
-    if at_hand(case.finger, half=case.half, modes=True):
-        return 0.0
-    return len(parities(half=case.half)) * _seconds(case, "build")
-
-
-def _seconds(case: Situation, stage: str) -> float:
-    """Return the CPU seconds of a stage on this machine."""
-    record, fine = read(REPORT), case.mesh == "fine"
-    seconds: float = record["seconds"]["standard" if fine else case.mesh][stage]
-    return seconds * (FINE if fine else 1.0) * slowness(record)
 
 
 def _slide_speed(case: Situation) -> float:

@@ -11,8 +11,12 @@ import numpy as np
 
 from fefinger.geometry.profiles import directions
 from fefinger.mechanics.press.limits import check_reached
-from fefinger.mechanics.press.sites import REFERENCE_DEPTH, central_sites, end_organ_sites
-from fefinger.mechanics.press.skin import spherical
+from fefinger.mechanics.press.sites import (
+    REFERENCE_DEPTH,
+    central_sites,
+    end_organ_sites,
+    spherical,
+)
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.results.records import Pad, Response, Sites
 from fefinger.scene.ask import Ask

@@ -11,9 +11,8 @@ from typing import Self
 import numpy as np
 
 from fefinger.geometry.profiles import frame
-from fefinger.mechanics.press.history import FiniteStrainHistory
 from fefinger.mechanics.press.pad import on_neighborhood
-from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.problem import FiniteStrainHistory, Press
 from fefinger.results.records import Lateral
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError

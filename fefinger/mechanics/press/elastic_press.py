@@ -1,29 +1,30 @@
 """Elastic solutions of a relaxed finger at finite strain over depth, solved once for `pressed`.
 
 `load_or_solve` reads the table or solves and stores it; `solve` goes through depths with equal
-steps in their root.
+steps in their root. The work of the stress of one press on the deformation of a deeper one, in
+theory in `theory/contact/ting.py`, is a sum over the integration points of the stress at the depth
+a and the derivative of the strain at the depth d, which a spline through all strains gives.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
-from fefinger.fem.hyperelastic.continuum import continuum
+from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.load_path import Path, StressHistory
-from fefinger.mechanics.press import depth_table_store, limits
-from fefinger.mechanics.press.constitutive import laws
+from fefinger.mechanics.press import depth_table, limits
 from fefinger.mechanics.press.depth_table import DepthTable, DisplacementBasis
 from fefinger.mechanics.press.fields import stiffening
-from fefinger.mechanics.press.finite_reference import reference_unknowns
 from fefinger.mechanics.press.finite_strain import BUDGET, FINITE_STRAIN, Course, follow_course
 from fefinger.mechanics.press.load_steps import LoadSteps
+from fefinger.mechanics.press.materials import laws
 from fefinger.mechanics.press.pad import whole_pad
 from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.reference import reference_unknowns
 from fefinger.mechanics.press.response import areas_of_steps
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
-from fefinger.mechanics.press.work_ratio import work_ratios
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.motions import Ramp
 from fefinger.support import cache
@@ -163,7 +164,7 @@ def load_or_solve(
     """
 
     def stored() -> DepthTable | None:
-        table = depth_table_store.at_hand(press.finger, indenter, press.mesh)
+        table = depth_table.at_hand(press.finger, indenter, press.mesh)
         if table is None or table.deepest < least * (1 - 1e-9):
             return None
         sought = table.deepest < FARTHEST * press.finger.thickness * (1 - 1e-9)
@@ -172,17 +173,39 @@ def load_or_solve(
     table = stored()
     if table is not None:
         return table
-    place = depth_table_store.cached_path(
-        depth_table_store.key_on(press.finger, indenter, press.mesh)
-    )
+    place = depth_table.cached_path(depth_table.key_on(press.finger, indenter, press.mesh))
     with cache.alone(place):
         table = stored()  # another process may have solved it meanwhile
         if table is None:
             # A plate ends nowhere; contact with any other object may reach its rim.
             further = indenter.flat is not None
             solved = solve(press, least, stages, force=force, further=further)
-            table = depth_table_store.as_stored(solved)
+            table = depth_table.as_stored(solved)
             with suppress(OSError):  # without room for it, it is solved again the next time
-                depth_table_store.write(table, place)
+                depth_table.write(table, place)
                 cache.limit("elastic")
     return table
+
+
+def work_ratios(elements: Continuum, states: Sequence[Array], depth: Array, force: Array) -> Array:
+    """Ratios W (n, n) of the stress at a depth (row) and the deformation at another (column).
+
+    states: unknowns (n_unknowns,) of the body at each of the depths (n,) mm, from 0; force (n,) at
+    them, in any unit. Where a mesh resolves no contact, they are those of the first depth where it
+    does. Above the diagonal W(a, d) is as computed; below it, where contact never asks for it, it
+    continues as 2 - W(d, a), so that what is interpolated across the diagonal is 1 on it.
+    """
+    from scipy.interpolate import CubicSpline
+
+    strain = np.array([elements.weighted_strain(each).ravel() for each in states])
+    rows = [strain @ np.add(*elements.stress(each)).ravel() for each in states]
+    root = np.sqrt(depth)
+    slopes = CubicSpline(root, np.eye(len(root)))(root, 1)
+    work = np.array(rows) @ slopes.T
+    first = int(np.argmax(force > 0))
+    ratio = np.ones_like(work)
+    touching = work[first:, first:]
+    ratio[first:, first:] = touching / touching.diagonal() * force[first:] / force[first:, None]
+    ratio[:first, first:] = ratio[first, first:]
+    upper = np.triu(ratio, 1)
+    return np.eye(len(depth)) + upper + np.tril(2 - upper.T, -1)

@@ -13,9 +13,8 @@ from fefinger.fem.hyperelastic.stored_energy import StoredEnergy
 from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS, FingerMesh
 from fefinger.geometry.locate import inside_weights
 from fefinger.geometry.voigt import VOIGT
-from fefinger.mechanics.press.constitutive import laws
-from fefinger.mechanics.press.history import SmallStrainHistory, frames_of
-from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.materials import laws
+from fefinger.mechanics.press.problem import Press, SmallStrainHistory, frames_of
 from fefinger.results.records import Fields
 from fefinger.support.arrays import Array, Integers
 

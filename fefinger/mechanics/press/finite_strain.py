@@ -20,19 +20,17 @@ from fefinger.fem.hyperelastic.load_path import (
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
-from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.geometry.finger_mesh import REGIONS, FingerMesh
 from fefinger.mechanics.press import dragged, limits, placement, problem
-from fefinger.mechanics.press.constitutive import laws, relaxations
-from fefinger.mechanics.press.failure import failure_message
-from fefinger.mechanics.press.finite_reference import reference_strain, reference_unknowns
-from fefinger.mechanics.press.history import FiniteStrainHistory, frames_of
 from fefinger.mechanics.press.load_steps import (
     LoadSteps,
     load_steps,
     peak_steps,
     tissue_relaxations,
 )
-from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.materials import NAIL, laws, relaxations
+from fefinger.mechanics.press.problem import FiniteStrainHistory, Press, frames_of
+from fefinger.mechanics.press.reference import reference_strain, reference_unknowns
 from fefinger.mechanics.press.response import finite_strain_response
 from fefinger.mechanics.press.small_strain import WHOLE_MESH, assembled
 from fefinger.neural.reference import Reference
@@ -43,6 +41,35 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.tolerances import PRESS_EQUILIBRIUM
+
+
+def most_compressed(elements: Continuum, values: Array) -> tuple[float, Array, str]:
+    """Return the smallest principal stretch in a body, the place (3,) mm at rest, and the tissue.
+
+    `values` (n_unknowns,) are those of the body.
+    """
+    space = elements.space
+    moved = values[space.unknowns[:, :30]].reshape(-1, 10, 3)
+    deformation = np.eye(3) + np.einsum(
+        "eni,qnk,ekj->eqij", moved, elements.reference, elements.jacobians
+    )
+    stretch = np.linalg.svd(deformation, compute_uv=False)[..., -1].min(axis=1)
+    cell = int(np.argmin(stretch))
+    place = space.points[space.vertices[cell]].mean(axis=0)
+    names = {number: name for name, number in REGIONS.items()} | {NAIL: "nail"}
+    name = names[int(space.tissue[cell])]
+    return float(stretch[cell]), place, "subcutaneous tissue" if name == "subcutaneous" else name
+
+
+def failure_message(error: Exception, elements: Continuum, values: Array | None) -> str:
+    """Return the message of a press that found no equilibrium after `values` (n,), if any."""
+    if values is None:
+        return str(error)
+    stretch, (x, y, z), tissue = most_compressed(elements, values)
+    return (
+        f"{error}. At the last equilibrium the {tissue} at x = {x:.1f}, y = {y:.1f}, z = {z:.1f} "
+        f"mm is pressed to {stretch:.2g} of its length"
+    )
 
 
 WORTH = 4  # steps that are worth keeping when a run has to stop

@@ -23,12 +23,12 @@ from fefinger.geometry import mirror
 from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import limits, problem
 from fefinger.mechanics.press.modal_body import (
+    FingerModes,
     ModalBody,
     body_of_modes,
     residual_inertia,
     stiffened,
 )
-from fefinger.mechanics.press.mode_store import FingerModes
 from fefinger.results.harmonic import Complex, Harmonic, apart
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger

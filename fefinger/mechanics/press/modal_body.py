@@ -1,6 +1,12 @@
-"""A finger on a patch as modes with residual flexibility (static correction)."""
+"""A finger as modes: computed or read from the cache, and on a patch with static correction.
 
+Modes depend on the ratios of moduli and densities only: they are computed for a skin of 1 kPa and
+1 kg/mm³, and scaled.
+"""
+
+import json
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,11 +15,127 @@ from scipy import sparse
 from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Operator
 from fefinger.fem.contact.oscillators import Oscillators
+from fefinger.fem.elements.assembly import numbering
 from fefinger.fem.elements.mass import mass
-from fefinger.mechanics.press.mode_store import PER_CUBIC_METER, FingerModes
+from fefinger.fem.modes import Modes, modes_of
+from fefinger.mechanics.press.operator_cache import MODES, modes_folder, modes_identity
 from fefinger.scene.finger import Finger
+from fefinger.support import cache
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.checks import ConvergenceError
 from fefinger.support.threads import one_thread
+
+
+PER_CUBIC_METER = 1e-9
+"""kg/m³ in kg/mm³."""
+
+NAMES = ("squares", "shapes", "residual")
+"""Names of the files of stored modes."""
+
+
+@dataclass(frozen=True)
+class FingerModes:
+    """Modes of a finger or of half of it, lowest first, with unit modal mass of what is meshed.
+
+    omega_squared (n,) of the relaxed angular frequencies in 1/s²; parts: for each parity the
+    numbers of its modes here and their shapes (n_displacements of the half, n) in mm/sqrt(kg);
+    unfold: from a field of the half to one of the body; complete: the frequency in Hz below which
+    no mode lacks.
+    """
+
+    omega_squared: Array
+    parts: tuple[tuple[Integers, Array, sparse.csr_matrix], ...]
+    complete: float
+
+    @property
+    def frequencies(self) -> Array:
+        """Relaxed frequencies (n,) in Hz."""
+        return np.asarray(np.sqrt(self.omega_squared) / (2 * np.pi))
+
+    def read(self, rows: sparse.csr_matrix) -> Array:
+        """`rows` (n_rows, n_unknowns) @ the displacement of each mode: (n_rows, n)."""
+        values = np.empty((rows.shape[0], len(self.omega_squared)))
+        for numbers, shapes, unfold in self.parts:
+            there = (rows @ unfold).tocsr()[:, : shapes.shape[0]]
+            values[:, numbers] = there @ shapes
+        return values
+
+    def combined(self, size: int, numbers: Integers, amplitudes: Array) -> Array:
+        """Displacement (size, n_frames) of the sum of modes `numbers` (k,), amplitudes (n_f, k)."""
+        total = np.zeros((size, len(amplitudes)))
+        for members, shapes, unfold in self.parts:
+            chosen, here, there = np.intersect1d(members, numbers, return_indices=True)
+            half = np.zeros((unfold.shape[1], len(amplitudes)))
+            if len(chosen):
+                half[: len(shapes)] = shapes[:, here] @ amplitudes[:, there].T
+            total += (unfold @ half)[:size]
+        return total
+
+
+def finger_modes(
+    finger: Finger,
+    solid: Operator,
+    progress: Callable[[float], None] = lambda fraction: None,
+) -> FingerModes:
+    """Return the modes of a finger on its operator, from the cache or computed and put there.
+
+    ConvergenceError if the modes do not converge.
+    """
+    sets = []
+    for number in range(len(solid.parts)):
+
+        def report(fraction: float, done: int = number) -> None:
+            progress((done + fraction) / len(solid.parts))
+
+        sets.append(_part(finger, solid, number, report))
+    light = finger.skin.density * PER_CUBIC_METER
+    scale = finger.skin.modulus / light
+    omega_squared = np.concatenate([each.omega_squared for each in sets]) * scale
+    order = np.argsort(omega_squared, kind="stable")
+    place = numbering(order, len(order))
+    split = np.split(place, np.cumsum([len(each.omega_squared) for each in sets])[:-1])
+    norm = 1.0 / np.sqrt(light * len(sets))
+    parts = tuple(
+        (numbers, each.shapes * np.float32(norm), part.unfold)
+        for numbers, each, part in zip(split, sets, solid.parts, strict=True)
+    )
+    highest = min(float(each.omega_squared[-1]) for each in sets) * scale
+    return FingerModes(omega_squared[order], parts, float(np.sqrt(highest) / (2 * np.pi)))
+
+
+def _part(finger: Finger, solid: Operator, number: int, progress: Callable[[float], None]) -> Modes:
+    """Modes of one parity, for a skin of 1 kPa and 1 kg/mm³."""
+    part, identity = solid.parts[number], solid.identities[number]
+    place = None if identity is None else modes_folder(finger, identity)
+    if place is not None:
+        cache.touch(place)
+        with suppress(OSError, ValueError, EOFError):
+            omega_squared, shapes, residual = (
+                np.load(place / f"{name}.npy", mmap_mode="r") for name in NAMES
+            )
+            if shapes.shape[1] == len(omega_squared):
+                return Modes(np.array(omega_squared), shapes, float(residual))
+    heavy = mass(solid.space, {1: 1.0, 2: finger.subcutaneous.density / finger.skin.density})
+    unfold = part.unfold[: heavy.shape[0]]
+    unfold = unfold[:, np.flatnonzero(unfold.getnnz(axis=0))]
+    heavy = (unfold.T @ heavy @ unfold).tocsr() / len(solid.parts)
+    computed = modes_of(part.compliance, heavy, min(MODES, heavy.shape[0] // 8), progress)
+    if not computed.omega_squared[0] > 0:
+        raise ConvergenceError(
+            "modes: expected frequencies above 0, received a square of "
+            f"{computed.omega_squared[0]:g}; check the held facets of the finger"
+        )
+    # Single precision for shapes: the flexibility that modes leave over makes up for its rounding.
+    kept = Modes(computed.omega_squared, computed.shapes.astype(np.float32), computed.residual)
+    if place is not None and identity is not None:
+        with suppress(OSError), cache.appearing(place) as new:
+            about = json.dumps(modes_identity(finger, identity), indent=1)
+            (new / "identity.json").write_text(about, encoding="utf-8")
+            values = kept.omega_squared, kept.shapes, kept.residual
+            for name, value in zip(NAMES, values, strict=True):
+                np.save(new / f"{name}.npy", np.asarray(value))
+        cache.limit("modes")
+    return kept
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 Tissue that stiffens with strain is taken as linear about the depth at which the motion vibrates:
 its moduli are multiplied such that the static stiffness there is that of the tabulated press of
 finite strain (`tabulated_press`), and it relaxes as motions about that preload do
-(`preload_relaxation`). What inertia changes in that linear finger, the difference of its answers
+(`PreloadRelaxation`). What inertia changes in that linear finger, the difference of its answers
 with and without, is added to the quasi-static answer at finite strain. It is a part of the answer,
 and is computed on the next coarser mesh, whose modes take a fifth of the time.
 """
@@ -22,26 +22,30 @@ from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import operator, problem, tabulated_press
 from fefinger.mechanics.press.fields import interpolation
 from fefinger.mechanics.press.harmonic import Vibrating, about
-from fefinger.mechanics.press.history import SmallStrainHistory
 from fefinger.mechanics.press.modal_body import stiffened
 from fefinger.mechanics.press.modal_press import (
     ModalHistory,
     at_stored,
     displacements,
     modal_fields,
+    modal_grid,
     operator_of,
     probe_of,
     solve_modal,
 )
-from fefinger.mechanics.press.modal_steps import modal_grid
 from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.press.operator_cache import MESH_OF_INERTIA
-from fefinger.mechanics.press.preload_relaxation import PreloadRelaxation, about_preload
-from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.problem import Press, SmallStrainHistory
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
 from fefinger.mechanics.press.small_strain import quasistatic, solve_contact
-from fefinger.mechanics.press.tabulated_press import TabulatedPress, table_of, tabulated_response
+from fefinger.mechanics.press.tabulated_press import (
+    PreloadRelaxation,
+    TabulatedPress,
+    about_preload,
+    table_of,
+    tabulated_response,
+)
 from fefinger.results.harmonic import Harmonic
 from fefinger.results.records import Fields, Response
 from fefinger.scene.scene import Scene

@@ -1,16 +1,29 @@
-"""Notes, and reasons against them, that several mechanics share."""
+"""Notes, and reasons against a mechanics, that several mechanics share."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 
-from fefinger.mechanics.refusals import Reason
+from fefinger.results.records import Refusal
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.motion import Motion
 from fefinger.scene.tissue import Hard
 from fefinger.support.vocabulary import EXPONENTIAL
 from fefinger.theory.relaxation import Prony
+
+
+class Reason(NamedTuple):
+    """A reason against a mechanics, and the field or part of the scene to change, "" for none."""
+
+    field: str
+    text: str
+
+
+def refusals(mechanics: str, about: str, reasons: Iterable[Reason]) -> tuple[Refusal, ...]:
+    """Return the refusals of a mechanics for reasons `about` "ability", "accuracy" or "time"."""
+    return tuple(Refusal(mechanics, about, reason.text, reason.field) for reason in reasons)
 
 
 QUASISTATIC = "Quasi-static: no inertia and no waves."

@@ -19,7 +19,7 @@ from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.linalg.dissection import Front
 from fefinger.fem.linalg.multifrontal import Eliminated
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press.hard_parts import fixed_facets
+from fefinger.mechanics.press.materials import fixed_facets
 from fefinger.mechanics.press.notes import elastic_hard_parts_reasons, separate_relaxation_reasons
 from fefinger.mechanics.press.operator_cache import folder, identity, parities
 from fefinger.mechanics.press.problem import SolutionMethod

@@ -1,4 +1,4 @@
-"""Press: all inputs of a finite-element contact problem, made from a scene."""
+"""Press: all inputs of a finite-element contact problem, from a scene; and its solved contact."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -8,17 +8,20 @@ from typing import Any, Self
 import numpy as np
 
 from fefinger.fem.body import Body, Reduced, Solid
+from fefinger.fem.contact.deformed_gap import ContactSurface
 from fefinger.fem.contact.obstacle import Obstacle
+from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.linalg.system import System
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import placement
 from fefinger.mechanics.press.discretization import FORCE_DEPTH, continued
 from fefinger.mechanics.press.limits import check_depth
+from fefinger.mechanics.press.load_steps import LoadSteps
 from fefinger.mechanics.press.notes import finger_notes
-from fefinger.mechanics.press.sites import central_sites, end_organ_sites
-from fefinger.mechanics.press.skin import meshed
+from fefinger.mechanics.press.sites import central_sites, end_organ_sites, meshed
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mesh.store import load_or_build
+from fefinger.neural.reference import Reference
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -26,7 +29,7 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.progress import Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
@@ -226,3 +229,58 @@ def reference_plate(finger: Finger, body: Solid, ask: Ask) -> ReferencePlate:
     obstacle = placement.obstacle(STANDARD, body)
     sites = central_sites(ask, finger.pulp, obstacle.origin, obstacle.axis)
     return ReferencePlate(obstacle, sites)
+
+
+TANGENT_SOLVER = "single"
+"""The solver of tangents; in double precision where that fails, which a note says."""
+
+FRAMES_MOVING, FRAMES_RESTING = 20, 6
+
+
+@dataclass(frozen=True)
+class SmallStrainHistory:
+    """A press solved at small strain, at all times of the answer.
+
+    reduced: the body under unit loads on the candidate vertices; contact: their pressure through
+    time; reference: the press that scales strain for the afferents.
+    """
+
+    reduced: Reduced
+    contact: History
+    reference: Reference | None
+
+
+@dataclass(frozen=True)
+class FiniteStrainHistory:
+    """A press solved at finite strain, at load steps.
+
+    contact: the candidates and their gaps; steps: the n load steps that were solved, among the
+    times of the answer; depth (n,) mm; pressure kPa (n, n_candidates); gap and moved mm (n,
+    n_seen), the latter in three components; moment (n, 3) mN mm of the meshed part; strain (n,
+    n_sites, 3, 3); frames: whole states by number of the step; reference: the press that scales
+    strain for the afferents; iterations, descents, factors: the work; halt: why it ended before the
+    motion, or nothing.
+    """
+
+    contact: ContactSurface
+    steps: LoadSteps
+    depth: Array
+    pressure: Array
+    gap: Array
+    moved: Array
+    moment: Array
+    strain: Array
+    frames: dict[int, Array]
+    reference: Reference | None
+    iterations: int
+    descents: int
+    factors: int
+    halt: str
+
+
+def frames_of(depth: Array, peak: int) -> Integers:
+    """Choose frames that share the path of the indenter, a few of its rests, and the peak."""
+    path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(depth)))])
+    moving = np.searchsorted(path, np.linspace(0, path[-1], FRAMES_MOVING))
+    evenly = np.linspace(0, len(depth) - 1, FRAMES_RESTING).round()
+    return np.unique(np.concatenate([moving, evenly, [peak]]).astype(np.int64))

@@ -12,9 +12,13 @@ from fefinger.geometry import mirror
 from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import dragged, sliding
 from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_fields
-from fefinger.mechanics.press.history import TANGENT_SOLVER, FiniteStrainHistory, SmallStrainHistory
 from fefinger.mechanics.press.pad import centroid, on_neighborhood, whole_moment, whole_pad
-from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.problem import (
+    TANGENT_SOLVER,
+    FiniteStrainHistory,
+    Press,
+    SmallStrainHistory,
+)
 from fefinger.results.records import Fields, Pad, Response
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.progress import Stages

@@ -15,9 +15,8 @@ from fefinger.fem.contact.travel import Heights, Travel, envelope
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press import operator, problem
-from fefinger.mechanics.press.history import SmallStrainHistory
 from fefinger.mechanics.press.pad import on_neighborhood
-from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.problem import Press, SmallStrainHistory
 from fefinger.results.records import Lateral, Pad
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON

@@ -15,11 +15,9 @@ from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement, problem, sliding
-from fefinger.mechanics.press.constitutive import tissues
 from fefinger.mechanics.press.discretization import refinement_location
-from fefinger.mechanics.press.hard_parts import fixed_facets, with_nail
-from fefinger.mechanics.press.history import SmallStrainHistory
-from fefinger.mechanics.press.problem import Press, SolutionMethod
+from fefinger.mechanics.press.materials import fixed_facets, tissues, with_nail
+from fefinger.mechanics.press.problem import Press, SmallStrainHistory, SolutionMethod
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
 from fefinger.results.records import Response

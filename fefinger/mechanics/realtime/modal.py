@@ -23,8 +23,7 @@ from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.mechanics.press import limits
 from fefinger.mechanics.press.fields import no_fields
 from fefinger.mechanics.press.harmonic import Vibrating
-from fefinger.mechanics.press.modal_body import body_of_modes
-from fefinger.mechanics.press.mode_store import finger_modes
+from fefinger.mechanics.press.modal_body import body_of_modes, finger_modes
 from fefinger.mechanics.press.time_steps import RESOLVED
 from fefinger.mechanics.realtime.condensed import Condensed, read_summary, unfolded
 from fefinger.mechanics.realtime.loop import Step, described

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 from fefinger.validation.evidence import cost
-from fefinger.validation.evidence.small_strain_cost import costs
+from fefinger.validation.evidence.small_strain_cost import costs as measured_costs
 from fefinger.validation.problems import published
 
 import fefinger as ff
 from fefinger.mechanics import condensed, linear, solid
 from fefinger.mechanics.evidence import (
+    costs,
     machine,
-    small_strain_cost,
     stated_errors,
     table,
     vibration,
@@ -83,7 +83,7 @@ def test_the_expected_seconds_of_solid_are_those_that_a_press_took(row: dict[str
     named = (row["mesh"], row["subject"], row["tissue"])
     pressed = cost.scene(*named, indenter, row["depth_mm"])
     here = machine.slowness(table.read(table.SOLID_COST))
-    built = small_strain_cost.mesh_seconds(Situation.of(pressed))
+    built = costs.mesh_seconds(Situation.of(pressed))
     assert 1 / 1.4 < (solid.cost(Situation.of(pressed)) - built) / (here * row["seconds"]) < 1.4
 
 
@@ -96,11 +96,11 @@ def test_what_is_measured_of_flat_press_is_what_is_expected_of_it(
     report, whole = table.read(table.SMALL_STRAIN_COST), sum(response.seconds.values())
     label = f"{mechanics.__name__.rpartition('.')[2]} coarse"
     case = Situation.of(named)
-    area = {"area_seconds": response.seconds["pressure"] / small_strain_cost.areas(case)}
-    row = report["rows"][label] | costs(response, whole) | area
+    area = {"area_seconds": response.seconds["pressure"] / costs.areas(case)}
+    row = report["rows"][label] | measured_costs(response, whole) | area
     monkeypatch.setitem(report["rows"], label, row)
     measured = table.table.__wrapped__()
-    monkeypatch.setattr(small_strain_cost, "table", lambda: measured)
+    monkeypatch.setattr(costs, "table", lambda: measured)
     assert mechanics.cost(case) == pytest.approx(machine.slowness(report) * whole, rel=0.01)
 
 

@@ -8,7 +8,7 @@ import pytest
 import fefinger as ff
 from fefinger import plan
 from fefinger.mechanics import linear
-from fefinger.mechanics.evidence import force_control
+from fefinger.mechanics.evidence import stated_errors
 from fefinger.mechanics.evidence.table import PRESS_MESH, read
 from fefinger.mechanics.situation import Situation
 
@@ -40,17 +40,17 @@ def test_the_depth_is_as_wrong_as_the_inverse_of_a_wrong_force_or_less(
             wrong = np.interp(force, forces + np.log1p(sign * error), depths)
             actual = abs(np.expm1(wrong - np.interp(force, forces, depths)))
             case = Situation.of(pressed(name, np.exp(force)))
-            stated = force_control.errors({}, error, case)["depth"]
+            stated = stated_errors.at_force({}, error, case)["depth"]
             assert 0.6 * stated < actual < 1.001 * stated
             assert stated < 0.9 * error
 
 
 def test_of_a_scene_like_no_press_the_depth_is_as_wrong_as_the_force() -> None:
     strange = replace(pressed("flat-30", 0.5), indenter=ff.Bar(3.0, 1.0))
-    assert force_control.steepness(Situation.of(strange)) == 1.0
-    found = force_control.errors({"area": 0.1}, 0.2, Situation.of(strange))
+    assert stated_errors.steepness(Situation.of(strange)) == 1.0
+    found = stated_errors.at_force({"area": 0.1}, 0.2, Situation.of(strange))
     assert found == {"depth": pytest.approx(0.25), "area": pytest.approx(0.3)}
-    assert force_control.errors({}, 1.0, Situation.of(strange))["depth"] == np.inf
+    assert stated_errors.at_force({}, 1.0, Situation.of(strange))["depth"] == np.inf
 
 
 def test_at_a_force_all_else_is_as_wrong_as_at_its_depth_and_as_the_force() -> None:

@@ -7,11 +7,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.mechanics.evidence import (
-    measured_tissue,
-    press_mesh,
-    reached_depth,
-)
+from fefinger.mechanics.evidence import measured_tissue, press_mesh, pressed_objects
 from fefinger.mechanics.evidence.pressed_objects import neighbor_presses
 from fefinger.mechanics.evidence.table import PRESS_MESH, read
 from fefinger.mechanics.situation import Situation
@@ -56,12 +52,12 @@ def test_an_object_like_no_press_counts_as_the_plate() -> None:
 
 def test_forces_grow_with_the_modulus_and_the_square_of_the_size() -> None:
     finger = ff.Finger.subject("a.h.", tissue="maeno1998")
-    (curve,) = reached_depth.curves(finger, ff.Flat(30))
+    (curve,) = pressed_objects.curves(finger, ff.Flat(30))
     stiff = replace(finger, subcutaneous=replace(finger.subcutaneous, modulus=68.0))
-    once = reached_depth.under_force(finger, 0.5, [curve])
-    assert reached_depth.under_force(stiff, 1.0, [curve]) == pytest.approx(once)
+    once = pressed_objects.under_force(finger, 0.5, [curve])
+    assert pressed_objects.under_force(stiff, 1.0, [curve]) == pytest.approx(once)
     large = ff.Finger(14.0, 20.0, tissue="maeno1998")
-    assert reached_depth.under_force(large, 2.0, [curve]) == pytest.approx(once)
+    assert pressed_objects.under_force(large, 2.0, [curve]) == pytest.approx(once)
 
 
 def test_only_an_unchanged_finger_is_that_of_the_subject() -> None:

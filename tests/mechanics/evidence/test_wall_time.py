@@ -3,7 +3,7 @@
 import pytest
 
 from fefinger import plan
-from fefinger.mechanics.evidence import wall_time
+from fefinger.mechanics.evidence import costs
 from fefinger.results.plan_text import expected_time
 from fefinger.scene import builtin
 
@@ -13,7 +13,7 @@ def rungs(monkeypatch):
     """Return the ladder of a scene by candidate, with so many threads."""
 
     def ladder(threads: int, **ask):
-        monkeypatch.setattr(wall_time, "threads", lambda: threads)
+        monkeypatch.setattr(costs, "threads", lambda: threads)
         monkeypatch.setattr("fefinger.results.plan_text.threads", lambda: threads)
         scene = builtin.load("flat-press", {f"ask.{key}": value for key, value in ask.items()})
         return {rung.candidate.label: rung for rung in plan.rungs(scene)}
@@ -28,13 +28,13 @@ def test_threads_share_finite_strain_alone_and_rank_nothing(rungs) -> None:
     )
     assert one["solid standard"].wall == one["solid standard"].seconds
     shared = 1 - two["solid standard"].wall / two["solid standard"].seconds
-    assert shared == pytest.approx(wall_time.SHARED / 2)
+    assert shared == pytest.approx(costs.SHARED / 2)
     assert two["linear standard"].wall == two["linear standard"].seconds
 
 
 def test_of_a_press_to_be_built_the_threads_share_the_building(rungs) -> None:
     fine = rungs(4)["pressed fine"]
-    assert 1 - wall_time.SHARED < fine.wall / fine.seconds < 1 - 0.7 * wall_time.SHARED
+    assert 1 - costs.SHARED < fine.wall / fine.seconds < 1 - 0.7 * costs.SHARED
 
 
 def test_the_time_in_words_is_on_the_cores_that_share_it(rungs) -> None:

@@ -15,7 +15,7 @@ from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.laws import neo_hookean
 from fefinger.fem.linalg import solvers
 from fefinger.mechanics import Mechanics, condensed, get, linear, names, solid
-from fefinger.mechanics.press import failure, hard_parts
+from fefinger.mechanics.press import finite_strain, materials
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
@@ -48,9 +48,9 @@ def force(solver: str | None = None, **parts: object) -> float:
 
 def test_the_most_pressed_cell_may_lie_in_the_nail() -> None:
     even = box(*3 * (np.linspace(0.0, 1.0, 2),))
-    space = Space(even.points, even.cells, np.full_like(even.tissue, hard_parts.NAIL))
-    elements = continuum(space, {hard_parts.NAIL: neo_hookean(Elastic(2e6, 0.3))})
-    stretch, _, tissue = failure.most_compressed(elements, np.zeros(space.n_unknowns))
+    space = Space(even.points, even.cells, np.full_like(even.tissue, materials.NAIL))
+    elements = continuum(space, {materials.NAIL: neo_hookean(Elastic(2e6, 0.3))})
+    stretch, _, tissue = finite_strain.most_compressed(elements, np.zeros(space.n_unknowns))
     assert (stretch, tissue) == (pytest.approx(1.0), "nail")
 
 
@@ -84,8 +84,8 @@ def test_a_nail_of_tissue_is_no_nail_and_a_stiff_one_moves_as_one_piece() -> Non
 
 def test_the_nail_is_a_layer_of_skin_under_its_outline() -> None:
     mesh = load_or_build(FINGER, half=True)
-    found = hard_parts.with_nail(replace(FINGER, nail=NAIL), mesh)
-    nail = found.region == hard_parts.NAIL
+    found = materials.with_nail(replace(FINGER, nail=NAIL), mesh)
+    nail = found.region == materials.NAIL
     assert (mesh.region[nail] == 1).all()
     assert np.array_equal(found.region[~nail], mesh.region[~nail])
     under = np.isin(mesh.cells[nail], mesh.facets["nail"]).any(axis=1)
@@ -224,7 +224,7 @@ def test_a_solver_that_a_mechanics_cannot_use_is_refused() -> None:
 
 def test_the_held_facets_follow_the_hard_parts() -> None:
     def held(**parts: object) -> tuple[str, ...]:
-        return hard_parts.fixed_facets(replace(FINGER, **parts))
+        return materials.fixed_facets(replace(FINGER, **parts))
 
     assert held() == ("bone", "nail", "cut")
     assert held(cut="nail") == ("bone", "nail")

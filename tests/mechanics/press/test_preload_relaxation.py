@@ -9,8 +9,11 @@ import pytest
 
 import fefinger as ff
 from fefinger.fem.contact.oscillators import complex_modulus
-from fefinger.mechanics.press.preload_relaxation import PreloadRelaxation, about_preload
-from fefinger.mechanics.press.tabulated_press import TabulatedPress
+from fefinger.mechanics.press.tabulated_press import (
+    PreloadRelaxation,
+    TabulatedPress,
+    about_preload,
+)
 from fefinger.theory.relaxation import creep_integral, hereditary_integral
 
 

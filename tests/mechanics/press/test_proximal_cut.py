@@ -3,10 +3,9 @@
 import pytest
 
 import fefinger as ff
-from fefinger.mechanics import solid
-from fefinger.mechanics.press import proximal_cut
+from fefinger.mechanics import linear, solid
+from fefinger.mechanics.linear import FAR
 from fefinger.mechanics.press.discretization import CLOSE, NEAR, continued, gap
-from fefinger.mechanics.press.proximal_cut import FAR
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.extend import NOTE
 from fefinger.pipeline import run
@@ -36,7 +35,7 @@ def test_no_finger_refuses_two_millimeters_at_any_angle(subject: str, tissue: st
         scene = ff.Scene(
             finger=finger(subject, tissue), indenter=ff.Flat(angle), motion=ff.Ramp(60.0, 2.0)
         )
-        assert proximal_cut.reached("linear", Situation.of(scene)) == ()
+        assert linear.beyond_cut("linear", Situation.of(scene)) == ()
 
 
 @pytest.mark.parametrize("subject", ["p.w."])
@@ -82,12 +81,12 @@ def test_where_the_plate_comes_close_the_continuation_changes_the_force_by_perce
 
 def test_beyond_the_continuation_the_press_is_refused() -> None:
     end = gap(finger("d.p."), ff.Flat(0.0), continued=True)
-    assert proximal_cut.reached("linear", Situation.of(pressed("d.p.", 0.99 * NEAR * end))) == ()
-    (refusal,) = proximal_cut.reached("linear", Situation.of(pressed("d.p.", 1.05 * end)))
+    assert linear.beyond_cut("linear", Situation.of(pressed("d.p.", 0.99 * NEAR * end))) == ()
+    (refusal,) = linear.beyond_cut("linear", Situation.of(pressed("d.p.", 1.05 * end)))
     assert refusal.about == "accuracy"
     assert "contact may reach the end" in refusal.reason
     deep = Situation.of(pressed("d.p.", 1.01 * FAR * end))
-    (sure,) = proximal_cut.reached("solid", deep)
+    (sure,) = linear.beyond_cut("solid", deep)
     assert sure.about == "ability"
     assert "contact reaches the end" in sure.reason
     assert sure in solid.refuse(deep)
@@ -101,6 +100,6 @@ def test_contact_that_does_reach_the_end_is_an_error(monkeypatch: pytest.MonkeyP
 
 def test_steeper_plates_and_other_objects_are_not_asked_about_it() -> None:
     deep = pressed("a.h.", 2.0, angle=30.0)
-    assert proximal_cut.reached("linear", Situation.of(deep)) == ()
+    assert linear.beyond_cut("linear", Situation.of(deep)) == ()
     ball = ff.Scene(finger=deep.finger, indenter=ff.Sphere(5.0), motion=deep.motion)
-    assert proximal_cut.reached("linear", Situation.of(ball)) == ()
+    assert linear.beyond_cut("linear", Situation.of(ball)) == ()

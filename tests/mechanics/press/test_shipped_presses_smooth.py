@@ -10,7 +10,7 @@ import pytest
 
 import fefinger as ff
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
-from fefinger.mechanics.press import depth_table_store
+from fefinger.mechanics.press import depth_table
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.tabulated_press import METHOD
 from fefinger.support.arrays import Array, Flags
@@ -34,8 +34,8 @@ def deepest(subject: str, mesh: str) -> tuple[ContactSurface, Array, Array, Flag
     )
     press = Press.of(scene, METHOD, Stages(), mechanics="pressed", notes=())
     source = press.mesh.source_sha256
-    (path,) = depth_table_store.shipped(depth_table_store.key(scene.finger, scene.indenter, source))
-    table, body = depth_table_store.read(path), press.body
+    (path,) = depth_table.shipped(depth_table.key(scene.finger, scene.indenter, source))
+    table, body = depth_table.read(path), press.body
     contact = contact_surface(body.space, body.pad, body.normals, press.obstacle, table.reach)
     values = table.unknowns(table.modes.amplitudes[len(table.depth) - 1], body.space.n_unknowns)
     distance, _ = press.obstacle.implicit(contact.deformed(values), table.deepest)

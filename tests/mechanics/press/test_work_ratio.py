@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fefinger.fem.hyperelastic.continuum import Continuum
-from fefinger.mechanics.press.work_ratio import work_ratios
+from fefinger.mechanics.press.elastic_press import work_ratios
 from fefinger.support.arrays import Array
 
 

@@ -1,4 +1,7 @@
-"""Bone and nail of a meshed finger: rigid and fixed, elastic, or left out."""
+"""Materials of each region of the mesh, as arguments of the finite elements.
+
+Soft tissue, and bone and nail that are rigid and fixed, elastic, or left out.
+"""
 
 from dataclasses import replace
 
@@ -6,6 +9,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
+from fefinger.fem.hyperelastic.load_path import Series
 from fefinger.geometry.finger_mesh import BONE, SKIN, FingerMesh
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard
@@ -42,3 +47,32 @@ def with_nail(finger: Finger, mesh: FingerMesh) -> FingerMesh:
     region = mesh.region.copy()
     region[skin[nearest < len(outside[0])]] = NAIL
     return replace(mesh, region=region)
+
+
+def tissues(finger: Finger) -> dict[int, Elastic]:
+    """Return the relaxed elasticity of the regions that deform."""
+    layers = {1: finger.skin, 2: finger.subcutaneous}
+    soft = {region: Elastic(layer.modulus, layer.poisson) for region, layer in layers.items()}
+    return soft | elastic(finger)
+
+
+def laws(finger: Finger) -> dict[int, Law]:
+    """Return the relaxed hyperelastic laws of the regions that deform."""
+    layers = {1: finger.skin, 2: finger.subcutaneous}
+    small_strain = tissues(finger)
+    by_region = {
+        region: neo_hookean(small_strain[region]) for region in small_strain.keys() - layers.keys()
+    }
+    for region, layer in layers.items():
+        by_region[region] = law(layer.law, small_strain[region], layer.exponent, layer.share)
+    return by_region
+
+
+def relaxations(finger: Finger) -> dict[int, Series]:
+    """Return the Prony series of the soft regions, by region."""
+    layers = {1: finger.skin.prony, 2: finger.subcutaneous.prony}
+    series = {region: prony or finger.prony for region, prony in layers.items()}
+    return {
+        region: Series(np.array(prony.weights), np.array(prony.v))
+        for region, prony in series.items()
+    }
