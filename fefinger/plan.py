@@ -210,12 +210,13 @@ def _rung(
 
 def _check_force(case: Situation) -> None:
     """Raise InputError for a force that no tissue bears, with the unit that it is likely in."""
+    force = case.motion.peak
     if case.motion.control == "depth" or case.depth_over_thickness < PULP:
         return
     raise InputError(
         f"motion.force: expected N, at most what the tissue under the pad bears ({PULP:g} of the "
-        f"finger's thickness), received {case.peak:.4g} N, which would press to some "
-        f"{case.depth_over_thickness:.2g} of it{FORCE.hint(case.peak)}; convert it, or press less"
+        f"finger's thickness), received {force:.4g} N, which would press to some "
+        f"{case.depth_over_thickness:.2g} of it{FORCE.hint(force)}; convert it, or press less"
     )
 
 
@@ -225,8 +226,8 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
         return min(willing, key=lambda rung: rung.seconds)
     _check_meshable(rungs)
     tiny = ""
-    if case.motion.control == "depth" and case.peak < TINY:
-        tiny = f"It presses {case.peak:g} mm deep: lengths are in mm, not in m. "
+    if case.motion.control == "depth" and case.motion.peak < TINY:
+        tiny = f"It presses {case.motion.peak:g} mm deep: lengths are in mm, not in m. "
     raise InputError(
         f"ask: no mechanics is known to answer this scene within the limits. {tiny}"
         f"{_relaxing(rungs)}"

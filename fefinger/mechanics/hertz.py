@@ -87,7 +87,6 @@ class HalfSpace:
 
     @property
     def _slope(self) -> float:
-        """Force over depth^(3/2)."""
         plane = self.modulus / (1 - self.poisson**2)
         return 4 / 3 * plane * float(np.sqrt(self.relative_radius))
 
@@ -153,7 +152,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     unable = lacking(case)
     if case.indenter.hertzian is None:
         return refusals(name, "ability", unable)
-    depth, radius = case.peak, half_space(case.finger, case.indenter).relative_radius
+    depth, radius = case.motion.peak, half_space(case.finger, case.indenter).relative_radius
     if case.motion.control == "depth" and depth > radius:
         reason = f"depth / relative radius = {format_excess(depth / radius, 1)}: Hertz ends there"
         unable.append(Reason("motion.depth", reason))
@@ -242,8 +241,9 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 def deepest(case: Situation) -> float:
     """Return the largest depth in mm, of a motion under force control once tissue has relaxed."""
     if case.motion.control == "depth":
-        return case.peak
-    return float(half_space(case.finger, case.indenter).depth(case.peak / NEWTON_PER_MILLINEWTON))
+        return case.motion.peak
+    force = case.motion.peak / NEWTON_PER_MILLINEWTON
+    return float(half_space(case.finger, case.indenter).depth(force))
 
 
 def widest(case: Situation) -> float:

@@ -109,7 +109,7 @@ def deepest(case: Situation, enough: float) -> float:
     """
     from fefinger.theory.contact.contact_table import tabulate_to
 
-    finger, peak = case.finger, case.peak
+    finger, peak = case.finger, case.motion.peak
     if case.motion.control == "depth":
         return peak
     if case.indenter.hertzian is None:

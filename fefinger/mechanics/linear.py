@@ -83,14 +83,14 @@ def beyond_cut(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
         return ()
     if motion.control != "depth" or finger.surface is not None:
         return ()
-    if case.peak <= NEAR * gap(finger, flat):
+    if case.motion.peak <= NEAR * gap(finger, flat):
         return ()
     end = gap(finger, flat, continued=True)
-    if case.peak <= NEAR * end:
+    if case.motion.peak <= NEAR * end:
         return ()
-    sure = case.peak > FAR * end
+    sure = case.motion.peak > FAR * end
     reason = (
-        f"depth / gap at the proximal end = {case.peak:.3g} / {end:.3g} mm: contact "
+        f"depth / gap at the proximal end = {case.motion.peak:.3g} / {end:.3g} mm: contact "
         f"{'reaches' if sure else 'may reach'} the end, behind which there is no finger; press "
         "less, or at a steeper angle"
     )

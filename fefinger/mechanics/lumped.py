@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import measured_tissue, press_mesh
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.press_mesh import LUMPED_LAW
@@ -186,9 +187,7 @@ def cost(case: Situation) -> float:
     return len(case.times) * STEP_SECONDS * slowness({})
 
 
-def once(case: Situation) -> float:
-    """Return 0: nothing is built and cached."""
-    return 0.0
+once, coarser = hertz.once, hertz.coarser
 
 
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
@@ -203,11 +202,6 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     if identified_law.printed:
         source = f"{source}; {SINUSOIDS}"
     return identified_law.error + NUMERICAL, source
-
-
-def coarser(scene: Scene) -> None:
-    """Return None: there is no mesh."""
-    return None
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
@@ -257,8 +251,7 @@ def _reasons(case: Situation) -> list[Reason]:
 
 
 def _too_hard(case: Situation, identified_law: LumpedLaw) -> list[Reason]:
-    """Return the reason against it if the (relaxed) force exceeds the largest measured one."""
-    peak, where = case.peak, "force"
+    peak, where = case.motion.peak, "force"
     if case.motion.control == "depth":
         where = f"relaxed force at {peak:.3g} mm"
         peak = identified_law.prony.long_time * float(identified_law.spring.force(peak))

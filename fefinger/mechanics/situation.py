@@ -76,16 +76,6 @@ class Situation:
         return refinement_location(self.indenter)
 
     @cached_property
-    def peak(self) -> float:
-        """Largest depth in mm or force in N of the motion."""
-        return self.motion.peak
-
-    @cached_property
-    def resolves_faii(self) -> bool:
-        """Whether time steps resolve what FAII responds to."""
-        return "FAII" in self.ask.spikes
-
-    @cached_property
     def times(self) -> Array:
         """Times (n_t,) s of the answer, without the limit on their number (`too_long`)."""
         return time_grid(self.motion, most=sys.maxsize, **self._resolved)
@@ -103,7 +93,7 @@ class Situation:
     @cached_property
     def _resolved(self) -> "dict[str, Any]":
         feature = self.indenter.feature if self.motion.slides else math.inf
-        return {"fast": self.resolves_faii, "feature": feature}
+        return {"fast": "FAII" in self.ask.spikes, "feature": feature}
 
     @cached_property
     def published_tissue(self) -> bool:
@@ -127,5 +117,5 @@ class Situation:
         Where the motion prescribes the force, it is read from the presses next to the scene.
         """
         if self.motion.control == "depth":
-            return self.peak / self.finger.thickness
-        return pressed_objects.under_force(self.finger, self.peak, self.force_curves)
+            return self.motion.peak / self.finger.thickness
+        return pressed_objects.under_force(self.finger, self.motion.peak, self.force_curves)

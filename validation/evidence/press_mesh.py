@@ -27,7 +27,7 @@ from fefinger.validation.provenance import save, saved, short
 from numpy.typing import NDArray
 
 from fefinger.mechanics import get, lumped
-from fefinger.mechanics.evidence.press_margins import ABOUT
+from fefinger.mechanics.evidence.press_mesh import ABOUT
 from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.evidence.table import PRESS_MESH
 from fefinger.mechanics.situation import Situation

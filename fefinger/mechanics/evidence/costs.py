@@ -212,13 +212,11 @@ def cost(mesh: str) -> Cost:
 
 
 def _part(timed: Measured) -> float:
-    """Return the relative depth of a timed press."""
     return float(timed.conditions["depth_mm"] / timed.conditions["thickness_mm"])
 
 
 @lru_cache(maxsize=8)
 def _steps(motion: Motion, relaxing: frozenset[Prony], friction: float, *, fast: bool) -> int:
-    """Count the load steps of a motion."""
     time = time_grid(motion, fast=fast)
     return len(load_steps(motion, time, relaxing, friction=friction).chosen)
 
@@ -232,7 +230,7 @@ def _following(case: Situation) -> float:
     """CPU seconds of finite strain, without those of the mesh."""
     spent, finger = cost(case.mesh), case.finger
     relaxing, friction = tissue_relaxations(finger), case.indenter.kinetic
-    steps = _steps(case.motion, relaxing, friction, fast=case.resolves_faii)
+    steps = _steps(case.motion, relaxing, friction, fast="FAII" in case.ask.spikes)
     deep = min(case.depth_over_thickness, spent.deepest)
     harder = spent.growth * deep + spent.sharp * case.indenter.sharp
     layers = (finger.skin, finger.subcutaneous)

@@ -135,7 +135,6 @@ def _costs(
     row: Mapping[str, Any],
     conditions: Mapping[str, Any] | None = None,
 ) -> Iterator[Measured]:
-    """Give the seconds of each stage that a row holds."""
     for stage in SECONDS:
         if f"{stage}_seconds" in row:
             seconds = row[f"{stage}_seconds"]

@@ -126,7 +126,6 @@ def largest_about(part: float, errors: Sequence[tuple[float, float]], quantity: 
 
 
 def _by_part(rows: Sequence[Measured]) -> list[tuple[float, float]]:
-    """Return pairs of relative depth and error."""
     return [(row.conditions["part"], row.value) for row in rows]
 
 

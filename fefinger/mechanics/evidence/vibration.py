@@ -11,7 +11,7 @@ measured fingers. Errors of a vibration are over its own force without inertia; 
 SHARE x amplitude / depth of the peak.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 
 import numpy as np
@@ -149,7 +149,7 @@ def vibration_error(case: Situation) -> float:
     frequency = case.motion.highest_frequency
     if frequency is None:
         return 0.0
-    if _too_high(case):
+    if any(_too_high(case)):
         return 1.0
     kind, reduced = _damping(case, frequency), _reduced(case, frequency)
     modes = float(np.interp(_ratio(case, frequency), *_envelope("truncation", kind)))
@@ -178,9 +178,16 @@ def sentence(case: Situation) -> str:
         f"reports/{REPORT}: {percent(left)} of modes, mesh and steps, as the oscillation of the "
         f"force is {percent(vibration_error(case))} off at {frequency:.4g} Hz"
     )
-    if _damping(case, frequency) == "published" and _reduced(case, frequency) > RESONANT:
+    if _resonates(case):
         text += f", where resonances of this tissue hardly damp{_damped_set(case.finger)}"
     return text
+
+
+def _resonates(case: Situation) -> bool:
+    """Whether a vibration meets resonances of tissue that hardly damps them."""
+    frequency = case.motion.highest_frequency
+    undamped = frequency is not None and _damping(case, frequency) == "published"
+    return undamped and _reduced(case, frequency or 0.0) > RESONANT
 
 
 def _damped_set(finger: Finger) -> str:
@@ -193,10 +200,7 @@ def _damped_set(finger: Finger) -> str:
 
 def advice(case: Situation) -> str:
     """Suggest the viscous variant of a tissue whose resonances are hardly damped."""
-    frequency = case.motion.highest_frequency
-    if frequency is None or _damping(case, frequency) != "published":
-        return ""
-    name = _damped_set(case.finger) if _reduced(case, frequency) > RESONANT else ""
+    name = _damped_set(case.finger) if _resonates(case) else ""
     return f"Resonances of this tissue hardly damp{name}. " if name else ""
 
 
@@ -213,59 +217,53 @@ def notes(case: Situation) -> tuple[str, ...]:
 
 def reasons(case: Situation) -> list[Reason]:
     """Return the reasons against a motion faster than what was measured, modes or its samples."""
-    return _too_sudden(case) + _too_high(case) + _too_coarse(case.motion)
+    return [*_too_sudden(case), *_too_high(case), *_too_coarse(case.motion)]
 
 
-def _too_sudden(case: Situation) -> list[Reason]:
-    """Return the reason against a press that changes its speed faster than the modes follow."""
+def _too_sudden(case: Situation) -> Iterator[Reason]:
     last = _last(case)
     press_suddenness = suddenness(case.motion, 1 / last)
-    if press_suddenness <= SUDDEN:
-        return []
-    pace = "loading_rate" if case.motion.control == "force" else "speed"
-    reason = (
-        f"sudden change of the speed / (peak x frequency of the last mode, {last:.3g} Hz) = "
-        f"{press_suddenness:.2g} > {SUDDEN:g}: the modes do not follow it; press more slowly, or "
-        "with a longer motion.corner"
-    )
-    return [Reason(f"motion.{pace}" if hasattr(case.motion, pace) else "motion", reason)]
+    if press_suddenness > SUDDEN:
+        pace = "loading_rate" if case.motion.control == "force" else "speed"
+        reason = (
+            f"sudden change of the speed / (peak x frequency of the last mode, {last:.3g} Hz) = "
+            f"{press_suddenness:.2g} > {SUDDEN:g}: the modes do not follow it; press more slowly, "
+            "or with a longer motion.corner"
+        )
+        yield Reason(f"motion.{pace}" if hasattr(case.motion, pace) else "motion", reason)
 
 
-def _too_high(case: Situation) -> list[Reason]:
-    """Return the reason against a motion with frequencies which the modes do not reach."""
+def _too_high(case: Situation) -> Iterator[Reason]:
     frequency = case.motion.highest_frequency
     if frequency is None:
-        return []
+        return
     reduced, measured = _reduced(case, frequency), float(_envelope("vibration", "published")[0][-1])
+    ratio = _ratio(case, frequency)
     if reduced > measured * (1 + 1e-9):
         reason = (
             f"frequency x thickness / wave speed = {reduced:.2g} > {measured:g}: no finger was "
             f"measured beyond; stay below {_rounded(frequency * measured / reduced)} Hz"
             f"{_damped_set(case.finger)}"
         )
-        return [Reason("motion.frequency", reason)]
-    if _ratio(case, frequency) <= BEYOND:
-        return []
-    highest = frequency * BEYOND / _ratio(case, frequency)
-    reason = (
-        f"frequency / frequency of the last mode = {_ratio(case, frequency):.2g} > {BEYOND:g}: "
-        f"the modes that are computed reach some {_rounded(highest)} Hz; stay below, or take "
-        f"stiffer tissue{_damped_set(case.finger)}"
-    )
-    return [Reason("motion.frequency", reason)]
+        yield Reason("motion.frequency", reason)
+    elif ratio > BEYOND:
+        reason = (
+            f"frequency / frequency of the last mode = {ratio:.2g} > {BEYOND:g}: the modes that "
+            f"are computed reach some {_rounded(frequency * BEYOND / ratio)} Hz; stay below, or "
+            f"take stiffer tissue{_damped_set(case.finger)}"
+        )
+        yield Reason("motion.frequency", reason)
 
 
-def _too_coarse(motion: Motion) -> list[Reason]:
-    """Return the reason against a vibration with too few samples per cycle."""
+def _too_coarse(motion: Motion) -> Iterator[Reason]:
     frequency, rate = motion.highest_frequency, motion.sample_rate
-    if frequency is None or rate is None or rate >= SAMPLED * frequency:
-        return []
-    reason = (
-        f"samples per s / highest frequency = {rate:.4g} / {frequency:.3g} Hz = "
-        f"{rate / frequency:.2g} < {SAMPLED:g}: straight lines between the samples distort it; "
-        "sample the motion more finely, or filter its noise"
-    )
-    return [Reason("motion.time", reason)]
+    if frequency is not None and rate is not None and rate < SAMPLED * frequency:
+        reason = (
+            f"samples per s / highest frequency = {rate:.4g} / {frequency:.3g} Hz = "
+            f"{rate / frequency:.2g} < {SAMPLED:g}: straight lines between the samples distort it; "
+            "sample the motion more finely, or filter its noise"
+        )
+        yield Reason("motion.time", reason)
 
 
 def _rounded(value: float) -> str:
@@ -313,7 +311,7 @@ def _faster(case: Situation, frequency: float) -> float:
     """Wave speed in mm/s at a frequency, under the preload."""
     factor = 1.0
     if stiffens(case.finger) and case.motion.control == "depth":
-        part = min(case.motion.steady_level, case.peak) / case.finger.thickness
+        part = min(case.motion.steady_level, case.motion.peak) / case.finger.thickness
         factor = max(1.0, float(np.interp(part, *_by_part("factor", np.min, 1.0))))
     return float(wave_speed(case.finger, frequency) * np.sqrt(factor))
 
@@ -325,7 +323,7 @@ def _reduced(case: Situation, frequency: float) -> float:
 
 def _share(case: Situation) -> float:
     """Force of the oscillation over the peak, at most 1."""
-    return min(1.0, SHARE * case.motion.oscillation_amplitude / case.peak)
+    return min(1.0, SHARE * case.motion.oscillation_amplitude / case.motion.peak)
 
 
 def _ratio(case: Situation, frequency: float) -> float:

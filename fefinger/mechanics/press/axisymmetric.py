@@ -142,7 +142,6 @@ def respond(
 
 
 def _first_touch(scene: Scene) -> Touch:
-    """Return the first touch, or raise InputError for a place that is not on the pad."""
     first = touch(scene.finger, scene.indenter)
     if first is None:
         raise InputError(
@@ -153,7 +152,6 @@ def _first_touch(scene: Scene) -> Touch:
 
 
 def _check_width(contact: ElasticContact, deepest: float, radius: float) -> None:
-    """Raise InputError for a contact that is wider than its relative radius in mm."""
     widest = float(contact.contact_radius(np.array([deepest]))[0])
     if widest > radius * (1 + 1e-9):
         raise InputError(
@@ -166,7 +164,6 @@ def _check_width(contact: ElasticContact, deepest: float, radius: float) -> None
 def _march(
     motion: Motion, time: Array, prony: Prony, contact: ElasticContact
 ) -> ting.ContactHistory:
-    """Follow a motion at times (n_t,) s, by depth or by force."""
     value = motion.value(time)
     if motion.control == "depth":
         return ting.press_by_depth(prony, time, value, ting.radius_nodes(float(value.max())))

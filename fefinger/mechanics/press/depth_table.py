@@ -14,11 +14,12 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press.discretization import continued, refinement_location
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.mesh.shipped import data_folder
@@ -30,10 +31,6 @@ from fefinger.support import cache
 from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import InputError
-
-
-if TYPE_CHECKING:
-    from fefinger.geometry.finger_mesh import FingerMesh
 
 
 RANK = 1e-6
@@ -234,7 +231,7 @@ def key(finger: Finger, indenter: Indenter, mesh_sha256: str, *, half: bool = Tr
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 
-def key_on(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> str:
+def key_on(finger: Finger, indenter: Indenter, mesh: FingerMesh) -> str:
     """Key of a table on a mesh."""
     return key(finger, indenter, mesh.source_sha256 or mesh.fingerprint, half=mesh.half)
 
@@ -258,7 +255,7 @@ def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple
     return max(deepest)
 
 
-def at_hand(finger: Finger, indenter: Indenter, mesh: "FingerMesh") -> DepthTable | None:
+def at_hand(finger: Finger, indenter: Indenter, mesh: FingerMesh) -> DepthTable | None:
     """Read the deepest table that is shipped or cached; None where none is, or all are damaged."""
     tables = []
     for path in _paths(key_on(finger, indenter, mesh)):
@@ -314,6 +311,5 @@ def read(place: Path) -> DepthTable:
 
 
 def _read(place: Path, names: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Read arrays by name, all of them without names."""
     with place.open("rb") as opened, np.load(opened, allow_pickle=False) as stored:
         return {name: stored[name] for name in names or stored.files}

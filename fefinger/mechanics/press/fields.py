@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 from scipy import sparse
 
+from fefinger.fem.contact.patch import Patch
+from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.elements.probe import gradient_at_vertices, strain_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
@@ -14,34 +16,25 @@ from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS, FingerMesh
 from fefinger.geometry.locate import inside_weights
 from fefinger.geometry.voigt import VOIGT
 from fefinger.mechanics.press.materials import laws
-from fefinger.mechanics.press.problem import Press, SmallStrainHistory, frames_of
+from fefinger.mechanics.press.problem import Press, frames_of
 from fefinger.results.records import Fields
 from fefinger.support.arrays import Array, Integers
 
 
-def small_strain_fields(press: Press, history: SmallStrainHistory) -> Fields:
-    """Solve for the whole body at some of the times."""
-    contact, on_pad = history.contact, history.reduced.patch
-    force = contact.pressure @ on_pad.projected
-    frames = frames_of(contact.depth, int(np.argmax(force)))
-    loads = on_pad.loads @ contact.elastic_pressure[frames].T
-    unknowns = press.method.unknowns(press.body, np.asarray(loads))
-    return fields_of(press, frames, unknowns, on_pad.vertices, contact.pressure[frames])
-
-
-def fields_of(
-    press: Press, frames: Integers, unknowns: Array, pad: Integers, pressure: Array
+def small_strain_fields(
+    press: Press, contact: History, on_pad: Patch, solve: Callable[[Integers], Array]
 ) -> Fields:
-    """Fields at the times numbered `frames` (n,), from the unknowns (n_unknowns, n) of the body.
+    """Fields of a contact on a patch at some of the times.
 
-    pressure (n, n_pad) kPa at its vertices `pad` (n_pad,).
+    solve: the unknowns (n_unknowns, n) of the body at times of these numbers (n,).
     """
-    original = press.body.original
+    frames = frames_of(contact.depth, int(np.argmax(contact.pressure @ on_pad.projected)))
+    unknowns, original = solve(frames), press.body.original
     fields = no_fields(press.mesh, press.time[frames])
     fields.displacement[:, original] = unknowns[: 3 * len(original)].T.reshape(len(frames), -1, 3)
     at_vertices = strain_at_vertices(press.body.space) @ unknowns
     fields.strain[:, original] = at_vertices.T.reshape(len(frames), -1, 6)
-    fields.pressure[:, original[pad]] = pressure
+    fields.pressure[:, original[on_pad.vertices]] = contact.pressure[frames]
     energy = _energies(press, finite=False)
     return replace(fields, energy=np.array([energy(each) for each in unknowns.T]))
 

@@ -168,12 +168,12 @@ def _reference(press: Press, elements: Continuum, halt: str) -> Reference | None
     return reference_strain(press.body, press.reference.sites, unknowns)
 
 
-class _RimReachedError(Exception):
-    """Ends a solution early: contact has reached the rim of its candidates, or of the pad."""
+class _EndedError(Exception):
+    """Ends a solution early: contact is at the rim of candidates or pad, or at its target."""
 
 
-class _TargetReachedError(Exception):
-    """Ends a solution early: the press has reached its target."""
+RECORDED = ("depth", "pressure", "gap", "moved", "moment", "strain")
+"""Quantities of a `FiniteStrainHistory` that are recorded at every step."""
 
 
 class _Recorder:
@@ -184,31 +184,22 @@ class _Recorder:
         self.places = body.space.node_points
         on = contact.on
         self.rim = on.border | np.isin(on.vertices, placement.border(body))
-        self.depth: list[float] = []
-        self.pressure: list[Array] = []
-        self.gap: list[Array] = []
-        self.moved: list[Array] = []
-        self.moment: list[Array] = []
-        self.strain: list[Array] = []
+        self.rows: list[tuple[Any, ...]] = []
         self.frames: dict[int, Array] = {}
         self.last: Array | None = None
 
     def keep(self, number: int, state: State) -> None:
         """Record step `number`."""
         self.last = state.values
-        self.depth.append(state.depth)
-        self.pressure.append(state.pressure)
-        gap, moved = self.contact.clearance(state.values, state.depth)
-        self.gap.append(gap)
-        self.moved.append(moved)
-        self.moment.append(self._moment(state))
-        self.strain.append(logarithmic((self.probe @ state.values).reshape(-1, 3, 3)))
+        clearance = self.contact.clearance(state.values, state.depth)
+        strain = logarithmic((self.probe @ state.values).reshape(-1, 3, 3))
+        self.rows.append((state.depth, state.pressure, *clearance, self._moment(state), strain))
         if number in self.course.frames:
             self.frames[number] = state.values
-        if (state.pressure[self.rim] > 0).any():
-            raise _RimReachedError
-        if self.course.reached_target(state.depth, float(self.contact.projected @ state.pressure)):
-            raise _TargetReachedError
+        force = float(self.contact.projected @ state.pressure)
+        at_rim = (state.pressure[self.rim] > 0).any()
+        if at_rim or self.course.reached_target(state.depth, force):
+            raise _EndedError
 
     def _moment(self, state: State) -> Array:
         """Return the moment (3,) mN mm of the pressure about the origin."""
@@ -274,31 +265,23 @@ def _on_candidates(
     allowance: FactorizationBudget | None,
 ) -> FiniteStrainHistory:
     """Solve the steps on some candidates, as far as the contact stays off their rim."""
-    body, steps = press.body, course.steps
+    body, halt = press.body, ""
     probe = recovered_gradient_at(body.space, press.site_points, body.planes)
     equilibrium = Equilibrium(elements, contact, press.system, PRESS_EQUILIBRIUM)
     recorder = _Recorder(body, contact, probe, course)
-    halt, ended = "", False
     with stages.stage("steps") as report:
         try:
             follow(equilibrium, course.stress(), course.path, recorder.keep, report, allowance)
-        except _RimReachedError:
-            pass  # seen again by the caller
-        except _TargetReachedError:
-            ended = True
+        except _EndedError:
+            pass  # at a rim: seen again by the caller
         except ConvergenceError as error:
             halt = failure_message(error, elements, recorder.last)
-            if len(recorder.depth) < WORTH:
+            if len(recorder.rows) < WORTH:
                 raise ConvergenceError(halt) from error
     return FiniteStrainHistory(
         contact=contact,
-        steps=steps.until(len(recorder.depth)) if halt or ended else steps,
-        depth=np.array(recorder.depth),
-        pressure=np.array(recorder.pressure),
-        gap=np.array(recorder.gap),
-        moved=np.array(recorder.moved),
-        moment=np.array(recorder.moment),
-        strain=np.array(recorder.strain),
+        steps=course.steps.until(len(recorder.rows)),
+        **dict(zip(RECORDED, map(np.array, zip(*recorder.rows, strict=True)), strict=True)),
         frames=recorder.frames,
         reference=None,
         iterations=equilibrium.iterations,

@@ -221,7 +221,6 @@ class Vibrating:
         return strain, rows[:, 6 * n_sites :].reshape(len(frequency), -1, 3)
 
     def _check(self, frequency: Array) -> None:
-        """Raise InputError for frequencies that the modes do not reach."""
         if not len(frequency) or not (frequency > 0).all():
             message = f"frequency: expected values above 0 Hz, received {frequency.tolist()}"
             raise InputError(message)

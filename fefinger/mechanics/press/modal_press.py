@@ -12,7 +12,6 @@ from fefinger.fem.condensation import Operator, displaced
 from fefinger.fem.contact.modal_march import ModalContact, TimeGrid, march_modes
 from fefinger.fem.contact.viscoelastic import History, Prescribed
 from fefinger.fem.elements.recovery import recovered_strain_at
-from fefinger.mechanics.press.fields import fields_of
 from fefinger.mechanics.press.modal_body import (
     FingerModes,
     ModalBody,
@@ -20,10 +19,9 @@ from fefinger.mechanics.press.modal_body import (
     finger_modes,
     stiffened,
 )
-from fefinger.mechanics.press.problem import Press, frames_of
+from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.small_strain import solve_contact
 from fefinger.mechanics.press.time_steps import FAST_STEP, MODAL_STEP, MOST, RESOLVED, time_grid
-from fefinger.results.records import Fields
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
@@ -138,17 +136,11 @@ def probe_of(press: Press) -> sparse.csr_matrix:
     return recovered_strain_at(press.body.space, press.site_points, press.body.planes)
 
 
-def contact_of(body: ModalBody, longest: float) -> ModalContact:
-    """Return the contact of a body at rest."""
+def contact_of(body: ModalBody, longest: float, *limits: Integers) -> ModalContact:
+    """Return the contact of a body at rest; `limits` as of `ModalContact`."""
     on_pad = body.static.patch
-    return ModalContact(
-        body.oscillators,
-        body.participation,
-        body.residual_flexibility,
-        on_pad.gap,
-        on_pad.projected,
-        longest,
-    )
+    modes = body.oscillators, body.participation, body.residual_flexibility
+    return ModalContact(*modes, on_pad.gap, on_pad.projected, longest, *limits)
 
 
 def operator_of(press: Press) -> Operator:
@@ -171,14 +163,6 @@ def displacements(press: Press, history: ModalHistory, frames: Integers, scale: 
     numbers = np.arange(amplitudes.shape[1])
     unknowns[:size] += history.modes.combined(size, numbers, amplitudes)
     return unknowns
-
-
-def modal_fields(press: Press, history: ModalHistory) -> Fields:
-    """Fields on the mesh at some of the times."""
-    contact, on_pad = history.contact, history.body.static.patch
-    frames = frames_of(contact.depth, int(np.argmax(contact.pressure @ on_pad.projected)))
-    unknowns = displacements(press, history, frames, 1.0)
-    return fields_of(press, frames, unknowns, on_pad.vertices, contact.pressure[frames])
 
 
 def at_stored(press: Press, grid: TimeGrid) -> Press:

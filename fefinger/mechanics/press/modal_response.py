@@ -9,7 +9,8 @@ and is computed on the next coarser mesh, whose modes take a fifth of the time.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -20,14 +21,13 @@ from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import operator, problem, tabulated_press
-from fefinger.mechanics.press.fields import interpolation
+from fefinger.mechanics.press.fields import interpolation, small_strain_fields
 from fefinger.mechanics.press.harmonic import Vibrating, about
 from fefinger.mechanics.press.modal_body import stiffened
 from fefinger.mechanics.press.modal_press import (
     ModalHistory,
     at_stored,
     displacements,
-    modal_fields,
     modal_grid,
     operator_of,
     probe_of,
@@ -94,7 +94,10 @@ def respond(
     small = SmallStrainHistory(body.complete, contact, reference)  # rest and modes side by side
     answer = small_strain_response(replace(press, fields=False), small, stages)
     with stages.stage("fields"):
-        fields = modal_fields(press, history) if press.fields else None
+        fields = None
+        if press.fields:
+            solve = partial(displacements, press, history, scale=1.0)
+            fields = small_strain_fields(press, contact, body.static.patch, solve)
     answer = _with_modes(replace(answer, fields=fields), history, grid)
     return _swept(answer, scene, press, history, 1.0, stages)
 
@@ -118,7 +121,7 @@ def _corrected(
     if scene.motion.control == "depth":
         depth = min(depth, table.table.deepest)
     else:  # of relaxed tissue
-        depth = float(np.interp(depth, table.force, table.table.nodes))
+        depth = float(np.interp(depth, table.table.force_at_nodes, table.table.nodes))
     share = geometric_share(depth / scene.finger.thickness)
     swinging = about_preload(scene.finger, share)
     swinging = replace(swinging, resolution=MESH_OF_INERTIA[scene.finger.mesh])
@@ -128,13 +131,13 @@ def _corrected(
     factor = stiffening(press, table, depth)
     history = solve_modal(press, grid, stages, factor)
     press = at_stored(press, grid)
-    still = _still(press, factor, stages)
+    linear = _Linear(press, history, _still(press, factor, stages), factor)
     relaxation = PreloadRelaxation(table, share, depth, tangent(table, depth))
-    answer = _added(answer, press, history, still, grid, factor, depth, relaxation)
+    answer = _with_modes(_added(answer, linear, depth, relaxation), history, grid)
     answer = _swept(answer, scene, press, history, factor, stages, depth)
     if answer.harmonic is None:
         return answer
-    preload = float(np.interp(depth, table.table.nodes, table.force))
+    preload = float(table.elastic_force(np.array(depth)))
     return replace(answer, harmonic=replace(answer.harmonic, preload_force=preload))
 
 
@@ -216,17 +219,20 @@ def _still(press: Press, factor: float, stages: Stages) -> SmallStrainHistory:
     return SmallStrainHistory(stiffened(reduced, factor), contact, None)
 
 
+@dataclass(frozen=True)
+class _Linear:
+    """A linear finger of `factor` times the moduli, with inertia (`history`) and without."""
+
+    press: Press
+    history: ModalHistory
+    still: SmallStrainHistory
+    factor: float
+
+
 def _added(
-    answer: Response,
-    press: Press,
-    history: ModalHistory,
-    still: SmallStrainHistory,
-    grid: TimeGrid,
-    factor: float,
-    depth: float,
-    relaxation: PreloadRelaxation,
+    answer: Response, linear: _Linear, depth: float, relaxation: PreloadRelaxation
 ) -> Response:
-    """Add what inertia and the preload change to the answer at finite strain."""
+    press, history, still = linear.press, linear.history, linear.still
     unit = press.body.sides * NEWTON_PER_MILLINEWTON
     moving = unit * history.contact.pressure @ history.body.static.patch.projected
     resting = unit * still.contact.pressure @ still.reduced.patch.projected
@@ -240,15 +246,15 @@ def _added(
     force = np.maximum(force, 0.0)
     share = np.divide(force, answer.force, out=np.zeros_like(force), where=answer.force > 0)
     notes = [
-        f"Tissue stiffens with strain: inertia is that of a linear finger with {factor:.3g} times "
-        f"the moduli, of the stiffness at {depth:.3g} mm, on the {press.finger.mesh} mesh; its "
-        "change of force, strain and displacement is added to the answer of `pressed`, and "
+        f"Tissue stiffens with strain: inertia is that of a linear finger with {linear.factor:.3g} "
+        f"times the moduli, of the stiffness at {depth:.3g} mm, on the {press.finger.mesh} mesh; "
+        "its change of force, strain and displacement is added to the answer of `pressed`, and "
         "pressures are scaled to the force. The stress of the preload does not relax in the "
         f"vibration: {percent(relaxation.share)} more of the stiffness does than without it.",
     ]
     if pulls.any():
         notes.append(f"The contact would pull at {int(pulls.sum())} times: there it is open.")
-    changed = replace(
+    return replace(
         answer,
         depth=answer.depth + more,
         force=force,
@@ -256,18 +262,16 @@ def _added(
         moment=None if answer.moment is None else share[:, None] * answer.moment,
         contact_area=_open(answer.contact_area, force),
         centroid=_open(answer.centroid, force, np.nan),
-        strain=_strain(answer, press, history, still),
-        fields=_fields(answer, press, history, still, factor, share),
+        strain=_strain(answer, linear),
+        fields=_fields(answer, linear, share),
         notes=(*answer.notes, *notes),
-        numbers=answer.numbers | {"finite_strain": 1.0, "stiffening": factor},
+        numbers=answer.numbers | {"finite_strain": 1.0, "stiffening": linear.factor},
     )
-    return _with_modes(changed, history, grid)
 
 
-def _strain(
-    answer: Response, press: Press, history: ModalHistory, still: SmallStrainHistory
-) -> Array | None:
+def _strain(answer: Response, linear: _Linear) -> Array | None:
     """Strain (n_t, n_sites, 3, 3) of the answer with the change of it by inertia, if any is."""
+    press, history, still = linear.press, linear.history, linear.still
     if answer.strain is None or press.sites is None:
         return answer.strain
     change = history.contact.elastic_pressure @ history.body.complete.strain_operator.T
@@ -283,23 +287,16 @@ def _open(values: Array | None, force: Array, empty: float = 0.0) -> Array | Non
     return np.where(closed, values, empty)
 
 
-def _fields(
-    answer: Response,
-    press: Press,
-    history: ModalHistory,
-    still: SmallStrainHistory,
-    factor: float,
-    share: Array,
-) -> Fields | None:
+def _fields(answer: Response, linear: _Linear, share: Array) -> Fields | None:
     """Return the fields at finite strain with what inertia adds, interpolated between the meshes.
 
     share (n_t,): the force over that without inertia.
     """
-    fields = answer.fields
+    press, still, factor, fields = linear.press, linear.still, linear.factor, answer.fields
     if fields is None:
         return None
     frames = np.searchsorted(press.time, fields.times)
-    added = displacements(press, history, frames, factor)
+    added = displacements(press, linear.history, frames, factor)
     loads = still.reduced.patch.loads @ still.contact.elastic_pressure[frames].T
     added -= operator.METHOD.unknowns(operator_of(press), np.asarray(loads)) / factor
     space, count = press.body.space, len(frames)

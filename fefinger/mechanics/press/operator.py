@@ -176,7 +176,6 @@ def _compliance(
 
 
 def _fronts(arrays: dict[str, Any]) -> Iterator[Eliminated]:
-    """Yield the fronts as views of the file."""
     rest, values = np.array(arrays["rest"]), arrays["values"].view(np.ndarray)
     first = start = 0
     for begin, pressure, stop, below in arrays["table"].tolist():

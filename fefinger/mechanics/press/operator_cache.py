@@ -9,15 +9,13 @@ import json
 import os
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.scene.finger import Finger
 from fefinger.support import cache
 from fefinger.support.checks import InputError
 
-
-if TYPE_CHECKING:
-    from fefinger.geometry.finger_mesh import FingerMesh
 
 FORMAT, MODES_FORMAT = 1, 3
 """Raised when the elements, the mass matrix, a solver or the files change, so that operators and
@@ -32,7 +30,7 @@ MESH_OF_INERTIA = {"coarse": "coarse", "standard": "coarse", "fine": "standard"}
 
 
 def identity(
-    finger: Finger, *, odd: bool, mesh: "FingerMesh | None" = None, continued: bool = False
+    finger: Finger, *, odd: bool, mesh: FingerMesh | None = None, continued: bool = False
 ) -> dict[str, Any] | None:
     """Return the inputs of an operator as plain values; None where the mesh has no file.
 

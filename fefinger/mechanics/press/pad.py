@@ -9,25 +9,11 @@ from fefinger.geometry.finger_mesh import triangle_areas
 from fefinger.geometry.mirror import Halves
 from fefinger.results.records import Pad
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 def on_neighborhood(pressure: Array, seen: Neighborhood) -> Array:
     """Extend the pressure (n_t, n) kPa of the candidates by zeros to their neighborhood."""
     return np.pad(pressure, ((0, 0), (0, len(seen.vertices) - pressure.shape[1])))
-
-
-def whole_moment(meshed: Array, half: bool) -> Array:
-    """Return the moment (n_t, 3) N mm on the whole finger about the origin."""
-    whole = meshed * np.array([0.0, 2.0, 0.0]) if half else meshed
-    return np.asarray(whole * NEWTON_PER_MILLINEWTON)
-
-
-def centroid(pad: Pad, pressure: Array) -> Array:
-    """Return the center (n_t, 2) mm of the pressure in x and y, nan where there is none."""
-    total = (pressure @ pad.areas)[:, None]
-    moment = pressure @ first_moments(pad)[:, :2]
-    return np.divide(moment, total, out=np.full_like(moment, np.nan), where=total > 0)
 
 
 def first_moments(pad: Pad) -> Array:

@@ -12,7 +12,7 @@ from fefinger.geometry import mirror
 from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import dragged, sliding
 from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_fields
-from fefinger.mechanics.press.pad import centroid, on_neighborhood, whole_moment, whole_pad
+from fefinger.mechanics.press.pad import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import (
     TANGENT_SOLVER,
     FiniteStrainHistory,
@@ -27,25 +27,29 @@ from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 def small_strain_response(press: Press, history: SmallStrainHistory, stages: Stages) -> Response:
     """Return the Response of a press solved at small strain."""
+    contact, on_pad = history.contact, history.reduced.patch
+
+    def solve(frames: Integers) -> Array:
+        loads = on_pad.loads @ contact.elastic_pressure[frames].T
+        return press.method.unknowns(press.body, np.asarray(loads))
+
     with stages.stage("fields"):
-        fields = small_strain_fields(press, history) if press.fields else None
+        fields = small_strain_fields(press, contact, on_pad, solve) if press.fields else None
     with stages.stage("pressure"):
-        contact, on_pad, half = history.contact, history.reduced.patch, press.body.half
         pad, column = whole_pad(press.body, on_pad.neighborhood)
         pressure = on_neighborhood(contact.pressure, on_pad.neighborhood)[:, column]
         displacement = contact.elastic_pressure @ history.reduced.normal_displacement.T
         if press.motion.slides:
             on_pad = replace(on_pad, distance=sliding.distances(press, on_pad))
         gap = on_pad.clearance(contact.depth, displacement)[:, column]
-        area = middle = moment = None
+        quantities = {}
         if press.pressure:
-            surface = CandidateSurface(
-                pad.points, pad.triangles, press.obstacle.axis, press.obstacle
-            )
-            moves = press.motion.slides and not press.obstacle.profile.plane
-            area = (pressure > 0) @ pad.areas if moves else surface.area(pressure > 0, gap)
-            middle = centroid(pad, pressure)
-            moment = whole_moment(contact.pressure @ on_pad.moment, half)
+            obstacle, bearing = press.obstacle, pressure > 0
+            surface = CandidateSurface(pad.points, pad.triangles, obstacle.axis, obstacle)
+            moves = press.motion.slides and not obstacle.profile.plane
+            area = bearing @ pad.areas if moves else surface.area(bearing, gap)
+            moment = contact.pressure @ on_pad.moment
+            quantities = of_pressure(pad, pressure, area, gap, moment, press.body.half)
         force = press.body.sides * contact.pressure @ on_pad.projected * NEWTON_PER_MILLINEWTON
         strain = None
         if press.sites is not None:
@@ -62,17 +66,12 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         time=press.time,
         depth=contact.depth,
         force=force,
-        contact_area=area,
-        centroid=middle,
-        pad=pad if press.pressure else None,
-        pressure=pressure if press.pressure else None,
         strain=strain,
         reference=history.reference,
         fields=fields,
         status=f"Solved: {contact.exchanges} contact solutions with {exactness(penetration)}.",
-        gap=gap if press.pressure else None,
-        moment=moment,
         lateral=lateral,
+        **quantities,
     )
 
 
@@ -81,23 +80,25 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
     with stages.stage("fields"):
         fields = _kept_fields(press, history) if press.fields else None
     with stages.stage("pressure"):
-        steps, seen, half = history.steps, history.contact.neighborhood, press.body.half
+        steps, seen = history.steps, history.contact.neighborhood
         pressure, force = _between_steps(press, history)
-        borne = pressure
-        area = middle = gap = moment = None
         pad, column = whole_pad(press.body, seen)
+        quantities = {}
         if press.pressure:
-            pressure = on_neighborhood(pressure, seen)[:, column]
-            area = steps.bounded(areas_of_steps(history, pad, column))
-            middle = centroid(pad, pressure)
-            gap = steps.smooth(history.gap)[:, column]
-            moment = whole_moment(steps.smooth(history.moment), half)
+            quantities = of_pressure(
+                pad,
+                on_neighborhood(pressure, seen)[:, column],
+                steps.bounded(areas_of_steps(history, pad, column)),
+                steps.smooth(history.gap)[:, column],
+                steps.smooth(history.moment),
+                press.body.half,
+            )
         by_force = press.motion.control == "force"
         depth = steps.bounded(history.depth) if by_force else steps.path
         strain = press.unfolded(steps.smooth(history.strain)) if press.sites else None
-        lateral = (
-            dragged.lateral(press, history, borne, force, column) if press.tangential else None
-        )
+        lateral = None
+        if press.tangential:
+            lateral = dragged.lateral(press, history, pressure, force, column)
     penetration = deepest_penetration(history.gap)
     work = {
         "steps": len(history.depth),
@@ -114,19 +115,33 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         time=steps.time,
         depth=depth,
         force=force,
-        contact_area=area,
-        centroid=middle,
-        pad=pad if press.pressure else None,
-        pressure=pressure if press.pressure else None,
         strain=strain,
         reference=history.reference,
         fields=fields,
         status=_status(history, penetration),
-        gap=gap,
-        moment=moment,
         lateral=lateral,
+        **quantities,
     )
     return replace(answer, sources={**answer.sources, "solver": TANGENT_SOLVER})
+
+
+def of_pressure(
+    pad: Pad, pressure: Array, area: Array, gap: Array, moment: Array, half: bool
+) -> dict[str, Any]:
+    """Return the quantities of a Response that are read from the pressure.
+
+    pressure (n_t, n_pad) kPa and gap (n_t, n_pad) mm on the pad of the whole finger, area (n_t,)
+    mm², moment (n_t, 3) mN mm of the meshed part, which is `half` of the finger or all of it.
+    """
+    total, first = (pressure @ pad.areas)[:, None], pressure @ first_moments(pad)[:, :2]
+    return {
+        "pad": pad,
+        "pressure": pressure,
+        "contact_area": area,
+        "centroid": np.divide(first, total, out=np.full_like(first, np.nan), where=total > 0),
+        "gap": gap,
+        "moment": moment * (np.array([0.0, 2.0, 0.0]) if half else 1.0) * NEWTON_PER_MILLINEWTON,
+    }
 
 
 def make_response(
@@ -162,7 +177,6 @@ def make_response(
 
 
 def _precision(body: Solid) -> tuple[str, ...]:
-    """Return notes on factors in single precision that failed."""
     if not isinstance(body, Body):
         return ()
     count = len(body.system.failed)

@@ -22,10 +22,15 @@ from fefinger.mechanics.press.depth_table import DepthTable
 from fefinger.mechanics.press.elastic_press import FARTHEST
 from fefinger.mechanics.press.fields import finite_strain_fields
 from fefinger.mechanics.press.materials import tissues, with_nail
-from fefinger.mechanics.press.pad import centroid, on_neighborhood, whole_moment, whole_pad
+from fefinger.mechanics.press.pad import on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import Press, SolutionMethod, frames_of
 from fefinger.mechanics.press.reference import reference_strain
-from fefinger.mechanics.press.response import deepest_penetration, exactness, make_response
+from fefinger.mechanics.press.response import (
+    deepest_penetration,
+    exactness,
+    make_response,
+    of_pressure,
+)
 from fefinger.mechanics.press.small_strain import WHOLE_MESH
 from fefinger.neural.reference import Reference
 from fefinger.results.records import Fields, Response
@@ -79,20 +84,15 @@ class TabulatedPress:
         return self.table.bounded(self.table.pressure)
 
     @cached_property
-    def force(self) -> Array:
-        """Elastic force (n_nodes,) N of the whole finger at the nodes of depth."""
-        return self.table.force_at_nodes
-
-    @cached_property
     def instantaneous(self) -> ElasticForce:
         """Elastic force of the whole finger in N for its modulus at t = 0."""
         table = self.table
-        force = self.force / self.long_time
+        force = self.table.force_at_nodes / self.long_time
         return ElasticForce(table.nodes, force, table.measure, table.work_at_nodes)
 
     def elastic_force(self, depth: Array) -> Array:
         """Elastic force (n,) N of the whole finger at depths (n,) mm."""
-        return np.interp(depth, self.table.nodes, self.force)
+        return np.interp(depth, self.table.nodes, self.table.force_at_nodes)
 
     @property
     def long_time(self) -> float:
@@ -125,7 +125,7 @@ class TabulatedPress:
     def moments(self, history: ContactHistory) -> Array:
         """Moment (n_t, 3) mN mm of the meshed part, scaled to the force."""
         table, weights = self.table, history.stress_weights
-        borne, force = weights @ self.force, self.forces(history)
+        borne, force = weights @ self.table.force_at_nodes, self.forces(history)
         factor = np.divide(force, borne, out=np.zeros_like(borne), where=borne > 0)
         return np.asarray(factor[:, None] * (weights @ table.between @ table.moment))
 
@@ -192,7 +192,7 @@ def tabulated_response(
 ) -> Response:
     """Return the Response of a contact problem whose table is convolved along its motion."""
     press = tabulated.press
-    table, half = tabulated.table, press.body.half
+    table, quantities = tabulated.table, {}
     strained = history.strain_weights @ table.between
     with stages.stage("fields"):
         fields = _fields(tabulated, history, strained) if press.fields else None
@@ -200,15 +200,17 @@ def tabulated_response(
         pressure = tabulated.pressures(history)
         gaps = _gaps(table, history.depth, strained)
         penetration = deepest_penetration(gaps)
-        pad = area = middle = gap = moment = seen_pressure = None
         if press.pressure:
             seen = tabulated.contact.neighborhood
             pad, column = whole_pad(press.body, seen)
-            seen_pressure = on_neighborhood(pressure, seen)[:, column]
-            area = np.interp(history.edge, table.nodes, table.bounded(table.area))
-            middle = centroid(pad, seen_pressure)
-            gap = gaps[:, column]
-            moment = whole_moment(tabulated.moments(history), half)
+            quantities = of_pressure(
+                pad,
+                on_neighborhood(pressure, seen)[:, column],
+                np.interp(history.edge, table.nodes, table.bounded(table.area)),
+                gaps[:, column],
+                tabulated.moments(history),
+                press.body.half,
+            )
     with stages.stage("strain"):
         strain = None
         if press.sites is not None:
@@ -223,10 +225,6 @@ def tabulated_response(
         time=press.time,
         depth=history.depth,
         force=tabulated.forces(history),
-        contact_area=area,
-        centroid=middle,
-        pad=pad,
-        pressure=seen_pressure,
         strain=strain,
         reference=reference,
         fields=fields,
@@ -234,9 +232,8 @@ def tabulated_response(
             f"Solved: an elastic press of {len(table.depth) - 1} depths up to {table.deepest:.3g} "
             f"mm, and its relaxation at {len(press.time)} times; {exactness(penetration)}."
         ),
-        gap=gap,
-        moment=moment,
         lateral=dragged.smooth(press, press.time) if press.tangential else None,
+        **quantities,
     )
 
 

@@ -109,7 +109,6 @@ def _too_long(motion: Motion, pieces: "Iterator[_Piece] | list[_Piece]", most: i
 
 
 def _pieces(motion: Motion, *, fast: bool, feature: float) -> Iterator[_Piece]:
-    """Yield the parts of the motion between its corners."""
     corners = np.unique(np.clip([0.0, *motion.breakpoints, motion.duration], 0.0, motion.duration))
     finest = FAST_STEP if fast else MOVING_STEP
     cycle = 1.0 / motion.wave_frequency if motion.wave_frequency else np.inf

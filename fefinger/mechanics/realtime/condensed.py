@@ -8,10 +8,9 @@ It is `mechanics/condensed` without a scene: the operator of the finger is built
 indenter is placed in about a second, and no memory is allocated from one step to the next.
 """
 
-import math
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -24,32 +23,27 @@ from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.mechanics.press import limits, operator, placement, problem
 from fefinger.mechanics.press.pad import first_moments, whole_pad
-from fefinger.mechanics.press.reference import reference_press
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.realtime.loop import (
+    Loop,
     Step,
-    check_finger,
     check_frictionless,
-    described,
-    units,
+    quick_number,
     warn_of_softness,
 )
-from fefinger.neural.recorded_streaming import RecordedAfferents
-from fefinger.neural.reference import Reference
-from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
 from fefinger.support.arrays import Array, Flags, Integers
-from fefinger.support.checks import InputError, choice, number
+from fefinger.support.checks import InputError, choice
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.tolerances import COMPLEMENTARITY
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-class Condensed:
+class Condensed(Loop):
     """A finger under an indenter, stepped in real time.
 
     Parameters
@@ -93,9 +87,8 @@ class Condensed:
         tolerance: float = COMPLEMENTARITY,
         progress: Progress | None = None,
     ) -> None:
-        check_finger(finger)
-        self.finger, self.indenter = finger, indenter
-        self.deepest = number("deepest", deepest, above=0, unit="mm")
+        super().__init__(finger, deepest)
+        self.indenter = indenter
         choice("precision", precision, ("double", "single"))
         if stiffening is None:
             warn_of_softness(finger, indenter, self.deepest)
@@ -103,15 +96,12 @@ class Condensed:
             check_frictionless(indenter)
         half = not isinstance(indenter, Rigid) and indenter.mirrored
         with Stages(progress).stage("factor") as report:
-            solid = operator.operator(finger, half=half, progress=report)
-        if isinstance(indenter, Rigid):
-            touch: Rigid = indenter
-        else:
-            touch = placement.obstacle(indenter, solid)
-        if sites is None:
-            origin = getattr(touch, "origin", np.zeros(3))
-            sites = central_sites(Ask(), finger.pulp, origin, touch.axis)
-        self.sites = sites
+            solid = self.solid = operator.operator(finger, half=half, progress=report)
+        touch: Rigid = (
+            indenter if isinstance(indenter, Rigid) else placement.obstacle(indenter, solid)
+        )
+        origin = getattr(touch, "origin", np.zeros(3))
+        self.sites = sites or central_sites(Ask(), finger.pulp, origin, touch.axis)
         where = solid.folded(self.sites.points)
         probe = self.probe = partial(recovered_strain_at, solid.space, where, solid.planes)
         surface, reach, within = solid.space, problem.REACH * self.deepest, solid.loadable
@@ -122,8 +112,7 @@ class Condensed:
             lambda on_pad: operator.reduced(finger, solid, on_pad, where, probe),
             lambda on_pad: on_pad.border & ~on_pad.obstacle_border,
         )
-        self.solid, self.patch, self.flexibility = solid, reduced.patch, reduced.flexibility
-        self.touch, self.reduced = touch, reduced
+        self.reduced, self.patch, self.flexibility = reduced, reduced.patch, reduced.flexibility
         self._sides, self._stiffening = solid.sides, stiffening
         self._state = lcp_compiled.lcp_state(reduced.flexibility)
         gap, areas = self.patch.gap, self.patch.projected
@@ -131,14 +120,12 @@ class Condensed:
         self.output = step_output(solid, reduced, self.sites.points, precision)
         nothing = np.empty((len(areas), 0), dtype=self.output.rows.dtype)
         self._without = self.output._replace(rows=nothing, strain=nothing[0])
-        strain = self.output.strain.reshape(-1, 6)
-        self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)
+        self.now = Step.at_rest(self._state.x, self.output.strain.reshape(-1, 6))
         self._advance(0.0, 0.0, False)  # compiles or loads what a step needs: none of them waits
         self.reset()
 
-    def __repr__(self) -> str:
-        """Show finger, object and end organs, not the arrays."""
-        return described(self, f"{len(self.patch.vertices)} vertices may touch")
+    def _about(self) -> tuple[str, ...]:
+        return (f"{len(self.patch.vertices)} vertices may touch",)
 
     @property
     def counts(self) -> Integers:
@@ -158,13 +145,6 @@ class Condensed:
             held = float(term @ flexibility @ term / weight)
             stored, lost = stored + held / 2, lost + rate * held
         return self._sides * float(stored), self._sides * lost
-
-    def afferents(self, **options: Any) -> Afferents | RecordedAfferents:
-        """Return the units of the sites, to be stepped with the strain of every step.
-
-        `options` as for the function `loop.units`.
-        """
-        return units(self.sites, lambda: reference(self.finger, self.solid, self.sites), **options)
 
     def reset(self) -> None:
         """Lift the indenter off and clear the stress history."""
@@ -202,17 +182,14 @@ class Condensed:
         if self._stiffening is not None:
             message = "step_force: expected depth control, as t(u) is a function of the depth"
             raise InputError(message)
-        if not (isinstance(force, float) and 0.0 <= force < math.inf):
-            force = number("force", force, at_least=0, unit="N")
+        force = quick_number("force", force, 0.0, unit="N")
         return self._advance(dt, force / (NEWTON_PER_MILLINEWTON * self._sides), True)
 
     def _advance(
         self, dt: float, target: float, by_force: bool, output: step_compiled.Output | None = None
     ) -> Step:
-        floats = isinstance(target, float) and isinstance(dt, float)
-        if not (floats and 0.0 <= dt < math.inf and abs(target) < math.inf):
-            target = number("depth", target, unit="mm")
-            dt = number("dt", dt, at_least=0, unit="s")
+        target = quick_number("depth", target, unit="mm")
+        dt = quick_number("dt", dt, 0.0, unit="s")
         stiffening = 1.0 if by_force else self._stiffness(target)
         state, memory = self._state, self._memory
         output = output or self.output
@@ -283,12 +260,6 @@ def read_summary(
     force, now.contact_area, now.x, now.y = output.summary.tolist()
     now.depth, now.force = float(pad.depth[0]), force * sides * NEWTON_PER_MILLINEWTON
     return now
-
-
-def reference(finger: Finger, solid: Solid, sites: Sites) -> Reference:
-    """Return the press that scales the strain at sites for units of the thesis."""
-    plate = problem.reference_plate(finger, solid, Ask(spikes=tuple(dict.fromkeys(sites.types))))
-    return reference_press(solid, plate, operator.METHOD)
 
 
 def unfolded(solid: Solid, points: Array, strain: Array) -> Array:

@@ -11,25 +11,23 @@ once and kept.
 
 from functools import cached_property
 from os import PathLike
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.fem.contact import lcp_compiled, step_compiled
-from fefinger.fem.contact.modal_march import ModalContact
 from fefinger.fem.contact.modal_step import add_strain, release
 from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.mechanics.press import limits
 from fefinger.mechanics.press.fields import no_fields
 from fefinger.mechanics.press.harmonic import Vibrating
 from fefinger.mechanics.press.modal_body import body_of_modes, finger_modes
+from fefinger.mechanics.press.modal_press import contact_of
 from fefinger.mechanics.press.time_steps import RESOLVED
 from fefinger.mechanics.realtime.condensed import Condensed, read_summary, unfolded
-from fefinger.mechanics.realtime.loop import Step, described
+from fefinger.mechanics.realtime.loop import Loop, Step
 from fefinger.mesh.store import load_or_build
-from fefinger.neural.recorded_streaming import RecordedAfferents
-from fefinger.neural.streaming import Afferents
 from fefinger.results import vtkhdf
 from fefinger.results.harmonic import Harmonic
 from fefinger.results.records import Fields, Sites
@@ -46,7 +44,7 @@ DT = 1e-4
 """Step in s that the modes are chosen for by default."""
 
 
-class Modal:
+class Modal(Loop):
     """A finger with inertia under an indenter, stepped in real time, and in frequency.
 
     Parameters
@@ -89,49 +87,35 @@ class Modal:
         still = self._still = Condensed(
             finger, indenter, deepest=deepest, sites=sites, precision=precision, progress=progress
         )
-        self.finger, self.indenter = finger, indenter
-        self.sites, self.deepest = still.sites, still.deepest
+        super().__init__(finger, deepest)
+        self.indenter, self.sites, self.solid = indenter, still.sites, still.solid
         with Stages(progress).stage("modes") as report:
-            self.modes = finger_modes(finger, still.solid, report)
+            self.modes = finger_modes(finger, self.solid, report)
         body = body_of_modes(finger, self.modes, still.reduced, still.probe)
         self.body = body.below(RESOLVED / self.dt)
-        on_pad = still.patch
-        self._contact = ModalContact(
-            *(self.body.oscillators, self.body.participation, self.body.residual_flexibility),
-            *(on_pad.gap, on_pad.projected),
-            self.dt * (1 + 1e-9),
-            still.output.limits,
-        )
-        rows = unfolded(still.solid, self.sites.points, self.body.complete.strain_operator).T
-        kind, count = still.output.rows.dtype, len(on_pad.vertices)
+        self._contact = contact_of(self.body, self.dt * (1 + 1e-9), still.output.limits)
+        rows = unfolded(self.solid, self.sites.points, self.body.complete.strain_operator).T
+        kind, count = still.output.rows.dtype, len(still.patch.vertices)
         self._rows = np.ascontiguousarray(rows[count:], dtype=kind)
         self._output = still.output._replace(
             rows=np.ascontiguousarray(rows[:count], dtype=kind),
             elastic=np.zeros(count),
             strain=np.zeros(len(rows.T), dtype=kind),
         )
-        self._sides = still.solid.sides
+        self._sides = self.solid.sides
         strain = self._output.strain.reshape(-1, 6)
-        self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._contact.lcp.x, strain)
+        self.now = Step.at_rest(self._contact.lcp.x, strain)
         self._advance(self.dt, 0.0, by_force=False)  # compiles or loads what a step needs
         self.reset()
 
-    def __repr__(self) -> str:
-        """Show finger, object, modes and end organs, not the arrays."""
+    def _about(self) -> tuple[str, ...]:
         low, high = self.frequencies[[0, -1]]
-        return described(self, f"{len(self.frequencies)} modes, {low:.3g} to {high:.3g} Hz relaxed")
+        return (f"{len(self.frequencies)} modes, {low:.3g} to {high:.3g} Hz relaxed",)
 
     @property
     def frequencies(self) -> Array:
         """Frequencies (n,) in Hz of the free finger with relaxed tissue."""
         return self.modes.frequencies
-
-    def afferents(self, **options: Any) -> Afferents | RecordedAfferents:
-        """Return the units of the sites, to be stepped with the strain of every step.
-
-        `options` as for `Condensed.afferents`.
-        """
-        return self._still.afferents(**options)
 
     def reset(self) -> None:
         """Lift the indenter off, and bring the finger to rest."""
@@ -209,7 +193,7 @@ class Modal:
         if which not in range(last + 1):
             raise InputError(f"mode: expected a number from 0 to {last}, received {which!r}")
         frames = int(number("frames", frames, at_least=1))
-        solid, mesh = self._still.solid, load_or_build(self.finger, half=self._still.solid.half)
+        solid, mesh = self.solid, load_or_build(self.finger, half=self.solid.half)
         size, moved = solid.space.n_displacements, np.zeros(solid.space.n_unknowns)
         moved[:size] = self.modes.combined(size, np.array([which]), np.ones((1, 1)))[:, 0]
         moved /= np.linalg.norm(moved[:size].reshape(-1, 3), axis=1).max()
@@ -233,7 +217,7 @@ class Modal:
         """The finger prepared for harmonic answers, once."""
         still = self._still
         return Vibrating.of(
-            self.finger, still.solid, self.modes, still.patch, self.deepest, self.sites
+            self.finger, self.solid, self.modes, still.patch, self.deepest, self.sites
         )
 
     def _check_step(self, dt: float) -> None:

@@ -8,7 +8,6 @@ It is `mechanics/pressed` without a scene. The press is read, or solved once and
 """
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -19,16 +18,8 @@ from fefinger.mechanics.press.notes import elastic_hard_parts_reasons, separate_
 from fefinger.mechanics.press.pad import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.tabulated_press import METHOD, TabulatedPress
-from fefinger.mechanics.realtime.loop import (
-    Step,
-    check_finger,
-    check_frictionless,
-    described,
-    units,
-)
-from fefinger.neural.recorded_streaming import RecordedAfferents
+from fefinger.mechanics.realtime.loop import Loop, Step, check_frictionless, quick_number
 from fefinger.neural.reference import Reference
-from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -43,7 +34,7 @@ from fefinger.support.vocabulary import TYPES
 from fefinger.theory.contact.ting import NestedContact, node_weights
 
 
-class Pressed:
+class Pressed(Loop):
     """A finger at finite strain under an indenter, stepped in real time.
 
     Parameters
@@ -75,8 +66,7 @@ class Pressed:
         sites: Sites | None = None,
         progress: Progress | None = None,
     ) -> None:
-        check_finger(finger)
-        self.deepest = number("deepest", deepest, above=0, unit="mm")
+        super().__init__(finger, deepest)
         for reason in (*separate_relaxation_reasons(finger), *elastic_hard_parts_reasons(finger)):
             raise InputError(f"{reason.text}; use the mechanics 'solid'")
         check_frictionless(indenter)
@@ -85,9 +75,9 @@ class Pressed:
         press = Press.of(scene, METHOD, stages, mechanics=pressed.name, notes=pressed.NOTES)
         table = elastic_press.load_or_solve(press, indenter, self.deepest, stages)
         self._tabulated = tabulated = TabulatedPress.of(press, table)
-        self.finger, self.indenter = finger, indenter
+        self.indenter = indenter
         assert press.sites is not None  # as spikes are asked for
-        self.sites: Sites = sites or press.sites
+        self.sites = sites or press.sites
         rows, columns = zip(*VOIGT, strict=True)
         strain = tabulated.strain(self.sites.points)[..., rows, columns]
         self._strain = np.ascontiguousarray(strain.reshape(len(strain), -1))
@@ -100,19 +90,8 @@ class Pressed:
         seen = on_neighborhood(np.eye(len(self._travel)), tabulated.contact.neighborhood)[:, column]
         self._loads = seen @ np.column_stack([pad.areas, first_moments(pad)[:, :2]])
         self._contact = NestedContact(finger.prony, table.nodes, table.measure, self.deepest)
-        zeros = np.zeros(len(self._travel)), np.zeros((len(self.sites.points), 6))
-        self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, *zeros)
-
-    def __repr__(self) -> str:
-        """Show finger, object and end organs, not the arrays."""
-        return described(self)
-
-    def afferents(self, **options: Any) -> Afferents | RecordedAfferents:
-        """Return the units of the sites, to be stepped with the strain of every step.
-
-        `options` as for the function `loop.units`.
-        """
-        return units(self.sites, self._reference, **options)
+        strain = np.zeros((len(self.sites.points), 6))
+        self.now = Step.at_rest(np.zeros(len(self._travel)), strain)
 
     def _reference(self) -> Reference:
         reference = self._tabulated.reference()
@@ -132,10 +111,9 @@ class Pressed:
         InputError
             A depth beyond `deepest`, or a number that is not finite; the finger stays as it was.
         """
-        floats = isinstance(depth, float) and isinstance(dt, float)
-        if not (floats and -math.inf < depth <= self.deepest and 0.0 <= dt < math.inf):
+        if not (isinstance(depth, float) and -math.inf < depth <= self.deepest):
             depth = number("depth", depth, at_most=self.deepest, unit="mm")
-            dt = number("dt", dt, at_least=0, unit="s")
+        dt = quick_number("dt", dt, 0.0, unit="s")
         self._contact.advance(dt, depth)
         return self._read()
 

@@ -21,7 +21,7 @@ from fefinger.fem.contact.patch import Patch, patch, smooth_places
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.fem.elements.spaces import trace
 from fefinger.mechanics.press import operator, placement, problem
-from fefinger.mechanics.realtime.loop import Step, check_finger, described, warn_of_softness
+from fefinger.mechanics.realtime.loop import Loop, Step, warn_of_softness
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import direction
@@ -34,7 +34,7 @@ from fefinger.support.units import NEWTON_PER_MILLINEWTON
 PLANE = (0, 2)  # the components of the normal: the plate turns about y
 
 
-class Rolling:
+class Rolling(Loop):
     """Half a finger under a plate that is moved and turned about y; symmetric, so half is enough.
 
     Parameters
@@ -64,8 +64,7 @@ class Rolling:
         deepest: float = 1.5,
         sites: Sites,
     ) -> None:
-        check_finger(finger)
-        self.finger, self.deepest = finger, number("deepest", deepest, above=0, unit="mm")
+        super().__init__(finger, deepest)
         if not len(angles):
             message = "angles: expected the degrees between which the plate turns, received none"
             raise InputError(message)
@@ -97,13 +96,11 @@ class Rolling:
         self._memory = step_compiled.pad_state(nothing, nothing, *finger.prony.branches)
         self._along = -every[1].moment[chosen, 1] / every[1].projected[chosen]
         self._strain = np.zeros(6 * len(sites.points))
-        strain = self._strain.reshape(-1, 6)
-        self.now = Step(0.0, 0.0, 0.0, np.nan, np.nan, self._state.x, strain)
+        self.now = Step.at_rest(self._state.x, self._strain.reshape(-1, 6))
         self.reset()
 
-    def __repr__(self) -> str:
-        """Show finger, angles and end organs, not the arrays."""
-        return described(self, "a plate from {:g} to {:g} degrees".format(*self.angles))
+    def _about(self) -> tuple[str, ...]:
+        return ("a plate from {:g} to {:g} degrees".format(*self.angles),)
 
     @property
     def elastic(self) -> Array:

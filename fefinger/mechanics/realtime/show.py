@@ -10,11 +10,7 @@ from fefinger.fem.body import Solid
 from fefinger.fem.elements.probe import inside
 from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import operator
-from fefinger.mechanics.realtime.condensed import reference
-from fefinger.mechanics.realtime.loop import units
 from fefinger.mechanics.realtime.rolling import Rolling
-from fefinger.neural.recorded_streaming import RecordedAfferents
-from fefinger.neural.streaming import Afferents
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.innervation import receptors
@@ -71,9 +67,7 @@ class Show:
         angles = [angle for _, _, angle in SCRIPT]
         self.rolling = Rolling(finger, angles=angles, deepest=DEEPEST, sites=self.organs)
         self.drawn = self.rolling.strains(solid.space.points[self.section])
-        self.units: Afferents | RecordedAfferents = units(
-            self.organs, lambda: reference(finger, solid, self.organs)
-        )
+        self.units = self.rolling.afferents()
 
     def frames(self) -> Iterator[Frame]:
         """Step through the script and yield its frames."""

@@ -11,7 +11,7 @@ through the crests of the object, or of all places that an object without such a
 import math
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -25,10 +25,8 @@ from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press import operator, placement
 from fefinger.mechanics.press import sliding as press_sliding
 from fefinger.mechanics.press.sites import central_sites
-from fefinger.mechanics.realtime.condensed import reduced_to_candidates, reference, step_output
-from fefinger.mechanics.realtime.loop import Step, check_finger, described, units, warn_of_softness
-from fefinger.neural.recorded_streaming import RecordedAfferents
-from fefinger.neural.streaming import Afferents
+from fefinger.mechanics.realtime.condensed import reduced_to_candidates, step_output
+from fefinger.mechanics.realtime.loop import Loop, Step, quick_number, warn_of_softness
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -68,7 +66,7 @@ class SlidingStep(Step):
     work: float = 0.0
 
 
-class Sliding:
+class Sliding(Loop):
     """A whole finger under an object that is pressed and moved sideways in real time.
 
     Parameters
@@ -102,22 +100,20 @@ class Sliding:
         sites: Sites | None = None,
         precision: Literal["double", "single"] = "double",
     ) -> None:
-        check_finger(finger)
-        self.finger, self.indenter = finger, indenter
-        self.deepest = number("deepest", deepest, above=0, unit="mm")
+        super().__init__(finger, deepest)
+        self.indenter = indenter
         self.reach = number("reach", reach, at_least=0, unit="mm")
         choice("precision", precision, ("double", "single"))
         warn_of_softness(finger, indenter, self.deepest)
         solid = self.solid = operator.operator(finger, half=False)
         obstacle = self._obstacle = placement.obstacle(indenter, solid)
-        if sites is None:
-            sites = central_sites(Ask(), finger.pulp, obstacle.origin, obstacle.axis)
-        self.sites, mu = sites, indenter.friction
+        self.sites = sites or central_sites(Ask(), finger.pulp, obstacle.origin, obstacle.axis)
+        mu = indenter.friction
         reduced = self._reduced()
         on = self.patch = reduced.patch
         self.flexibility, count = reduced.flexibility, len(on.vertices)
         self._travel = Travel.of(solid.space, solid.normals, on, obstacle)
-        self._output = step_output(solid, reduced, sites.points, precision)
+        self._output = step_output(solid, reduced, self.sites.points, precision)
         self._limits = self._output.limits.copy()
         size = len(reduced.flexibility)
         areas = on.projected if not mu else np.zeros(size)
@@ -162,16 +158,8 @@ class Sliding:
 
         return reduced_to_candidates(solid, self.deepest, candidates, reduce, lambda on: on.border)
 
-    def __repr__(self) -> str:
-        """Show finger, object and end organs, not the arrays."""
-        return described(self, f"{len(self.patch.vertices)} vertices may touch")
-
-    def afferents(self, **options: Any) -> Afferents | RecordedAfferents:
-        """Return the units of the sites, to be stepped with the strain of every step.
-
-        `options` as for the function `loop.units`.
-        """
-        return units(self.sites, lambda: reference(self.finger, self.solid, self.sites), **options)
+    def _about(self) -> tuple[str, ...]:
+        return (f"{len(self.patch.vertices)} vertices may touch",)
 
     def reset(self) -> None:
         """Lift the object off at its first place, and clear the stress history."""
@@ -197,8 +185,7 @@ class Sliding:
         ConvergenceError
             If no contact is found.
         """
-        if not (isinstance(depth, float) and abs(depth) < math.inf):
-            depth = number("depth", depth, unit="mm")
+        depth = quick_number("depth", depth, unit="mm")
         return self._advance(depth, shift, dt, by_force=False)
 
     def step_force(self, force: float, shift: tuple[float, float], dt: float) -> SlidingStep:
@@ -206,8 +193,7 @@ class Sliding:
 
         Errors as `step`.
         """
-        if not (isinstance(force, float) and 0.0 <= force < math.inf):
-            force = number("force", force, at_least=0, unit="N")
+        force = quick_number("force", force, 0.0, unit="N")
         return self._advance(force / NEWTON_PER_MILLINEWTON, shift, dt, by_force=True)
 
     def _advance(
@@ -216,8 +202,7 @@ class Sliding:
         place = np.array(shift, dtype=float)
         if not (place.shape == (2,) and np.isfinite(place).all()):
             raise InputError(f"shift: expected two finite numbers in mm, received {shift!r}")
-        if not (isinstance(dt, float) and 0.0 <= dt < math.inf):
-            dt = number("dt", dt, at_least=0, unit="s")
+        dt = quick_number("dt", dt, 0.0, unit="s")
         if not self._obstacle.profile.level and math.hypot(*place) > self.reach * (1 + 1e-9):
             raise InputError(FAR.format(self.reach, *place))
         gap, rim = self._travel.gap(place)
@@ -251,7 +236,6 @@ class Sliding:
         return self._read()
 
     def _read(self) -> SlidingStep:
-        """Update what a step returns."""
         now, on, mu = self.now, self.patch, self.indenter.friction
         now.pressure[:] = self._friction_state.x[: len(now.pressure)] if mu else self._state.x
         weights, areas = now.pressure * on.projected, self._output.areas

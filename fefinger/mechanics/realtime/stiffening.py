@@ -88,7 +88,6 @@ class Stiffening:
 
 
 def _check(depth: Array, force: Array) -> None:
-    """Refuse depths (n,) mm and forces (n,) N that no t can be fitted to."""
     if depth.ndim != 1 or depth.shape != force.shape or (depth > 0).sum() < 2:
         raise InputError(
             "stiffening: expected as many forces as depths, two or more of them above 0, "

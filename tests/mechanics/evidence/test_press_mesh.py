@@ -14,7 +14,7 @@ from fefinger.mechanics.evidence import (
     pressed_objects,
     tabulation_error,
 )
-from fefinger.mechanics.evidence.press_margins import SHALLOW
+from fefinger.mechanics.evidence.press_mesh import SHALLOW
 from fefinger.mechanics.evidence.table import PRESS_MESH, TIME_STEPS, read
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
