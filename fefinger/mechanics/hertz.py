@@ -13,18 +13,8 @@ import numpy as np
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.pressed_objects import distance
 from fefinger.mechanics.evidence.stated_errors import measured
-from fefinger.mechanics.press import axisymmetric
-from fefinger.mechanics.press.notes import (
-    CONVOLVED,
-    QUASISTATIC,
-    SPHERICAL,
-    Reason,
-    elastic_hard_parts_reasons,
-    normalization_notes,
-    refusals,
-    separate_relaxation_reasons,
-    tangential_reasons,
-)
+from fefinger.mechanics.press import axisymmetric, notes
+from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
@@ -65,10 +55,10 @@ NEAR = 2.0
 
 NOTES = (
     "The finger is a homogeneous half-space: no bone, no skin, no nail; a real finger is stiffer.",
-    SPHERICAL,
+    notes.SPHERICAL,
     "Hertz: small strain, a contact small against the radii, no friction, a rigid object.",
-    CONVOLVED,
-    QUASISTATIC,
+    notes.CONVOLVED,
+    notes.QUASISTATIC,
 )
 
 ELLIPTIC = (
@@ -168,11 +158,11 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 def lacking(case: Situation) -> list[Reason]:
     """Return the features of a scene that a contact of spheres cannot represent."""
     unable = [
-        *elastic_hard_parts_reasons(case.finger),
-        *separate_relaxation_reasons(case.finger),
+        *notes.elastic_hard_parts_reasons(case.finger),
+        *notes.separate_relaxation_reasons(case.finger),
         *case.too_long,
     ]
-    unable += tangential_reasons(case.motion, case.indenter)
+    unable += notes.tangential_reasons(case.motion, case.indenter)
     if case.ask.fields:
         reason = "ask.fields: this mechanics has no mesh; ask.fields = false leaves them out"
         unable.append(Reason("ask.fields", reason))
@@ -224,9 +214,8 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         f"The half-space has {body.modulus:.4g} kPa and Poisson's ratio {body.poisson:.4g}: "
         "the compliances of skin and pulp averaged by thickness."
     )
-    notes = (*NOTES, used, *normalization_notes(scene.finger.prony))
-    if elliptic(scene.indenter):
-        notes = (*notes, ELLIPTIC)
+    ellipse = (ELLIPTIC,) if elliptic(scene.indenter) else ()
+    stated = (*NOTES, used, *notes.normalization_notes(scene.finger.prony), *ellipse)
     numbers = {
         "relative_radius_mm": body.relative_radius,
         "modulus_kPa": body.modulus,
@@ -234,7 +223,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         "contact_radius_over_thickness": _thinness(Situation.of(scene)),
     }
     return axisymmetric.respond(
-        scene, body, plate, progress, mechanics=name, notes=notes, numbers=numbers
+        scene, body, plate, progress, mechanics=name, notes=stated, numbers=numbers
     )
 
 

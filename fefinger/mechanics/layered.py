@@ -14,15 +14,8 @@ import numpy as np
 from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.stated_errors import measured
-from fefinger.mechanics.press import axisymmetric
-from fefinger.mechanics.press.notes import (
-    CONVOLVED,
-    QUASISTATIC,
-    SPHERICAL,
-    Reason,
-    normalization_notes,
-    refusals,
-)
+from fefinger.mechanics.press import axisymmetric, notes
+from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -51,10 +44,10 @@ thinner than that is no layer of a finger."""
 NOTES = (
     "The finger is a flat stack of skin and subcutaneous tissue bonded to rigid bone; the sides, "
     "the tip and the nail are left out, and the bone is flat.",
-    SPHERICAL,
+    notes.SPHERICAL,
     "Small strain, a contact small against the radii, no friction, a rigid object.",
-    CONVOLVED,
-    QUASISTATIC,
+    notes.CONVOLVED,
+    notes.QUASISTATIC,
 )
 
 
@@ -166,9 +159,8 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     plate = tabulate_to(
         stack(scene.finger), scene.finger.pad_radius, depth=REFERENCE_DEPTH, levels=PLATE_LEVELS
     )
-    notes = (*NOTES, *normalization_notes(scene.finger.prony))
-    if hertz.elliptic(scene.indenter):
-        notes = (*notes, hertz.ELLIPTIC)
+    ellipse = (hertz.ELLIPTIC,) if hertz.elliptic(scene.indenter) else ()
+    stated = (*NOTES, *notes.normalization_notes(scene.finger.prony), *ellipse)
     peak = scene.motion.peak
     if scene.motion.control == "force":
         peak = float(body.depth(peak / NEWTON_PER_MILLINEWTON))
@@ -178,5 +170,5 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         "contact_radius_over_thickness": widest / body.stack.thickness,
     }
     return axisymmetric.respond(
-        scene, body, plate, progress, mechanics=name, notes=notes, numbers=numbers
+        scene, body, plate, progress, mechanics=name, notes=stated, numbers=numbers
     )

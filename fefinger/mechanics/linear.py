@@ -13,15 +13,9 @@ from fefinger.mechanics import hertz, layered
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.measured_tissue import largest_exponents
 from fefinger.mechanics.evidence.stated_errors import measured
+from fefinger.mechanics.press import notes
 from fefinger.mechanics.press.discretization import ALONG, NEAR, gap, refinement_location
-from fefinger.mechanics.press.notes import (
-    QUASISTATIC,
-    Reason,
-    hard_parts_notes,
-    refusals,
-    separate_relaxation_reasons,
-    turning_reasons,
-)
+from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
@@ -41,7 +35,7 @@ NOTES = (
     "Gaps are closed as weighted means over the facets around each vertex, not at every point.",
     "The whole stress of every soft tissue relaxes with one function G(t); Poisson's ratio is "
     "constant.",
-    QUASISTATIC,
+    notes.QUASISTATIC,
 )
 
 FACETS = {"coarse": 0.8, "standard": 0.42, "fine": 0.3}
@@ -65,8 +59,13 @@ FAR = 1.25
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: it can solve every scene, less accurately at large strain."""
-    turns = turning_reasons(case.motion, case.indenter)
-    unable = (*separate_relaxation_reasons(case.finger), *turns, *case.too_long, *unmeshable(case))
+    turns = notes.turning_reasons(case.motion, case.indenter)
+    unable = (
+        *notes.separate_relaxation_reasons(case.finger),
+        *turns,
+        *case.too_long,
+        *unmeshable(case),
+    )
     if unable:
         return refusals(name, "ability", unable)
     reasons = [*too_small(case), *too_soft(case.finger), *unmeasured(case.finger)]
@@ -186,5 +185,5 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Solve the scene with finite elements."""
     from fefinger.mechanics.press import small_strain
 
-    notes = (*NOTES, *hard_parts_notes(scene.finger))
-    return small_strain.respond(scene, progress, mechanics=name, notes=notes)
+    stated = (*NOTES, *notes.hard_parts_notes(scene.finger))
+    return small_strain.respond(scene, progress, mechanics=name, notes=stated)

@@ -17,14 +17,9 @@ from fefinger.mechanics.evidence import measured_tissue, press_mesh
 from fefinger.mechanics.evidence.machine import slowness
 from fefinger.mechanics.evidence.press_mesh import LUMPED_LAW
 from fefinger.mechanics.evidence.table import LUMPED, table
+from fefinger.mechanics.press import notes
 from fefinger.mechanics.press.limits import check_reached
-from fefinger.mechanics.press.notes import (
-    Reason,
-    elastic_hard_parts_reasons,
-    refusals,
-    separate_relaxation_reasons,
-    tangential_reasons,
-)
+from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
@@ -171,8 +166,11 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
         for each in ("pressure", "strain", "fields", "spikes")
         if getattr(case.ask, each)
     ]
-    unable += tangential_reasons(case.motion, case.indenter)
-    unable += [*elastic_hard_parts_reasons(case.finger), *separate_relaxation_reasons(case.finger)]
+    unable += notes.tangential_reasons(case.motion, case.indenter)
+    unable += [
+        *notes.elastic_hard_parts_reasons(case.finger),
+        *notes.separate_relaxation_reasons(case.finger),
+    ]
     unable += [Reason("motion", each) for each in too_long(case.motion, fast=False, most=MOST)]
     if case.indenter.hertzian is None:
         reason = f"indenter.kind = {case.indenter.kind!r}: the law is that of a plate"

@@ -14,16 +14,8 @@ from dataclasses import replace
 
 from fefinger.mechanics import layered, linear, solid
 from fefinger.mechanics.evidence import costs, tabulation_error
-from fefinger.mechanics.press.notes import (
-    LOGARITHMIC,
-    QUASISTATIC,
-    RIGID_BONE,
-    Reason,
-    elastic_hard_parts_reasons,
-    friction_reasons,
-    refusals,
-    separate_relaxation_reasons,
-)
+from fefinger.mechanics.press import notes
+from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
@@ -33,7 +25,7 @@ from fefinger.support.progress import Progress
 name = "pressed"
 
 NOTES = (
-    LOGARITHMIC,
+    notes.LOGARITHMIC,
     "Frictionless contact with a rigid indenter. Gaps are closed as weighted means over the facets "
     "around each vertex, not at every point.",
     "The press of the relaxed finger was solved at some depths. Through time its whole stress "
@@ -41,16 +33,16 @@ NOTES = (
     "alone, not on the speed. The force is the work of that stress on a change of this depth.",
     "On retreat and after lift-off the tissue recovers as in nested contacts that relax one by "
     "one, more slowly where it stiffens.",
-    QUASISTATIC,
+    notes.QUASISTATIC,
 )
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: different relaxations, and those of `solid`."""
     unable = [
-        *separate_relaxation_reasons(case.finger),
-        *elastic_hard_parts_reasons(case.finger),
-        *friction_reasons(case.indenter),
+        *notes.separate_relaxation_reasons(case.finger),
+        *notes.elastic_hard_parts_reasons(case.finger),
+        *notes.friction_reasons(case.indenter),
     ]
     if case.ask.solver is not None:
         reason = (
@@ -95,8 +87,8 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     """Solve the scene from the elastic press of its finger, which is solved if not cached."""
     from fefinger.mechanics.press import tabulated_press
 
-    notes = (*NOTES, RIGID_BONE)
-    response = tabulated_press.respond(scene, progress, mechanics=name, notes=notes)
+    stated = (*NOTES, notes.RIGID_BONE)
+    response = tabulated_press.respond(scene, progress, mechanics=name, notes=stated)
     prony = scene.finger.prony
     if prony.long_time == 1.0 or not tabulation_error.retreats(scene.motion):
         return response  # elastic tissue comes back as it went

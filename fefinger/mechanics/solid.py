@@ -9,14 +9,8 @@ from typing import TYPE_CHECKING
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.stated_errors import measured
-from fefinger.mechanics.press.notes import (
-    LOGARITHMIC,
-    QUASISTATIC,
-    Reason,
-    finite_sliding_reasons,
-    hard_parts_notes,
-    refusals,
-)
+from fefinger.mechanics.press import notes
+from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
@@ -34,13 +28,13 @@ SOLVERS = ("single", "multifrontal")
 """Its factors: the first, and the second where that fails."""
 
 NOTES = (
-    LOGARITHMIC,
+    notes.LOGARITHMIC,
     "Contact with a rigid indenter, which the skin may slide along, frictionless unless a plate "
     "with a coefficient of friction slides. Gaps are closed as weighted means over the facets "
     "around each vertex, not at every point.",
     "The second Piola-Kirchhoff stress of the soft tissues relaxes (Fung's quasi-linear "
     "viscoelasticity); solved at steps of the motion and interpolated between them.",
-    QUASISTATIC,
+    notes.QUASISTATIC,
 )
 
 
@@ -57,7 +51,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against finite strain for a scene, as refusals of `mechanics`."""
-    sliding = finite_sliding_reasons(case.motion, case.indenter)
+    sliding = notes.finite_sliding_reasons(case.motion, case.indenter)
     unable = [*sliding, *case.too_long, *linear.unmeshable(case)]
     if unable:
         return refusals(mechanics, "ability", unable)
@@ -92,5 +86,5 @@ def respond(
     """
     from fefinger.mechanics.press import finite_strain
 
-    notes = (*NOTES, *hard_parts_notes(scene.finger))
-    return finite_strain.respond(scene, progress, mechanics=name, notes=notes, allowance=allowance)
+    stated = (*NOTES, *notes.hard_parts_notes(scene.finger))
+    return finite_strain.respond(scene, progress, mechanics=name, notes=stated, allowance=allowance)

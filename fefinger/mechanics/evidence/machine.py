@@ -39,24 +39,20 @@ def measure() -> float:
     """
     from threadpoolctl import threadpool_limits
 
-    with threadpool_limits(1, user_api="blas"):
-        return _work()
-
-
-def _work() -> float:
     rng = np.random.default_rng(1)
     dense = rng.random((500, 500)) + 500 * np.eye(500)
     where, values = rng.integers(0, 100_000, 1_000_000), rng.random(1_000_000)
     taken = []
-    for _ in range(ROUNDS):
-        started = time.process_time()
-        for _ in range(4):
-            np.linalg.inv(dense)
-        np.bincount(where, values[where], minlength=100_000)
-        total = 0.0
-        for number in range(300_000):
-            total += 0.5 * number
-        taken.append(time.process_time() - started)
+    with threadpool_limits(1, user_api="blas"):
+        for _ in range(ROUNDS):
+            started = time.process_time()
+            for _ in range(4):
+                np.linalg.inv(dense)
+            np.bincount(where, values[where], minlength=100_000)
+            total = 0.0
+            for number in range(300_000):
+                total += 0.5 * number
+            taken.append(time.process_time() - started)
     return min(taken)
 
 

@@ -19,15 +19,6 @@ from typing import NamedTuple
 import numpy as np
 
 from fefinger.mechanics.evidence import measured_tissue, pressed_objects, tabulation_error
-from fefinger.mechanics.evidence.pressed_objects import (
-    axis_and_value,
-    neighbor_presses,
-    neighbors_without_itself,
-    objects,
-    presses_of_same_object,
-    tilted_or_off_center,
-    value_on_axis,
-)
 from fefinger.mechanics.evidence.table import MAIN, PRESS_MESH, Measured, table
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate
@@ -82,7 +73,7 @@ def between_presses(candidate: Candidate, quantity: str, axis: str) -> Excess:
     presses = table().presses(PRESS_MESH, f"error of {quantity}", candidate)
     rows: dict[str, dict[float, Measured]] = {}
     for press in presses.values():
-        where = value_on_axis(axis, press.object)
+        where = pressed_objects.value_on_axis(axis, press.object)
         if where is not None:
             rows.setdefault(press.finger, {})[where] = press
     return _columns([each for row in rows.values() for each in _left_out(row, quantity)])
@@ -108,7 +99,7 @@ def other_edges(candidate: Candidate, quantity: str, kind: str) -> Excess:
     excess = []
     for tissue in (MAIN, library.PUBLISHED):
         of_tissue = [each for each in presses.values() if each.finger == tissue]
-        row = [each for each in of_tissue if objects()[each.object].kind == kind]
+        row = [each for each in of_tissue if pressed_objects.objects()[each.object].kind == kind]
         for press in row:
             others = [other for other in row if other is not press]
             for part, value in zip(press.part, press.values, strict=True):
@@ -259,12 +250,12 @@ class _Estimate(NamedTuple):
 
 def _estimate(candidate: Candidate, case: Situation, quantity: str) -> _Estimate | str:
     """Estimate an error by the presses next to a scene; a sentence where none is comparable."""
-    names, reason = neighbor_presses(case.indenter)
+    names, reason = pressed_objects.neighbor_presses(case.indenter)
     parts = _presses(candidate, case, quantity, names)
-    if len(parts) < len(names) and tilted_or_off_center(case.indenter):
+    if len(parts) < len(names) and pressed_objects.tilted_or_off_center(case.indenter):
         parts = []  # the missing press is the one that is like it
     if parts and not _deep_enough(parts):
-        others = neighbors_without_itself(case.indenter)
+        others = pressed_objects.neighbors_without_itself(case.indenter)
         parts = _presses(candidate, case, quantity, others) or parts
     if not parts:
         return f"not known: {reason or 'no comparable press was measured'}"
@@ -276,7 +267,7 @@ def _estimate(candidate: Candidate, case: Situation, quantity: str) -> _Estimate
         )
     read = largest_error_near if case.indenter.sharp and quantity != "force" else error_at
     values = [_through(case, press, read(press, part), quantity) for press, part in parts]
-    share = _share(axis_and_value(case.indenter), parts)
+    share = _share(pressed_objects.axis_and_value(case.indenter), parts)
     return _Estimate([press for press, _ in parts], parts[0][1], np.array(values), share)
 
 
@@ -285,14 +276,14 @@ def _margins(
 ) -> list[float]:
     # Which vertices bear the pressure is by chance at any depth.
     depth, margins = None if quantity in LOCAL else estimate.depth, []
-    where, object_ = axis_and_value(case.indenter), case.indenter
+    where, object_ = pressed_objects.axis_and_value(case.indenter), case.indenter
     if where is not None and estimate.share is not None:
         # Balls of nearly one curvature touch the same vertices; plates at an angle touch elsewhere.
         alike = where[0] == "curvature" and quantity not in LOCAL
         middle = 4 * estimate.share * (1 - estimate.share) if alike else 1.0
         excess = margin(between_presses(candidate, quantity, where[0]), depth)
         margins.append(middle * excess * margin_unit(estimate.value, quantity))
-    same_object = presses_of_same_object(object_)
+    same_object = pressed_objects.presses_of_same_object(object_)
     if object_.sharp and quantity != "force" and estimate.presses[0].object not in same_object:
         margins.append(margin(other_edges(candidate, quantity, object_.kind), depth))
     elsewhere = _measured_elsewhere(estimate, case, quantity)
@@ -407,7 +398,7 @@ def _share(where: tuple[str, float] | None, parts: list[tuple[Measured, float]])
     if where is None or len(parts) != 2:
         return None
     axis, here = where
-    low, high = (value_on_axis(axis, press.object) for press, _ in parts)
+    low, high = (pressed_objects.value_on_axis(axis, press.object) for press, _ in parts)
     if low is None or high is None:
         return None
     return min(max((here - low) / (high - low), 0.0), 1.0)

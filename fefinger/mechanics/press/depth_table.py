@@ -101,6 +101,11 @@ class DepthTable:
         """Largest depth in mm."""
         return float(self.depth[-1])
 
+    @property
+    def at_depths(self) -> Array:
+        """Amplitudes (n, r) of the modes at the depths, without the reference press."""
+        return self.modes.amplitudes[: len(self.depth)]
+
     def unknowns(self, amplitudes: Array, count: int) -> Array:
         """Unknowns (..., count) of a body for amplitudes (..., r); its pressures are not stored."""
         unknowns = np.zeros((*amplitudes.shape[:-1], count))

@@ -21,14 +21,8 @@ from fefinger.fem.contact.viscoelastic import depth_at
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.geometry.voigt import tensor_from_voigt
-from fefinger.mechanics.press import limits, problem
-from fefinger.mechanics.press.modal_body import (
-    FingerModes,
-    ModalBody,
-    body_of_modes,
-    residual_inertia,
-    stiffened,
-)
+from fefinger.mechanics.press import limits, modal_body, problem
+from fefinger.mechanics.press.modal_body import FingerModes, ModalBody
 from fefinger.results.harmonic import Complex, Harmonic, apart
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
@@ -111,8 +105,8 @@ class Vibrating:
             raise InputError(limits.NOTHING_UNDER)
         line = skin_line(solid)
         rows = _rows(solid, sites, line)
-        still = stiffened(reduce(solid, on_pad, rows[:0]), stiffening)
-        body = body_of_modes(finger, modes, still, lambda: rows, stiffening)
+        still = modal_body.stiffened(reduce(solid, on_pad, rows[:0]), stiffening)
+        body = modal_body.body_of_modes(finger, modes, still, lambda: rows, stiffening)
         last = modes.complete * float(np.sqrt(stiffening))
         return cls(finger, solid, body, sites, line, last, deepest, stiffening)
 
@@ -138,7 +132,9 @@ class Vibrating:
         moved = displaced(self.solid, body.static.patch.loads[:, candidates]) / self.stiffening
         work = body.participation[:, candidates] / body.oscillators.omega_squared[:, None]
         rows = _rows(self.solid, self.sites, self.line) @ moved - body.strain_operator @ work
-        return Static(candidates, rows, residual_inertia(self.finger, self.solid, moved, work))
+        return Static(
+            candidates, rows, modal_body.residual_inertia(self.finger, self.solid, moved, work)
+        )
 
     def harmonic(
         self, frequency: Array, *, depth: float | None = None, force: float | None = None

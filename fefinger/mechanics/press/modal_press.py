@@ -12,13 +12,8 @@ from fefinger.fem.condensation import Operator, displaced
 from fefinger.fem.contact.modal_march import ModalContact, TimeGrid, march_modes
 from fefinger.fem.contact.viscoelastic import History, Prescribed
 from fefinger.fem.elements.recovery import recovered_strain_at
-from fefinger.mechanics.press.modal_body import (
-    FingerModes,
-    ModalBody,
-    body_of_modes,
-    finger_modes,
-    stiffened,
-)
+from fefinger.mechanics.press import modal_body
+from fefinger.mechanics.press.modal_body import FingerModes, ModalBody
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.small_strain import solve_contact
 from fefinger.mechanics.press.time_steps import FAST_STEP, MODAL_STEP, MOST, RESOLVED, time_grid
@@ -113,14 +108,14 @@ def solve_modal(
     """
     solid = operator_of(press)
     with stages.stage("modes") as report:
-        modes = finger_modes(press.finger, solid, report)
+        modes = modal_body.finger_modes(press.finger, solid, report)
     made: list[ModalBody] = []
 
     def advance(
         press: Press, reduced: Reduced, prescribed: Prescribed, report: Callable[[float], None]
     ) -> History:
-        static, probe = stiffened(reduced, stiffening), partial(probe_of, press)
-        body = body_of_modes(press.finger, modes, static, probe, stiffening)
+        static, probe = modal_body.stiffened(reduced, stiffening), partial(probe_of, press)
+        body = modal_body.body_of_modes(press.finger, modes, static, probe, stiffening)
         body = body.below(RESOLVED / grid.longest)  # the modes that the steps resolve
         made[:] = [body]
         value = press.load_unit * press.motion.value(grid.time)

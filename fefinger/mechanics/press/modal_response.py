@@ -20,32 +20,18 @@ from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.geometry.voigt import tensor_from_voigt
-from fefinger.mechanics.press import operator, problem, tabulated_press
+from fefinger.mechanics.press import modal_press, operator, problem, tabulated_press
 from fefinger.mechanics.press.fields import interpolation, small_strain_fields
 from fefinger.mechanics.press.harmonic import Vibrating, about
 from fefinger.mechanics.press.modal_body import stiffened
-from fefinger.mechanics.press.modal_press import (
-    ModalHistory,
-    at_stored,
-    displacements,
-    modal_grid,
-    operator_of,
-    probe_of,
-    solve_modal,
-)
+from fefinger.mechanics.press.modal_press import ModalHistory
 from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.press.operator_cache import MESH_OF_INERTIA
 from fefinger.mechanics.press.problem import Press, SmallStrainHistory
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
 from fefinger.mechanics.press.small_strain import quasistatic, solve_contact
-from fefinger.mechanics.press.tabulated_press import (
-    PreloadRelaxation,
-    TabulatedPress,
-    about_preload,
-    table_of,
-    tabulated_response,
-)
+from fefinger.mechanics.press.tabulated_press import PreloadRelaxation, TabulatedPress
 from fefinger.results.harmonic import Harmonic
 from fefinger.results.records import Fields, Response
 from fefinger.scene.scene import Scene
@@ -82,13 +68,13 @@ def respond(
     Errors as `mechanics.modal.respond`.
     """
     stages = Stages(progress)
-    grid = modal_grid(scene.motion, fast="FAII" in scene.ask.spikes)
+    grid = modal_press.modal_grid(scene.motion, fast="FAII" in scene.ask.spikes)
     if stiffens(scene.finger):
         return _corrected(scene, grid, stages, mechanics, notes, geometric_share)
     press = Press.of(scene, operator.METHOD, stages, mechanics=mechanics, notes=notes)
     press = replace(press, foreseen=SHALLOW * press.finger.thickness)
-    history = solve_modal(press, grid, stages)
-    press, body, contact = at_stored(press, grid), history.body, history.contact
+    history = modal_press.solve_modal(press, grid, stages)
+    press, body, contact = modal_press.at_stored(press, grid), history.body, history.contact
     with stages.stage("reference"):
         reference = reference_of(press, body.static, float(contact.depth.max()))
     small = SmallStrainHistory(body.complete, contact, reference)  # rest and modes side by side
@@ -96,7 +82,7 @@ def respond(
     with stages.stage("fields"):
         fields = None
         if press.fields:
-            solve = partial(displacements, press, history, scale=1.0)
+            solve = partial(modal_press.displacements, press, history, scale=1.0)
             fields = small_strain_fields(press, contact, body.static.patch, solve)
     answer = _with_modes(replace(answer, fields=fields), history, grid)
     return _swept(answer, scene, press, history, 1.0, stages)
@@ -112,25 +98,25 @@ def _corrected(
 ) -> Response:
     """Answer at finite strain, with what inertia changes in a linear finger of its stiffness."""
     slow = Press.of(scene, tabulated_press.METHOD, stages, mechanics=mechanics, notes=notes)
-    slow = at_stored(slow, grid)
-    table = TabulatedPress.of(slow, table_of(slow, scene.indenter, stages))
+    slow = modal_press.at_stored(slow, grid)
+    table = TabulatedPress.of(slow, tabulated_press.table_of(slow, scene.indenter, stages))
     with stages.stage("motion"):
         shares = table.along(slow.time)
-    answer = tabulated_response(table, shares, stages)
+    answer = tabulated_press.tabulated_response(table, shares, stages)
     depth = float(scene.motion.steady_level)  # about which it vibrates, or else its largest
     if scene.motion.control == "depth":
         depth = min(depth, table.table.deepest)
     else:  # of relaxed tissue
         depth = float(np.interp(depth, table.table.force_at_nodes, table.table.nodes))
     share = geometric_share(depth / scene.finger.thickness)
-    swinging = about_preload(scene.finger, share)
+    swinging = tabulated_press.about_preload(scene.finger, share)
     swinging = replace(swinging, resolution=MESH_OF_INERTIA[scene.finger.mesh])
     scene_about = replace(scene, finger=swinging)
     press = Press.of(scene_about, operator.METHOD, stages, mechanics=mechanics, notes=notes)
     press = replace(press, sites=answer.sites, foreseen=float(answer.depth.max()))
     factor = stiffening(press, table, depth)
-    history = solve_modal(press, grid, stages, factor)
-    press = at_stored(press, grid)
+    history = modal_press.solve_modal(press, grid, stages, factor)
+    press = modal_press.at_stored(press, grid)
     linear = _Linear(press, history, _still(press, factor, stages), factor)
     relaxation = PreloadRelaxation(table, share, depth, tangent(table, depth))
     answer = _with_modes(_added(answer, linear, depth, relaxation), history, grid)
@@ -157,7 +143,7 @@ def _swept(
     motion, level, deepest = scene.motion, scene.motion.steady_level, float(answer.depth.max())
     if motion.frequencies is None:
         return answer
-    solid = operator_of(press)
+    solid = modal_press.operator_of(press)
     by_force = depth is None and motion.control == "force"
     with stages.stage("harmonic"):
         harmonic = about(
@@ -189,7 +175,7 @@ def stiffening(press: Press, table: TabulatedPress, depth: float) -> float:
     """Ratio of the static stiffness at a depth in mm to that of the small-strain finger."""
     body = press.body
     on_pad = patch(body.space, body.pad, body.normals, press.obstacle, problem.REACH * depth)
-    reduced = press.method.reduce(body, on_pad, probe_of(replace(press, sites=None)))
+    reduced = press.method.reduce(body, on_pad, modal_press.probe_of(replace(press, sites=None)))
     active = np.flatnonzero(
         Complementarity(reduced.flexibility).solve(on_pad.gap - depth * on_pad.projected) > 0
     )
@@ -296,9 +282,9 @@ def _fields(answer: Response, linear: _Linear, share: Array) -> Fields | None:
     if fields is None:
         return None
     frames = np.searchsorted(press.time, fields.times)
-    added = displacements(press, linear.history, frames, factor)
+    added = modal_press.displacements(press, linear.history, frames, factor)
     loads = still.reduced.patch.loads @ still.contact.elastic_pressure[frames].T
-    added -= operator.METHOD.unknowns(operator_of(press), np.asarray(loads)) / factor
+    added -= operator.METHOD.unknowns(modal_press.operator_of(press), np.asarray(loads)) / factor
     space, count = press.body.space, len(frames)
     moved, strain = fields.displacement.copy(), fields.strain.copy()
     soft = np.unique(fields.cells[np.isin(fields.region, SOFT)])

@@ -112,6 +112,11 @@ def elastic_hard_parts_reasons(finger: Finger) -> Iterator[Reason]:
         yield Reason("finger.nail", reason)
 
 
+def own_relaxation_reasons(finger: Finger) -> list[Reason]:
+    """Return what keeps a finger from relaxing as one body about a rigid bone."""
+    return [*elastic_hard_parts_reasons(finger), *separate_relaxation_reasons(finger)]
+
+
 def tangential_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
     """List the options of a scene beyond a frictionless press along one direction."""
     if not motion.slides:

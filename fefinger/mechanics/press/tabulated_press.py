@@ -17,7 +17,7 @@ from fefinger.fem.body import solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
-from fefinger.mechanics.press import dragged, elastic_press
+from fefinger.mechanics.press import dragged, elastic_press, response
 from fefinger.mechanics.press.depth_table import DepthTable
 from fefinger.mechanics.press.elastic_press import FARTHEST
 from fefinger.mechanics.press.fields import finite_strain_fields
@@ -25,12 +25,6 @@ from fefinger.mechanics.press.materials import tissues, with_nail
 from fefinger.mechanics.press.pad import on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import Press, SolutionMethod, frames_of
 from fefinger.mechanics.press.reference import reference_strain
-from fefinger.mechanics.press.response import (
-    deepest_penetration,
-    exactness,
-    make_response,
-    of_pressure,
-)
 from fefinger.mechanics.press.small_strain import WHOLE_MESH
 from fefinger.neural.reference import Reference
 from fefinger.results.records import Fields, Response
@@ -87,17 +81,12 @@ class TabulatedPress:
     def instantaneous(self) -> ElasticForce:
         """Elastic force of the whole finger in N for its modulus at t = 0."""
         table = self.table
-        force = self.table.force_at_nodes / self.long_time
+        force = self.table.force_at_nodes / self.press.finger.prony.long_time
         return ElasticForce(table.nodes, force, table.measure, table.work_at_nodes)
 
     def elastic_force(self, depth: Array) -> Array:
         """Elastic force (n,) N of the whole finger at depths (n,) mm."""
         return np.interp(depth, self.table.nodes, self.table.force_at_nodes)
-
-    @property
-    def long_time(self) -> float:
-        """Long-time value of G, which forces and pressures of the relaxed finger are divided by."""
-        return self.press.finger.prony.long_time
 
     def along(self, time: Array) -> ContactHistory:
         """Solve the contact along the motion, at times (n_t,) s."""
@@ -115,7 +104,7 @@ class TabulatedPress:
 
     def pressures(self, history: ContactHistory) -> Array:
         """Pressure (n_t, n_candidates) kPa: cut off at 0 and scaled to the force."""
-        pushing = np.maximum(history.stress(self.pressure) / self.long_time, 0.0)
+        pushing = np.maximum(history.stress(self.pressure) / self.press.finger.prony.long_time, 0.0)
         unit = self.press.body.sides * NEWTON_PER_MILLINEWTON
         borne = unit * pushing @ self.contact.projected
         force = self.forces(history)
@@ -133,17 +122,9 @@ class TabulatedPress:
         """Logarithmic strain (n, n_points, 3, 3) at points of the whole finger, at the depths."""
         body = self.press.body
         probe = recovered_gradient_at(body.space, body.folded(points), body.planes)
-        modes = self.table.modes
-        unknowns = self.table.unknowns(modes.amplitudes[: len(self.table.depth)], probe.shape[1])
-        gradients = unknowns @ probe.T
+        gradients = self.table.unknowns(self.table.at_depths, probe.shape[1]) @ probe.T
         strain = logarithmic(gradients.reshape(len(gradients), -1, 3, 3))
         return body.unfolded(strain, points)
-
-    def displacement(self, weights: Array) -> Array:
-        """Unknowns (n_t, n_unknowns) with the displacements of weights (n_t, n) of the depths."""
-        amplitudes = self.table.modes.amplitudes[: len(self.table.depth)]
-        count = self.press.body.space.n_unknowns
-        return self.table.unknowns(weights @ amplitudes, count)
 
     def reference(self) -> Reference | None:
         """Strain at the central sites of the reference press, where spikes are requested."""
@@ -199,11 +180,11 @@ def tabulated_response(
     with stages.stage("pressure"):
         pressure = tabulated.pressures(history)
         gaps = _gaps(table, history.depth, strained)
-        penetration = deepest_penetration(gaps)
+        penetration = response.deepest_penetration(gaps)
         if press.pressure:
             seen = tabulated.contact.neighborhood
             pad, column = whole_pad(press.body, seen)
-            quantities = of_pressure(
+            quantities = response.of_pressure(
                 pad,
                 on_neighborhood(pressure, seen)[:, column],
                 np.interp(history.edge, table.nodes, table.bounded(table.area)),
@@ -216,7 +197,7 @@ def tabulated_response(
         if press.sites is not None:
             strain = np.tensordot(strained, tabulated.strain(press.sites.points), 1)
         reference = tabulated.reference()
-    return make_response(
+    return response.make_response(
         press,
         stages,
         len(tabulated.contact),
@@ -230,7 +211,7 @@ def tabulated_response(
         fields=fields,
         status=(
             f"Solved: an elastic press of {len(table.depth) - 1} depths up to {table.deepest:.3g} "
-            f"mm, and its relaxation at {len(press.time)} times; {exactness(penetration)}."
+            f"mm, and its relaxation at {len(press.time)} times; {response.exactness(penetration)}."
         ),
         lateral=dragged.smooth(press, press.time) if press.tangential else None,
         **quantities,
@@ -251,7 +232,8 @@ def _fields(tabulated: TabulatedPress, history: ContactHistory, strained: Array)
     press = tabulated.press
     pressure, force = tabulated.pressures(history), tabulated.forces(history)
     frames = frames_of(history.depth, int(np.argmax(force)))
-    states = tabulated.displacement(strained[frames])
+    amplitudes = strained[frames] @ tabulated.table.at_depths
+    states = tabulated.table.unknowns(amplitudes, press.body.space.n_unknowns)
     vertices = tabulated.contact.on.vertices
     return finite_strain_fields(press, press.time[frames], states, vertices, pressure[frames])
 

@@ -82,7 +82,7 @@ class Pressed(Loop):
         strain = tabulated.strain(self.sites.points)[..., rows, columns]
         self._strain = np.ascontiguousarray(strain.reshape(len(strain), -1))
         # Elastic values of the modulus at t = 0, as the springs take them.
-        self._pressure = tabulated.pressure / tabulated.long_time
+        self._pressure = tabulated.pressure / finger.prony.long_time
         self._force = tabulated.instantaneous
         self._travel, self._between = tabulated.contact.projected, table.between
         self._area = table.bounded(table.area)
