@@ -157,11 +157,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 def lacking(case: Situation) -> list[Reason]:
     """Return the features of a scene that a contact of spheres cannot represent."""
-    unable = [
-        *notes.elastic_hard_parts_reasons(case.finger),
-        *notes.separate_relaxation_reasons(case.finger),
-        *case.too_long,
-    ]
+    unable = [*notes.own_relaxation_reasons(case.finger), *case.too_long]
     unable += notes.tangential_reasons(case.motion, case.indenter)
     if case.ask.fields:
         reason = "ask.fields: this mechanics has no mesh; ask.fields = false leaves them out"

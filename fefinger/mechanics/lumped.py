@@ -167,10 +167,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
         if getattr(case.ask, each)
     ]
     unable += notes.tangential_reasons(case.motion, case.indenter)
-    unable += [
-        *notes.elastic_hard_parts_reasons(case.finger),
-        *notes.separate_relaxation_reasons(case.finger),
-    ]
+    unable += notes.own_relaxation_reasons(case.finger)
     unable += [Reason("motion", each) for each in too_long(case.motion, fast=False, most=MOST)]
     if case.indenter.hertzian is None:
         reason = f"indenter.kind = {case.indenter.kind!r}: the law is that of a plate"

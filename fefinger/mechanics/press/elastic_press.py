@@ -6,7 +6,7 @@ theory in `theory/contact/ting.py`, is a sum over the integration points of the 
 a and the derivative of the strain at the depth d, which a spline through all strains gives.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -76,18 +76,14 @@ def solve(
 
     Errors as `load_or_solve`.
     """
-    thickness, wanted = press.finger.thickness, force / NEWTON_PER_MILLINEWTON / press.body.sides
-    steps = STEPS if further else FEWEST
-    enough = depths(thickness, 0.0, steps)[-1] * (1 - 1e-9)
-
-    def reached_target(depth: float, borne: float) -> bool:
-        return borne >= wanted and depth >= enough
-
+    thickness, steps = press.finger.thickness, STEPS if further else FEWEST
     tried = depths(thickness, FARTHEST * thickness if force else least, steps)
     if press.standard:  # the reference press is one of its depths
         tried = np.union1d(tried, REFERENCE_DEPTH)
     if force:
-        return _solved(press, tried, stages, reached_target)
+        enough = float(depths(thickness, 0.0, steps)[-1]) * (1 - 1e-9)
+        borne = force / NEWTON_PER_MILLINEWTON / press.body.sides
+        return _solved(press, tried, stages, (enough, borne))
     try:
         return _solved(press, tried, stages)
     except (InputError, ConvergenceError):
@@ -100,9 +96,9 @@ def _solved(
     press: Press,
     wanted: Array,
     stages: Stages,
-    reached_target: Callable[[float, float], bool] = lambda depth, force: False,
+    enough: tuple[float, float] = (np.inf, np.inf),
 ) -> DepthTable:
-    """Solve the table at the `wanted` depths (n,) in mm, until it has reached its target."""
+    """Solve the table at the `wanted` depths (n,) in mm; `enough` as of `Course`."""
     with stages.stage("factor") as report:
         body = FINITE_STRAIN.body(press.finger, press.mesh, None, report)
         elements = continuum(body.space, laws(press.finger), soft=(1, 2))
@@ -119,9 +115,10 @@ def _solved(
         lambda: StressHistory(elements, {}),
         LoadSteps(wanted, wanted, np.arange(len(wanted)), wanted, np.array([0, len(wanted) - 1])),
         frozenset(range(len(wanted))),
-        reached_target,
+        enough,
+        BUDGET,
     )
-    history = follow_course(whole, elements, course, stages, BUDGET)
+    history = follow_course(whole, elements, course, stages)
     if history.halt:
         raise ConvergenceError(history.halt)
     solved = wanted[: len(history.depth)]

@@ -10,13 +10,8 @@ import numpy as np
 from fefinger.fem.body import Body, Solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.elements.recovery import recovered_gradient_at
+from fefinger.fem.hyperelastic import load_path
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
-from fefinger.fem.hyperelastic.load_path import (
-    FactorizationBudget,
-    Path,
-    StressHistory,
-    follow,
-)
 from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
@@ -75,7 +70,7 @@ def failure_message(error: Exception, elements: Continuum, values: Array | None)
 WORTH = 4  # steps that are worth keeping when a run has to stop
 # Factors that a press may take: of each step, and of all steps beyond that. Ordinary presses take
 # less than ten in all; one against the bone can take a hundred for a single step.
-BUDGET = FactorizationBudget(usual=8, spare=40)
+BUDGET = load_path.FactorizationBudget(usual=8, spare=40)
 SPREAD = 2.0  # of the candidates at finite strain, beyond those at small: a pad flattens
 
 
@@ -98,7 +93,7 @@ def respond(
     mechanics: str,
     notes: tuple[str, ...],
     refine: int = 1,
-    allowance: FactorizationBudget | None = None,
+    allowance: load_path.FactorizationBudget | None = None,
 ) -> Response:
     """Solve the scene; `refine` divides every load step.
 
@@ -124,7 +119,11 @@ def respond(
 
 
 def solve(
-    press: Press, stages: Stages, *, refine: int = 1, allowance: FactorizationBudget | None = None
+    press: Press,
+    stages: Stages,
+    *,
+    refine: int = 1,
+    allowance: load_path.FactorizationBudget | None = None,
 ) -> FiniteStrainHistory:
     """Solve the load steps, as far as they converge, and the reference press.
 
@@ -137,19 +136,20 @@ def solve(
     steps = load_steps(motion, press.time, relaxing, refine, friction=press.kinetic)
     frames = set(frames_of(steps.value, int(np.argmax(steps.value))).tolist())
     course = Course(
-        Path(
+        load_path.Path(
             motion.control,
             steps.times,
             lambda t: press.load_unit * float(motion.value(t)),
             partial(dragged.drag, press),
         ),
-        lambda: StressHistory(
+        lambda: load_path.StressHistory(
             elements, relaxations(finger), deviatoric=finger.relaxation == "deviatoric"
         ),
         steps,
         frozenset(frames | peak_steps(motion, steps, relaxing)),
+        allowance=allowance,
     )
-    history = follow_course(press, elements, course, stages, allowance)
+    history = follow_course(press, elements, course, stages)
     with stages.stage("reference"):
         reference = _reference(press, elements, history.halt)
     return replace(history, reference=reference)
@@ -198,7 +198,8 @@ class _Recorder:
             self.frames[number] = state.values
         force = float(self.contact.projected @ state.pressure)
         at_rim = (state.pressure[self.rim] > 0).any()
-        if at_rim or self.course.reached_target(state.depth, force):
+        depth_enough, force_enough = self.course.enough
+        if at_rim or (state.depth >= depth_enough and force >= force_enough):
             raise _EndedError
 
     def _moment(self, state: State) -> Array:
@@ -213,23 +214,20 @@ class _Recorder:
 class Course:
     """Load path of a press, its stress, the steps of the answer, and those whose state is kept.
 
-    reached_target: whether the press may end at a depth in mm that bears a force in mN on the
-    meshed part.
+    enough: depth in mm and force in mN on the meshed part from which the press may end; allowance:
+    limit on tangent factorizations, none by default.
     """
 
-    path: Path
-    stress: Callable[[], StressHistory]
+    path: load_path.Path
+    stress: Callable[[], load_path.StressHistory]
     steps: LoadSteps
     frames: frozenset[int]
-    reached_target: Callable[[float, float], bool] = lambda depth, force: False
+    enough: tuple[float, float] = (np.inf, np.inf)
+    allowance: load_path.FactorizationBudget | None = None
 
 
 def follow_course(
-    press: Press,
-    elements: Continuum,
-    course: Course,
-    stages: Stages,
-    allowance: FactorizationBudget | None = None,
+    press: Press, elements: Continuum, course: Course, stages: Stages
 ) -> FiniteStrainHistory:
     """Solve all steps, with more candidate vertices as long as the contact reaches their rim.
 
@@ -247,7 +245,7 @@ def follow_course(
             spreads=elements.nearly_incompressible,
         )
         limits.check_under(press.motion, press.obstacle, body, contact.on.beyond)
-        history = _on_candidates(press, elements, contact, course, stages, allowance)
+        history = _on_candidates(press, elements, contact, course, stages)
         pressed = np.asarray((history.pressure > 0).any(axis=0))
         _check_contact(body, contact, history)
         if not (pressed & contact.on.border).any():
@@ -262,7 +260,6 @@ def _on_candidates(
     contact: ContactSurface,
     course: Course,
     stages: Stages,
-    allowance: FactorizationBudget | None,
 ) -> FiniteStrainHistory:
     """Solve the steps on some candidates, as far as the contact stays off their rim."""
     body, halt = press.body, ""
@@ -271,7 +268,8 @@ def _on_candidates(
     recorder = _Recorder(body, contact, probe, course)
     with stages.stage("steps") as report:
         try:
-            follow(equilibrium, course.stress(), course.path, recorder.keep, report, allowance)
+            driven = course.stress(), course.path
+            load_path.follow(equilibrium, *driven, recorder.keep, report, course.allowance)
         except _EndedError:
             pass  # at a rim: seen again by the caller
         except ConvergenceError as error:

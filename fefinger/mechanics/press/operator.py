@@ -20,7 +20,7 @@ from fefinger.fem.linalg.dissection import Front
 from fefinger.fem.linalg.multifrontal import Eliminated
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press.materials import fixed_facets
-from fefinger.mechanics.press.notes import elastic_hard_parts_reasons, separate_relaxation_reasons
+from fefinger.mechanics.press.notes import own_relaxation_reasons
 from fefinger.mechanics.press.operator_cache import folder, identity, parities
 from fefinger.mechanics.press.problem import SolutionMethod
 from fefinger.mesh.extend import CONTINUED
@@ -52,7 +52,7 @@ def operator(
     InputError if the tissues of the finger do not relax as one, so that no step of it would be
     right; or the cache holds something else under the hash of this finger.
     """
-    for reason in (*elastic_hard_parts_reasons(finger), *separate_relaxation_reasons(finger)):
+    for reason in own_relaxation_reasons(finger):
         raise InputError(f"{reason.text}; use the mechanics 'solid'")
     mesh = load_or_build(finger, half=True, continued=continued)
     meshed = solid(mesh, (1, 2))

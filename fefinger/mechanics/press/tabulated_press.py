@@ -36,12 +36,7 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
-from fefinger.theory.contact.ting import (
-    ContactHistory,
-    ElasticForce,
-    press_by_depth,
-    press_by_force,
-)
+from fefinger.theory.contact import ting
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 
 
@@ -78,31 +73,31 @@ class TabulatedPress:
         return self.table.bounded(self.table.pressure)
 
     @cached_property
-    def instantaneous(self) -> ElasticForce:
+    def instantaneous(self) -> ting.ElasticForce:
         """Elastic force of the whole finger in N for its modulus at t = 0."""
         table = self.table
         force = self.table.force_at_nodes / self.press.finger.prony.long_time
-        return ElasticForce(table.nodes, force, table.measure, table.work_at_nodes)
+        return ting.ElasticForce(table.nodes, force, table.measure, table.work_at_nodes)
 
     def elastic_force(self, depth: Array) -> Array:
         """Elastic force (n,) N of the whole finger at depths (n,) mm."""
         return np.interp(depth, self.table.nodes, self.table.force_at_nodes)
 
-    def along(self, time: Array) -> ContactHistory:
+    def along(self, time: Array) -> ting.ContactHistory:
         """Solve the contact along the motion, at times (n_t,) s."""
         motion, table, prony = self.press.motion, self.table, self.press.finger.prony
         value = np.asarray(motion.value(time), dtype=np.float64)
         if motion.control == "depth":
-            return press_by_depth(prony, time, value, table.nodes, table.measure)
-        return press_by_force(prony, time, value, self.instantaneous)
+            return ting.press_by_depth(prony, time, value, table.nodes, table.measure)
+        return ting.press_by_force(prony, time, value, self.instantaneous)
 
-    def forces(self, history: ContactHistory) -> Array:
+    def forces(self, history: ting.ContactHistory) -> Array:
         """Force (n_t,) N: the prescribed one to the last digit."""
         if self.press.motion.control == "force":
             return np.asarray(self.press.motion.value(history.time), dtype=np.float64)
         return self.instantaneous.along(history.stress_weights, history.depth)
 
-    def pressures(self, history: ContactHistory) -> Array:
+    def pressures(self, history: ting.ContactHistory) -> Array:
         """Pressure (n_t, n_candidates) kPa: cut off at 0 and scaled to the force."""
         pushing = np.maximum(history.stress(self.pressure) / self.press.finger.prony.long_time, 0.0)
         unit = self.press.body.sides * NEWTON_PER_MILLINEWTON
@@ -111,7 +106,7 @@ class TabulatedPress:
         factor = np.divide(force, borne, out=np.zeros_like(borne), where=borne > 0)
         return np.asarray(factor[:, None] * pushing)
 
-    def moments(self, history: ContactHistory) -> Array:
+    def moments(self, history: ting.ContactHistory) -> Array:
         """Moment (n_t, 3) mN mm of the meshed part, scaled to the force."""
         table, weights = self.table, history.stress_weights
         borne, force = weights @ self.table.force_at_nodes, self.forces(history)
@@ -169,7 +164,7 @@ def respond(
 
 
 def tabulated_response(
-    tabulated: TabulatedPress, history: ContactHistory, stages: Stages
+    tabulated: TabulatedPress, history: ting.ContactHistory, stages: Stages
 ) -> Response:
     """Return the Response of a contact problem whose table is convolved along its motion."""
     press = tabulated.press
@@ -227,7 +222,7 @@ def _gaps(table: DepthTable, depth: Array, strained: Array) -> Array:
     return np.asarray(table.gap[0] - depth[:, None] + strained @ yielded)
 
 
-def _fields(tabulated: TabulatedPress, history: ContactHistory, strained: Array) -> Fields:
+def _fields(tabulated: TabulatedPress, history: ting.ContactHistory, strained: Array) -> Fields:
     """Fields on the mesh at some of the times; strained as in `_gaps`."""
     press = tabulated.press
     pressure, force = tabulated.pressures(history), tabulated.forces(history)
