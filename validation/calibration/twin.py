@@ -16,7 +16,7 @@ from fefinger.calibration import slow_press
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.outcome import FREQUENCIES, errors
 from fefinger.calibration.record import Calibration
-from fefinger.mechanics.press.pad import on_neighborhood, whole_pad
+from fefinger.mechanics.press.placement import on_neighborhood, whole_pad
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.mechanics.realtime.stiffening import Stiffening

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 
 from fefinger.geometry.profiles import frame
-from fefinger.mechanics.press.pad import on_neighborhood
+from fefinger.mechanics.press.placement import on_neighborhood
 from fefinger.mechanics.press.problem import FiniteStrainHistory, Press
 from fefinger.results.records import Lateral
 from fefinger.support.arrays import Array, Flags, Integers

@@ -20,7 +20,7 @@ from fefinger.mechanics.press.fields import stiffening
 from fefinger.mechanics.press.finite_strain import BUDGET, FINITE_STRAIN, Course, follow_course
 from fefinger.mechanics.press.load_steps import LoadSteps
 from fefinger.mechanics.press.materials import laws
-from fefinger.mechanics.press.pad import whole_pad
+from fefinger.mechanics.press.placement import whole_pad
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.reference import reference_unknowns
 from fefinger.mechanics.press.response import areas_of_steps

@@ -12,7 +12,7 @@ from fefinger.geometry import mirror
 from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import dragged, sliding
 from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_fields
-from fefinger.mechanics.press.pad import first_moments, on_neighborhood, whole_pad
+from fefinger.mechanics.press.placement import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import (
     TANGENT_SOLVER,
     FiniteStrainHistory,

@@ -15,7 +15,7 @@ from fefinger.fem.contact.travel import Heights, Travel, envelope
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press import operator, problem
-from fefinger.mechanics.press.pad import on_neighborhood
+from fefinger.mechanics.press.placement import on_neighborhood
 from fefinger.mechanics.press.problem import Press, SmallStrainHistory
 from fefinger.results.records import Lateral, Pad
 from fefinger.support.arrays import Array, Integers

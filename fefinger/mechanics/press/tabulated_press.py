@@ -22,7 +22,7 @@ from fefinger.mechanics.press.depth_table import DepthTable
 from fefinger.mechanics.press.elastic_press import FARTHEST
 from fefinger.mechanics.press.fields import finite_strain_fields
 from fefinger.mechanics.press.materials import tissues, with_nail
-from fefinger.mechanics.press.pad import on_neighborhood, whole_pad
+from fefinger.mechanics.press.placement import on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import Press, SolutionMethod, frames_of
 from fefinger.mechanics.press.reference import reference_strain
 from fefinger.mechanics.press.small_strain import WHOLE_MESH

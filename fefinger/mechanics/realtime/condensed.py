@@ -22,7 +22,7 @@ from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.mechanics.press import limits, operator, placement, problem
-from fefinger.mechanics.press.pad import first_moments, whole_pad
+from fefinger.mechanics.press.placement import first_moments, whole_pad
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.realtime.loop import (
     Loop,

@@ -15,7 +15,7 @@ from fefinger.geometry.voigt import VOIGT
 from fefinger.mechanics import pressed
 from fefinger.mechanics.press import elastic_press
 from fefinger.mechanics.press.notes import elastic_hard_parts_reasons, separate_relaxation_reasons
-from fefinger.mechanics.press.pad import first_moments, on_neighborhood, whole_pad
+from fefinger.mechanics.press.placement import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.tabulated_press import METHOD, TabulatedPress
 from fefinger.mechanics.realtime.loop import Loop, Step, check_frictionless, quick_number
