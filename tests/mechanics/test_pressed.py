@@ -457,7 +457,7 @@ def _table() -> DepthTable:
 
     asked = scene(Ramp(60, 1.0))
     press = Press.of(asked, METHOD, Stages(), mechanics="pressed", notes=())
-    return elastic_press.load_or_solve(press, Flat(30), 1.0, Stages())
+    return elastic_press.load_or_solve(press, 1.0, Stages())
 
 
 def test_the_error_of_tabulation_is_the_largest_of_the_scenes_about_as_deep() -> None:

@@ -64,7 +64,7 @@ def skin_speeds(name: str, force: float) -> tuple[float, float]:
     ask = Ask(pressure=True, strain=False, fields=False)
     scene = Scene(finger=subject, indenter=STANDARD, motion=Ramp(1.0, DEEPEST), ask=ask)
     press = Press.of(scene, tabulated_press.METHOD, Stages(None), mechanics="pressed", notes=())
-    table = table_of(press, STANDARD, Stages(None))
+    table = table_of(press, Stages(None))
     placed = TabulatedPress.of(press, table)
     count = len(table.depth)
     weights = np.array([np.interp(force, table.force, row) for row in np.eye(count)])

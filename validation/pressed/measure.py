@@ -65,7 +65,7 @@ def relaxed_as_one(scene: Scene) -> Response:
     """Answer a scene with a force that relaxes as that of small strain does: a work ratio of 1."""
     stages = Stages()
     press = Press.of(scene, METHOD, stages, mechanics=pressed.name, notes=())
-    table = table_of(press, scene.indenter, stages)
+    table = table_of(press, stages)
     tabulated = TabulatedPress.of(press, replace(table, work=np.ones_like(table.work)))
     return tabulated_response(tabulated, tabulated.along(press.time), stages)
 

@@ -32,7 +32,6 @@ from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.tabulated_press import TabulatedPress, about_preload, table_of
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array, Integers
@@ -204,7 +203,7 @@ def _press(finger: Finger, depth: float, *, linear: bool) -> Press:
 
 def _pressed(finger: Finger, depth: float) -> tuple[Press, TabulatedPress]:
     press = _press(finger, depth, linear=False)
-    return press, TabulatedPress.of(press, table_of(press, STANDARD, Stages(None)))
+    return press, TabulatedPress.of(press, table_of(press, Stages(None)))
 
 
 def viscous(finger: Finger) -> Finger:

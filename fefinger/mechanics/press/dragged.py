@@ -34,7 +34,7 @@ GROSS = (
 
 def drag(press: Press, time: float) -> Array:
     """Return the friction (3,) of the plate at a time in s, as a part of the pressure."""
-    return press.kinetic * press.motion.heading(time) @ frame(press.obstacle.axis)[:2]
+    return press.indenter.kinetic * press.motion.heading(time) @ frame(press.obstacle.axis)[:2]
 
 
 @dataclass(frozen=True)
@@ -121,11 +121,11 @@ def lateral(
     press: Press, history: FiniteStrainHistory, pressure: Array, force: Array, column: Integers
 ) -> Lateral:
     """Collect path, friction and slip; pressure (n_t, n_candidates) kPa, force (n_t,) N."""
-    if not press.friction:
+    if not press.indenter.friction:
         return smooth(press, history.steps.time)
     skin = Dragged.of(press, history, pressure)
     words = "" if history.halt else outcome(skin)
-    friction, slip = press.kinetic * skin.heading, skin.slip
+    friction, slip = press.indenter.kinetic * skin.heading, skin.slip
     signs = np.ones((len(column), 2))
     signs[len(history.contact.neighborhood.vertices) :, 1] = -1.0
     seen = on_neighborhood(pressure, history.contact.neighborhood)
@@ -151,7 +151,7 @@ def notes(press: Press) -> tuple[str, ...]:
     """Return the notes on a press with a path."""
     if not press.tangential:
         return ()
-    return (IN_PLANE, GROSS) if press.friction else (IN_PLANE,)
+    return (IN_PLANE, GROSS) if press.indenter.friction else (IN_PLANE,)
 
 
 def outcome(skin: Dragged) -> str:

@@ -25,7 +25,6 @@ from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.reference import reference_unknowns
 from fefinger.mechanics.press.response import areas_of_steps
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
-from fefinger.scene.indenter import Indenter
 from fefinger.scene.motions import Ramp
 from fefinger.support import cache
 from fefinger.support.arrays import Array
@@ -148,10 +147,8 @@ def _solved(
     )
 
 
-def load_or_solve(
-    press: Press, indenter: Indenter, least: float, stages: Stages, *, force: float = 0.0
-) -> DepthTable:
-    """Read or solve the table of a finger under an object; a new one is stored in the cache.
+def load_or_solve(press: Press, least: float, stages: Stages, *, force: float = 0.0) -> DepthTable:
+    """Read or solve the table of a finger under its object; a new one is stored in the cache.
 
     It goes to `least` mm or more; or, where a `force` in N is given, to one that bears it, if any
     up to FARTHEST does.
@@ -161,7 +158,7 @@ def load_or_solve(
     """
 
     def stored() -> DepthTable | None:
-        table = depth_table.at_hand(press.finger, indenter, press.mesh)
+        table = depth_table.at_hand(press.finger, press.indenter, press.mesh)
         if table is None or table.deepest < least * (1 - 1e-9):
             return None
         sought = table.deepest < FARTHEST * press.finger.thickness * (1 - 1e-9)
@@ -170,12 +167,12 @@ def load_or_solve(
     table = stored()
     if table is not None:
         return table
-    place = depth_table.cached_path(depth_table.key_on(press.finger, indenter, press.mesh))
+    place = depth_table.cached_path(depth_table.key_on(press.finger, press.indenter, press.mesh))
     with cache.alone(place):
         table = stored()  # another process may have solved it meanwhile
         if table is None:
             # A plate ends nowhere; contact with any other object may reach its rim.
-            further = indenter.flat is not None
+            further = press.indenter.flat is not None
             solved = solve(press, least, stages, force=force, further=further)
             table = depth_table.as_stored(solved)
             with suppress(OSError):  # without room for it, it is solved again the next time

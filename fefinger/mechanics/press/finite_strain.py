@@ -133,7 +133,7 @@ def solve(
     with stages.stage("factor"):
         elements = continuum(press.body.space, laws(finger), soft=(1, 2))
     relaxing = tissue_relaxations(finger)
-    steps = load_steps(motion, press.time, relaxing, refine, friction=press.kinetic)
+    steps = load_steps(motion, press.time, relaxing, refine, friction=press.indenter.kinetic)
     frames = set(frames_of(steps.value, int(np.argmax(steps.value))).tolist())
     course = Course(
         load_path.Path(

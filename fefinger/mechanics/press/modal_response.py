@@ -99,7 +99,7 @@ def _corrected(
     """Answer at finite strain, with what inertia changes in a linear finger of its stiffness."""
     slow = Press.of(scene, tabulated_press.METHOD, stages, mechanics=mechanics, notes=notes)
     slow = modal_press.at_stored(slow, grid)
-    table = TabulatedPress.of(slow, tabulated_press.table_of(slow, scene.indenter, stages))
+    table = TabulatedPress.of(slow, tabulated_press.table_of(slow, stages))
     with stages.stage("motion"):
         shares = table.along(slow.time)
     answer = tabulated_press.tabulated_response(table, shares, stages)

@@ -79,12 +79,12 @@ class Press:
 
     mechanics: the name that the answer carries; method: how the body was built and is solved;
     mesh: of all regions; body: the soft tissue that is solved; finger: its sizes and tissues;
-    obstacle: the indenter at first touch; standard: whether that is the standard plate; motion, and
-    time (n_t,) s of the answer; sites: the end organs whose strain is wanted, if any; reference:
-    the press that scales that strain, where spikes are wanted; pressure, fields: whether they are
-    wanted; notes: the simplifications that a reader of the answer has to know; friction: Coulomb's
-    coefficient, and kinetic that of what slips; inclines (n_t, 2): slopes of a plate that turns,
-    if it does; foreseen: a first guess in mm of the largest depth under force control, if any.
+    indenter, and the obstacle that it is at first touch; motion, and time (n_t,) s of the answer;
+    sites: the end organs whose strain is wanted, if any; reference: the press that scales that
+    strain, where spikes are wanted; pressure, fields: whether they are wanted; notes: the
+    simplifications that a reader of the answer has to know; inclines (n_t, 2): slopes of a plate
+    that turns, if it does; foreseen: a first guess in mm of the largest depth under force control,
+    if any.
     """
 
     mechanics: str
@@ -92,8 +92,8 @@ class Press:
     mesh: FingerMesh
     body: Solid
     finger: Finger
+    indenter: Indenter
     obstacle: Obstacle
-    standard: bool
     motion: Motion
     time: Array
     sites: Sites | None
@@ -101,8 +101,6 @@ class Press:
     pressure: bool
     fields: bool
     notes: tuple[str, ...]
-    friction: float = 0.0
-    kinetic: float = 0.0
     inclines: Array | None = None
     foreseen: float | None = None
 
@@ -146,8 +144,8 @@ class Press:
             mesh=mesh,
             body=body,
             finger=finger,
+            indenter=scene.indenter,
             obstacle=obstacle,
-            standard=scene.indenter == STANDARD and not motion.slides,
             motion=motion,
             time=time,
             sites=sites,
@@ -160,8 +158,6 @@ class Press:
                 *mesh.quality.get("notes", ()),
                 *of_texture(scene, body, obstacle),
             ),
-            friction=scene.indenter.friction,
-            kinetic=scene.indenter.kinetic,
             inclines=None if plate is None else motion.inclines(time, plate),
         )
 
@@ -177,7 +173,12 @@ class Press:
     @property
     def tangential(self) -> bool:
         """Whether the indenter moves sideways or has friction, so that it may push sideways."""
-        return self.motion.slides or self.friction > 0
+        return self.motion.slides or self.indenter.friction > 0
+
+    @property
+    def standard(self) -> bool:
+        """Whether it is the press of the standard plate, along its normal."""
+        return self.indenter == STANDARD and not self.motion.slides
 
     @property
     def expected_depth(self) -> float:

@@ -86,7 +86,7 @@ def reduce_to_patch(
     With friction to its tractions as well: the patch of the result then has the unit loads of
     both. What an operator is reduced to for a path is cached: it serves every object on it.
     """
-    three = with_tractions(press.body, on, press.obstacle.axis) if press.friction else on
+    three = with_tractions(press.body, on, press.obstacle.axis) if press.indenter.friction else on
     if press.tangential and isinstance(press.body, Operator):
         made = operator.reduced(press.finger, press.body, three, points, lambda: probe)
     else:
@@ -109,8 +109,8 @@ def solve_sliding_contact(
     travel = Travel.of(press.body.space, press.body.normals, on, press.obstacle)
     path = Path(travel, press.motion.shift(press.time), press.inclines)
     rest = path, on.projected, relaxation, prescribed, report
-    if press.friction:
-        mu = press.friction, press.kinetic
+    if press.indenter.friction:
+        mu = press.indenter.friction, press.indenter.kinetic
         return march_with_friction(reduced.flexibility, mu, *rest)
     return march(reduced.flexibility, *rest)
 
@@ -179,9 +179,9 @@ def notes(press: Press) -> tuple[str, ...]:
     if not press.tangential:
         return ()
     rocking = () if press.inclines is None else (ROCKING,)
-    if not press.friction:
+    if not press.indenter.friction:
         return (TANGENTIAL, *rocking)
-    weaker = (WEAKER,) if press.kinetic < press.friction else ()
+    weaker = (WEAKER,) if press.indenter.kinetic < press.indenter.friction else ()
     return (TANGENTIAL, *rocking, COULOMB, *weaker)
 
 

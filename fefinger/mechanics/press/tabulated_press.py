@@ -29,7 +29,6 @@ from fefinger.mechanics.press.small_strain import WHOLE_MESH
 from fefinger.neural.reference import Reference
 from fefinger.results.records import Fields, Response
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Indenter
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
@@ -130,15 +129,15 @@ class TabulatedPress:
         return reference_strain(body, plate.sites, self.table.reference(body.space.n_unknowns))
 
 
-def table_of(press: Press, indenter: Indenter, stages: Stages) -> DepthTable:
+def table_of(press: Press, stages: Stages) -> DepthTable:
     """Read or solve the table that a motion needs: to its depth, or to its force.
 
     Errors as `elastic_press.load_or_solve`, and InputError for a force that is too large.
     """
     motion = press.motion
     if motion.control == "depth":
-        return elastic_press.load_or_solve(press, indenter, motion.peak, stages)
-    table = elastic_press.load_or_solve(press, indenter, 0.0, stages, force=motion.peak)
+        return elastic_press.load_or_solve(press, motion.peak, stages)
+    table = elastic_press.load_or_solve(press, 0.0, stages, force=motion.peak)
     if table.force[-1] >= motion.peak:  # relaxed tissue bears the least
         return table
     raise InputError(
@@ -157,7 +156,7 @@ def respond(
     """
     stages = Stages(progress)
     press = Press.of(scene, METHOD, stages, mechanics=mechanics, notes=notes)
-    tabulated = TabulatedPress.of(press, table_of(press, scene.indenter, stages))
+    tabulated = TabulatedPress.of(press, table_of(press, stages))
     with stages.stage("motion"):
         history = tabulated.along(press.time)
     return tabulated_response(tabulated, history, stages)

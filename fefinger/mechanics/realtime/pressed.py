@@ -73,7 +73,7 @@ class Pressed(Loop):
         stages, motion = Stages(progress), Ramp(1.0, self.deepest, corner=0.0)
         scene = Scene(finger=finger, indenter=indenter, motion=motion, ask=Ask(spikes=TYPES))
         press = Press.of(scene, METHOD, stages, mechanics=pressed.name, notes=pressed.NOTES)
-        table = elastic_press.load_or_solve(press, indenter, self.deepest, stages)
+        table = elastic_press.load_or_solve(press, self.deepest, stages)
         self._tabulated = tabulated = TabulatedPress.of(press, table)
         self.indenter = indenter
         assert press.sites is not None  # as spikes are asked for
