@@ -10,10 +10,9 @@ from dataclasses import replace
 
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import costs
-from fefinger.mechanics.evidence.stated_errors import measured
+from fefinger.mechanics.evidence.stated_errors import error_of
 from fefinger.mechanics.press.notes import RIGID_BONE, Reason, elastic_hard_parts_reasons, refusals
 from fefinger.mechanics.situation import Situation
-from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
@@ -49,11 +48,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 
 cost, once = costs.condensed_seconds, costs.condensed_once
-
-
-def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
-    """Return the expected relative error, of mesh and small strain, and its source."""
-    return measured(Candidate(name, case.mesh), case, quantity)
+error = error_of(name)
 
 
 def coarser(scene: Scene) -> Finger | None:

@@ -13,12 +13,11 @@ import numpy as np
 
 from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import costs
-from fefinger.mechanics.evidence.stated_errors import measured
+from fefinger.mechanics.evidence.stated_errors import error_of
 from fefinger.mechanics.press import axisymmetric, notes
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.mechanics.situation import Situation
-from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import BONE, Finger
 from fefinger.scene.scene import Scene
@@ -140,11 +139,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 cost = costs.layered_seconds
 once, coarser = hertz.once, hertz.coarser
-
-
-def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
-    """Return the expected relative error against `solid`, and its source."""
-    return measured(Candidate(name), case, quantity)
+error = error_of(name)
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:

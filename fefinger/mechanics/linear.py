@@ -12,12 +12,11 @@ from dataclasses import replace
 from fefinger.mechanics import hertz, layered
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.measured_tissue import largest_exponents
-from fefinger.mechanics.evidence.stated_errors import measured
+from fefinger.mechanics.evidence.stated_errors import error_of
 from fefinger.mechanics.press import notes
 from fefinger.mechanics.press.discretization import ALONG, NEAR, gap, refinement_location
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.situation import Situation
-from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
@@ -159,11 +158,7 @@ def too_soft(finger: Finger) -> Iterator[Reason]:
 
 
 cost, once = costs.linear_seconds, costs.mesh_seconds
-
-
-def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
-    """Return the expected relative error, of mesh and small strain, and its source."""
-    return measured(Candidate(name, case.mesh), case, quantity)
+error = error_of(name)
 
 
 def coarser(scene: Scene, *, follow: bool = True) -> Finger | None:

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import costs
-from fefinger.mechanics.evidence.stated_errors import measured
+from fefinger.mechanics.evidence.stated_errors import error_of
 from fefinger.mechanics.press import notes
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.situation import Situation
-from fefinger.results.candidate import Candidate
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
@@ -60,11 +59,7 @@ def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
 
 
 cost, once, coarser = costs.solid_seconds, costs.mesh_seconds, linear.coarser
-
-
-def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
-    """Return the expected relative error against a converged mesh, and its source."""
-    return measured(Candidate(name, case.mesh), case, quantity)
+error = error_of(name)
 
 
 def respond(

@@ -7,7 +7,7 @@ force control follow from those at a given depth.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -40,6 +40,20 @@ RAISED = {"coarse": 0.30, "standard": 0.13, "fine": 0.08}
 """Error of the mean force on raised dots 0.7 mm wide that are scanned, by the mesh: against that
 extrapolated from all three; letters and Braille have wider parts and err less (validation/friction,
 `mesh.py`)."""
+
+
+def error_of(mechanics: str) -> Callable[..., StatedError]:
+    """Return the `error` of a mechanics (see `fefinger.mechanics.Mechanics`): the measured one.
+
+    With a mesh it is that on the mesh of the scene.
+    """
+
+    def error(case: Situation, quantity: str = "force") -> StatedError:
+        """Return the measured relative error of a quantity, and its source."""
+        mesh = case.mesh if MECHANICS[mechanics].meshed else None
+        return measured(Candidate(mechanics, mesh), case, quantity)
+
+    return error
 
 
 def measured(candidate: Candidate, case: Situation, quantity: str = "force") -> StatedError:

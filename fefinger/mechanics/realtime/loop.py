@@ -78,7 +78,7 @@ class Loop:
     sites: Sites
 
     def __init__(self, finger: object, deepest: float) -> None:
-        """Take a finger; InputError for what is none, such as the name of a subject."""
+        """Check finger and depth, which all take; InputError as of the class."""
         if not isinstance(finger, Finger):
             msg = f'finger: expected a Finger, as ff.Finger.subject("a.h."), received {finger!r}'
             raise InputError(msg)
