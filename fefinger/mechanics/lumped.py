@@ -68,7 +68,6 @@ PRINTED = (
 )
 """Notes on the law of Table 2.1."""
 
-
 SAME = 1e-3
 """Relative difference below which sizes and ratios of moduli count as equal."""
 

@@ -49,6 +49,11 @@ and 1.2 in three quarters of them."""
 Excess = tuple[Array, Array]
 """Relative depths (n,), and the excess (n,) of an error there over its estimate without it."""
 
+LUMPED_LAW = Candidate("lumped")
+
+BEYOND = 1.06
+"""Depth over that of the deepest press up to which the errors there count."""
+
 
 def margin(excess: Excess, part: float | None) -> float:
     """95 % quantile of the excess at depths within a factor 2 of `part` (of all depths if None)."""
@@ -181,12 +186,6 @@ def exponent_of(press: Measured) -> float | None:
     if press.finger == library.PUBLISHED:
         return None
     return library.tissue_set(library.calibrated_name(press.finger)).subcutaneous.exponent
-
-
-LUMPED_LAW = Candidate("lumped")
-
-BEYOND = 1.06
-"""Depth over that of the deepest press up to which the errors there count."""
 
 
 class StatedError(NamedTuple):

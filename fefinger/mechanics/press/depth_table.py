@@ -48,6 +48,18 @@ UNRESOLVED = 1e-9
 STEP, LEVELS = 3e-5, 32767
 """Displacement in mm to which modes are rounded, and the most steps of one: 16 bits."""
 
+FORMAT = 6
+"""Raised when the solver, the depths or the files change, so that tables are solved again."""
+
+PREFIX = "press-"
+"""Of the names of shipped tables, which end with the first DIGITS of their key."""
+
+DIGITS = 16
+
+EXACT = ("depth", "force", "moment", "area", "stiffening", "work")
+ROUNDED = ("pressure", "gap")
+"""Arrays that are stored in double and in single precision."""
+
 
 @dataclass(frozen=True)
 class DisplacementBasis:
@@ -203,19 +215,6 @@ class DepthTable:
         from scipy.interpolate import PchipInterpolator
 
         return np.asarray(PchipInterpolator(np.sqrt(self.depth), values)(np.sqrt(self.nodes)))
-
-
-FORMAT = 6
-"""Raised when the solver, the depths or the files change, so that tables are solved again."""
-
-PREFIX = "press-"
-"""Of the names of shipped tables, which end with the first DIGITS of their key."""
-
-DIGITS = 16
-
-EXACT = ("depth", "force", "moment", "area", "stiffening", "work")
-ROUNDED = ("pressure", "gap")
-"""Arrays that are stored in double and in single precision."""
 
 
 def key(finger: Finger, indenter: Indenter, mesh_sha256: str, *, half: bool = True) -> str:

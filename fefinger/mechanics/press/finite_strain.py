@@ -38,6 +38,16 @@ from fefinger.support.progress import Progress, Stages
 from fefinger.support.tolerances import PRESS_EQUILIBRIUM
 
 
+WORTH = 4  # steps that are worth keeping when a run has to stop
+# Factors that a press may take: of each step, and of all steps beyond that. Ordinary presses take
+# less than ten in all; one against the bone can take a hundred for a single step.
+BUDGET = load_path.FactorizationBudget(usual=8, spare=40)
+SPREAD = 2.0  # of the candidates at finite strain, beyond those at small: a pad flattens
+
+RECORDED = ("depth", "pressure", "gap", "moved", "moment", "strain")
+"""Quantities of a `FiniteStrainHistory` that are recorded at every step."""
+
+
 def most_compressed(elements: Continuum, values: Array) -> tuple[float, Array, str]:
     """Return the smallest principal stretch in a body, the place (3,) mm at rest, and the tissue.
 
@@ -65,13 +75,6 @@ def failure_message(error: Exception, elements: Continuum, values: Array | None)
         f"{error}. At the last equilibrium the {tissue} at x = {x:.1f}, y = {y:.1f}, z = {z:.1f} "
         f"mm is pressed to {stretch:.2g} of its length"
     )
-
-
-WORTH = 4  # steps that are worth keeping when a run has to stop
-# Factors that a press may take: of each step, and of all steps beyond that. Ordinary presses take
-# less than ten in all; one against the bone can take a hundred for a single step.
-BUDGET = load_path.FactorizationBudget(usual=8, spare=40)
-SPREAD = 2.0  # of the candidates at finite strain, beyond those at small: a pad flattens
 
 
 def _with_first_factor(
@@ -170,10 +173,6 @@ def _reference(press: Press, elements: Continuum, halt: str) -> Reference | None
 
 class _EndedError(Exception):
     """Ends a solution early: contact is at the rim of candidates or pad, or at its target."""
-
-
-RECORDED = ("depth", "pressure", "gap", "moved", "moment", "strain")
-"""Quantities of a `FiniteStrainHistory` that are recorded at every step."""
 
 
 class _Recorder:

@@ -14,18 +14,6 @@ from fefinger.support.vocabulary import EXPONENTIAL
 from fefinger.theory.relaxation import Prony
 
 
-class Reason(NamedTuple):
-    """A reason against a mechanics, and the field or part of the scene to change, "" for none."""
-
-    field: str
-    text: str
-
-
-def refusals(mechanics: str, about: str, reasons: Iterable[Reason]) -> tuple[Refusal, ...]:
-    """Return the refusals of a mechanics for reasons `about` "ability", "accuracy" or "time"."""
-    return tuple(Refusal(mechanics, about, reason.text, reason.field) for reason in reasons)
-
-
 QUASISTATIC = "Quasi-static: no inertia and no waves."
 
 LOGARITHMIC = (
@@ -51,6 +39,23 @@ TURNS_READ = 201
 MAX_TURN_DEG = 10.0
 """Degrees by which a plate may turn from its travel, a convention: its pressure then has 0.18 of
 itself across the travel, which moves the tissue no more than friction of that coefficient."""
+
+RIGID_BONE = (
+    "The bone is rigid and the nail does not move. Bone of 17 GPa would lower a relaxed force by "
+    "0.2 % and a peak by 0.6 %."
+)
+
+
+class Reason(NamedTuple):
+    """A reason against a mechanics, and the field or part of the scene to change, "" for none."""
+
+    field: str
+    text: str
+
+
+def refusals(mechanics: str, about: str, reasons: Iterable[Reason]) -> tuple[Refusal, ...]:
+    """Return the refusals of a mechanics for reasons `about` "ability", "accuracy" or "time"."""
+    return tuple(Refusal(mechanics, about, reason.text, reason.field) for reason in reasons)
 
 
 def normalization_notes(prony: Prony) -> tuple[str, ...]:
@@ -87,12 +92,6 @@ def finger_notes(finger: Finger) -> tuple[str, ...]:
             notes.append(f"The {layer} relaxes with a series of its own.")
             notes.extend(normalization_notes(prony))
     return tuple(notes)
-
-
-RIGID_BONE = (
-    "The bone is rigid and the nail does not move. Bone of 17 GPa would lower a relaxed force by "
-    "0.2 % and a peak by 0.6 %."
-)
 
 
 def stiffens(finger: Finger) -> bool:

@@ -49,6 +49,11 @@ FACETS_PER_RATE = 6.0
 """The same, below which FAII count vertices of the mesh: they do over dots 5.4 facets wide (61
 impulses/s, on exact layers 0.4) and over narrower ones (suite `friction`)."""
 
+TANGENT_SOLVER = "single"
+"""The solver of tangents; in double precision where that fails, which a note says."""
+
+FRAMES_MOVING, FRAMES_RESTING = 20, 6
+
 
 @dataclass(frozen=True)
 class SolutionMethod:
@@ -230,12 +235,6 @@ def reference_plate(finger: Finger, body: Solid, ask: Ask) -> ReferencePlate:
     obstacle = placement.obstacle(STANDARD, body)
     sites = central_sites(ask, finger.pulp, obstacle.origin, obstacle.axis)
     return ReferencePlate(obstacle, sites)
-
-
-TANGENT_SOLVER = "single"
-"""The solver of tangents; in double precision where that fails, which a note says."""
-
-FRAMES_MOVING, FRAMES_RESTING = 20, 6
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,10 @@ from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import ConvergenceError
 
 
+STEPS = 2
+"""In which the reference depth is reached; its equilibrium does not depend on them."""
+
+
 def reference_press(
     body: Solid, plate: ReferencePlate, method: SolutionMethod, reduced: Reduced | None = None
 ) -> Reference:
@@ -66,10 +70,6 @@ def reference_of(press: Press, reduced: Reduced, deepest: float) -> Reference | 
     same = press.standard and deepest >= REFERENCE_DEPTH
     same = same and np.array_equal(press.sites.points, press.reference.sites.points)
     return reference_press(press.body, press.reference, press.method, reduced if same else None)
-
-
-STEPS = 2
-"""In which the reference depth is reached; its equilibrium does not depend on them."""
 
 
 def reference_unknowns(press: Press, elements: Continuum) -> Array:

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 REFERENCE_DEPTH = 0.5
 """Depth in mm of the small flat press that sets the length of a strain."""
 
+LATTICE = 0.4  # mm between the points of a spherical pad
+STEEPEST = 0.9  # sine of the slope at which a spherical pad ends
+
 
 def central_sites(ask: Ask, pulp: float, origin: Array, axis: Array) -> Sites:
     """Place one site per type of `ask` (all four where it names none) under the first touch.
@@ -62,10 +65,6 @@ def end_organ_sites(
     from fefinger.mechanics.press import population
 
     return population.sites(population.place(ask, skin(), direction(STANDARD)))
-
-
-LATTICE = 0.4  # mm between the points of a spherical pad
-STEEPEST = 0.9  # sine of the slope at which a spherical pad ends
 
 
 def meshed(points: Array, triangles: Integers, normals: Array, *, half: bool) -> "Surface":

@@ -45,6 +45,12 @@ METHOD: SolutionMethod = replace(
 )
 """Method of `pressed`: the solid alone, which is factored only to solve a new table."""
 
+BESIDE = 0.02
+"""Half the interval about the preload, relative to it, of the slope of the tabulated press.
+
+A smaller vibration has its own: between two nodes of depth the slope is off by up to a fifth.
+"""
+
 
 @dataclass(frozen=True)
 class TabulatedPress:
@@ -230,13 +236,6 @@ def _fields(tabulated: TabulatedPress, history: ting.ContactHistory, strained: A
     states = tabulated.table.unknowns(amplitudes, press.body.space.n_unknowns)
     vertices = tabulated.contact.on.vertices
     return finite_strain_fields(press, press.time[frames], states, vertices, pressure[frames])
-
-
-BESIDE = 0.02
-"""Half the interval about the preload, relative to it, of the slope of the tabulated press.
-
-A smaller vibration has its own: between two nodes of depth the slope is off by up to a fifth.
-"""
 
 
 def about_preload(finger: Finger, share: float) -> Finger:
