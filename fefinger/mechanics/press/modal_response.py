@@ -8,7 +8,7 @@ with and without, is added to the quasi-static answer at finite strain. It is a 
 and is computed on the next coarser mesh, whose modes take a fifth of the time.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -158,17 +158,16 @@ def _swept(
     return replace(answer, harmonic=harmonic, notes=notes)
 
 
-def _loses(harmonic: Harmonic, scene: Scene) -> tuple[str, ...]:
-    """Return the note that the contact of a preload opens within a cycle, if it does."""
+def _loses(harmonic: Harmonic, scene: Scene) -> Iterator[str]:
+    """Yield the note that the contact of a preload opens within a cycle, if it does."""
     amplitude = float(getattr(scene.motion, "amplitude", 0.0))
-    lost = amplitude * np.abs(harmonic.stiffness) > harmonic.preload_force
-    if scene.motion.control == "force" or not lost.any():
-        return ()
-    return (
-        f"From {harmonic.frequency[lost].min():.3g} to {harmonic.frequency[lost].max():.3g} Hz the "
-        f"force of {amplitude:g} mm exceeds the preload of {harmonic.preload_force:.3g} N: contact "
-        "opens in mid-cycle, which the answer through time follows and the harmonic one does not.",
-    )
+    lost = harmonic.frequency[amplitude * np.abs(harmonic.stiffness) > harmonic.preload_force]
+    if scene.motion.control != "force" and len(lost):
+        yield (
+            f"From {lost.min():.3g} to {lost.max():.3g} Hz the force of {amplitude:g} mm exceeds "
+            f"the preload of {harmonic.preload_force:.3g} N: contact opens in mid-cycle, which the "
+            "answer through time follows and the harmonic one does not."
+        )
 
 
 def stiffening(press: Press, table: TabulatedPress, depth: float) -> float:
@@ -315,28 +314,22 @@ def _with_modes(answer: Response, history: ModalHistory, grid: TimeGrid) -> Resp
     return replace(answer, notes=notes, numbers=numbers)
 
 
-def _lossless(oscillators: Oscillators) -> tuple[str, ...]:
-    """Return the note that tissue hardly damps vibrations, if its relaxation ends early."""
+def _lossless(oscillators: Oscillators) -> Iterator[str]:
+    """Yield the note that tissue hardly damps vibrations, if its relaxation ends early."""
     fastest = float(oscillators.rates.max(initial=0.0)) / (2 * np.pi)
-    if fastest > DAMPED:
-        return ()
-    return (
-        f"The fastest relaxation of this tissue lies at {fastest:.3g} Hz: above it hardly anything "
-        "is lost, where fingertips lose most, and resonances are too sharp. The sets of "
-        "finger.tissue that end in '_viscous' have a faster branch, of low confidence: it was "
-        "identified from vibrations along the skin (Wiertlewski and Hayward 2012).",
-    )
+    if fastest <= DAMPED:
+        yield (
+            f"The fastest relaxation of this tissue lies at {fastest:.3g} Hz: above it hardly "
+            "anything is lost, where fingertips lose most, and resonances are too sharp. The sets "
+            "of finger.tissue that end in '_viscous' have a faster branch, of low confidence: it "
+            "was identified from vibrations along the skin (Wiertlewski and Hayward 2012)."
+        )
 
 
-def _lost(answer: Response) -> tuple[str, ...]:
-    """Note on a contact that opens while the indenter is below first touch."""
-    touched_at = np.flatnonzero(answer.force > 0)
-    if not len(touched_at):
-        return ()
-    within = slice(touched_at[0], touched_at[-1] + 1)
-    closed = answer.force[within] > 0
+def _lost(answer: Response) -> Iterator[str]:
+    """Yield a note on a contact that opens while the indenter is below first touch."""
+    closed = np.trim_zeros(answer.force > 0)
     times = int(np.count_nonzero(closed[:-1] & ~closed[1:]))
-    if not times:
-        return ()
-    plural = "s" if times > 1 else ""
-    return (f"Contact is lost {times} time{plural} before its end, and taken up again.",)
+    if times:
+        plural = "s" if times > 1 else ""
+        yield f"Contact is lost {times} time{plural} before its end, and taken up again."

@@ -58,12 +58,11 @@ def refusals(mechanics: str, about: str, reasons: Iterable[Reason]) -> tuple[Ref
     return tuple(Refusal(mechanics, about, reason.text, reason.field) for reason in reasons)
 
 
-def normalization_notes(prony: Prony) -> tuple[str, ...]:
-    """Return a note if the published Prony weights do not add up to 1."""
+def normalization_notes(prony: Prony) -> Iterator[str]:
+    """Yield a note if the published Prony weights do not add up to 1."""
     total = sum(prony.c)
-    if abs(total - 1) <= ROUNDED:
-        return ()
-    return (f"Published Prony weights sum to {total:.4g}; here they are divided by that sum.",)
+    if abs(total - 1) > ROUNDED:
+        yield f"Published Prony weights sum to {total:.4g}; here they are divided by that sum."
 
 
 def separate_relaxation_reasons(finger: Finger) -> Iterator[Reason]:
@@ -116,22 +115,21 @@ def own_relaxation_reasons(finger: Finger) -> list[Reason]:
     return [*elastic_hard_parts_reasons(finger), *separate_relaxation_reasons(finger)]
 
 
-def tangential_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
-    """List the options of a scene beyond a frictionless press along one direction."""
-    if not motion.slides:
-        return friction_reasons(indenter)
-    reason = f"motion.kind = {motion.kind!r}: this mechanics has no sideways motion of the indenter"
-    return (Reason("motion.kind", reason), *friction_reasons(indenter))
+def tangential_reasons(motion: Motion, indenter: Indenter) -> Iterator[Reason]:
+    """Yield the options of a scene beyond a frictionless press along one direction."""
+    if motion.slides:
+        kind = f"motion.kind = {motion.kind!r}"
+        yield Reason(
+            "motion.kind", f"{kind}: this mechanics has no sideways motion of the indenter"
+        )
+    yield from friction_reasons(indenter)
 
 
-def friction_reasons(indenter: Indenter) -> tuple[Reason, ...]:
-    """Return the friction of an indenter, if it has any."""
-    if indenter.friction == 0:
-        return ()
-    reason = (
-        f"indenter.friction = {indenter.friction:g} > 0: this mechanics has frictionless contact"
-    )
-    return (Reason("indenter.friction", reason),)
+def friction_reasons(indenter: Indenter) -> Iterator[Reason]:
+    """Yield the friction of an indenter, if it has any."""
+    if indenter.friction != 0:
+        value = f"indenter.friction = {indenter.friction:g} > 0"
+        yield Reason("indenter.friction", f"{value}: this mechanics has frictionless contact")
 
 
 def finite_sliding_reasons(motion: Motion, indenter: Indenter) -> Iterator[Reason]:

@@ -113,6 +113,7 @@ class Condensed(Loop):
             lambda on_pad: on_pad.border & ~on_pad.obstacle_border,
         )
         self.reduced, self.patch, self.flexibility = reduced, reduced.patch, reduced.flexibility
+        self.shown = (f"{len(self.patch.vertices)} vertices may touch",)
         self._sides, self._stiffening = solid.sides, stiffening
         self._state = lcp_compiled.lcp_state(reduced.flexibility)
         gap, areas = self.patch.gap, self.patch.projected
@@ -123,9 +124,6 @@ class Condensed(Loop):
         self.now = Step.at_rest(self._state.x, self.output.strain.reshape(-1, 6))
         self._advance(0.0, 0.0, False)  # compiles or loads what a step needs: none of them waits
         self.reset()
-
-    def _about(self) -> tuple[str, ...]:
-        return (f"{len(self.patch.vertices)} vertices may touch",)
 
     @property
     def counts(self) -> Integers:

@@ -71,11 +71,12 @@ class Loop:
     """Base of the fingers in real time: their checks, their text and their afferents.
 
     finger; deepest: depth in mm that the pad has to answer; solid: the body that is solved; sites:
-    the end organs at which the strain is read.
+    the end organs at which the strain is read; shown: what its text says besides.
     """
 
     solid: Operator
     sites: Sites
+    shown: tuple[str, ...] = ()
 
     def __init__(self, finger: object, deepest: float) -> None:
         """Check finger and depth, which all take; InputError as of the class."""
@@ -91,13 +92,9 @@ class Loop:
         who = finger.subject_name or f"{finger.width:g} x {finger.thickness:g} mm"
         under = f", under {touched}" if touched is not None else ""
         organs = f"strain at {counted(self.sites.types)}"
-        parts = "; ".join([f"to {self.deepest:g} mm", *self._about(), organs])
+        parts = "; ".join([f"to {self.deepest:g} mm", *self.shown, organs])
         tissue = f"{finger.tissue or 'own'} tissue, {finger.mesh} mesh"
         return f"<{type(self).__name__}: finger {who}, {tissue}{under}; {parts}>"
-
-    def _about(self) -> tuple[str, ...]:
-        """Return what else is shown of a finger."""
-        return ()
 
     def afferents(
         self, *, family: str = FAMILIES[0], **options: Any

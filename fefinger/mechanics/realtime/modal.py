@@ -91,6 +91,8 @@ class Modal(Loop):
         self.indenter, self.sites, self.solid = indenter, still.sites, still.solid
         with Stages(progress).stage("modes") as report:
             self.modes = finger_modes(finger, self.solid, report)
+        low, high = self.frequencies[[0, -1]]
+        self.shown = (f"{len(self.frequencies)} modes, {low:.3g} to {high:.3g} Hz relaxed",)
         body = body_of_modes(finger, self.modes, still.reduced, still.probe)
         self.body = body.below(RESOLVED / self.dt)
         self._contact = contact_of(self.body, self.dt * (1 + 1e-9), still.output.limits)
@@ -107,10 +109,6 @@ class Modal(Loop):
         self.now = Step.at_rest(self._contact.lcp.x, strain)
         self._advance(self.dt, 0.0, by_force=False)  # compiles or loads what a step needs
         self.reset()
-
-    def _about(self) -> tuple[str, ...]:
-        low, high = self.frequencies[[0, -1]]
-        return (f"{len(self.frequencies)} modes, {low:.3g} to {high:.3g} Hz relaxed",)
 
     @property
     def frequencies(self) -> Array:

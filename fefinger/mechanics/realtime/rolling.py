@@ -70,6 +70,7 @@ class Rolling(Loop):
             raise InputError(message)
         turned = [Flat(angle).angle for angle in angles]
         self.sites, self.angles = sites, (min(turned), max(turned))
+        self.shown = ("a plate from {:g} to {:g} degrees".format(*self.angles),)
         warn_of_softness(finger, Flat(sum(self.angles) / 2), self.deepest)
         solid = self.solid = operator.operator(finger, half=True)
         surface = trace(solid.space, solid.pad)
@@ -98,9 +99,6 @@ class Rolling(Loop):
         self._strain = np.zeros(6 * len(sites.points))
         self.now = Step.at_rest(self._state.x, self._strain.reshape(-1, 6))
         self.reset()
-
-    def _about(self) -> tuple[str, ...]:
-        return ("a plate from {:g} to {:g} degrees".format(*self.angles),)
 
     @property
     def elastic(self) -> Array:

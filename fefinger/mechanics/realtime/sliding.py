@@ -112,6 +112,7 @@ class Sliding(Loop):
         reduced = self._reduced()
         on = self.patch = reduced.patch
         self.flexibility, count = reduced.flexibility, len(on.vertices)
+        self.shown = (f"{count} vertices may touch",)
         self._travel = Travel.of(solid.space, solid.normals, on, obstacle)
         self._output = step_output(solid, reduced, self.sites.points, precision)
         self._limits = self._output.limits.copy()
@@ -157,9 +158,6 @@ class Sliding(Loop):
             return replace(made, patch=on)
 
         return reduced_to_candidates(solid, self.deepest, candidates, reduce, lambda on: on.border)
-
-    def _about(self) -> tuple[str, ...]:
-        return (f"{len(self.patch.vertices)} vertices may touch",)
 
     def reset(self) -> None:
         """Lift the object off at its first place, and clear the stress history."""
