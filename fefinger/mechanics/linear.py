@@ -124,24 +124,23 @@ def unmeasured(finger: Finger) -> Iterator[Reason]:
             yield Reason(f"finger.{name}", reason)
 
 
-def too_small(case: Situation) -> tuple[Reason, ...]:
-    """Return the reason against a contact (its Hertz radius) too small for the mesh.
+def too_small(case: Situation) -> Iterator[Reason]:
+    """Yield the reason against a contact (its Hertz radius) too small for the mesh.
 
     Under force control the depth is that of the flat layers, so that both controls have one limit.
     """
     if case.indenter.hertzian is None:
-        return ()
+        return
     facet = FACETS[case.mesh]
     radius = hertz.half_space(case.finger, case.indenter).relative_radius
     depth = layered.deepest(case, (FEWEST * facet) ** 2 / radius)
     facets = math.sqrt(radius * depth) / facet * (1 + 1e-12)
-    if facets >= FEWEST:
-        return ()
-    reason = (
-        f"contact radius / facet of the pad = {facets * facet:.2g} / {facet:g} mm = {facets:.2g} < "
-        f"{FEWEST:g}: the mesh is too coarse for it"
-    )
-    return (Reason("finger.resolution", reason),)
+    if facets < FEWEST:
+        reason = (
+            f"contact radius / facet of the pad = {facets * facet:.2g} / {facet:g} mm = "
+            f"{facets:.2g} < {FEWEST:g}: the mesh is too coarse for it"
+        )
+        yield Reason("finger.resolution", reason)
 
 
 def too_soft(finger: Finger) -> Iterator[Reason]:

@@ -7,7 +7,7 @@ those of Table 2.1, to which it was fitted.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -228,7 +228,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 def _reasons(case: Situation) -> list[Reason]:
     """Differences of the scene from the measured conditions, with the numbers."""
     flat, identified_law = case.indenter.flat, law(case)
-    too_hard = _too_hard(case, identified_law) if identified_law.printed else []
+    too_hard = [*_too_hard(case, identified_law)] if identified_law.printed else []
     if not math.isnan(identified_law.error):
         return too_hard
     reasons = [Reason("finger", identified_law.caveat)] if identified_law.caveat else []
@@ -244,12 +244,11 @@ def _reasons(case: Situation) -> list[Reason]:
     return reasons + too_hard
 
 
-def _too_hard(case: Situation, identified_law: LumpedLaw) -> list[Reason]:
+def _too_hard(case: Situation, identified_law: LumpedLaw) -> Iterator[Reason]:
     peak, where = case.motion.peak, "force"
     if case.motion.control == "depth":
         where = f"relaxed force at {peak:.3g} mm"
         peak = identified_law.prony.long_time * float(identified_law.spring.force(peak))
-    if peak <= FORCE:
-        return []
-    reason = f"{where} = {format_excess(peak, FORCE)} N, the largest that was measured"
-    return [Reason("motion", reason)]
+    if peak > FORCE:
+        reason = f"{where} = {format_excess(peak, FORCE)} N, the largest that was measured"
+        yield Reason("motion", reason)

@@ -10,6 +10,7 @@ of 5 mm are shipped. What the tabulation leaves out is measured against `solid` 
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 from fefinger.mechanics import layered, linear, solid
@@ -54,20 +55,16 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     return (*solid.refused(name, case), *refusals(name, "accuracy", too_shallow(case)))
 
 
-def too_shallow(case: Situation) -> list[Reason]:
-    """Return the reason against a motion that goes no deeper than the first depth of a table."""
+def too_shallow(case: Situation) -> Iterator[Reason]:
+    """Yield the reason against a motion that goes no deeper than the first depth of a table."""
     # Imported here, because errors are also read for scenes without a mesh.
     from fefinger.mechanics.press.depth_table import SHALLOWEST
 
     first = SHALLOWEST * case.finger.thickness
     depth = layered.deepest(case, first)
-    if depth >= first * (1 - 1e-9):
-        return []
-    reason = (
-        f"depth / finger.thickness = {depth / case.finger.thickness:.2g} < {SHALLOWEST:g}: its "
-        "tables begin there"
-    )
-    return [Reason("motion", reason)]
+    if depth < first * (1 - 1e-9):
+        part = f"depth / finger.thickness = {depth / case.finger.thickness:.2g}"
+        yield Reason("motion", f"{part} < {SHALLOWEST:g}: its tables begin there")
 
 
 cost, once, coarser = costs.pressed_seconds, costs.pressed_once, linear.coarser
