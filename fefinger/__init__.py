@@ -44,7 +44,6 @@ if TYPE_CHECKING:
     from fefinger.result import load as load
     from fefinger.results.result_record import Plan as Plan
     from fefinger.scene.ask import Ask as Ask
-    from fefinger.scene.dots import Dots as Dots
     from fefinger.scene.finger import Finger as Finger
     from fefinger.scene.indenters import Bar as Bar
     from fefinger.scene.indenters import Cylinder as Cylinder
@@ -78,6 +77,7 @@ if TYPE_CHECKING:
     from fefinger.scene.scene import Scene as Scene
     from fefinger.scene.texts import Braille as Braille
     from fefinger.scene.texts import Letters as Letters
+    from fefinger.scene.textured import Dots as Dots
     from fefinger.scene.textured import Grating as Grating
     from fefinger.scene.textured import Relief as Relief
     from fefinger.scene.tissue import Hard as Hard
@@ -100,7 +100,7 @@ _HOMES = {
     "result": ("Result", "load"),
     "scene.finger": ("Finger",),
     "scene.indenters": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Pin", "Sphere"),
-    "scene.textured": ("Grating", "Relief"),
+    "scene.textured": ("Dots", "Grating", "Relief"),
     "scene.population": ("Grid", "Line", "Places", "Scatter"),
     "scene.motions": (
         *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Vibration", "Sampled"),
@@ -108,7 +108,6 @@ _HOMES = {
         *("ForceSampled", "ForceSweep", "FrequencySweep"),
         *("Slide", "ForceSlide", "SampledPath", "ForceSampledPath"),
     ),
-    "scene.dots": ("Dots",),
     "scene.texts": ("Braille", "Letters"),
     "neural.series": ("spikes",),
     "neural.trains": ("SpikeTrains",),

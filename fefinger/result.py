@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from fefinger.results.key_numbers import rows
 from fefinger.results.result_record import ResultRecord
-from fefinger.scene.finger import origin_notes
-from fefinger.scene.fitted_size import other_size
+from fefinger.scene.finger import origin_notes, other_size
 from fefinger.scene.inertia import quasistatic, samples, warnings
 from fefinger.support.checks import InputError
 from fefinger.support.interrupt import shielded

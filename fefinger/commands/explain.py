@@ -24,8 +24,7 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     from fefinger.mechanics.press.time_steps import time_grid
     from fefinger.results.candidate import MECHANICS
     from fefinger.scene import builtin
-    from fefinger.scene.finger import origin_notes
-    from fefinger.scene.fitted_size import other_size
+    from fefinger.scene.finger import origin_notes, other_size
     from fefinger.scene.inertia import quasistatic, samples, warnings
 
     loaded = builtin.load(scene, builtin.settings(changes))

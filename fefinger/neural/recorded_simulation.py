@@ -171,8 +171,7 @@ def _fire(
     Within, time counts from the first sample, as that of stepped units does, so that the noise does
     not depend on where zero is.
     """
-    from fefinger.neural.recorded_compiled import PEAK, rested
-    from fefinger.neural.recorded_vectorized import fire
+    from fefinger.neural.recorded_compiled import PEAK, fire, rested
 
     states = rested(units, x_in[0])
     times, current = fire(units, states, time - time[0], x_in, steps)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.neural.train_record import TrainRecord
+from fefinger.neural.trains import SpikeTrains
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 
@@ -18,7 +18,7 @@ ROUNDING = 1e-9
 """Time in s by which a window may extend beyond what was recorded: sums of steps round."""
 
 
-def mean_rates(trains: TrainRecord, start: float | None = None, stop: float | None = None) -> Array:
+def mean_rates(trains: SpikeTrains, start: float | None = None, stop: float | None = None) -> Array:
     """Return spikes per second of each unit from `start` up to `stop` s, (n_units,) Hz.
 
     By default from start to end of what was recorded, `t_start` and `t_stop` of the trains,

@@ -1,34 +1,491 @@
-"""Spike trains of afferent units, with exports to files and tables."""
+"""Spike trains of afferent units: their record, and its exports to files and tables."""
 
+import csv
+import hashlib
+import math
+import zlib
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, fields
+from datetime import UTC, datetime
+from importlib import import_module
+from importlib.metadata import version
 from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+from zipfile import BadZipFile
 
-from fefinger.neural import exports
-from fefinger.neural.train_record import TrainRecord
-from fefinger.support.checks import InputError
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fefinger.support.arrays import Array, Integers
+from fefinger.support.atomic_write import moved
+from fefinger.support.checks import InputError, choice, names
+from fefinger.support.vocabulary import FAMILIES
 
 
-class SpikeTrains(TrainRecord):
-    """Spike trains of afferent units, with exports to files and tables.
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
-    What `Result.spikes`, `Result.fire` and `spikes` give. `times` has an array of ascending times
-    in s for each unit; `names`, `types`, `positions` (mm), `depths` (mm) and `delays` (s) have one
-    entry for each unit, silent ones too. Spikes are counted from `t_start` to `t_stop` s.
+
+FEW = 12
+"""Largest number of units that are listed and drawn one by one."""
+
+NPZ_FORMAT = "fefinger spike trains 1"
+
+CSV_COLUMNS = ("unit", "type", "x_mm", "y_mm", "z_mm", "time_s")
+
+UNIT_COLUMNS = (
+    *("unit", "type", "x_mm", "y_mm", "z_mm", "depth_mm", "delay_s"),
+    *("count", "t_start_s", "t_stop_s"),
+)
+"""Columns of the table of units, with their number of spikes from t_start_s to t_stop_s."""
+
+SIGNALS = ("x_in", "current")
+PER_UNIT = ("peak_mV", "block_seconds", "stimulus_driven")
+LISTS = ("types", "names", "notes")
+OPTIONAL = ("delays", "positions", "depths", "seed", "trial")
+
+UNITS = {
+    "times": "s",
+    "time": "s",
+    "x_in": "mm",
+    "current": "uA/cm2",
+    "peak_mV": "mV",
+    "block_seconds": "s",
+    "stimulus_driven": "1",
+    "delays": "s",
+    "positions": "mm",
+    "depths": "mm",
+}
+"""Units of the arrays of SpikeTrains, as stored with them."""
+
+MEANINGS = {
+    "x_in": "input of the end organs, compression positive, linear between its times",
+    "current": "generator current at these times, not linear between them: the membranes were "
+    "given it at more times",
+}
+"""Descriptions of SIGNALS, for file formats that hold descriptions."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SpikeTrains:
+    """Spike trains of afferent units, with their input displacement and generator current.
+
+    What `Result.spikes`, `Result.fire` and `spikes` give.
+
+    types, names: one per unit, no name twice. times: one ascending array of spike times in s per
+    unit, between t_start and t_stop; they are those of the recording, a conduction delay after the
+    spike left the end organ. delays: (n_units,) s of it, or one number; default 0. positions:
+    (n_units, 3) mm of the end organs, or None. depths: (n_units,) mm of the end organs under the
+    skin, or None. seed: of the random draws; None if nothing is random. trial: of the noise.
+
+    time: (n_t,) s, at which x_in (n_t, n_units) mm, signed, compression positive, is the input of
+    the end organ and current (n_t, n_units) µA/cm² the generator current. x_in is linear in
+    between. The current is not: it is the output of the filter at these times only, and the
+    membrane was given it at more times. Where x_in has few samples, straight lines between these
+    values of the current do not fire the same spikes.
+
+    peak_mV: (n_units,) highest potential above rest. block_seconds: (n_units,) time spent in
+    depolarization block. stimulus_driven: (n_units,) crossings of the threshold that also occur
+    with sodium activation frozen at rest, so that the current alone carries the potential over it.
+    notes: sentences on limits and peculiarities of the trains. family: of FAMILIES. For the units
+    of "recorded" the current counts in a nominal threshold of 6.2 µA/cm², the potential in one of
+    40 mV, and there is no block.
+
+    Raises
+    ------
+    InputError
+        Names that are not different strings, or fields with another number of units.
     """
 
-    to_csv = exports.to_csv
-    units_to_csv = exports.units_to_csv
-    to_npz = exports.to_npz
-    to_pandas = exports.to_pandas
-    units_to_pandas = exports.units_to_pandas
-    to_xarray = exports.to_xarray
-    to_neo = exports.to_neo
-    to_nwb = exports.to_nwb
+    types: tuple[str, ...]
+    names: tuple[str, ...]
+    times: tuple[Array, ...]
+    t_start: float
+    t_stop: float
+    time: Array
+    x_in: Array
+    current: Array
+    peak_mV: Array
+    block_seconds: Array
+    stimulus_driven: Integers
+    delays: Array = field(default_factory=lambda: np.zeros(()))
+    positions: Array | None = None
+    depths: Array | None = None
+    seed: int | None = None
+    trial: int = 0
+    notes: tuple[str, ...] = ()
+    family: str = "thesis"
+
+    def __post_init__(self) -> None:
+        """Check the family, that names are different, and that every field has all units."""
+        choice("family", self.family, FAMILIES)
+        n = len(names("names", self.names))
+        if np.ndim(self.delays) == 0:
+            object.__setattr__(self, "delays", np.full(n, float(self.delays)))
+        lists = ("types", "times", "peak_mV", "block_seconds", "stimulus_driven", "delays")
+        counts = {name: len(getattr(self, name)) for name in lists}
+        counts |= {name: np.shape(getattr(self, name))[-1] for name in ("x_in", "current")}
+        for name, count in counts.items():
+            if count != n:
+                raise InputError(f"{name}: expected one for each of {n} names, received {count}")
+
+    def __repr__(self) -> str:
+        """Show the numbers of spikes, not the arrays."""
+        return f"<SpikeTrains, {self.t_start:g} to {self.t_stop:g} s: {self.summary()}>"
+
+    def __eq__(self, other: object) -> bool:
+        """Whether every field is equal, arrays element by element; nan equals nan."""
+        if not isinstance(other, SpikeTrains):
+            return NotImplemented
+        return all(
+            _equal(getattr(self, each.name), getattr(other, each.name)) for each in fields(self)
+        )
+
+    def __hash__(self) -> int:
+        """Return a hash of the units and the times at which their spikes begin and end to count."""
+        return hash((self.types, self.names, self.t_start, self.t_stop))
+
+    def __len__(self) -> int:
+        """Return the number of units."""
+        return len(self.names)
+
+    def index(self, unit: int | str) -> int:
+        """Index of a unit given by index or name; KeyError lists the names if it is unknown."""
+        if isinstance(unit, str):
+            if unit not in self.names:
+                raise KeyError(f"no unit {unit!r} among {', '.join(self.names)}")
+            return self.names.index(unit)
+        return range(len(self))[unit]
+
+    def count(self) -> Integers:
+        """Return the number of spikes of each unit, (n_units,)."""
+        return np.array([len(times) for times in self.times], np.int64)
+
+    def at_end_organs(self, unit: int | str) -> Array:
+        """Return the times in s at which the spikes of a unit left its end organs."""
+        i = self.index(unit)
+        return self.times[i] - self.delays[i]
+
+    def summary(self) -> str:
+        """List the numbers of spikes: by unit for up to FEW units, else by type."""
+        counts = self.count()
+        if len(self) <= FEW:
+            return ", ".join(f"{n} {c}" for n, c in zip(self.names, counts.tolist(), strict=True))
+        totals = []
+        for kind in dict.fromkeys(self.types):
+            of_kind = counts[np.array(self.types) == kind]
+            firing = int(np.count_nonzero(of_kind))
+            totals.append(f"{kind} {int(of_kind.sum())} from {firing} of {len(of_kind)} units")
+        return ", ".join(totals)
+
+    def rate(self, unit: int | str, t: ArrayLike) -> Array:
+        """Return the instantaneous rate of a unit in Hz at times `t` in s, of any shape.
+
+        One over the interval between two spikes, all through the interval (thesis 4.3.5); zero
+        before the first spike and from the last one on.
+        """
+        times = self.times[self.index(unit)]
+        steps = np.concatenate([[0.0], 1.0 / np.diff(times), [0.0]]) if len(times) else np.zeros(1)
+        return steps[np.searchsorted(times, np.asarray(t, float), side="right")]
+
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Write one row per spike in CSV_COLUMNS, by unit and then time; unknown places are empty.
+
+        Silent units have no row: `units_to_csv` writes all.
+        """
+        units = zip(self._rows(CSV_COLUMNS[:-1]), self.times, strict=True)
+        rows = ((*unit, time) for unit, times in units for time in times.tolist())
+        _write_csv(path, CSV_COLUMNS, rows)
+
+    def units_to_csv(self, path: str | PathLike[str]) -> None:
+        """Write one row per unit in UNIT_COLUMNS, silent ones too; unknown places are empty."""
+        _write_csv(path, UNIT_COLUMNS, self._rows(UNIT_COLUMNS))
+
+    def to_npz(self, path: str | PathLike[str]) -> None:
+        """Write all fields to a compressed NPZ file, which `from_npz` reads back bit by bit.
+
+        `spikes` holds the times of all units, those of unit i from offsets[i] to offsets[i + 1];
+        `units_of_arrays` the unit of each array as "name unit", `meanings` the descriptions of
+        SIGNALS as "name: meaning".
+        """
+        stored = ("time", *SIGNALS, *PER_UNIT, *LISTS, *OPTIONAL)
+        given = {name: getattr(self, name) for name in stored}
+        arrays = {name: value for name, value in given.items() if value is not None}
+        arrays |= {name: _whole(arrays[name]) for name in ("seed", "trial") if name in arrays}
+        arrays |= {
+            "spikes": np.concatenate(self.times),
+            "offsets": np.cumsum([0, *self.count()]),
+            "span": [self.t_start, self.t_stop],
+            "format": NPZ_FORMAT,
+            "family": self.family,
+            "units_of_arrays": [f"{name} {unit}" for name, unit in UNITS.items()],
+            "meanings": [f"{name}: {meaning}" for name, meaning in MEANINGS.items()],
+        }
+        with _in_place(path) as new, open(new, "wb") as file:
+            np.savez_compressed(file, **arrays)
 
     @classmethod
-    def from_npz(cls, path: str | PathLike[str]) -> "SpikeTrains":
+    def from_npz(cls, path: str | PathLike[str]) -> Self:
         """Read spike trains that `to_npz` wrote; InputError for another file."""
-        fields = exports.read_npz(path)
+        data = _read_npz(path)
+        try:
+            fields = _fields(data)
+        except (KeyError, IndexError, TypeError, ValueError) as error:
+            raise InputError(
+                f"{path}: expected every array of spike trains, cannot use them: {error}; "
+                "save again"
+            ) from error
         try:
             return cls(**fields)
         except InputError as error:
             raise InputError(f"{path}: {error}") from error
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """Convert to a table with one row per spike.
+
+        Columns unit, type, x_mm, y_mm, z_mm, depth_mm, time_s and delay_s, the conduction delay
+        that time_s includes. Silent units have no row: means over units need `units_to_pandas`.
+        """
+        import pandas as pd
+
+        owner, units = np.repeat(np.arange(len(self)), self.count()), self._units()
+        table = {name: units[name][owner] for name in (*CSV_COLUMNS[:-1], "depth_mm")}
+        table |= {"time_s": np.concatenate(self.times), "delay_s": self.delays[owner]}
+        return pd.DataFrame(table)
+
+    def units_to_pandas(self) -> "pd.DataFrame":
+        """Convert to a table with one row per unit, silent ones too, in UNIT_COLUMNS.
+
+        `count` are its spikes from t_start_s to t_stop_s, so that count / (t_stop_s - t_start_s) is
+        its mean rate.
+        """
+        import pandas as pd
+
+        return pd.DataFrame(self._units(), columns=list(UNIT_COLUMNS))
+
+    def _units(self) -> dict[str, NDArray[Any]]:
+        """Columns (n_units,) of the table of units; places are nan where unknown."""
+        n = len(self)
+        places = np.full((n, 3), np.nan) if self.positions is None else self.positions
+        table: dict[str, NDArray[Any]] = {
+            "unit": np.array(self.names, object),
+            "type": np.array(self.types, object),
+            "depth_mm": np.full(n, np.nan) if self.depths is None else self.depths,
+            "delay_s": self.delays,
+            "count": self.count(),
+            "t_start_s": np.full(n, self.t_start),
+            "t_stop_s": np.full(n, self.t_stop),
+        }
+        return table | {f"{axis}_mm": places[:, i] for i, axis in enumerate("xyz")}
+
+    def _rows(self, columns: Sequence[str]) -> Iterator[tuple[Any, ...]]:
+        """Rows of the table of units."""
+        table = self._units()
+        return zip(*(table[name].tolist() for name in columns), strict=True)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Convert to a Dataset: signals over `time` and `unit`, spikes over `spike`.
+
+        `spike_unit` is the index of the unit of each spike. Every variable has its units, and the
+        signals have a description in `long_name`.
+        """
+        import xarray as xr
+
+        def variable(name: str, dims: tuple[str, ...], values: Any) -> Any:
+            return xr.Variable(dims, values, {"units": UNITS[name]})
+
+        data = {name: variable(name, ("time", "unit"), getattr(self, name)) for name in SIGNALS}
+        for name, meaning in MEANINGS.items():
+            data[name].attrs["long_name"] = meaning
+        data |= {name: variable(name, ("unit",), getattr(self, name)) for name in PER_UNIT}
+        data["delays"] = variable("delays", ("unit",), self.delays)
+        data["delays"].attrs["long_name"] = "conduction delay, part of the times of the spikes"
+        data["spike_time"] = variable("times", ("spike",), np.concatenate(self.times))
+        data["spike_unit"] = xr.Variable(("spike",), np.repeat(range(len(self)), self.count()))
+        if self.positions is not None:
+            data["positions"] = variable("positions", ("unit", "axis"), self.positions)
+        if self.depths is not None:
+            data["depths"] = variable("depths", ("unit",), self.depths)
+        coordinates = {
+            "unit": list(self.names),
+            "type": ("unit", list(self.types)),
+            "time": variable("time", ("time",), self.time),
+        }
+        if self.positions is not None:
+            coordinates["axis"] = ["x", "y", "z"]
+        return xr.Dataset(data, coordinates, _provenance(self))
+
+    def to_neo(self) -> Any:
+        """Convert to a neo.Block with one Segment: a SpikeTrain per unit, and the signals.
+
+        Each SpikeTrain is named after its unit and annotated with afferent_class, delay_s,
+        position_mm and depth_mm; displacement and current are IrregularlySampledSignals. Needs the
+        extra `neo`.
+        """
+        neo, pq = _extra("neo", "neo"), _extra("quantities", "neo")
+        segment = neo.Segment(name="trial")
+        span = {"t_start": self.t_start * pq.s, "t_stop": self.t_stop * pq.s}
+        for i, times in enumerate(self.times):
+            annotations: dict[str, Any] = {"afferent_class": self.types[i]}
+            annotations["delay_s"] = float(self.delays[i])
+            if self.positions is not None:
+                annotations["position_mm"] = self.positions[i].tolist()
+            if self.depths is not None:
+                annotations["depth_mm"] = float(self.depths[i])
+            segment.spiketrains.append(
+                neo.SpikeTrain(times * pq.s, name=self.names[i], **span, **annotations)
+            )
+        density = pq.CompoundUnit("uA/cm**2")
+        for name, unit in (("x_in", pq.mm), ("current", density)):
+            labels = {"name": name, "description": MEANINGS[name]}
+            segment.irregularlysampledsignals.append(
+                neo.IrregularlySampledSignal(self.time * pq.s, getattr(self, name), unit, **labels)
+            )
+        block = neo.Block(name="fefinger", **_provenance(self))
+        block.segments.append(segment)
+        return block
+
+    def to_nwb(
+        self,
+        path: str | PathLike[str],
+        *,
+        description: str = "simulated spike trains of tactile afferents",
+        started: datetime | None = None,
+    ) -> None:
+        """Write an NWB file: units, their class and place, and the displacement that drove them.
+
+        Lengths are in mm in the table and in m in the series, as the format requires. `started` is
+        the time of the session with its zone, by default now. Needs the extra `nwb`.
+        """
+        pynwb = _extra("pynwb", "nwb")
+        digest = hashlib.sha256(b"".join(times.tobytes() for times in (*self.times, self.x_in)))
+        provenance = _provenance(self)
+        file = pynwb.NWBFile(
+            session_description=description,
+            identifier=digest.hexdigest(),
+            session_start_time=started or datetime.now(UTC),
+            source_script=provenance["source"],
+            source_script_file_name="fefinger",
+            notes="\n".join([*self.notes, f"seed: {self.seed}", f"trial: {self.trial}"]),
+        )
+        columns = {
+            "unit_name": "name of the unit",
+            "afferent_class": "SAI, SAII, FAI or FAII",
+            "x_mm": "distal place of the end organ, nan if unknown",
+            "y_mm": "radial place of the end organ, nan if unknown",
+            "z_mm": "dorsal place of the end organ, nan if unknown",
+            "depth_mm": "depth of the end organ under the skin, nan if unknown",
+            "delay_s": "conduction delay from the end organ to the recording, part of the spike "
+            "times",
+        }
+        for name, meaning in columns.items():
+            file.add_unit_column(name, meaning)
+        rows = self._rows(UNIT_COLUMNS[: len(columns)])
+        for times, values in zip(self.times, rows, strict=True):
+            file.add_unit(
+                spike_times=times,
+                obs_intervals=[[self.t_start, self.t_stop]],
+                **dict(zip(columns, values, strict=True)),
+            )
+        series = pynwb.TimeSeries(
+            name="skin_displacement",
+            data=self.x_in,
+            unit="m",
+            conversion=1e-3,
+            timestamps=self.time,
+            description=f"one column per unit: {MEANINGS['x_in']}",
+        )
+        file.add_stimulus(series)
+        with _in_place(path) as new, pynwb.NWBHDF5IO(str(new), "w") as io:
+            io.write(file)
+
+
+def _read_npz(path: str | PathLike[str]) -> dict[str, NDArray[Any]]:
+    """Read the arrays of a file that `to_npz` wrote."""
+    try:
+        # Opened here: numpy leaves a damaged file open.
+        with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
+            data = {name: file[name] for name in file.files}
+    except (OSError, ValueError, EOFError, TypeError, BadZipFile, zlib.error) as error:
+        # Not what numpy says of another file: it advises to run the code in it.
+        why = f": {error}" if isinstance(error, OSError) else ": it is none, or damaged"
+        msg = f"{path}: expected an NPZ file of spike trains, which cannot be read{why}"
+        raise InputError(msg) from error
+    if str(data.get("format")) != NPZ_FORMAT:
+        msg = f"{path}: expected the format {NPZ_FORMAT!r}, received {data.get('format')}"
+        raise InputError(msg)
+    return data
+
+
+def _fields(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
+    """Convert stored arrays to the fields of SpikeTrains; KeyError where one is missing."""
+    fields: dict[str, Any] = {name: data[name] for name in ("time", *SIGNALS, *PER_UNIT)}
+    fields |= {name: tuple(data[name].tolist()) for name in LISTS}
+    fields |= {name: data[name] for name in ("delays", "positions", "depths") if name in data}
+    fields |= {name: int(data[name].item()) for name in ("seed", "trial") if name in data}
+    fields |= {name: data[name].item() for name in ("family",) if name in data}
+    fields["times"] = tuple(np.split(data["spikes"], data["offsets"][1:-1]))
+    fields["t_start"], fields["t_stop"] = data["span"].tolist()
+    return fields
+
+
+def _write_csv(
+    path: str | PathLike[str], header: Sequence[str], rows: Iterable[tuple[Any, ...]]
+) -> None:
+    """Write a table; values that are nan are empty."""
+    with _in_place(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        for row in rows:
+            missing = (isinstance(value, float) and math.isnan(value) for value in row)
+            writer.writerow("" if m else value for value, m in zip(row, missing, strict=True))
+
+
+def _provenance(trains: SpikeTrains) -> dict[str, Any]:
+    """Version of the program, seed, trial and notes."""
+    source: dict[str, Any] = {"source": f"fefinger {version('fefinger')}"}
+    source["trial"] = _whole(trains.trial)
+    if trains.seed is not None:
+        source["seed"] = _whole(trains.seed)
+    return source | {"notes": "\n".join(trains.notes)}
+
+
+def _whole(value: int) -> int | str:
+    """Return a whole number of 0 or more, as text where it has more bits than files hold."""
+    return value if value <= np.iinfo(np.int64).max else str(value)
+
+
+def _extra(module: str, extra: str) -> Any:
+    """Import a module of an extra; InputError explains how to install it."""
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as error:
+        msg = f"{module} is not installed; install it with: pip install 'fefinger[{extra}]'"
+        raise InputError(msg) from error
+
+
+@contextmanager
+def _in_place(path: str | PathLike[str]) -> Iterator[Path]:
+    """Yield a temporary name next to `path`; move the file to `path` after the enclosed block."""
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: expected a folder that exists, received {str(path.parent)!r}")
+    try:
+        with moved(path) as new:
+            yield new
+    except OSError as error:
+        msg = f"{path}: cannot be written: {error.strerror or error}; choose another file"
+        raise InputError(msg) from None
+
+
+def _equal(one: Any, other: Any) -> bool:
+    """Whether two values of a field are equal; tuples and arrays element by element."""
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(_equal, one, other))
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        both = one is not None and other is not None
+        return both and np.array_equal(one, other, equal_nan=True)
+    return bool(one == other)

@@ -342,7 +342,7 @@ def _fire(setup: _Setup, *, driven: bool) -> Firing:
 
 def _race(setup: _Setup, unit: int, *, driven: bool) -> Firing:
     """Simulate one membrane per branch of a unit; the first to fire resets the others."""
-    from fefinger.neural.membranes.branched import race
+    from fefinger.neural.membranes.equations import race
 
     at = setup.sampled([unit])
     (currents,) = setup.branches([unit], at)

@@ -12,7 +12,7 @@ import numpy as np
 
 from fefinger import view
 from fefinger.geometry.finger_mesh import BONE
-from fefinger.neural.train_record import FEW
+from fefinger.neural.trains import FEW
 from fefinger.pages import page
 from fefinger.results import key_numbers
 from fefinger.results.harmonic import Harmonic

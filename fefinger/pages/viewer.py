@@ -16,7 +16,7 @@ import numpy as np
 
 from fefinger.geometry.boundary import boundary_edges
 from fefinger.geometry.profiles import FLANK
-from fefinger.neural.train_record import FEW
+from fefinger.neural.trains import FEW
 from fefinger.pages import page
 from fefinger.results.records import Fields
 from fefinger.results.result_record import ResultRecord

@@ -13,8 +13,7 @@ from fefinger.results.harmonic import Harmonic
 from fefinger.results.plan_text import QUANTITIES, WIDE, range_text
 from fefinger.results.pressure import highest
 from fefinger.results.result_record import ResultRecord
-from fefinger.scene.finger import RESOLUTIONS, STANDARD
-from fefinger.scene.fitted_size import other_size
+from fefinger.scene.finger import RESOLUTIONS, STANDARD, other_size
 from fefinger.scene.inertia import missing
 from fefinger.scene.scene import Scene
 from fefinger.support.text import percent

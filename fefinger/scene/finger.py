@@ -1,5 +1,6 @@
 """The fingertip: size, surfaces, tissues, relaxation and mesh resolution."""
 
+import math
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import Any, Self
@@ -26,6 +27,9 @@ PULP = 0.5
 """Soft tissue under the pad over the thickness of the finger, about."""
 BONE = 0.47
 """Soft tissue between first touch (30 degree plate) and bone, over the thickness of the finger."""
+
+SAME = 1e-6
+"""Relative difference of two sizes that is rounding."""
 
 _FROM_LIBRARY: Any = None
 
@@ -303,3 +307,26 @@ def _resized(finger: Finger) -> tuple[str, ...]:
     if not changed:
         return ()
     return (f"The finger differs from subject {finger.subject_name}: {', '.join(changed)}.",)
+
+
+def other_size(finger: Finger) -> tuple[str, ...]:
+    """Return the note where the file of the tissue has another width or thickness.
+
+    None where the file is gone, as it may be of a result that was saved.
+    """
+    if not finger.tissue.endswith(library.TISSUE_FILE):
+        return ()
+    try:
+        fitted = library.tissue_set(finger.tissue)
+    except InputError:
+        return ()
+    sizes = ((fitted.width, finger.width), (fitted.thickness, finger.thickness))
+    if all(was is None or math.isclose(was, now, rel_tol=SAME) for was, now in sizes):
+        return ()
+    words = zip(sizes, ("wide", "thick"), strict=True)
+    was = " and ".join(f"{each:g} mm {word}" for (each, _), word in words if each is not None)
+    return (
+        f"The tissue of {finger.tissue} was fitted to a finger of another size, {was}; this one is "
+        f"{finger.width:g} mm wide and {finger.thickness:g} mm thick. For the fitted finger set "
+        "finger.width and finger.thickness.",
+    )

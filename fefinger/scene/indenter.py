@@ -36,7 +36,7 @@ class Indenter(ABC):
     degrees: at 0 its ridge, edge or axis runs across the finger, at 90 along it.
 
     What depends on the kind of object is a property of the object: nothing outside `indenters.py`,
-    `textured.py`, `dots.py` and `texts.py` needs to know the classes.
+    `textured.py` and `texts.py` needs to know the classes.
     """
 
     friction: float = field(default=0.0, kw_only=True, repr=False)

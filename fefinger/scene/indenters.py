@@ -6,10 +6,9 @@ from typing import final
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.scene.dots import Dots
 from fefinger.scene.indenter import Indenter, Placed, Plate, PlateLike, turned
 from fefinger.scene.texts import Braille, Letters
-from fefinger.scene.textured import Grating, Relief
+from fefinger.scene.textured import Dots, Grating, Relief
 from fefinger.support.checks import numbers, set_number
 
 

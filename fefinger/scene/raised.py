@@ -15,7 +15,7 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, set_number
 
 
-SAMPLES = 10
+FLANK_SAMPLES = 10
 """Samples of a flank."""
 
 MOST = 10_000_000
@@ -113,7 +113,7 @@ class Raised(PlateLike):
     @property
     def pitch(self) -> float:
         """Distance in mm of the samples of the surface."""
-        return max(self.flank / SAMPLES, FINEST)
+        return max(self.flank / FLANK_SAMPLES, FINEST)
 
     @property
     def least_radius(self) -> float:

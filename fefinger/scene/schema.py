@@ -13,13 +13,13 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from fefinger.scene import pawluk1997
 from fefinger.scene.ask import SOLVERS, Ask
-from fefinger.scene.dots import ARRANGEMENTS
 from fefinger.scene.finger import AUTO, CUTS, NAILS, RELAXATIONS, RESOLUTIONS, RIGID, Finger
 from fefinger.scene.indenters import INDENTERS, Flat
 from fefinger.scene.key_texts import TEXTS
 from fefinger.scene.motion import LIMITS
 from fefinger.scene.motions import MOTIONS
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
+from fefinger.scene.textured import ARRANGEMENTS
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.scene.toml import FROM_FILE, SUBJECT, needed
 from fefinger.support.vocabulary import DRIVES, FAMILIES, GENERATORS, RULES, SHARES, TYPES

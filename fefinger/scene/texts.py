@@ -1,5 +1,6 @@
 """Rigid plates with a text in Braille or in embossed letters, which a finger reads."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import final
@@ -27,6 +28,24 @@ it is cut off."""
 FONT, CAPITAL, STROKE = "DejaVu Sans", 0.729, 0.135
 """Font of letters, which Matplotlib ships; height of its capitals over its size, and width of its
 strokes over that height."""
+
+
+FIRST = "1 12 14 145 15 124 1245 125 24 245".split()
+"""Dots of a to j, which are also the figures 1 to 9 and 0."""
+
+LETTERS = {
+    **dict(zip("abcdefghij", FIRST, strict=True)),
+    **dict(zip("klmnopqrst", (f"{dots}3" for dots in FIRST), strict=True)),
+    **dict(zip("uvxyz", (f"{dots}36" for dots in FIRST[:5]), strict=True)),
+    "w": "2456",
+}
+SIGNS = {" ": "", ",": "2", ".": "256", "?": "236", "!": "235", "-": "36"}
+NUMBER, LETTER = "3456", "56"
+FIGURES = dict(zip("1234567890", FIRST, strict=True))
+"""Dots of signs in Braille, counted down the left column of a cell, then down the right one.
+
+The letters are those of Louis Braille, shared by the languages with Latin letters; figures follow
+the number sign."""
 
 
 class Text(Raised):
@@ -127,8 +146,6 @@ class Braille(Text):
     @cached_property
     def centers(self) -> Array:
         """Places (n, 2) mm of the dots, from the middle of the first column of the first cell."""
-        from fefinger.scene.braille import cells
-
         column = [(0, 1), (0, 0), (0, -1), (1, 1), (1, 0), (1, -1)]
         dots = [
             (self.cell * number + self.spacing * column[dot][0], self.spacing * column[dot][1])
@@ -245,3 +262,35 @@ def _dense(outline: Array, step: float) -> Array:
     length = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(outline, axis=0), axis=1)))
     at = np.linspace(0.0, length[-1], int(length[-1] / step) + 2)
     return np.column_stack([np.interp(at, length, outline[:, k]) for k in (0, 1)])
+
+
+def cells(text: str) -> Iterator[tuple[int, ...]]:
+    """Yield the dots of every cell of a text, from 0.
+
+    Raises
+    ------
+    InputError
+        For a character that the table lacks.
+    """
+    in_number = False
+    for character in text.lower():
+        if character in FIGURES:
+            if not in_number:
+                yield _dots(NUMBER)
+            in_number = True
+            yield _dots(FIGURES[character])
+            continue
+        if in_number and character in LETTERS:
+            yield _dots(LETTER)
+        in_number = False
+        if character not in LETTERS and character not in SIGNS:
+            signs = " ".join(sign for sign in SIGNS if sign.strip())
+            raise InputError(
+                f"indenter.text: expected letters a to z, figures, blanks and {signs}, received "
+                f"{character!r}"
+            )
+        yield _dots(LETTERS.get(character, SIGNS.get(character, "")))
+
+
+def _dots(digits: str) -> tuple[int, ...]:
+    return tuple(sorted(int(digit) - 1 for digit in digits))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.neural.train_record import FEW
+from fefinger.neural.trains import FEW
 from fefinger.results.records import Pad
 from fefinger.results.result_record import ResultRecord
 from fefinger.scene.scene import Scene

@@ -5,8 +5,7 @@ from itertools import combinations
 
 import numpy as np
 
-from fefinger.neural.train_record import FEW
-from fefinger.neural.trains import SpikeTrains
+from fefinger.neural.trains import FEW, SpikeTrains
 from fefinger.results.records import Sites
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers

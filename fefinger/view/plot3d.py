@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger.neural.train_record import FEW
+from fefinger.neural.trains import FEW
 from fefinger.support.checks import choice
 from fefinger.view import figures, frames, indenter_pose, quantities, surfaces
 from fefinger.view.drawing import Drawing

@@ -10,7 +10,7 @@ import numpy as np
 
 from fefinger.geometry import section
 from fefinger.geometry.finger_mesh import BONE
-from fefinger.neural.train_record import FEW
+from fefinger.neural.trains import FEW
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
 from fefinger.view import figures, frames, indenter_pose, markers, quantities

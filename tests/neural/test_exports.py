@@ -8,8 +8,8 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from fefinger.neural import exports
-from fefinger.neural.trains import SpikeTrains
+from fefinger.neural import trains as trains_module
+from fefinger.neural.trains import CSV_COLUMNS, UNIT_COLUMNS, UNITS, SpikeTrains
 from fefinger.support.checks import InputError
 
 
@@ -84,7 +84,7 @@ def test_every_array_has_its_unit():
     arrays = {
         f.name for f in fields(SpikeTrains) if isinstance(getattr(TRAINS, f.name), np.ndarray)
     }
-    assert set(exports.UNITS) == arrays | {"times"}
+    assert set(UNITS) == arrays | {"times"}
 
 
 def test_every_form_says_what_the_current_is_between_its_times(tmp_path):
@@ -101,7 +101,7 @@ def test_csv_has_one_row_per_spike_with_times_to_the_last_bit(tmp_path):
     TRAINS.to_csv(tmp_path / "spikes.csv")
     with open(tmp_path / "spikes.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert tuple(rows[0]) == exports.CSV_COLUMNS
+    assert tuple(rows[0]) == CSV_COLUMNS
     for i in (0, 2):
         mine = [row for row in rows if row["unit"] == TRAINS.names[i]]
         np.testing.assert_array_equal([float(row["time_s"]) for row in mine], TIMES[i])
@@ -125,7 +125,7 @@ def test_pandas_has_one_row_per_spike(trains):
 @BOTH
 def test_the_table_of_units_has_silent_ones(trains, tmp_path):
     table = trains.units_to_pandas()
-    assert tuple(table.columns) == exports.UNIT_COLUMNS
+    assert tuple(table.columns) == UNIT_COLUMNS
     assert table["unit"].tolist() == list(trains.names)
     assert table["count"].tolist() == [7, 0, 3]
     np.testing.assert_array_equal(table["delay_s"], trains.delays)
@@ -137,7 +137,7 @@ def test_the_table_of_units_has_silent_ones(trains, tmp_path):
     trains.units_to_csv(tmp_path / "units.csv")
     with open(tmp_path / "units.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert tuple(rows[0]) == exports.UNIT_COLUMNS
+    assert tuple(rows[0]) == UNIT_COLUMNS
     assert [row["count"] for row in rows] == ["7", "0", "3"]
     for name in ("x_mm", "depth_mm", "delay_s"):
         written = [float(row[name]) if row[name] else np.nan for row in rows]
@@ -240,7 +240,7 @@ def test_a_missing_extra_is_named(form, extra, monkeypatch, tmp_path):
     def missing(name):
         raise ModuleNotFoundError(name)
 
-    monkeypatch.setattr(exports, "import_module", missing)
+    monkeypatch.setattr(trains_module, "import_module", missing)
     assert importlib.import_module is not missing
     arguments = (tmp_path / "spikes.nwb",) if form == "to_nwb" else ()
     with pytest.raises(InputError, match=f"fefinger\\[{extra}\\]"):

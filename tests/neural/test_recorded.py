@@ -9,12 +9,10 @@ import pytest
 from scipy import signal, stats
 
 from fefinger.neural import recorded_compiled as compiled
-from fefinger.neural import recorded_vectorized as vectorized
 from fefinger.neural.endorgans import PoleZero
 from fefinger.neural.recorded import BOUNDS, LATENCY, Recorded, fitted, record, units_of
 from fefinger.neural.recorded_simulation import LONGEST, combined, simulate_recorded
-from fefinger.neural.recorded_streaming import RecordedAfferents
-from fefinger.neural.streaming import ROOM
+from fefinger.neural.streaming import ROOM, RecordedAfferents
 from fefinger.neural.variation import Variation, numbered
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
@@ -62,7 +60,7 @@ def generated(unit, time, x):
     """Return the generator currents (n_t,) over threshold of one unit at rest at first."""
     units = units_of([unit])
     states = compiled.rested(units, x[:1])
-    return vectorized.fire(units, states, time, x[:, None], np.array([1e-4]))[1][:, 0]
+    return compiled.fire(units, states, time, x[:, None], np.array([1e-4]))[1][:, 0]
 
 
 def sine(frequency, amplitude, seconds=1.0):
@@ -479,7 +477,7 @@ def test_units_side_by_side_fire_as_each_by_itself():
     units = units_of([still[kind] for kind in kinds], seed=3)
     steps = np.array([LONGEST[kind] for kind in kinds])
     states = compiled.rested(units, x[0], time[0])
-    together, current = vectorized.fire(units, states.copy(), time, x, steps)
+    together, current = compiled.fire(units, states.copy(), time, x, steps)
     assert sum(map(len, together)) > 200
     for i, times in enumerate(together):
         expected, last = one_by_one(units, i, time, x[:, i], steps[i])

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import fefinger as ff
 from fefinger.results import key_numbers
-from fefinger.scene.fitted_size import other_size
+from fefinger.scene.finger import other_size
 
 
 FITTED = """

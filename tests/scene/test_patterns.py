@@ -11,7 +11,7 @@ from scipy.interpolate import RectBivariateSpline
 
 import fefinger as ff
 from fefinger.geometry.profiles import Relief, flank_of, sharpest_radius, smooth_step
-from fefinger.scene.braille import cells
+from fefinger.scene.texts import cells
 from fefinger.support.checks import InputError
 
 

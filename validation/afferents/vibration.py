@@ -10,8 +10,8 @@ from scipy.stats import norm
 
 from fefinger.neural import recorded_compiled as compiled
 from fefinger.neural.recorded import Recorded, units_of
+from fefinger.neural.recorded_compiled import fire
 from fefinger.neural.recorded_simulation import LONGEST
-from fefinger.neural.recorded_vectorized import fire
 from fefinger.support.arrays import Array
 
 

@@ -14,7 +14,7 @@ from fefinger.validation.problems import published
 from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.neural.recorded import fitted
 from fefinger.neural.recorded_simulation import simulate_recorded
-from fefinger.neural.recorded_streaming import RecordedAfferents
+from fefinger.neural.streaming import RecordedAfferents
 from fefinger.neural.variation import Variation
 from fefinger.support.arrays import Array
 from fefinger.support.threads import one_thread

@@ -19,10 +19,10 @@ from fefinger.mechanics import condensed
 from fefinger.mechanics.realtime.sliding import Sliding
 from fefinger.results.records import Sites
 from fefinger.scene import builtin
-from fefinger.scene.dots import Dots
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat
+from fefinger.scene.textured import Dots
 from fefinger.support.threads import one_thread
 
 

@@ -10,7 +10,6 @@ from fefinger.mechanics import condensed, linear
 from fefinger.mechanics.realtime.sliding import Sliding
 from fefinger.results.records import Lateral, Response, Sites
 from fefinger.scene.ask import Ask
-from fefinger.scene.dots import Dots
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
@@ -18,6 +17,7 @@ from fefinger.scene.motion import Motion
 from fefinger.scene.motions import ForceSlide, RampHold, SampledPath, Slide
 from fefinger.scene.scene import Scene
 from fefinger.scene.texts import Letters
+from fefinger.scene.textured import Dots
 from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony
 

@@ -7,10 +7,10 @@ from scipy.optimize import brentq
 
 from fefinger.mechanics import condensed
 from fefinger.scene.ask import Ask
-from fefinger.scene.dots import Dots
 from fefinger.scene.finger import Finger
 from fefinger.scene.motions import Slide
 from fefinger.scene.scene import Scene
+from fefinger.scene.textured import Dots
 
 
 MESHES = ("coarse", "standard", "fine")

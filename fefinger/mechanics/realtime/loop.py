@@ -16,9 +16,8 @@ from fefinger.mechanics.press import operator, problem
 from fefinger.mechanics.press.notes import friction_reasons, stiffens
 from fefinger.mechanics.press.reference import reference_press
 from fefinger.mechanics.situation import Situation
-from fefinger.neural.recorded_streaming import RecordedAfferents
 from fefinger.neural.reference import Reference
-from fefinger.neural.streaming import Afferents
+from fefinger.neural.streaming import Afferents, RecordedAfferents
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -103,7 +102,7 @@ class Loop:
 
         Family "thesis": one per site, `options` as for `neural.streaming.Afferents`, scaled by a
         reference press. "recorded": those of the sites, `options` as for
-        `neural.recorded_streaming.RecordedAfferents`. InputError for another family, or as these.
+        `neural.streaming.RecordedAfferents`. InputError for another family, or as these.
         """
         sites = self.sites
         if choice("family", family, FAMILIES) == "recorded":

@@ -11,8 +11,7 @@ import pytest
 import fefinger as ff
 from fefinger.mechanics import condensed
 from fefinger.mechanics.situation import Situation
-from fefinger.neural.recorded_streaming import RecordedAfferents
-from fefinger.neural.streaming import Afferents
+from fefinger.neural.streaming import Afferents, RecordedAfferents
 from fefinger.results.records import Sites
 from fefinger.support.text import percent
 
