@@ -100,7 +100,15 @@ def simulate_recorded(
     depths = unit_array("depths", depths, (len(types),))
     x_in = combined(organs, columns, rule)
     variation = (variation or Variation(seed=0, noise=None)).for_units(types)
-    units = _units(types, parameters, variation)
+    chosen, noise = parameters_of(types, parameters), variation.noise
+    units = units_of(
+        chosen,
+        factors=np.array([variation.gain(i, each.spread) for i, each in enumerate(chosen)]),
+        noise=None if noise is None else noise / THRESHOLD,
+        seed=variation.seed,
+        numbers=variation.numbers,
+        trial=variation.trial,
+    )
     steps = np.array([LONGEST[kind] for kind in types])
     if step is not None:
         steps = np.full(len(types), number("step", step, above=0.0, at_most=1e-3, unit="s"))
@@ -145,22 +153,6 @@ def combined(organs: Array, columns: Sequence[NDArray[np.intp]], rule: str) -> A
     if rule == "max":
         return np.asarray(np.maximum.reduceat(organs, starts, axis=1))
     return np.asarray(np.add.reduceat(organs, starts, axis=1) / counts)
-
-
-def _units(
-    types: Sequence[str], parameters: Mapping[str, Recorded] | None, variation: Variation
-) -> "Units":
-    """Arrays of the parameters of units, with their variation."""
-    chosen = parameters_of(types, parameters)
-    noise = variation.noise
-    return units_of(
-        chosen,
-        factors=np.array([variation.gain(i, unit.spread) for i, unit in enumerate(chosen)]),
-        noise=None if noise is None else noise / THRESHOLD,
-        seed=variation.seed,
-        numbers=variation.numbers,
-        trial=variation.trial,
-    )
 
 
 def _fire(

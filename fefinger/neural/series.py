@@ -168,8 +168,8 @@ def fire(
     if length is not None and None not in signals.lengths:
         notes += ("The length is not used, because no column is a strain.",)
     if not corners:
-        time, drive = _curved(signals)
-        smooth = run(time, drive[:, columns], check=False)
+        fine, drive = _curved(signals)
+        smooth = run(fine, drive[:, columns], check=False)
         change = (
             "a smooth curve joins the samples; sample more finely, or say that straight lines are "
             "exact (corners, --corners)"

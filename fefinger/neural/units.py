@@ -109,10 +109,8 @@ class _Setup:
 
     def run(self, at: Array, currents: Array, *, driven: bool) -> Firing:
         """Integrate the membranes under currents (n_at, n_units) in µA/cm²."""
-        if self.method is None:
-            return self.membrane.fire(at, currents, dt=self.dt, stimulus_driven=driven)
-        membrane = _squid(self.membrane, "tolerance: expected")
-        return membrane.fire(at, currents, dt=self.dt, method=self.method, stimulus_driven=driven)
+        method = {} if self.method is None else {"method": self.method}
+        return self.membrane.fire(at, currents, dt=self.dt, stimulus_driven=driven, **method)
 
     def branches(self, units: Sequence[int], at: Array | None = None) -> list[Array]:
         """Compute generator currents (n_at, n_branches) in µA/cm² of units of one type."""

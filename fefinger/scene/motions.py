@@ -1,15 +1,15 @@
 """The motions of a scene: ramps, holds, sinusoids and samples, of depth in mm or force in N.
 
-How a class moves is in its base, a shape of `motion_shapes.py`; a class holds the fields that its
+How a class moves is in its base, a shape of `motion.py`; a class holds the fields that its
 base leaves open, as the name of what is controlled.
 """
 
 from dataclasses import KW_ONLY, dataclass
 from typing import final
 
-from fefinger.scene.motion import Motion
-from fefinger.scene.motion_shapes import (
+from fefinger.scene.motion import (
     AS_LONG_AS_FITS,
+    Motion,
     RampHoldMotion,
     RampMotion,
     RampSinusoidMotion,

@@ -260,9 +260,13 @@ class SampledMotion(Motion):
     @classmethod
     def from_csv(cls, file: str | Path, *, corner: float = 0.0) -> Self:
         """Read the columns time (s) and depth (mm) or force (N), named in the first line."""
-        time, values = read_columns("motion.file", Path(file), ("time", cls.control))
-        columns: dict[str, Any] = {"time": time, cls.control: values, "corner": corner}
-        return cls(**columns)
+        return cls._of_columns(file, ("time", cls.control), corner)
+
+    @classmethod
+    def _of_columns(cls, file: str | Path, names: tuple[str, ...], corner: float) -> Self:
+        columns = read_columns("motion.file", Path(file), names)
+        given: dict[str, Any] = dict(zip(names, columns, strict=True))
+        return cls(**given, corner=corner)
 
 
 def _upside_down(values: tuple[float, ...]) -> bool:

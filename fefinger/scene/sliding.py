@@ -1,6 +1,6 @@
 """Motions with a path: the indenter is pressed, and moves across its direction of travel.
 
-A shape is abstract, as in `motion_shapes.py`; `motions.py` has the final classes. x and y of a path
+A shape is abstract, as in `motion.py`; `motions.py` has the final classes. x and y of a path
 lie in the plane across the travel: x distal, y radial, those of a plate before its `roll`.
 """
 
@@ -14,12 +14,12 @@ from numpy.typing import ArrayLike
 
 from fefinger.geometry.profiles import frame
 from fefinger.scene.indenter import TURNS, Inclined, Plate, direction
-from fefinger.scene.motion_shapes import RampMotion, rest_limit
+from fefinger.scene.motion import RampMotion, rest_limit
 from fefinger.scene.samples import SampledMotion, about_mean, noise, to_and_fro
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
 from fefinger.support.checks import numbers
-from fefinger.support.csv_columns import read_columns, read_table
+from fefinger.support.csv_columns import read_table
 
 
 ANGLES = ("angle", "tilt")
@@ -208,10 +208,6 @@ class SampledPathMotion(SampledMotion):
 
         They may be followed by angle, tilt or both (degrees).
         """
-        wanted = ("time", "x", "y", cls.control)
         header = [cell.lower() for cell in read_table("motion.file", Path(file)).header]
         turns = [name for name in ANGLES if any(cell.startswith(name) for cell in header)]
-        names = (*wanted, *turns)
-        columns = read_columns("motion.file", Path(file), names)
-        given: dict[str, Any] = dict(zip(names, columns, strict=True)) | {"corner": corner}
-        return cls(**given)
+        return cls._of_columns(file, ("time", "x", "y", cls.control, *turns), corner)

@@ -23,6 +23,13 @@ from fefinger.support.outputs import unreadable
 from fefinger.theory.relaxation import Prony
 
 
+KINDS: dict[str, Mapping[str, type[Any]]] = {
+    "motion": MOTIONS,
+    "indenter": INDENTERS,
+    "ask.population": LAYOUTS,
+}
+"""Records of the tables whose `kind` decides on their keys."""
+
 SUBJECT = "subject"
 PARTS = ("finger", "indenter", "motion", "ask")
 
@@ -231,12 +238,7 @@ def _home(key: str, name: str) -> str:
 
 def _kinds(key: str, part: str) -> str:
     """Name the kinds of a part of a scene that know a key; empty where none does."""
-    parts: Mapping[str, Mapping[str, type]] = {
-        "motion": MOTIONS,
-        "indenter": INDENTERS,
-        "ask.population": LAYOUTS,
-    }
-    having = [kind for kind, cls in parts.get(part, {}).items() if key in _names(cls)]
+    having = [kind for kind, cls in KINDS.get(part, {}).items() if key in _names(cls)]
     what = f"{part.rpartition('.')[2]}{'s' if len(having) > 1 else ''}"
     return f"{part}.{key} is a key of the {what} {', '.join(map(repr, having))}" if having else ""
 
@@ -349,10 +351,5 @@ def keys_beside_file(kind: Any) -> tuple[str, ...]:
 
 def keys(part: str, kind: Any) -> tuple[str, ...]:
     """List the keys that a table ("indenter", "motion", "ask.population") takes for `kind`."""
-    kinds: dict[str, Mapping[str, Any]] = {
-        "indenter": INDENTERS,
-        "motion": MOTIONS,
-        "ask.population": LAYOUTS,
-    }
-    record = kinds.get(part, {}).get(kind) if isinstance(kind, str) else None
+    record = KINDS.get(part, {}).get(kind) if isinstance(kind, str) else None
     return () if record is None else ("kind", *_names(record))

@@ -3,6 +3,7 @@
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
+from copy import deepcopy
 from importlib.resources import files
 from itertools import takewhile
 from pathlib import Path
@@ -124,7 +125,7 @@ def _check_tissue(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> No
 
 def changed(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
     """Copy `tables` with the values of `overrides`, by dotted path: kinds, files, then others."""
-    result = _copy(tables)
+    result = deepcopy(dict(tables))
     order = {"kind": 0, "file": 1}
     for path in sorted(overrides, key=lambda path: order.get(path.rpartition(".")[2], 2)):
         *parents, key = path.split(".")
@@ -165,10 +166,3 @@ def _forget_others(part: str, table: dict[str, Any], key: str, value: Any) -> No
     for key in list(table):
         if allowed and key not in allowed:
             del table[key]
-
-
-def _copy(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Copy nested tables."""
-    return {
-        key: _copy(value) if isinstance(value, Mapping) else value for key, value in table.items()
-    }
