@@ -2,47 +2,17 @@
 
 from dataclasses import dataclass
 
-from fefinger.scene.library import Confidence
-
-
-@dataclass(frozen=True)
-class Receptor:
-    """Depth in mm of the end organs of one type under the surface of the skin, with its source."""
-
-    depth: float
-    published: tuple[float, float]
-    source: str
-    confidence: Confidence
-
-
-def receptors() -> dict[str, Receptor]:
-    """End organ of each type and its depth, with the range that is commonly quoted.
-
-    We know no primary measurement of these depths in the human fingertip, so each is a parameter of
-    the user (`ask.depths`) with confidence medium at best. The effective depths of
-    TouchSim (SAI 0.3, FAI 1.6, FAII 2.0 mm) are fits of a half-space model, not anatomy.
-    """
-    merkel = "Merkel cells under the epidermis, at the base of the intermediate ridges"
-    meissner = "Meissner corpuscles in the dermal papillae just below the epidermis"
-    ruffini = "Ruffini corpuscles in the deep dermis"
-    pacini = "Pacinian corpuscles under the dermis"
-    return {
-        "SAI": Receptor(0.8, (0.7, 1.0), merkel, "medium"),
-        "SAII": Receptor(1.25, (1.0, 1.5), ruffini, "low"),
-        "FAI": Receptor(0.5, (0.5, 0.5), meissner, "medium"),
-        "FAII": Receptor(2.5, (2.0, 3.0), pacini, "medium"),
-    }
-
 
 @dataclass(frozen=True)
 class Innervation:
     """Innervation of the fingertip by one afferent type.
 
-    density: units per cm². organs: smallest and largest number of end organs of a unit. field:
-    diameter in mm of the disc over which they are spread; None for one end organ. velocity: m/s of
-    the impulses in the nerve.
+    depth: mm of the end organs under the surface of the skin. density: units per cm². organs:
+    smallest and largest number of end organs of a unit. field: diameter in mm of the disc over
+    which they are spread; None for one end organ. velocity: m/s of the impulses in the nerve.
     """
 
+    depth: float
     density: float
     organs: tuple[int, int]
     field: float | None
@@ -51,6 +21,14 @@ class Innervation:
 
 def innervation() -> dict[str, Innervation]:
     """Innervation of the fingertip by the four afferent types.
+
+    Depths: Merkel cells under the epidermis, at the base of the intermediate ridges (SAI, 0.7 to
+    1.0 mm are quoted), Ruffini corpuscles in the deep dermis (SAII, 1.0 to 1.5), Meissner
+    corpuscles in the dermal papillae just below the epidermis (FAI, 0.5), Pacinian corpuscles under
+    the dermis (FAII, 2.0 to 3.0). We know no primary measurement of them in the human fingertip, so
+    each is a parameter of the user (`ask.depths`) with confidence medium at best, low for SAII. The
+    effective depths of TouchSim (SAI 0.3, FAI 1.6, FAII 2.0 mm) are fits of a half-space model, not
+    anatomy.
 
     Densities of SAI, FAI and FAII: TouchSim (Saal et al. 2017, constants.py), confidence medium.
     Johansson & Vallbo (1979), J Physiol 286:283, give 241 per cm² for all types together; the rest,
@@ -62,8 +40,8 @@ def innervation() -> dict[str, Innervation]:
     to be those of the fast type with fields alike, a guess, confidence low.
     """
     return {
-        "SAI": Innervation(70.0, (4, 7), 3.0, 55.3),
-        "SAII": Innervation(6.0, (1, 1), None, 46.9),
-        "FAI": Innervation(140.0, (12, 17), 3.0, 55.3),
-        "FAII": Innervation(25.0, (1, 1), None, 46.9),
+        "SAI": Innervation(0.8, 70.0, (4, 7), 3.0, 55.3),
+        "SAII": Innervation(1.25, 6.0, (1, 1), None, 46.9),
+        "FAI": Innervation(0.5, 140.0, (12, 17), 3.0, 55.3),
+        "FAII": Innervation(2.5, 25.0, (1, 1), None, 46.9),
     }

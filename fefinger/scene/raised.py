@@ -41,26 +41,9 @@ def radius_of(flank: float, height: float) -> float:
     return flank**2 / flank_of(1.0, height) ** 2
 
 
-def fitting(usual: float, height: float, limits: tuple[FlankLimit, ...]) -> float:
-    """Return the usual radius in mm, or the largest that fits; of `limits` the narrowest counts."""
-    return min(usual, radius_of(min(each.width for each in limits), height))
-
-
-def check_flank_limits(limits: tuple[FlankLimit, ...]) -> None:
-    """Raise InputError for a part, or a gap between parts, that is too narrow for any flank."""
-    field, sizes, width = min(limits, key=lambda each: each.width)
-    if width < SHORTEST:
-        raise InputError(
-            f"indenter.{field}: expected sizes that leave the sides of raised parts at least "
-            f"{SHORTEST:g} mm, received {sizes}, which leave {max(width, 0.0):.3g} mm"
-        )
-
-
-def check_edge(
-    edge: float, height: float, limits: tuple[FlankLimit, ...], least: float = SHORTEST
-) -> None:
+def check_edge(edge: float, height: float, limit: FlankLimit, least: float = SHORTEST) -> None:
     """Raise InputError for an edge whose flank does not fit, or is shorter than `least` mm."""
-    _, sizes, width = min(limits, key=lambda each: each.width)
+    _, sizes, width = limit
     if flank_of(edge, height) > width * (1 + 1e-12):
         raise InputError(
             f"indenter.edge: expected at most {radius_of(width, height):.3g} mm, which makes its "
@@ -90,10 +73,16 @@ class Raised(PlateLike):
     def __post_init__(self) -> None:
         """Check the edge, and what is between raised parts, besides."""
         super().__post_init__()
-        check_flank_limits(self.flank_limits)
+        narrowest = min(self.flank_limits, key=lambda each: each.width)
+        field, sizes, width = narrowest
+        if width < SHORTEST:
+            raise InputError(
+                f"indenter.{field}: expected sizes that leave the sides of raised parts at least "
+                f"{SHORTEST:g} mm, received {sizes}, which leave {max(width, 0.0):.3g} mm"
+            )
         if self.edge is not None:
             set_number(self, "indenter.edge", above=0, unit="mm")
-            check_edge(self.edge, self.height, self.flank_limits)
+            check_edge(self.edge, self.height, narrowest)
 
     @property
     def flank_limits(self) -> tuple[FlankLimit, ...]:
@@ -101,9 +90,14 @@ class Raised(PlateLike):
         raise NotImplementedError
 
     @property
+    def feature(self) -> float:
+        """Width in mm of the narrowest part, or gap between parts."""
+        return min(each.width for each in self.flank_limits)
+
+    @property
     def crest(self) -> float:
         """The radius of the crests in mm."""
-        return self.edge or fitting(self.usual_edge, self.height, self.flank_limits)
+        return self.edge or min(self.usual_edge, radius_of(self.feature, self.height))
 
     @property
     def flank(self) -> float:

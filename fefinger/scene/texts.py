@@ -138,11 +138,6 @@ class Braille(Text):
             FlankLimit("cell", between, self.cell - self.spacing - self.diameter),
         )
 
-    @property
-    def feature(self) -> float:
-        """The diameter in mm, or the narrowest gap between dots."""
-        return min(each.width for each in self.flank_limits)
-
     @cached_property
     def centers(self) -> Array:
         """Places (n, 2) mm of the dots, from the middle of the first column of the first cell."""
@@ -195,12 +190,7 @@ class Letters(Text):
     @property
     def flank_limits(self) -> tuple[FlankLimit, ...]:
         """The width of a stroke."""
-        return (FlankLimit("size", f"size = {self.size:g}", self.feature),)
-
-    @property
-    def feature(self) -> float:
-        """Width in mm of a stroke."""
-        return STROKE * self.size
+        return (FlankLimit("size", f"size = {self.size:g}", STROKE * self.size),)
 
     @cached_property
     def outlines(self) -> tuple[Array, ...]:

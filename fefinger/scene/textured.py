@@ -66,10 +66,9 @@ class Grating(PlateLike):
         set_number(self, "indenter.shift", unit="mm")
         if self.edge is not None:
             set_number(self, "indenter.edge", above=0, unit="mm")
-            groove = self.period - self.ridge
             sizes = f"period = {self.period:g}, ridge = {self.ridge:g}"
-            limit = FlankLimit("ridge", sizes, min(self.ridge, groove))
-            check_edge(self.edge, self.depth, (limit,), least=0.0)
+            limit = FlankLimit("ridge", sizes, self.feature)
+            check_edge(self.edge, self.depth, limit, least=0.0)
 
     @property
     def profile(self) -> profiles.Grating:
@@ -155,11 +154,6 @@ class Dots(Raised):
     def base(self) -> float:
         """Diameter of a dot in mm where it rises from the plate."""
         return self.diameter + self.flank
-
-    @property
-    def feature(self) -> float:
-        """The diameter in mm, or the narrowest gap between dots of a grid."""
-        return min(self.diameter, self.spacing - self.diameter)
 
     @property
     def tile(self) -> float:
@@ -318,11 +312,6 @@ class Relief(PlateLike):
         if values.ndim != 2:
             msg = f"indenter.heights: expected an array (n_x, n_y), received shape {values.shape}"
             raise InputError(msg)
-        if min(values.shape) < SAMPLES:
-            raise InputError(
-                f"indenter.heights: expected at least {SAMPLES} by {SAMPLES} heights, received "
-                f"{values.shape[0]} by {values.shape[1]}"
-            )
         _check_heights("indenter.heights", values)
         x, y = (pitch * (np.arange(n) - (n - 1) / 2) for n in values.shape)
         return cls(x.tolist(), y.tolist(), values.tolist(), **placing)
@@ -338,18 +327,17 @@ class Relief(PlateLike):
     ) -> Self:
         """Read x, y and height in mm from CSV, NPZ, PNG or STL, see `read_relief`."""
         x, y, heights = read_relief(Path(file), pitch, height)
-        _check_heights("indenter.file", heights)
-        if min(len(x), len(y)) < SAMPLES:
-            raise InputError(
-                f"indenter.file: expected at least {SAMPLES} by {SAMPLES} heights in "
-                f"{str(file)!r}, received {len(x)} by {len(y)}"
-            )
+        _check_heights("indenter.file", np.asarray(heights, float), f" in {str(file)!r}")
         return cls(x, y, heights, **placing)
 
 
-def _check_heights(field: str, heights: Any) -> None:
-    """Raise InputError for heights that differ by more than a finger can follow."""
-    values = np.asarray(heights, float)
+def _check_heights(field: str, values: Array, where: str = "") -> None:
+    """Raise InputError for too few heights, or such that differ by more than a finger follows."""
+    if min(values.shape) < SAMPLES:
+        raise InputError(
+            f"{field}: expected at least {SAMPLES} by {SAMPLES} heights{where}, received "
+            f"{values.shape[0]} by {values.shape[1]}"
+        )
     if float(np.ptp(values)) > TALLEST:
         raise InputError(
             f"{field}: expected heights in mm that differ by at most {TALLEST:g} mm, received "

@@ -27,7 +27,7 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Bar, Flat, Pin, Sphere
-from fefinger.scene.innervation import receptors
+from fefinger.scene.innervation import innervation
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import ForceRampHold, Ramp
 from fefinger.scene.population import Places
@@ -46,7 +46,7 @@ MACAQUE = Finger(
 EDGE = 4.5
 """mm across the finger from the middle of the pad, as far as it has end organs."""
 
-DEPTHS = {kind: receptor.depth for kind, receptor in receptors().items()} | {
+DEPTHS = {kind: receptor.depth for kind, receptor in innervation().items()} | {
     "SAI": 0.45,
     "FAI": 0.5,
 }

@@ -10,7 +10,7 @@ from fefinger.neural.populations import Population, Surface
 from fefinger.neural.variation import numbered
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
-from fefinger.scene.innervation import innervation, receptors
+from fefinger.scene.innervation import innervation
 from fefinger.scene.population import Grid, Layout, Line, Places, Scatter
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
@@ -26,7 +26,7 @@ def place(ask: Ask, skin: Surface, axis: ArrayLike) -> Population:
     if layout is None:
         raise InputError("ask.population: expected one, received none")
     types, places, numbers = _places(layout, ask.spikes, skin, np.asarray(axis, float))
-    depths = {kind: row.depth for kind, row in receptors().items()}
+    depths = {kind: row.depth for kind, row in rows.items()}
     return populations.populate(
         skin,
         types,

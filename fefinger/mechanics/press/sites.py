@@ -15,7 +15,7 @@ from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
-from fefinger.scene.innervation import receptors
+from fefinger.scene.innervation import innervation
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
@@ -39,7 +39,7 @@ def central_sites(ask: Ask, pulp: float, origin: Array, axis: Array) -> Sites:
 
     InputError for end organs that would lie in the bone.
     """
-    depth_of = {kind: organ.depth for kind, organ in receptors().items()} | dict(ask.depths)
+    depth_of = {kind: organ.depth for kind, organ in innervation().items()} | dict(ask.depths)
     types = ask.spikes or tuple(depth_of)
     depth = np.array([depth_of[kind] for kind in types])
     deepest = float(depth.max(initial=0.0))

@@ -13,7 +13,7 @@ from fefinger.mechanics.press import operator
 from fefinger.mechanics.realtime.rolling import Rolling
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
-from fefinger.scene.innervation import receptors
+from fefinger.scene.innervation import innervation
 from fefinger.support.arrays import Array
 
 
@@ -101,7 +101,7 @@ class Show:
 
 def end_organs(solid: Solid) -> Sites:
     """Return one site of each type below the places of the pad around first touch, in one half."""
-    depths = {kind: organ.depth for kind, organ in receptors().items()}
+    depths = {kind: organ.depth for kind, organ in innervation().items()}
     pad = np.unique(solid.pad)
     pad = pad[solid.normals[pad][:, 2] < -0.5]
     near = pad[np.argsort(np.linalg.norm(solid.space.points[pad], axis=1))]
