@@ -2,7 +2,7 @@
 
 `scene/population.py` describes a population, `mechanics/press/population.py` places it under the
 skin. This module adds the published anatomy, and lets the units of a family fire: those of
-`recorded` in `neural/recorded_simulation.py`, those of `thesis` in `neural/units.py`.
+`recorded` in `neural/recorded.py`, those of `thesis` in `neural/units.py`.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -48,7 +48,7 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
     """Spikes of the population that `ask` describes, or of one unit of each of its types.
 
     Those before `since` s do not count. Further options as in `neural.units.simulate_units`, or
-    `neural.recorded_simulation.simulate_recorded`, by the family of `ask.afferents`.
+    `neural.recorded.simulate_recorded`, by the family of `ask.afferents`.
 
     Raises
     ------
@@ -91,8 +91,7 @@ def _recorded(
 ) -> "SpikeTrains":
     """Spikes of units of the family `recorded`."""
     from fefinger.neural.drives import driven_displacements
-    from fefinger.neural.recorded import fitted
-    from fefinger.neural.recorded_simulation import simulate_recorded
+    from fefinger.neural.recorded import fitted, simulate_recorded
 
     units = fitted()
     drives = {kind: unit.drive for kind, unit in units.items()}

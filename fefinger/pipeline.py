@@ -12,7 +12,7 @@ fem/                  the contact: time steps in `fem/contact/step_compiled.py`,
                       map of the displacements, made in `fem/elements/recovery.py` and applied in
                       `mechanics/press/`: response.py, finite_strain.py and tabulated_press.py
 afferents.fire        the spikes of that strain: `neural/recorded_compiled.py`, which
-                      `neural/recorded_simulation.py` calls, or, of the family `thesis`,
+                      `neural/recorded.py` calls, or, of the family `thesis`,
                       `neural/membranes/vectorized.py`, which `neural/units.py` calls
 result.Result         `save`, `load` and `show`; its page is written by `pages/report.py`
 

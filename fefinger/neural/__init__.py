@@ -1,6 +1,6 @@
 """Afferent units, from strain or displacement to spikes: drives, filters, generators, membranes.
 
-A spike is made in `recorded_compiled.py` (family `recorded`, called by `recorded_simulation.py`
+A spike is made in `recorded_compiled.py` (family `recorded`, called by `recorded.py`
 or, step by step, by `streaming_step.py`) or `membranes/` (family `thesis`, called by
 `units.py`).
 

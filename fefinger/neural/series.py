@@ -186,8 +186,7 @@ def _family(
     The length in mm is that of the fit, so the family "thesis" has none.
     """
     if choice("family", family, FAMILIES) == "recorded":
-        from fefinger.neural.recorded import fitted
-        from fefinger.neural.recorded_simulation import simulate_recorded
+        from fefinger.neural.recorded import fitted, simulate_recorded
 
         given = {"tolerance": tolerance is not None, "generator": generator != GENERATORS[0]}
         for name, value in given.items():

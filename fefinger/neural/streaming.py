@@ -18,9 +18,8 @@ from fefinger.neural.endorgans import END_ORGANS
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import LARGEST_CURRENT
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire, vectorized
-from fefinger.neural.recorded import Recorded, parameters_of, units_of
+from fefinger.neural.recorded import LONGEST, Recorded, parameters_of, units_of
 from fefinger.neural.recorded_compiled import blocks_of, rested
-from fefinger.neural.recorded_simulation import LONGEST
 from fefinger.neural.reference import Reference
 from fefinger.neural.variation import numbered
 from fefinger.support.arrays import Array, Integers
@@ -368,7 +367,7 @@ class RecordedAfferents(SteppedUnits):
             seed=integer("seed", seed),
             numbers=numbered(types),
         )
-        whole = "neural.recorded_simulation"
+        whole = "neural.recorded"
         self._organs = (
             np.array([drive_code("drive", each.drive, whole) for each in chosen], np.int64),
             np.array([each.length for each in chosen]),

@@ -9,7 +9,7 @@ import pytest
 
 from fefinger.neural.checked_signals import count_changes
 from fefinger.neural.membranes import IntegrateAndFire
-from fefinger.neural.recorded_simulation import simulate_recorded
+from fefinger.neural.recorded import simulate_recorded
 from fefinger.neural.reference import Reference, equivalent_displacements
 from fefinger.neural.units import simulate_units
 from fefinger.neural.variation import Variation

@@ -10,8 +10,17 @@ from scipy import signal, stats
 
 from fefinger.neural import recorded_compiled as compiled
 from fefinger.neural.endorgans import PoleZero
-from fefinger.neural.recorded import BOUNDS, LATENCY, Recorded, fitted, record, units_of
-from fefinger.neural.recorded_simulation import LONGEST, combined, simulate_recorded
+from fefinger.neural.recorded import (
+    BOUNDS,
+    LATENCY,
+    LONGEST,
+    Recorded,
+    combined,
+    fitted,
+    record,
+    simulate_recorded,
+    units_of,
+)
 from fefinger.neural.streaming import ROOM, RecordedAfferents
 from fefinger.neural.variation import Variation, numbered
 from fefinger.support.checks import InputError

@@ -89,6 +89,8 @@ def test_every_tissue_set_makes_a_finger_and_names_its_source_and_confidence(nam
 def test_end_organs_lie_inside_their_published_range_in_every_subject():
     rows = innervation.innervation()
     assert tuple(rows) == TYPES
-    for row, (low, high) in zip(rows.values(), ((0.7, 1), (1, 1.5), (0.5, 0.5), (2, 3)), strict=True):
+    for row, (low, high) in zip(
+        rows.values(), ((0.7, 1), (1, 1.5), (0.5, 0.5), (2, 3)), strict=True
+    ):
         assert low <= row.depth <= high
         assert row.depth < min(row.thickness for row in pawluk1997.lumped().values()) / 2

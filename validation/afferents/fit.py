@@ -27,9 +27,8 @@ from scipy.optimize import minimize
 
 from fefinger.neural import recorded
 from fefinger.neural import recorded_compiled as compiled
-from fefinger.neural.recorded import BOUNDS, Recorded, units_of
+from fefinger.neural.recorded import BOUNDS, LONGEST, Recorded, units_of
 from fefinger.neural.recorded_compiled import fire
-from fefinger.neural.recorded_simulation import LONGEST
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import choice
 

@@ -10,8 +10,7 @@ from fefinger.validation.afferents.vibration import Probed
 
 from fefinger.mechanics import get
 from fefinger.neural.drives import DRIVE_BY_NAME
-from fefinger.neural.recorded import fitted
-from fefinger.neural.recorded_simulation import simulate_recorded
+from fefinger.neural.recorded import fitted, simulate_recorded
 from fefinger.neural.statistics import interval_variation
 from fefinger.neural.variation import Variation
 from fefinger.plan import choose, settled

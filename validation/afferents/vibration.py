@@ -9,9 +9,8 @@ from fefinger.validation.afferents.experiments import HELD
 from scipy.stats import norm
 
 from fefinger.neural import recorded_compiled as compiled
-from fefinger.neural.recorded import Recorded, units_of
+from fefinger.neural.recorded import LONGEST, Recorded, units_of
 from fefinger.neural.recorded_compiled import fire
-from fefinger.neural.recorded_simulation import LONGEST
 from fefinger.support.arrays import Array
 
 

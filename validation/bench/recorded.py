@@ -12,8 +12,7 @@ from fefinger.validation.bench.timing import Clock, fastest, load, timed
 from fefinger.validation.problems import published
 
 from fefinger.mechanics.realtime.condensed import Condensed
-from fefinger.neural.recorded import fitted
-from fefinger.neural.recorded_simulation import simulate_recorded
+from fefinger.neural.recorded import fitted, simulate_recorded
 from fefinger.neural.streaming import RecordedAfferents
 from fefinger.neural.variation import Variation
 from fefinger.support.arrays import Array

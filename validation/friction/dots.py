@@ -18,8 +18,7 @@ from fefinger.validation.afferents import experiments
 
 from fefinger.mechanics import condensed
 from fefinger.neural.drives import driven_displacements
-from fefinger.neural.recorded import fitted
-from fefinger.neural.recorded_simulation import simulate_recorded
+from fefinger.neural.recorded import fitted, simulate_recorded
 from fefinger.neural.variation import Variation
 from fefinger.results.records import Sites
 from fefinger.scene import builtin
