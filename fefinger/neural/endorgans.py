@@ -1,6 +1,7 @@
 """End organs: mechanical filters from skin displacement to nerve displacement."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -122,6 +123,19 @@ def respond_modes(
     slope = np.diff(columns, axis=0, append=columns[-1:]) / np.where(step, step, np.inf)[:, None]
     out = between(at_rest, c, p, columns, slope, memory, k, since)
     return out.reshape(at.shape + x_in.shape[1:])
+
+
+def modes_of(organs: Sequence[PoleZero]) -> tuple[Array, Array, Array]:
+    """At rest (n,), weights (n, 2) and poles (n, 2) in rad/s of filters of one or two poles.
+
+    As in `PoleZero.partial_fractions`; a mode that a filter lacks has no weight.
+    """
+    fractions = {organ: organ.partial_fractions() for organ in set(organs)}
+    share, pole = np.zeros((len(organs), 2)), np.ones((len(organs), 2))
+    for i, organ in enumerate(organs):
+        _, c, p = fractions[organ]
+        share[i, : len(c)], pole[i, : len(p)] = c, p
+    return np.array([fractions[organ][0] for organ in organs]), share, pole
 
 
 def chord_steps(

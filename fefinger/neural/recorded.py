@@ -10,7 +10,7 @@ The parameters are fitted to responses of single units through the mechanics of 
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import cache
+from functools import cache, cached_property
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +28,7 @@ from fefinger.neural.checked_signals import (
     unit_delays,
     unit_names,
 )
+from fefinger.neural.endorgans import PoleZero, modes_of
 from fefinger.neural.membranes import IntegrateAndFire
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.variation import Variation
@@ -142,6 +143,16 @@ class Recorded:
         """Mean time in s from threshold to impulse, transduction: LATENCY times the jitter."""
         return LATENCY * self.jitter
 
+    @cached_property
+    def organ(self) -> PoleZero:
+        """The filter, of two poles a thousandth apart where its order is 2.
+
+        So near, the partial fractions are still exact.
+        """
+        count = int(self.order)
+        poles = (self.corner, 1.001 * self.corner)[:count]
+        return PoleZero(zeros=(self.static * self.corner,) * count, poles=poles)
+
     def frequency_response(self, frequency: Array) -> NDArray[np.complex128]:
         """Output over input of the filter at frequencies in Hz."""
         s = 1j * np.asarray(frequency, float)
@@ -203,27 +214,16 @@ def units_of(
         field.name: np.array([getattr(unit, field.name) for unit in parameters])
         for field in fields(Recorded)
     }
-    double = column["order"] == 2.0
-    # Two poles of order 2 are a thousandth apart, where the partial fractions are still exact.
-    first = column["corner"]
-    second = first * np.where(double, 1.001, 1.0)
-    zeros = column["static"] * first
-    gap = np.where(double, second - first, 1.0)
-    share = np.column_stack(
-        [
-            np.where(double, -((zeros - first) ** 2) / (gap * first), -(zeros - first) / first),
-            np.where(double, (zeros - second) ** 2 / (gap * second), 0.0),
-        ]
-    )
+    at_rest, share, pole = modes_of([unit.organ for unit in parameters])
     (base,) = np.random.SeedSequence([seed, 2, 1, *([trial] if trial else [])]).generate_state(
         1, np.uint64
     )
     streams = np.asarray(np.arange(n) if numbers is None else numbers).astype(np.uint64)
     column |= {
         "gain": column["gain"] * (1.0 if factors is None else factors),
-        "at_rest": np.where(double, zeros**2 / (first * second), zeros / first),
+        "at_rest": at_rest,
         "share": share,
-        "pole": 2.0 * np.pi * np.column_stack([first, second]),
+        "pole": pole,
         "noise": column["noise"] if noise is None else np.full(n, float(noise)),
         "jitter": np.zeros(n) if noise == 0.0 else column["jitter"],
         "latency": LATENCY * column["jitter"],

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -146,9 +146,7 @@ def fire(
     if length is not None:
         number("length", length, above=0.0, unit="mm")
     simulate, poles, lengths = _family(family, tolerance, generator)
-    columns, kinds, names = _units(signals, types)
-    lengths = lengths if length is None else dict.fromkeys(TYPES, length)
-    mm = [_mm(signals, i, lengths.get(kind)) for i, kind in zip(columns, kinds, strict=True)]
+    units = _units(signals, types, lengths if length is None else dict.fromkeys(TYPES, length))
     vary = None
     if family == "recorded":
         vary = Variation(seed=0, noise=None, trial=trial)
@@ -157,11 +155,12 @@ def fire(
         raise InputError(msg)
     left_out: list[str] = []
     if not corners:
-        coarse = _coarse(signals, columns, kinds, mm, poles, named)
-        left_out = [f"{why}, {OR_CORNERS}; {kinds[k]} was left out" for k, why in coarse.items()]
-        answered = [k for k in range(len(columns)) if k not in coarse]
-        columns, mm = [columns[k] for k in answered], [mm[k] for k in answered]
-        kinds, names = [kinds[k] for k in answered], [names[k] for k in answered]
+        coarse = _coarse(signals, units, poles, named)
+        left_out = [
+            f"{why}, {OR_CORNERS}; {unit.kind} was left out" for unit, why in coarse.items()
+        ]
+        units = [unit for unit in units if unit not in coarse]
+    columns, kinds, names, mm = (list(each) for each in zip(*units, strict=True))
     run = partial(simulate, types=kinds, lengths=mm, names=names, variation=vary, exact=corners)
     trains = run(signals.time, signals.drive[:, columns])
     notes = (*left_out, *trains.notes, *_remarks(signals), *_silent(signals, columns, trains))
@@ -207,11 +206,19 @@ def _family(
     return partial(simulate_units, generator=generator, tolerance=seconds), poles, {}
 
 
-def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[str], list[str]]:
-    """List column, type and name of every unit; InputError for a header that resembles a type."""
-    columns: list[int] = []
-    kinds: list[str] = []
-    names: list[str] = []
+class _Unit(NamedTuple):
+    """A unit, the column of the signals that drives it, and the mm of one unit of that."""
+
+    column: int
+    kind: str
+    name: str
+    mm: float
+
+
+def _units(signals: Signals, types: tuple[str, ...], lengths: Mapping[str, float]) -> list[_Unit]:
+    """List all units; lengths in mm of a strain. InputError for a header that resembles a type."""
+    units = []
+    many = len(signals.headers) > 1
     for i, header in enumerate(signals.headers):
         prefix = _prefix(header)
         resembling = (
@@ -224,12 +231,10 @@ def _units(signals: Signals, types: tuple[str, ...]) -> tuple[list[int], list[st
                 f"column {header!r}: its name begins like that of an afferent type, but is none of "
                 f"{', '.join(TYPES)}.{advice} Rename the column"
             )
-        driven = (prefix,) if prefix in TYPES else types
-        columns += [i] * len(driven)
-        kinds += driven
-        many = len(signals.headers) > 1
-        names += [header if prefix in TYPES else f"{header}:{k}" if many else k for k in driven]
-    return columns, kinds, names
+        for kind in (prefix,) if prefix in TYPES else types:
+            name = header if prefix in TYPES else f"{header}:{kind}" if many else kind
+            units.append(_Unit(i, kind, name, _mm(signals, i, lengths.get(kind))))
+    return units
 
 
 def _prefix(header: str) -> str:
@@ -319,30 +324,24 @@ def _curved(signals: Signals) -> tuple[Array, Array]:
 
 
 def _coarse(
-    signals: Signals,
-    columns: Sequence[int],
-    kinds: Sequence[str],
-    lengths: Sequence[float],
-    poles: Mapping[str, float],
-    named: Sequence[str],
-) -> dict[int, str]:
-    """Return why samples are too coarse, by the index of the unit.
+    signals: Signals, units: Sequence[_Unit], poles: Mapping[str, float], named: Sequence[str]
+) -> dict[_Unit, str]:
+    """Return why samples are too coarse, by unit.
 
     InputError if that is so for a type that the user has named, or for all units.
     """
-    coarse: dict[int, str] = {}
-    for k, (i, kind, length) in enumerate(zip(columns, kinds, lengths, strict=True)):
-        reason = _too_coarse(signals, i, kind, length, poles[kind])
-        if reason:
-            coarse[k] = reason
-    wanted = [k for k in coarse if kinds[k] in (*named, _prefix(signals.headers[columns[k]]))]
-    if wanted or len(coarse) == len(columns):
-        k = wanted[0] if wanted else 0
-        raise InputError(f"{coarse[k]}, leave {kinds[k]} out of the types (--type), {OR_CORNERS}")
+    reasons = {unit: _too_coarse(signals, unit, poles[unit.kind]) for unit in units}
+    coarse = {unit: reason for unit, reason in reasons.items() if reason}
+    wanted = [u for u in coarse if u.kind in (*named, _prefix(signals.headers[u.column]))]
+    if wanted or len(coarse) == len(units):
+        first = wanted[0] if wanted else units[0]
+        raise InputError(
+            f"{coarse[first]}, leave {first.kind} out of the types (--type), {OR_CORNERS}"
+        )
     return coarse
 
 
-def _too_coarse(signals: Signals, column: int, kind: str, length: float, pole: float) -> str:
+def _too_coarse(signals: Signals, unit: _Unit, pole: float) -> str:
     """Return why the samples of a column are too coarse for a type, with the rate it needs, or "".
 
     The velocity jumps between samples further apart than a fifth of the period of the fastest
@@ -351,16 +350,16 @@ def _too_coarse(signals: Signals, column: int, kind: str, length: float, pole: f
     """
     from fefinger.neural.checked_signals import FAII_JUMP, coarse_jump
 
-    x = length * signals.drive[:, column]
+    x = unit.mm * signals.drive[:, unit.column]
     jump, limit = coarse_jump(signals.time, x, 1 / (RATE * pole)), FAII_JUMP
-    if kind.startswith("SA"):
+    if unit.kind.startswith("SA"):
         apart = np.diff(signals.time)
         limit = SLOW_JUMP * float(np.abs(np.diff(x)[apart > 0] / apart[apart > 0]).max())
     if jump <= limit:
         return ""
     return (
-        f"column {signals.headers[column]!r}: its samples are too coarse for {kind}, which "
-        f"responds up to about {pole:.3g} Hz: the velocity jumps by {jump:.3g} mm/s between "
+        f"column {signals.headers[unit.column]!r}: its samples are too coarse for {unit.kind}, "
+        f"which responds up to about {pole:.3g} Hz: the velocity jumps by {jump:.3g} mm/s between "
         f"samples; sample at {_rounded_up(RATE * pole):g} Hz or more"
     )
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from fefinger.neural import streaming_step as compiled
 from fefinger.neural.checked_signals import checked_types, organ_columns
 from fefinger.neural.drives import DEFAULT_DRIVE, in_plane
-from fefinger.neural.endorgans import END_ORGANS
+from fefinger.neural.endorgans import END_ORGANS, modes_of
 from fefinger.neural.gains import GAINS
 from fefinger.neural.generators import LARGEST_CURRENT
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire, vectorized
@@ -241,11 +241,7 @@ class Afferents(SteppedUnits):
         n = len(types)
         across = planes(normals, n)
         self.membranes = _stepped(membrane or IntegrateAndFire(), n, method, dt)
-        organs = {kind: END_ORGANS[kind].partial_fractions() for kind in set(types)}
-        share, pole = np.zeros((n, 2)), np.ones((n, 2))
-        for i, kind in enumerate(types):
-            _, c, p = organs[kind]
-            share[i, : len(c)], pole[i, : len(p)] = c, p
+        at_rest, share, pole = modes_of([END_ORGANS[kind] for kind in types])
         integer("substeps", substeps, at_least=1)
         codes = [drive_code(f"drives.{kind}", chosen[kind], "neural.units") for kind in types]
         self.state = compiled.State(
@@ -253,7 +249,7 @@ class Afferents(SteppedUnits):
             across=across,
             length=np.array([_length(kind, lengths) for kind in types]),
             gain=np.array([GAINS[kind] for kind in types]),
-            at_rest=np.array([organs[kind][0] for kind in types]),
+            at_rest=at_rest,
             share=share,
             pole=pole,
             modes=np.zeros((n, 2)),

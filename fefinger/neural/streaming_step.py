@@ -140,19 +140,11 @@ def integrate_and_fire(
     s.counts[:] = 0
     for i in range(len(s.x)):
         for k in range(substeps if dt > 0.0 else 0):
-            begin, level = s.clock[0] + k * part, s.levels[k, i] / threshold
+            begin = s.clock[0] + k * part
             steep = (s.levels[k + 1, i] - s.levels[k, i]) / (threshold * part)
-            s.counts[i] = eventful(
-                units[i],
-                begin,
-                begin + part,
-                level,
-                steep,
-                tau,
-                refractory,
-                s.spikes[i],
-                s.counts[i],
-            )
+            span, line = (begin, begin + part), (s.levels[k, i] / threshold, steep)
+            times = (tau, refractory)
+            s.counts[i] = eventful(units[i], span, line, times, s.spikes[i], s.counts[i])
     return _advance_clock(s, dt)
 
 

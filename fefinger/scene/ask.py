@@ -117,10 +117,9 @@ class Ask:
             )
         if self.afferents == "recorded":
             _check_recorded(checked["drives"], self.generator, population)
-        for name in ("depths", "drives"):
-            checked[name] = FrozenDict(checked[name])
         for name, value in checked.items():
-            object.__setattr__(self, name, value)
+            frozen = FrozenDict(value) if isinstance(value, dict) else value
+            object.__setattr__(self, name, frozen)
 
 
 def _check_recorded(drives: Mapping[str, Any], generator: str, population: Layout | None) -> None:

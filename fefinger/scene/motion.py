@@ -37,25 +37,18 @@ ANSWERED = 200
 """Frequencies at which a sweep is answered in closed form."""
 
 LIMITS: dict[str, dict[str, Any]] = {
+    **{key: {"above": 0, "unit": "mm"} for key in ("depth", "preload", "distance")},
+    **{key: {"above": 0, "unit": "Hz"} for key in ("frequency", "start", "stop")},
+    **{key: {"at_least": 0, "at_most": LONGEST, "unit": "s"} for key in ("hold", "settle", "held")},
+    **{key: {"above": 0} for key in ("amplitude", "approach")},
     "speed": {"above": 0, "unit": "mm/s"},
     "loading_rate": {"above": 0, "unit": "N/s"},
-    "depth": {"above": 0, "unit": "mm"},
-    "preload": {"above": 0, "unit": "mm"},
-    "held": {"at_least": 0, "at_most": LONGEST, "unit": "s"},
-    "seconds": {"above": 0, "at_most": LONGEST, "unit": "s"},
     "force": {"above": 0, "unit": "N"},
-    "hold": {"at_least": 0, "at_most": LONGEST, "unit": "s"},
-    "settle": {"at_least": 0, "at_most": LONGEST, "unit": "s"},
+    "seconds": {"above": 0, "at_most": LONGEST, "unit": "s"},
     "corner": {"at_least": 0, "unit": "s"},
-    "amplitude": {"above": 0},
-    "frequency": {"above": 0, "unit": "Hz"},
-    "start": {"above": 0, "unit": "Hz"},
-    "stop": {"above": 0, "unit": "Hz"},
     "cycles": {"at_least": 1},
-    "distance": {"above": 0, "unit": "mm"},
     "direction": {"at_least": -360, "at_most": 360, "unit": "degrees"},
     "passes": {"at_least": 1, "at_most": 1000},
-    "approach": {"above": 0},
 }
 
 WHOLE = ("cycles", "passes")

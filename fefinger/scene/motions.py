@@ -369,24 +369,8 @@ class ForceSampledPath(SampledPathMotion):
 MOTIONS: dict[str, type[Motion]] = {
     motion.kind: motion
     for motion in (
-        Ramp,
-        RampHold,
-        RampSinusoid,
-        Sinusoid,
-        Trapezoid,
-        Vibration,
-        FrequencySweep,
-        Sampled,
-        ForceRamp,
-        ForceRampHold,
-        ForceRampSinusoid,
-        ForceSinusoid,
-        ForceTrapezoid,
-        ForceSweep,
-        ForceSampled,
-        Slide,
-        ForceSlide,
-        SampledPath,
-        ForceSampledPath,
+        *(Ramp, RampHold, RampSinusoid, Sinusoid, Trapezoid, Vibration, FrequencySweep, Sampled),
+        *(ForceRamp, ForceRampHold, ForceRampSinusoid, ForceSinusoid, ForceTrapezoid),
+        *(ForceSweep, ForceSampled, Slide, ForceSlide, SampledPath, ForceSampledPath),
     )
 }

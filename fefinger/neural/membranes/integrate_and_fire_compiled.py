@@ -54,20 +54,19 @@ def _crossing(u: float, level: float, rise: float, tau: float, length: float) ->
 @njit(cache=True)
 def eventful(
     state: Array,
-    t0: float,
-    t1: float,
-    level: float,
-    rise: float,
-    tau: float,
-    refractory: float,
+    span: tuple[float, float],
+    line: tuple[float, float],
+    times: tuple[float, float],
     spikes: Array,
     count: int,
 ) -> int:
     """Advance one unit through an interval that contains spikes or the end of a refractory time.
 
-    state: potential, highest potential, end of the refractory time. Returns the new count; it stops
-    at one more than the length of `spikes`.
+    state: potential, highest potential, end of the refractory time. span: start and end in ms;
+    line: current at the start, in thresholds, and its rise per ms; times: time constant and
+    refractory time in ms. Returns the new count; it stops at one more than the length of `spikes`.
     """
+    (t0, t1), (level, rise), (tau, refractory) = span, line, times
     while count <= len(spikes):
         start = max(t0, state[2])
         if start >= t1:
@@ -119,17 +118,8 @@ def integrate(
             end = u + (level - u) * gone + (after - level) * share
             turns = level > u and after < end
             if states[i, 2] > t0 or end > 1.0 or turns:
-                counts[i] = eventful(
-                    states[i],
-                    t0,
-                    t1,
-                    level,
-                    (after - level) / length,
-                    tau,
-                    refractory,
-                    spikes[i],
-                    counts[i],
-                )
+                line, times = (level, (after - level) / length), (tau, refractory)
+                counts[i] = eventful(states[i], (t0, t1), line, times, spikes[i], counts[i])
             else:
                 states[i, 0] = end
                 states[i, 1] = max(states[i, 1], end)
