@@ -357,14 +357,10 @@ def _too_coarse(signals: Signals, unit: _Unit, pole: float) -> str:
         limit = SLOW_JUMP * float(np.abs(np.diff(x)[apart > 0] / apart[apart > 0]).max())
     if jump <= limit:
         return ""
+    digit = 10.0 ** (np.floor(np.log10(RATE * pole)) - 1)
+    enough = np.ceil(RATE * pole / digit - 1e-9) * digit  # rounded up to two digits
     return (
         f"column {signals.headers[unit.column]!r}: its samples are too coarse for {unit.kind}, "
         f"which responds up to about {pole:.3g} Hz: the velocity jumps by {jump:.3g} mm/s between "
-        f"samples; sample at {_rounded_up(RATE * pole):g} Hz or more"
+        f"samples; sample at {enough:g} Hz or more"
     )
-
-
-def _rounded_up(rate: float) -> float:
-    """Round a rate up to two digits."""
-    digit = 10.0 ** (np.floor(np.log10(rate)) - 1)
-    return float(np.ceil(rate / digit - 1e-9) * digit)

@@ -123,7 +123,13 @@ class Finger:
         tissues = library.tissue_set(self.tissue)
         for size in ("width", "thickness"):
             set_number(self, f"finger.{size}", above=0, unit="mm")
-            _check_size(size, getattr(self, size))
+            value = getattr(self, size)
+            if not FINGER.low <= value <= FINGER.high:
+                raise InputError(
+                    f"finger.{size}: expected mm, {MESHED[0]:g} to {MESHED[1]:g} for a mesh, "
+                    f"received {value:g}{FINGER.hint(value)}; a fingertip is some 15 mm wide and "
+                    "12 mm thick"
+                )
         lengths = tissues.lengths(self.width, self.thickness)
         radius = lengths["pad_radius"] or pawluk1997.quasistatic()[name].radius
         self._default("pad_radius", radius)
@@ -257,15 +263,6 @@ class Finger:
                 f"gives no size of subject {name!r}: give width and thickness"
             )
         return cls(**(values | {"subject_name": name}))
-
-
-def _check_size(name: str, value: float) -> None:
-    """Raise InputError for a width or thickness in mm that no finger has, with the likely unit."""
-    if not FINGER.low <= value <= FINGER.high:
-        raise InputError(
-            f"finger.{name}: expected mm, {MESHED[0]:g} to {MESHED[1]:g} for a mesh, received "
-            f"{value:g}{FINGER.hint(value)}; a fingertip is some 15 mm wide and 12 mm thick"
-        )
 
 
 def origin_notes(finger: Finger) -> tuple[str, ...]:

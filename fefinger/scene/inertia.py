@@ -136,7 +136,11 @@ def quasistatic(scene: Scene, time: Array, depth: Array) -> tuple[str, ...]:
     along = np.linalg.norm(np.diff(scene.motion.shift(time), axis=0), axis=1)
     speeds = np.hypot(np.diff(depth), along) / np.where(step > 0, step, np.inf)
     speed, wave = float(speeds.max(initial=0.0)), wave_speed(scene.finger)
-    frequency = max(scene.motion.highest_frequency or 0.0, _across(scene))
+    motion, indenter = scene.motion, scene.indenter
+    # A smooth plate without friction does not move the skin along its path.
+    smooth = indenter.flat is not None and indenter.friction == 0 and not motion.turns_plate
+    across = None if smooth else motion.path_frequency
+    frequency = max(motion.highest_frequency or 0.0, across or 0.0)
     exceeded = []
     if speed > FAST * wave:
         exceeded.append(
@@ -154,10 +158,3 @@ def quasistatic(scene: Scene, time: Array, depth: Array) -> tuple[str, ...]:
     return (
         f"Warning: not quasi-static, {' and '.join(exceeded)}; inertia and waves are neglected.",
     )
-
-
-def _across(scene: Scene) -> float:
-    """Frequency in Hz of a path that moves the skin; 0 for a smooth plate without friction."""
-    motion, indenter = scene.motion, scene.indenter
-    smooth = indenter.flat is not None and indenter.friction == 0 and not motion.turns_plate
-    return 0.0 if smooth else motion.path_frequency or 0.0

@@ -60,7 +60,9 @@ class Motion(ABC):
     """A motion of the indenter; its depth in mm or its force in N follows `trajectory`."""
 
     kind: ClassVar[str]
-    control: ClassVar[Literal["depth", "force"]]
+    control: ClassVar[Literal["depth", "force"]] = "depth"
+    """What it prescribes, and the name of the field that holds it."""
+
     slides: ClassVar[bool] = False
     """Whether it has a path across the direction of travel."""
 

@@ -36,7 +36,6 @@ class Ramp(RampMotion):
     """A ramp from rest at `speed` mm/s to `depth` mm, which ends while moving."""
 
     kind = "ramp"
-    control = "depth"
 
     speed: float
     depth: float
@@ -50,7 +49,6 @@ class RampHold(RampHoldMotion):
     """A ramp at `speed` mm/s to `depth` mm, and then a rest of `hold` s."""
 
     kind = "ramp-hold"
-    control = "depth"
 
     speed: float
     depth: float
@@ -65,7 +63,6 @@ class Trapezoid(TrapezoidMotion):
     """A ramp at `speed` mm/s to `depth` mm, a rest of `hold` s, and the same ramp back to 0."""
 
     kind = "trapezoid"
-    control = "depth"
 
     speed: float
     depth: float
@@ -85,7 +82,6 @@ class RampSinusoid(RampSinusoidMotion):
     """
 
     kind = "ramp-sinusoid"
-    control = "depth"
 
     speed: float
     depth: float
@@ -107,7 +103,6 @@ class Sinusoid(SinusoidMotion):
     """
 
     kind = "sinusoid"
-    control = "depth"
 
 
 @final
@@ -121,7 +116,6 @@ class Vibration(RampSinusoidMotion):
     """
 
     kind = "vibration"
-    control = "depth"
 
     preload: float
     _: KW_ONLY
@@ -173,7 +167,6 @@ class FrequencySweep(SweepMotion):
     """
 
     kind = "sweep"
-    control = "depth"
 
     depth: float
     _: KW_ONLY
@@ -214,7 +207,6 @@ class Sampled(SampledMotion):
     """
 
     kind = "sampled"
-    control = "depth"
 
     depth: tuple[float, ...]
 
@@ -312,7 +304,6 @@ class Slide(SlideMotion):
     """
 
     kind = "slide"
-    control = "depth"
 
     speed: float
     depth: float
@@ -350,7 +341,6 @@ class SampledPath(SampledPathMotion):
     """Places x and y in mm across the travel and depths in mm at times in s, joined by lines."""
 
     kind = "sampled-path"
-    control = "depth"
 
     depth: tuple[float, ...]
 

@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.scene.raised import FlankLimit, Raised
+from fefinger.scene.indenter import FlankLimit, Raised
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, set_number
 

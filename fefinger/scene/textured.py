@@ -10,8 +10,7 @@ from typing import Any, Self, final
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.scene.indenter import PlateLike, turned
-from fefinger.scene.raised import FLANK_SAMPLES, FlankLimit, Raised, check_edge
+from fefinger.scene.indenter import FLANK_SAMPLES, FlankLimit, PlateLike, Raised, check_edge, turned
 from fefinger.scene.relief_file import read_relief
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, integer, number, numbers, set_number
