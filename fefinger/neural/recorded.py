@@ -9,7 +9,7 @@ The parameters are fitted to responses of single units through the mechanics of 
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cache, cached_property
 from importlib import resources
 from typing import TYPE_CHECKING, Any
@@ -71,30 +71,14 @@ class Bounds:
     meaning: str
 
 
-BOUNDS: dict[str, Bounds] = {
-    "length": Bounds(0.1, 100.0, "mm", "displacement of a 1 mm pin per unit of the drive"),
-    "gain": Bounds(1e-2, 1e6, "1/mm", "current over threshold per mm at the filter's output"),
-    "static": Bounds(0.0, 1.0, "", "gain of the filter at rest over that at high frequency"),
-    "corner": Bounds(1e-2, 2000.0, "Hz", "corner frequency of the filter"),
-    "order": Bounds(1.0, 2.0, "", "order of the filter; 2: the corner twice"),
-    "negative": Bounds(0.0, 1.0, "", "current of a negative output over that of a positive one"),
-    "largest": Bounds(1.01, 1e4, "", "current of the saturated generator over threshold"),
-    "adapting": Bounds(0.0, 1.0, "", "part of a constant current that adaptation takes away"),
-    "adaptation": Bounds(1e-4, 1e3, "s", "time constant of adaptation"),
-    "recovery": Bounds(0.0, 100.0, "", "current over threshold that a spike takes away"),
-    "recovering": Bounds(1e-4, 10.0, "s", "time constant with which it returns"),
-    "membrane": Bounds(1e-4, 1.0, "s", "time constant of the membrane"),
-    "refractory": Bounds(5e-4, 0.1, "s", "absolute refractory time"),
-    "noise": Bounds(0.0, 10.0, "", "standard deviation of the noise current from threshold on"),
-    "jitter": Bounds(0.0, 2e-3, "s", "standard deviation of the time from threshold to impulse"),
-    "spread": Bounds(0.0, 3.0, "", "standard deviation of the logarithm of the gains of units"),
-}
-"""Parameters of a unit's type."""
+def _in(low: float, high: float, unit: str, meaning: str) -> Any:
+    """Return the field of a parameter with these bounds, which has no default."""
+    return field(metadata={"bounds": Bounds(low, high, unit, meaning)})
 
 
 @dataclass(frozen=True, kw_only=True)
 class Recorded:
-    """Parameters of the units of one type; BOUNDS has their units, ranges and meanings.
+    """Parameters of the units of one type, each with its range, unit and meaning in BOUNDS.
 
     Filter: a lead of the given order, M [(static p + s) / (p + s)]^order with p = 2 pi corner.
     Generator: I = u / (1 + u / largest) with u = gain |y|, times `negative` where y < 0: it still
@@ -114,22 +98,22 @@ class Recorded:
     """
 
     drive: str
-    length: float
-    gain: float
-    static: float
-    corner: float
-    order: float
-    negative: float
-    largest: float
-    adapting: float
-    adaptation: float
-    recovery: float
-    recovering: float
-    membrane: float
-    refractory: float
-    noise: float
-    jitter: float
-    spread: float
+    length: float = _in(0.1, 100.0, "mm", "displacement of a 1 mm pin per unit of the drive")
+    gain: float = _in(1e-2, 1e6, "1/mm", "current over threshold per mm at the filter's output")
+    static: float = _in(0.0, 1.0, "", "gain of the filter at rest over that at high frequency")
+    corner: float = _in(1e-2, 2000.0, "Hz", "corner frequency of the filter")
+    order: float = _in(1.0, 2.0, "", "order of the filter; 2: the corner twice")
+    negative: float = _in(0.0, 1.0, "", "current of a negative output over that of a positive one")
+    largest: float = _in(1.01, 1e4, "", "current of the saturated generator over threshold")
+    adapting: float = _in(0.0, 1.0, "", "part of a constant current that adaptation takes away")
+    adaptation: float = _in(1e-4, 1e3, "s", "time constant of adaptation")
+    recovery: float = _in(0.0, 100.0, "", "current over threshold that a spike takes away")
+    recovering: float = _in(1e-4, 10.0, "s", "time constant with which it returns")
+    membrane: float = _in(1e-4, 1.0, "s", "time constant of the membrane")
+    refractory: float = _in(5e-4, 0.1, "s", "absolute refractory time")
+    noise: float = _in(0.0, 10.0, "", "standard deviation of the noise current from threshold on")
+    jitter: float = _in(0.0, 2e-3, "s", "standard deviation of the time from threshold to impulse")
+    spread: float = _in(0.0, 3.0, "", "standard deviation of the logarithm of the gains of units")
 
     def __post_init__(self) -> None:
         choice("drive", self.drive, DRIVES)
@@ -157,6 +141,12 @@ class Recorded:
         """Output over input of the filter at frequencies in Hz."""
         s = 1j * np.asarray(frequency, float)
         return ((s + self.static * self.corner) / (s + self.corner)) ** self.order
+
+
+BOUNDS: dict[str, Bounds] = {
+    each.name: each.metadata["bounds"] for each in fields(Recorded) if each.metadata
+}
+"""Range, unit and meaning of each parameter."""
 
 
 @cache
@@ -211,8 +201,8 @@ def units_of(
 
     n = len(parameters)
     column = {
-        field.name: np.array([getattr(unit, field.name) for unit in parameters])
-        for field in fields(Recorded)
+        each.name: np.array([getattr(unit, each.name) for unit in parameters])
+        for each in fields(Recorded)
     }
     at_rest, share, pole = modes_of([unit.organ for unit in parameters])
     (base,) = np.random.SeedSequence([seed, 2, 1, *([trial] if trial else [])]).generate_state(
