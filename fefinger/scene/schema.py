@@ -14,14 +14,13 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 from fefinger.scene import pawluk1997
 from fefinger.scene.ask import SOLVERS, Ask
 from fefinger.scene.finger import AUTO, CUTS, NAILS, RELAXATIONS, RESOLUTIONS, RIGID, Finger
-from fefinger.scene.indenters import INDENTERS, Flat
+from fefinger.scene.indenters import Flat
 from fefinger.scene.key_texts import TEXTS
 from fefinger.scene.motion import LIMITS
-from fefinger.scene.motions import MOTIONS
-from fefinger.scene.population import LAYOUTS, Layout, Scatter
+from fefinger.scene.population import Layout, Scatter
 from fefinger.scene.textured import ARRANGEMENTS
 from fefinger.scene.tissue import Hard, Tissue
-from fefinger.scene.toml import FROM_FILE, SUBJECT, needed
+from fefinger.scene.toml import FROM_FILE, KINDS, SUBJECT, needed
 from fefinger.support.vocabulary import DRIVES, FAMILIES, GENERATORS, RULES, SHARES, TYPES
 from fefinger.theory.relaxation import Prony
 
@@ -63,8 +62,8 @@ def schema() -> Schema:
     parts = {
         "name": {"type": "string", "description": "Name of the scene; by default that of its file"},
         "finger": _finger(),
-        "indenter": _kinds("indenter", INDENTERS, Flat.kind),
-        "motion": _kinds("motion", MOTIONS, None),
+        "indenter": _kinds("indenter", Flat.kind),
+        "motion": _kinds("motion"),
         "ask": _ask(),
     }
     return {
@@ -86,19 +85,19 @@ def _finger() -> Schema:
 
 def _ask() -> Schema:
     keys = _keys("ask", Ask)
-    keys["population"] = _kinds("ask.population", LAYOUTS, Scatter.kind)
+    keys["population"] = _kinds("ask.population", Scatter.kind)
     keys["spikes"]["items"] = {"enum": list(TYPES)}
     keys["drives"]["additionalProperties"] = {"enum": list(DRIVES)}
     return _table(keys)
 
 
-def _kinds(part: str, kinds: Mapping[str, type[Any]], default: str | None) -> Schema:
+def _kinds(part: str, default: str | None = None) -> Schema:
     """Return the schema of a table whose `kind` decides on its keys; `default`: where it is none.
 
     A kind that can be read from a file has a second form, with the file and its other keys.
     """
     forms: list[Schema] = []
-    for kind, record in kinds.items():
+    for kind, record in KINDS[part].items():
         keys = {"kind": {"const": kind}} | _keys(part, record)
         must = () if kind == default else ("kind",)
         form = {"title": kind, "description": summary(record)}
