@@ -203,17 +203,6 @@ def grid(surface: Surface, spacing: float, radius: float) -> tuple[Array, Intege
     return _on_skin(surface, squares(spacing, radius), f"a grid of {spacing:g} mm")
 
 
-def line(surface: Surface, start: ArrayLike, stop: ArrayLike, count: int) -> Array:
-    """Points of a surface at `count` places along a straight line in x and y, ends included.
-
-    start, stop: (2,) mm. InputError where a point of the line is off the skin.
-    """
-    if count < 2:
-        raise InputError(f"count: expected 2 or more places on a line, received {count}")
-    places = np.linspace(np.asarray(start, float), np.asarray(stop, float), count)
-    return over(surface, places, "start, stop", "bring the ends of the line closer")
-
-
 def over(surface: Surface, places: ArrayLike, name: str, advice: str) -> Array:
     """Points (n, 3) of a surface at places (n, 2) mm; InputError for a place beside it."""
     wanted = np.asarray(places, float)

@@ -7,7 +7,7 @@ from fefinger.neural.populations import (
     Surface,
     grid,
     lifted,
-    line,
+    over,
     populate,
     scatter,
     squares,
@@ -105,7 +105,7 @@ def test_a_grid_covers_the_skin_and_a_line_its_length():
     places, which = grid(CAP, 2.0, 4.5)
     np.testing.assert_array_equal(which, np.arange(21))
     np.testing.assert_allclose(places[:, :2] / 2, np.round(places[:, :2] / 2), atol=0.05)
-    along = line(CAP, (-4, 0), (4, 0), 9)
+    along = over(CAP, np.linspace((-4, 0), (4, 0), 9), "places", "move them")
     assert along.shape == (9, 3)
     np.testing.assert_allclose(along[4], 0.0, atol=0.005)
     np.testing.assert_allclose(along[:, 1], 0.0, atol=0.01)
@@ -188,11 +188,13 @@ def test_branches_stay_on_the_skin_at_its_edge():
         ),
         (lambda: scatter({"SAI": 70.0}, 5.0, UP, seed=None), "seed: expected a whole number"),
         (
-            lambda: line(FLAT, (0, 0), (30, 0), 5),
-            r"3 beside it, at \[15, 0\], .* \[30, 0\] mm; bring the ends",
+            lambda: over(FLAT, np.linspace((0, 0), (30, 0), 5), "places", "move them"),
+            r"places: .* 3 beside it, at \[15, 0\], .* \[30, 0\] mm; move them",
         ),
-        (lambda: line(FLAT, (20, 0), (30, 0), 5), "puts no place on the skin"),
-        (lambda: line(FLAT, (0, 0), (1, 0), 1), "count: expected 2"),
+        (
+            lambda: over(FLAT, [[20, 0], [30, 0]], "places", "move them"),
+            "puts no place on the skin",
+        ),
         (lambda: grid(FLAT, 0.0, 5.0), "spacing: expected"),
         (lambda: populate(FLAT, (), np.zeros((0, 3)), depths=DEPTHS), "one or more"),
         (

@@ -64,7 +64,8 @@ def _places(
         numbers = numbered(each, np.repeat(which, len(types)))
         return each, np.repeat(points, len(types), axis=0), numbers
     if isinstance(layout, Line):
-        points = populations.line(skin, layout.start, layout.stop, layout.count)
+        places = np.linspace(layout.start, layout.stop, layout.count)
+        points = populations.over(skin, places, "start, stop", "bring the ends of the line closer")
     elif isinstance(layout, Places):
         name = "ask.population.places"
         points = populations.over(skin, layout.places, name, "move them toward the first touch")
