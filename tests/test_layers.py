@@ -66,7 +66,7 @@ HEAVY = (
 LIGHT = (
     *("fefinger", "fefinger.__main__", "fefinger.pipeline", "fefinger.plan"),
     *("fefinger.scene.scene", "fefinger.scene.builtin", "fefinger.results.records"),
-    *("fefinger.studies.study", "fefinger.studies.tasks", "fefinger.studies.workers"),
+    *("fefinger.studies.study", "fefinger.studies.tasks"),
     *("fefinger.commands.console", "fefinger.mechanics.linear", "fefinger.mechanics.condensed"),
     *("fefinger.mechanics.hertz", "fefinger.mechanics.layered", "fefinger.mechanics.lumped"),
 )

@@ -17,9 +17,8 @@ from fefinger.calibration.targets import Frames, aligned
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
-from fefinger.theory.array.sensor import ArraySensor, blurred
+from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.array.sensor_fit import fit_fingerpad
-from fefinger.theory.fingerpad import Fingerpad
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
@@ -163,38 +162,3 @@ def printed(subject: str) -> PadFit:
     """Return the row of Table 3.2 of a subject."""
     row = pawluk1997.quasistatic()[subject]
     return PadFit(row.radius, row.m, row.b, float("nan"))
-
-
-@dataclass(frozen=True)
-class PressureProfile:
-    """Pressure in kPa on the array against the `distance` in mm, at one force in N.
-
-    `finger` is the calibrated one, `thesis` the half-space of Table 3.2; `force` is the force that
-    the press reached, at most the requested one.
-    """
-
-    force: float
-    distance: Array
-    finger: Array
-    thesis: Array
-
-
-def profile(law: ForceLaw, subject: str, force: float) -> PressureProfile:
-    """Compute the pressure profiles of finger and thesis at a force in N of a slow press.
-
-    If the curve ends before that force, both are at the force where it ends.
-    """
-    sensor = ArraySensor()
-    depth = slow_press(law, force)
-    readings = slow(law.prony, depth, law.array_pressure(depth))[-1]
-    reached = float(slow(law.prony, depth, law.relaxed(depth))[-1])
-    frames = aligned(np.zeros((1, len(readings))), readings[None], sensor)
-    row = pawluk1997.quasistatic()[subject]
-    pad = Fingerpad(row.radius, row.m, row.b, pawluk1997.relaxation()[subject])
-    deep = float(pad.depth_at(1e3 * reached, relaxed=True))
-    theirs = blurred(
-        lambda r: pad.relaxed_pressure(r, deep), float(pad.contact_radius(deep)), frames.distance
-    )
-    signed = frames.distance * np.where(sensor.positions[:, 0] < 0, -1.0, 1.0)
-    order = np.argsort(signed)
-    return PressureProfile(reached, signed[order], readings[order], theirs[order])

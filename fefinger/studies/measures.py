@@ -4,32 +4,47 @@ Positions are in the plane of the object, from the first touch on the smooth ski
 (distal) and sideways.
 """
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from fefinger.geometry.finger_mesh import triangle_areas
 from fefinger.geometry.profiles import directions
+from fefinger.mechanics.evidence.stated_errors import at_force
+from fefinger.mechanics.hertz import tissue
+from fefinger.mechanics.situation import Situation
+from fefinger.mesh.first_touch import FirstTouch, first_touch
+from fefinger.mesh.recipe import Recipe
+from fefinger.plan import choose, settled
 from fefinger.result import Result
 from fefinger.results import pressure as pressures
 from fefinger.results.array_sensor import response
-from fefinger.results.records import Pad
-from fefinger.studies.columns import READINGS
-from fefinger.studies.errors import stated
-from fefinger.studies.hertz import hertz
-from fefinger.studies.oscillation import dynamic_stiffness
-from fefinger.studies.slope import Slope, stiffness
-from fefinger.studies.times import NamedTime, at, named_times
+from fefinger.results.pressure import SPREAD
+from fefinger.results.records import Pad, Rung
+from fefinger.scene.indenter import direction
+from fefinger.scene.indenters import STANDARD
+from fefinger.scene.motions import Ramp
+from fefinger.studies.columns import ERRORS, READINGS
+from fefinger.studies.force_depth import (
+    SAME,
+    NamedTime,
+    Slope,
+    at,
+    dynamic_stiffness,
+    named_times,
+    stiffness,
+    until,
+)
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.array.sensor import ArraySensor, isobar
+from fefinger.theory.contact.elliptic import LONGEST, Elliptic
 from fefinger.theory.contact.pressure_moments import Moments
 from fefinger.theory.contact.pressure_moments import moments as shape_of
+from fefinger.theory.relaxation import hereditary_integral
 
-
-if TYPE_CHECKING:
-    from fefinger.mesh.first_touch import FirstTouch
 
 THRESHOLD = 4.0
 """Reading of an array element that counts as contact, in standard deviations of its noise."""
@@ -45,6 +60,25 @@ VIBRATES = Slope(float("nan"), 0, "none: the motion vibrates, see dynamic_stiffn
 
 OPENS = "none: contact opens in the last cycles of the vibration, or no cycle is whole"
 """Why a vibration has no dynamic stiffness."""
+
+OF = {
+    "depth": "depth_mm",
+    "force": "force_N",
+    "pressure": "highest_pressure_1mm2_kPa",
+    "area": "contact_area_mm2",
+    "strain": "strain_rms_percent",
+}
+"""Columns of the quantities for which a plan states errors."""
+
+SPEED = 10.0
+"""Speed in mm/s of the press whose errors are looked up.
+
+Only those of closed formulas depend on it, by a few percent of the error.
+"""
+
+NODES = 64, 32
+"""Gauss points along the radius and over a quarter turn; more points change the mean by less than
+1e-6 for half axes of up to 50 mm."""
 
 
 def rows(
@@ -80,7 +114,7 @@ def rows(
 
 
 def _row(
-    result: Result, view: "PlaneView | None", when: NamedTime, highest: float | None
+    result: Result, view: PlaneView | None, when: NamedTime, highest: float | None
 ) -> dict[str, Any]:
     """Make the columns of one time."""
     where, control = when.where, result.scene.motion.control
@@ -154,7 +188,7 @@ class PlaneView:
     pressure: Array
     places: Array
     areas: Array
-    touch: "FirstTouch | None"
+    touch: FirstTouch | None
 
 
 def _view(result: Result) -> PlaneView | None:
@@ -168,16 +202,11 @@ def _view(result: Result) -> PlaneView | None:
     return PlaneView(result, pad, result.pressure, places, areas, touch)
 
 
-def _first_touch(result: Result) -> "tuple[Array, Array, FirstTouch | None] | None":
+def _first_touch(result: Result) -> tuple[Array, Array, FirstTouch | None] | None:
     """Point (3,) mm of first touch, direction of travel (3,), and the curvature of the skin there.
 
     On a mesh it is the touch of the smooth skin; else the point above the end organs.
     """
-    from fefinger.mesh.first_touch import first_touch
-    from fefinger.mesh.recipe import Recipe
-    from fefinger.scene.indenter import direction
-    from fefinger.scene.indenters import STANDARD
-
     scene, sites = result.scene, result.sites
     if "mesh" in result.response.sources and scene.indenter.place is None:
         axis = direction(scene.indenter.plate or STANDARD)
@@ -252,3 +281,89 @@ def _array(view: PlaneView, where: float) -> dict[str, Any]:
         "sensor_middle_distal_mm": float(middle[0]),
         READINGS: [float(value) for value in readings],
     }
+
+
+def stated(result: Result, where: float, given: str) -> dict[str, float]:
+    """Look up the expected relative errors of a row's values, by column.
+
+    A row is at a `given` depth or force ("depth" or "force"), which has no error. From the largest
+    force on, where the motion prescribes the given quantity, the errors are those of the plan; else
+    those of the same mechanics for a press that ends at the depth of the row. The error of the
+    force is relative to its peak and so grows as the force falls; the others are unknown once the
+    indenter has withdrawn. Unknown errors are left out.
+    """
+    force, depth = until(result.response.force, where), until(result.depth, where)
+    rung, errors = result.plan.chosen, result.plan.chosen.errors
+    fallen = force.max() < result.response.force.max() * (1 - SAME)
+    if (fallen or given != result.scene.motion.control) and min(depth.max(), force.max()) > 0:
+        rung, errors = _pressed(result, float(depth.max()), given)
+    by_quantity = dict(errors) if depth[-1] >= depth.max() * (1 - SAME) else {}
+    if force[-1] > 0 and given == "depth":
+        by_quantity["force"] = rung.error * float(force.max() / force[-1])
+    finite = {name: by_quantity[name] for name in OF if np.isfinite(by_quantity.get(name, np.nan))}
+    return {ERRORS[OF[name]]: error for name, error in finite.items()}
+
+
+def _pressed(result: Result, depth: float, given: str) -> tuple[Rung, Mapping[str, float]]:
+    """Errors of the same mechanics for the same finger and object pressed to a depth in mm.
+
+    They are at that depth or, where the force is given, at that force.
+    """
+    scene = settled(result.scene, result.plan)
+    scene = replace(scene, motion=Ramp(SPEED, depth, corner=0))
+    rung = choose(scene, result.plan.mechanics).chosen
+    if given == "depth" or not np.isfinite(rung.error):
+        return rung, rung.errors
+    return rung, at_force(rung.errors, rung.error, Situation.of(scene))
+
+
+def hertz(result: Result, touch: FirstTouch, where: float) -> dict[str, Any]:
+    """Make the columns of elliptic Hertz contact with the curvatures at first touch.
+
+    The depth over time is that of the result. The half-space has the mean compliance of skin and
+    pulp and relaxes as the finger does: its instantaneous modulus is the relaxed one over
+    G(infinity). There are no columns for a concave skin, an object that is neither plate nor
+    sphere, or once the contact has shrunk.
+    """
+    scene, indenter = result.scene, result.scene.indenter
+    if indenter.flat is None and indenter.ball_radius is None:
+        return {}
+    curvature = 1 / indenter.ball_radius if indenter.ball_radius is not None else 0.0
+    (low, high), axes = np.linalg.eigh(touch.curvature + curvature * np.eye(2))
+    depth = until(result.depth, where)
+    if low <= 0 or high / low > LONGEST or (np.diff(depth) < -SAME * depth.max()).any():
+        return {}
+    unit = Elliptic(1 / low, 1 / high, 1 / high, *tissue(scene.finger))
+    time, part = until(result.time, where), np.maximum(depth, 0.0) * high
+    mean = np.sqrt(part) * share(np.sqrt(part)[:, None] * unit.semi_axes)
+    prony = scene.finger.prony
+    force, peak, highest = (
+        hereditary_integral(prony, time, elastic)[-1] / prony.long_time
+        for elastic in (part**1.5, np.sqrt(part), mean)
+    )
+    distal, side = (1 / (k + curvature) for k in np.diag(touch.curvature))
+    return {
+        "hertz_radius_distal_mm": float(distal),
+        "hertz_radius_side_mm": float(side),
+        "hertz_force_N": float(force * unit.force) * NEWTON_PER_MILLINEWTON,
+        "hertz_contact_area_mm2": float(part[-1] * unit.area),
+        "hertz_highest_pressure_1mm2_kPa": float(highest * unit.peak_pressure),
+        "hertz_peak_pressure_kPa": float(peak * unit.peak_pressure),
+        "hertz_ellipticity": round(1 - unit.axis_ratio, 12),
+        "hertz_long_axis_deg": float((np.degrees(np.arctan2(*axes[::-1, 0])) + 90) % 180 - 90),
+    }
+
+
+def share(semi_axes: Array) -> Array:
+    """Mean pressure over 1 mm² about the center, over the peak pressure, for axes (n, 2) in mm.
+
+    The mean is weighted by the Gaussian of `pressures.peaks`.
+    """
+    (s, ds), (t, dt) = (np.polynomial.legendre.leggauss(count) for count in NODES)
+    near, turn = (s + 1) / 2, np.pi / 4 * (t + 1)  # dense about the middle; the angle
+    height = 1 - near**2  # pressure over its peak
+    weights = np.outer(height**2 * near * ds, np.pi * dt)  # four quarters
+    a, b = semi_axes.T
+    across = (np.outer(a, np.cos(turn)) ** 2 + np.outer(b, np.sin(turn)) ** 2) / (2 * SPREAD**2)
+    falls = np.exp(-(1 - height[:, None] ** 2) * across[:, None, :])
+    return np.asarray(a * b * np.einsum("nst,st->n", falls, weights) / (2 * np.pi * SPREAD**2))

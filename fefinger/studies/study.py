@@ -5,7 +5,7 @@
 
 Finished scenes are stored in the folder, under a hash of all their inputs, and not computed again;
 a scene that fails does not stop the others. `studies/grid.py` reads the grid, `tasks.py` makes the
-scenes, `workers.py` runs them, `measures.py` makes their rows, `tables.py` and `page.py` write the
+scenes and runs them, `measures.py` makes their rows, `tables.py` and `page.py` write the
 table and the page.
 """
 
@@ -19,11 +19,22 @@ from typing import TYPE_CHECKING, Any
 from fefinger.mechanics import names
 from fefinger.scene.field_units import column
 from fefinger.scene.scene import Scene
-from fefinger.studies import tables, workers
+from fefinger.studies import tables
 from fefinger.studies.grid import EACH, checked
 from fefinger.studies.one_mechanics import agreed
-from fefinger.studies.rows import StudyRows
-from fefinger.studies.tasks import Answer, StudyRequest, Task, key, load, made, provenance, store
+from fefinger.studies.tables import StudyRows
+from fefinger.studies.tasks import (
+    Answer,
+    StudyRequest,
+    Task,
+    cluster,
+    key,
+    load,
+    local,
+    made,
+    provenance,
+    store,
+)
 from fefinger.support import atomic_write
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.outputs import output, output_folder
@@ -157,9 +168,9 @@ def _answers(
     left = sorted(tasks.keys() - answers.keys())
     remaining = [tasks[i] for i in left]
     if scheduler is None:
-        finished = workers.local(remaining, processes)
+        finished = local(remaining, processes)
     else:
-        finished = workers.cluster(remaining, scheduler)
+        finished = cluster(remaining, scheduler)
     for nth, answer in finished:
         i = left[nth]
         answers[i] = {**finite(answer), **made()}

@@ -1,4 +1,4 @@
-"""Write the table of a study as CSV, Parquet or netCDF, and set an earlier table aside.
+"""The rows of a study and their files: CSV, Parquet or netCDF; an earlier table is set aside.
 
 CSV holds the numbers only; Parquet and netCDF also hold the inputs of the study.
 """
@@ -6,6 +6,7 @@ CSV holds the numbers only; Parquet and netCDF also hold the inputs of the study
 import json
 import os
 from contextlib import suppress
+from dataclasses import dataclass
 from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
@@ -13,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fefinger.pages.page import flat
 from fefinger.scene.field_units import split
 from fefinger.studies.columns import MEASURES, MISSED, READINGS, meaning
-from fefinger.studies.rows import StudyRows
 from fefinger.support.atomic_write import in_place, netcdf
 from fefinger.support.checks import InputError
 
@@ -28,6 +29,43 @@ ENDINGS = ".csv", ".parquet", ".nc"
 
 NAMES = "table.csv", "study.json", "report.html"
 """Files of a saved study, besides the answers to its scenes."""
+
+
+@dataclass(frozen=True)
+class StudyRows:
+    """The rows of a study in the order of its grid.
+
+    name of the scene; over: the columns of the grid; rows: one per scene and time; failures:
+    (values of the grid, sentence); scenes: their number; reused: the number that were finished
+    before; about: the inputs of the study and its provenance.
+    """
+
+    name: str
+    over: tuple[str, ...]
+    rows: tuple[dict[str, Any], ...]
+    failures: tuple[tuple[dict[str, Any], str], ...]
+    scenes: int
+    reused: int
+    about: dict[str, Any]
+
+    def __repr__(self) -> str:
+        """Show the grid and the numbers of scenes, not the rows."""
+        grid = ", ".join(f"{name} ({len(each)})" for name, each in self.about["grid"].items())
+        done = self.scenes - len(self.failures)
+        return f"<Study of {self.name} over {grid}: {done} of {self.scenes} scenes answered>"
+
+    def table(self) -> "pd.DataFrame":
+        """Make a table with one row per scene and time, and units in the names of its columns.
+
+        Its `attrs` hold the inputs of the study.
+        """
+        import pandas as pd
+
+        plain = [{k: v for k, v in row.items() if not isinstance(v, list)} for row in self.rows]
+        columns = list(dict.fromkeys(key for row in plain for key in row))
+        table = pd.DataFrame(plain, columns=columns)
+        table.attrs = {"scene": self.name, **dict(flat(self.about))}
+        return table
 
 
 def check(path: str | PathLike[str], option: str) -> None:

@@ -22,7 +22,7 @@ from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
 from fefinger.scene import builtin
 from fefinger.scene.inertia import coarse_samples
-from fefinger.studies.oscillation import dynamic_stiffness
+from fefinger.studies.force_depth import dynamic_stiffness
 from fefinger.support.checks import InputError
 
 

@@ -6,7 +6,7 @@ import fefinger as ff
 from fefinger import plan
 from fefinger.results.records import Refusal, Rung
 from fefinger.results.result_record import Plan, Settings
-from fefinger.studies import one_mechanics, workers
+from fefinger.studies import one_mechanics
 from fefinger.studies.tasks import StudyRequest
 from fefinger.support.checks import InputError
 
@@ -162,7 +162,7 @@ def test_a_study_with_a_mechanics_that_is_named_is_on_one_mesh(monkeypatch):
             answered[i] = task
             yield i, {"error": "not answered"}
 
-    monkeypatch.setattr(workers, "local", local)
+    monkeypatch.setattr("fefinger.studies.study.local", local)
     takes = {15: ("linear", "coarse"), 30: ("linear", "coarse"), 45: ("linear", "standard")}
     planned(monkeypatch, takes)
     found = ff.study("flat-press", ANGLES, changes=LEAN, mechanics="linear")

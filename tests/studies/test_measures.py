@@ -15,8 +15,8 @@ from fefinger.scene.field_units import split
 from fefinger.scene.population import Scatter
 from fefinger.studies import page
 from fefinger.studies.columns import ERRORS, bounds, words
-from fefinger.studies.errors import SPEED
-from fefinger.studies.hertz import share
+from fefinger.studies.measures import SPEED
+from fefinger.studies.measures import share
 from fefinger.studies.measures import rows
 from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony

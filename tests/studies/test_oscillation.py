@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.studies.oscillation import dynamic_stiffness
+from fefinger.studies.force_depth import dynamic_stiffness
 
 
 MOTION = ff.RampSinusoid(20.0, 1.0, amplitude=0.05, frequency=80.0, cycles=6, settle=0.1)

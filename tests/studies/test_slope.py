@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.studies.slope import POINTS, WINDOW, stiffness
+from fefinger.studies.force_depth import POINTS, WINDOW, stiffness
 
 
 LAWS = {

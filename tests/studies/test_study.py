@@ -18,11 +18,11 @@ from fefinger.commands import console
 from fefinger.mechanics.hertz import tissue
 from fefinger.pipeline import run
 from fefinger.scene.field_units import column
-from fefinger.studies import tasks, workers
+from fefinger.studies import tasks
 from fefinger.studies.columns import READINGS, meaning
 from fefinger.studies.grid import parse_at, parse_over, product
 from fefinger.studies.measures import rows
-from fefinger.studies.rows import StudyRows
+from fefinger.studies.tables import StudyRows
 from fefinger.support.checks import InputError
 from fefinger.support.processes import cores
 from fefinger.support.text import percent
@@ -294,7 +294,7 @@ def test_a_scene_that_fails_costs_itself_alone(capsys):
 def test_a_value_that_no_scene_can_have_ends_a_study_before_it_runs(
     monkeypatch, field, good, bad, sentence
 ):
-    monkeypatch.setattr(workers, "local", lambda *inputs: pytest.fail("a scene was run"))
+    monkeypatch.setattr("fefinger.studies.study.local", lambda *inputs: pytest.fail("a scene was run"))
     over = {field: (good, bad), "indenter.angle": (20, 30)}
     with pytest.raises(InputError, match=f"{sentence}.*{field} = {bad}; none of the 4 scenes"):
         ff.study("flat-press", over, changes=QUICK, mechanics="hertz")
@@ -378,17 +378,17 @@ def test_a_damaged_file_is_answered_again(tmp_path):
 
 def test_a_scene_on_which_its_process_dies_is_a_failure_with_advice(monkeypatch):
     """A task without a scene is answered by a sentence; one that ends the process costs itself."""
-    monkeypatch.setattr(workers, "answer", process_calls.end_for_odd)
-    found = dict(workers.local([0, 1, 2], 1))
+    monkeypatch.setattr(tasks, "answer", process_calls.end_for_odd)
+    found = dict(tasks.local([0, 1, 2], 1))
     assert found[0] == found[2] == {"rows": []}
     assert "ended with status 3" in found[1]["error"]
     assert "use fewer --workers" in found[1]["error"]
 
 
 def test_an_error_of_the_program_is_a_sentence_too():
-    found = workers.answer({"scene": {}, "mechanics": None, "forces": [], "depths": []})
+    found = tasks.answer({"scene": {}, "mechanics": None, "forces": [], "depths": []})
     assert found["error"].startswith("finger: missing")
-    assert workers.answer({})["error"] == "unexpected KeyError: 'scene'"
+    assert tasks.answer({})["error"] == "unexpected KeyError: 'scene'"
 
 
 @pytest.mark.filterwarnings("ignore")  # of the cluster's own libraries

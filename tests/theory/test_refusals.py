@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from fefinger.validation.oracles import approach, compliance, synthetic
+from fefinger.validation.oracles import approach, compliance, fingerpad, synthetic
 from fefinger.validation.thesis.ball import fit_ball
 from fefinger.validation.thesis.force_filter import two_pole
 
-from fefinger.theory import fingerpad, relaxation
+from fefinger.theory import relaxation
 from fefinger.theory.array import sensor, sensor_fit
 from fefinger.theory.contact import (
     curvature,

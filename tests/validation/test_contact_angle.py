@@ -10,7 +10,7 @@ from fefinger.validation.contact_angle import page as contact_angle_page
 from fefinger.validation.contact_angle import study
 
 from fefinger.studies.tasks import StudyRequest
-from fefinger.studies.workers import answer
+from fefinger.studies.tasks import answer
 
 
 REPORTS = Path(__file__).parents[2] / "reports"

@@ -26,7 +26,7 @@ from fefinger.mechanics.situation import Situation
 from fefinger.neural.endorgans import PoleZero
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support.checks import InputError
-from fefinger.theory.fingerpad import Fingerpad
+from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 

@@ -27,7 +27,7 @@ from fefinger.scene.tissue import Hard
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.array.sensor import ArraySensor, blurred
-from fefinger.theory.fingerpad import Fingerpad
+from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.theory.relaxation import Prony
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.calibration import sensitivity
+from fefinger.validation.calibration.profile import profile
 from fefinger.validation.calibration.report import calibrated, rows
 from fefinger.validation.case import Case, Expected, Noted
 
@@ -114,14 +115,14 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         shortfall=FLATTER,
         reason="rounding of a printed R, and the pressure of a coarse mesh within 5 %",
     )
-    profile = rows()[subject]["profiles"][MIDDLE]
+    stored = rows()[subject]["profiles"][MIDDLE]
     yield Case(
-        f"{subject}: width of the pressure of a new press at {profile['force_N']:.2g} N over that "
+        f"{subject}: width of the pressure of a new press at {stored['force_N']:.2g} N over that "
         "of Table 3.2",
-        partial(width_again, subject, profile),
+        partial(width_again, subject, stored),
         Expected(
-            width(*(np.array(profile[key]) for key in ("distance_mm", "finger_kPa")))
-            / width(*(np.array(profile[key]) for key in ("distance_mm", "thesis_kPa"))),
+            width(*(np.array(stored[key]) for key in ("distance_mm", "finger_kPa")))
+            / width(*(np.array(stored[key]) for key in ("distance_mm", "thesis_kPa"))),
             0.05,
             "1",
         ),
@@ -218,8 +219,8 @@ def width_again(subject: str, stored: dict[str, Any]) -> float:
     At the force of the report, or where the new press ends.
     """
     calibration = calibrated(subject)
-    new = pad.profile(ForceLaw(fresh(subject), calibration.prony), subject, stored["force_N"])
-    old = pad.profile(calibration.law, subject, new.force)
+    new = profile(ForceLaw(fresh(subject), calibration.prony), subject, stored["force_N"])
+    old = profile(calibration.law, subject, new.force)
     finger, thesis = (
         width(*(np.array(stored[key]) for key in ("distance_mm", name)))
         for name in ("finger_kPa", "thesis_kPa")

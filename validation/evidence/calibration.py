@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.validation.calibration import split
+from fefinger.validation.calibration.profile import profile
 from fefinger.validation.calibration.split import PARTS
 from fefinger.validation.problems.chain import SUBJECTS
 from fefinger.validation.provenance import save, saved
 
-from fefinger.calibration import pad_radius
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.record import Calibration
 from fefinger.scene.library import CALIBRATED
@@ -36,7 +36,7 @@ def row(subject: str) -> dict[str, Any]:
 
 def profiles(calibration: Calibration) -> list[dict[str, Any]]:
     """Return pressure against distance at FORCES, of the calibrated finger and of Table 3.2."""
-    made = [pad_radius.profile(calibration.law, calibration.target, force) for force in FORCES]
+    made = [profile(calibration.law, calibration.target, force) for force in FORCES]
     return [
         {
             "force_N": round(each.force, 4),

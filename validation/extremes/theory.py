@@ -26,7 +26,7 @@ from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import Contact, paraboloid
 from fefinger.theory.contact.stack import Layer, Stack
-from fefinger.theory.fingerpad import Fingerpad
+from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.relaxation import Prony, hereditary_integral
 

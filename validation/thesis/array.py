@@ -12,7 +12,7 @@ from fefinger.validation.thesis.pressure import PROFILES, SENSOR, pad
 from fefinger.support.arrays import Array
 from fefinger.theory.array.sensor import ArraySensor, blurred, isobar
 from fefinger.theory.array.sensor_fit import fit_fingerpad
-from fefinger.theory.fingerpad import Fingerpad
+from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.theory.relaxation import hereditary_integral
 
 

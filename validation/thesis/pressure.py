@@ -12,7 +12,7 @@ from fefinger.validation.thesis.lumped import DIGITS, digits
 
 from fefinger.scene import pawluk1997
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.theory.fingerpad import Fingerpad, Reading
+from fefinger.validation.oracles.fingerpad import Fingerpad, Reading
 from fefinger.theory.relaxation import hereditary_integral
 
 

@@ -8,7 +8,7 @@ from fefinger.validation.case import Case, Expected
 from fefinger.validation.thesis.pressure import pad
 
 from fefinger.support.arrays import Array
-from fefinger.theory.fingerpad import Fingerpad
+from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.theory.relaxation import hereditary_integral
 
 

@@ -23,7 +23,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motions import FrequencySweep, RampSinusoid
 from fefinger.scene.scene import Scene
-from fefinger.studies.oscillation import dynamic_stiffness
+from fefinger.studies.force_depth import dynamic_stiffness
 from fefinger.support.arrays import Array
 
 

@@ -11,7 +11,7 @@ from fefinger.scene import pawluk1997
 from fefinger.theory.array.sensor import ArraySensor, Reading, blurred, isobar
 from fefinger.theory.array.sensor_fit import BlurredCap, fit_fingerpad
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.theory.fingerpad import Fingerpad
+from fefinger.validation.oracles.fingerpad import Fingerpad
 
 
 SENSOR = ArraySensor()

@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from fefinger.scene import pawluk1997
 from fefinger.theory.contact.curvature import relative_radius
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.theory.fingerpad import Fingerpad
+from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
