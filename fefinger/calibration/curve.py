@@ -1,4 +1,4 @@
-"""Relaxed force curve of a finger at any exponent and pad radius, interpolated between presses.
+"""Force of a finger at any exponent, pad radius and rate, interpolated between presses.
 
 The relaxed force is P = x^(3/2) exp(q(x)): Hertz's power law times the effect of bone, shape,
 finite strain and law. Between presses q and the share of every element of the array are
@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike
 
 from fefinger.calibration.slow_press import SlowPress
 from fefinger.support.arrays import Array
-from fefinger.theory.relaxation import exprel
+from fefinger.theory.contact.ting import press_by_depth, radius_nodes
+from fefinger.theory.relaxation import Prony, exprel, hereditary_integral
 
 
 DEGREE = 4
@@ -35,6 +36,9 @@ NODES = 161
 
 SHARES = 24
 """Evenly spaced depths at which the shares of the array's elements are stored."""
+
+HISTORY = 96
+"""Number of depths at which a curve is tabulated for a contact history."""
 
 
 @dataclass(frozen=True)
@@ -133,6 +137,48 @@ def curve(press: SlowPress) -> tuple[Curve, float]:
 
 
 @dataclass(frozen=True)
+class ForceLaw:
+    """Force at any rate: the relaxed force curve P of presses, a factor on it, and one G.
+
+    T = P / c0 is the instantaneous force; the force at any rate is the integral of G(t - s) dT(s)
+    while the contact grows.
+    """
+
+    curve: Curve
+    prony: Prony
+    factor: float = 1.0
+
+    def relaxed(self, depth: ArrayLike) -> Array:
+        """Compute the relaxed force (n,) in N at depths (n,) in mm."""
+        return self.factor * self.curve.force(depth)
+
+    def array_pressure(self, depth: ArrayLike) -> Array:
+        """Compute the relaxed readings (n, 64) in kPa of the array at depths (n,) in mm."""
+        return self.factor * self.curve.array_pressure(depth)
+
+    def depth(self, force: ArrayLike) -> Array:
+        """Compute the depths (n,) in mm at which the instantaneous force T is `force` (n,) in N."""
+        return self.curve.depth(self.prony.long_time * np.asarray(force, float) / self.factor)
+
+    def stiffness(self, force: ArrayLike) -> Array:
+        """Compute dT/dx (n,) in N/mm where the instantaneous force T is `force` (n,) in N."""
+        return self.curve.stiffness(self.depth(force)) * self.factor / self.prony.long_time
+
+    def loading(self, time: Array, depth: Array) -> Array:
+        """Compute the force (n_t,) in N of a growing contact, at depths (n_t,) in mm."""
+        return hereditary_integral(self.prony, time, self.relaxed(depth)) / self.prony.long_time
+
+    def predicted(self, time: Array, depth: Array) -> Array:
+        """Predict the force (n_t,) in N of any motion with depths (n_t,) mm from first touch.
+
+        Valid on unloading, detachment and renewed contact (`theory/contact/ting.py`).
+        """
+        nodes = radius_nodes(max(float(depth.max()), 1e-6), HISTORY)
+        history = press_by_depth(self.prony, time, depth, nodes)
+        return history.stress(self.relaxed(nodes) / self.prony.long_time)
+
+
+@dataclass(frozen=True)
 class Family:
     """Curves over the shape of the law, with first-order effects of pad radius and skin.
 
@@ -173,7 +219,7 @@ class Family:
         """
         # In the root of the exponent q bends least: left out, a press is met within 0.6 %, not 1.5.
         nodes = [math.sqrt(each) for each in self.shapes]
-        weights = _lagrange(nodes, math.sqrt(shape)) if len(nodes) > 1 else np.ones(1)
+        weights = _lagrange(nodes, math.sqrt(shape))
         wider = np.log(radius / self.radius)
         q: Array = self.correction + np.log(ratio) * self.by_ratio + wider * self.by_radius
         shares: Array = self.shares_correction + wider * self.shares_by_radius
@@ -245,9 +291,4 @@ def _columns(at: Array, depth: Array, values: Array) -> Array:
 
 def _lagrange(nodes: Sequence[float], at: float) -> Array:
     """Weights (n,) of the values at the nodes in Lagrange's polynomial."""
-    weights = np.ones(len(nodes))
-    for i, node in enumerate(nodes):
-        for j, other in enumerate(nodes):
-            if j != i:
-                weights[i] *= (at - other) / (node - other)
-    return weights
+    return np.array([math.prod((at - b) / (a - b) for b in nodes if b != a) for a in nodes])

@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fefinger.calibration.curve import Curve, Family
-from fefinger.calibration.force_law import ForceLaw
+from fefinger.calibration.curve import Curve, Family, ForceLaw
 from fefinger.calibration.inverse import Unknown, Values
 from fefinger.calibration.targets import RecordTarget, SubjectTarget
 from fefinger.scene import library, pawluk1997

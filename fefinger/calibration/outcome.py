@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.calibration import pad_radius
+from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.force import MODULUS, RADIUS, SHAPE, TOUCH
-from fefinger.calibration.force_law import ForceLaw
 from fefinger.calibration.inverse import Solution
 from fefinger.calibration.record import LENGTHS, Calibration, Stage, parameters_of, tissue
 from fefinger.calibration.targets import RecordTarget, SubjectTarget

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.force import RADII
-from fefinger.calibration.force_law import ForceLaw
 from fefinger.calibration.targets import Frames, aligned
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array

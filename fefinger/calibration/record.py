@@ -8,8 +8,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.calibration.curve import Curve
-from fefinger.calibration.force_law import ForceLaw
+from fefinger.calibration.curve import Curve, ForceLaw
 from fefinger.calibration.inverse import Solution
 from fefinger.results.candidate import MECHANICS
 from fefinger.scene.tissue import Tissue

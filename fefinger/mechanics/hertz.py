@@ -125,7 +125,7 @@ def tissue(finger: Finger) -> tuple[float, float]:
 
 def half_space(finger: Finger, indenter: Indenter) -> HalfSpace:
     """Return the half-space that replaces the finger under an object."""
-    from fefinger.theory.contact.curvature import equivalent_radius, relative_radius
+    from fefinger.theory.contact.hertz import equivalent_radius, relative_radius
 
     radii = indenter.hertzian or (indenter.least_radius,) * 2
     first, second = (relative_radius(finger.pad_radius, radius) for radius in radii)

@@ -23,7 +23,6 @@ from fefinger.view import (
     event_plots,
     figures,
     frames,
-    harmonic_figure,
     pictures,
     quantities,
     renderer,
@@ -238,7 +237,7 @@ def _harmonic(harmonic: Harmonic, result: ResultRecord) -> dict[str, Any]:
         f"{', '.join(f'{f:.0f}' for f in harmonic.modes[:3])} Hz."
     )
     types = result.sites.types if result.sites is not None else ()
-    return _part("harmonic", "Vibration", text, harmonic_figure.harmonic(harmonic, types))
+    return _part("harmonic", "Vibration", text, figures.harmonic(harmonic, types))
 
 
 def _spikes(result: ResultRecord) -> dict[str, Any]:

@@ -23,9 +23,8 @@ from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.atomic_write import moved
 from fefinger.view import figures, frames, indenter_pose, markers, quantities, surfaces
-from fefinger.view.drawing import Drawing, colors, cut_open
+from fefinger.view.drawing import Drawing, colors, cut_open, titles
 from fefinger.view.quantities import Span
-from fefinger.view.titles import titles
 
 
 OUTER = ("skin", surfaces.PAD, surfaces.FRONT)

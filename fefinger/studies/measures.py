@@ -114,7 +114,7 @@ def rows(
 
 
 def _row(
-    result: Result, view: PlaneView | None, when: NamedTime, highest: float | None
+    result: Result, view: "PlaneView | None", when: NamedTime, highest: float | None
 ) -> dict[str, Any]:
     """Make the columns of one time."""
     where, control = when.where, result.scene.motion.control

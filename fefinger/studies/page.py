@@ -7,9 +7,9 @@ from fefinger.pages import page
 from fefinger.scene.field_units import split
 from fefinger.studies import figures
 from fefinger.studies.columns import ERRORS, MEASURES, READINGS
+from fefinger.studies.force_depth import POINTS, WINDOW
 from fefinger.studies.grid import remarks
 from fefinger.studies.tables import StudyRows
-from fefinger.studies.force_depth import POINTS, WINDOW
 from fefinger.support.text import brief, percent
 
 

@@ -11,15 +11,28 @@ from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, FingerMesh
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import moved
-from fefinger.view import color_bars, figures, film, frames, quantities, renderer, surfaces
-from fefinger.view.color_bars import add_bars
-from fefinger.view.drawing import colors, drawing
+from fefinger.view import figures, film, frames, quantities, renderer, surfaces
+from fefinger.view.drawing import colors, drawing, titles
 from fefinger.view.markers import highest_rate
-from fefinger.view.plot3d import FingerActor, Scales
+from fefinger.view.plot3d import FingerActor, Prop, Scales
 from fefinger.view.quantities import round_up
-from fefinger.view.titles import titles
 
 
+BARS = 260  # pixels of the column of color bars
+BAR: dict[str, Any] = {
+    "color": figures.INK,
+    "vertical": True,
+    "position_x": 0.3,
+    "width": 0.32,
+    "height": 0.2,
+    "fmt": "%.3g",
+    "n_labels": 5,
+    "title_font_size": 21,
+    "label_font_size": 21,
+    "unconstrained_font_size": True,
+}
+PLACES = (0.7, 0.43, 0.16)  # of the lower ends of bars: at most a field, the pressure and the rate
+LONG = 23  # letters of a title in one line
 PANEL = (880, 780)  # pixels of a view in space, beside which the color bars are
 GAP, WHITE = 32, 250  # pixels between finger and color bars; least byte of what counts as white
 FPS, REST = 8, 8  # pictures per second of a film, and how often its last one stays
@@ -57,8 +70,22 @@ def compose(
         actors.append(FingerActor(plotter, shown, field, scales))
         actors[-1].look()
     plotter.link_views(range(len(actors)))
-    add_bars(plotter, actors)
+    _add_bars(plotter, actors)
     return actors
+
+
+def _add_bars(plotter: Any, actors: Sequence[FingerActor]) -> None:
+    """Add one color bar for each thing that any actor is colored by; the last actor keeps them."""
+    keys = {label: key for actor in reversed(actors) for label, key in actor.keys.items()}
+    plotter.subplot(0, len(actors))
+    for place, label in zip(PLACES, actors[0].keys | keys, strict=False):
+        title = (label if len(label) <= LONG else label.replace(" / ", "\n/ ")) + "\n"
+        mapper, needs = keys[label]
+        bar = plotter.add_scalar_bar(
+            title=title, mapper=mapper, position_y=place, **BAR, render=False
+        )
+        actors[-1].props.append(Prop(bar, needs))
+    actors[-1].refresh()
 
 
 def stored_times(actors: Sequence[FingerActor]) -> Array:
@@ -68,7 +95,7 @@ def stored_times(actors: Sequence[FingerActor]) -> Array:
 
 def size(columns: int) -> tuple[int, int]:
     """Return width and height in pixels of views in space side by side, and their color bars."""
-    return PANEL[0] * columns + color_bars.WIDTH, PANEL[1]
+    return PANEL[0] * columns + BARS, PANEL[1]
 
 
 def screenshot(
@@ -163,7 +190,7 @@ def _actors(
 ) -> tuple[Any, list[FingerActor]]:
     """Return an off-screen plotter, and the results in it."""
     renderer.require()
-    plotter = renderer.plotter(size(len(results)), len(results), aside=color_bars.WIDTH)
+    plotter = renderer.plotter(size(len(results)), len(results), aside=BARS)
     return plotter, compose(plotter, results, field, limits, folders)
 
 
@@ -189,7 +216,7 @@ def draw_mesh(mesh: FingerMesh, path: str | PathLike[str]) -> None:
         n_colors=len(kinds),
         show_edges=True,
         edge_color="#6b5d52",
-        scalar_bar_args=color_bars.LOOK | LEGEND,
+        scalar_bar_args=BAR | LEGEND,
         ambient=0.6,
         diffuse=0.45,
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.checks import InputError
-from fefinger.view import color_bars, figures, frames, pictures, quantities, renderer
+from fefinger.view import figures, frames, pictures, quantities, renderer
 from fefinger.view.plot3d import FingerActor
 
 
@@ -124,7 +124,7 @@ def show(
     shown = frames.requested(results, field, time)
     renderer.require()
     size = (SIZE[0] + MORE * (len(shown) - 1), SIZE[1])
-    plotter = renderer.plotter(size, len(shown), aside=color_bars.WIDTH, off_screen=None)
+    plotter = renderer.plotter(size, len(shown), aside=pictures.BARS, off_screen=None)
     if not (plotter.notebook or plotter.off_screen or renderer.has_display()):
         raise InputError(
             "show: expected a display for the window, found none; "

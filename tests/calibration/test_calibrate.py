@@ -11,7 +11,7 @@ import pytest
 import fefinger as ff
 from fefinger.__main__ import main
 from fefinger.calibration import calibrate, jobs, pad_radius, press_store, targets
-from fefinger.calibration.force_law import ForceLaw
+from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.outcome import errors, refuse_gross, stiffening
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import LATER, PART, SPARE

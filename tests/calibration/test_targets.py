@@ -9,8 +9,8 @@ import pytest
 from fefinger.validation.oracles import synthetic, taylor
 
 from fefinger.calibration import inverse, targets
+from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.force import Forces, prony_of
-from fefinger.calibration.force_law import ForceLaw
 from fefinger.calibration.outcome import line
 from fefinger.scene import pawluk1997
 from fefinger.scene.finger import Finger

@@ -15,9 +15,7 @@ from fefinger.scene.field_units import split
 from fefinger.scene.population import Scatter
 from fefinger.studies import page
 from fefinger.studies.columns import ERRORS, bounds, words
-from fefinger.studies.measures import SPEED
-from fefinger.studies.measures import share
-from fefinger.studies.measures import rows
+from fefinger.studies.measures import SPEED, rows, share
 from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony
 

@@ -294,7 +294,9 @@ def test_a_scene_that_fails_costs_itself_alone(capsys):
 def test_a_value_that_no_scene_can_have_ends_a_study_before_it_runs(
     monkeypatch, field, good, bad, sentence
 ):
-    monkeypatch.setattr("fefinger.studies.study.local", lambda *inputs: pytest.fail("a scene was run"))
+    monkeypatch.setattr(
+        "fefinger.studies.study.local", lambda *inputs: pytest.fail("a scene was run")
+    )
     over = {field: (good, bad), "indenter.angle": (20, 30)}
     with pytest.raises(InputError, match=f"{sentence}.*{field} = {bad}; none of the 4 scenes"):
         ff.study("flat-press", over, changes=QUICK, mechanics="hertz")

@@ -11,7 +11,6 @@ from fefinger.validation.thesis.force_filter import two_pole
 from fefinger.theory import relaxation
 from fefinger.theory.array import sensor, sensor_fit
 from fefinger.theory.contact import (
-    curvature,
     elliptic,
     hertz,
     indentation,
@@ -36,11 +35,11 @@ PAD = fingerpad.Fingerpad(14.0, 1.9, 1.9, PRONY)
 ARRAY = sensor.ArraySensor()
 
 CALLS = [
-    lambda: curvature.relative_radius(NAN, 3.0),
-    lambda: curvature.relative_radius(),
-    lambda: curvature.equivalent_radius(-1.0, -2.0),
-    lambda: curvature.equivalent_radius(NAN, 2.0),
-    lambda: curvature.equivalent_radius(0.0, 2.0),
+    lambda: hertz.relative_radius(NAN, 3.0),
+    lambda: hertz.relative_radius(),
+    lambda: hertz.equivalent_radius(-1.0, -2.0),
+    lambda: hertz.equivalent_radius(NAN, 2.0),
+    lambda: hertz.equivalent_radius(0.0, 2.0),
     lambda: compliance.series_modulus((NAN, 0.5)),
     lambda: compliance.series_modulus((10.0, 0.6)),
     lambda: compliance.series_modulus((10.0, NAN)),

@@ -9,8 +9,7 @@ import pytest
 from fefinger.validation.contact_angle import page as contact_angle_page
 from fefinger.validation.contact_angle import study
 
-from fefinger.studies.tasks import StudyRequest
-from fefinger.studies.tasks import answer
+from fefinger.studies.tasks import StudyRequest, answer
 
 
 REPORTS = Path(__file__).parents[2] / "reports"

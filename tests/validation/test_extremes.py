@@ -15,6 +15,7 @@ from fefinger.validation.extremes.nerve import MEMBRANES, _checked
 from fefinger.validation.extremes.scenes import answered, ramp
 from fefinger.validation.extremes.theory import _creep, _pad, _spring, _step
 from fefinger.validation.extremes.trial import THEORY, TookTooLongError, Trial, ending, limited
+from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.validation.oracles.sphere import Sphere
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -26,7 +27,6 @@ from fefinger.mechanics.situation import Situation
 from fefinger.neural.endorgans import PoleZero
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support.checks import InputError
-from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
 

@@ -7,7 +7,7 @@ from fefinger.result import Result
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motions import Sinusoid
-from fefinger.view.titles import titles
+from fefinger.view.drawing import titles
 
 
 def turned(result: Result, angle: float) -> Result:

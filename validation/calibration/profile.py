@@ -6,7 +6,7 @@ import numpy as np
 from fefinger.validation.oracles.fingerpad import Fingerpad
 
 from fefinger.calibration import pad_radius as pad
-from fefinger.calibration.force_law import ForceLaw
+from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.targets import aligned
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
@@ -41,7 +41,9 @@ def profile(law: ForceLaw, subject: str, force: float) -> PressureProfile:
     half_space = Fingerpad(row.radius, row.m, row.b, pawluk1997.relaxation()[subject])
     deep = float(half_space.depth_at(1e3 * reached, relaxed=True))
     theirs = blurred(
-        lambda r: half_space.relaxed_pressure(r, deep), float(half_space.contact_radius(deep)), frames.distance
+        lambda r: half_space.relaxed_pressure(r, deep),
+        float(half_space.contact_radius(deep)),
+        frames.distance,
     )
     signed = frames.distance * np.where(sensor.positions[:, 0] < 0, -1.0, 1.0)
     order = np.argsort(signed)

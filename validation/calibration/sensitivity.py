@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
+from fefinger.validation.oracles.fingerpad import Fingerpad
 
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
@@ -27,7 +28,6 @@ from fefinger.scene.tissue import Hard
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.array.sensor import ArraySensor, blurred
-from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.theory.relaxation import Prony
 
 

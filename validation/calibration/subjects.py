@@ -17,8 +17,7 @@ from fefinger.validation.case import Case, Expected, Noted
 
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
-from fefinger.calibration.curve import Curve, curve
-from fefinger.calibration.force_law import ForceLaw
+from fefinger.calibration.curve import Curve, ForceLaw, curve
 from fefinger.calibration.outcome import FREQUENCIES, line, stiffening
 from fefinger.calibration.slow_press import press
 from fefinger.calibration.targets import SubjectTarget

@@ -19,9 +19,8 @@ from fefinger.validation.problems.chain import SUBJECTS
 
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import slow_press, targets
-from fefinger.calibration.curve import curve
+from fefinger.calibration.curve import ForceLaw, curve
 from fefinger.calibration.force import prony_of
-from fefinger.calibration.force_law import ForceLaw
 from fefinger.calibration.outcome import stiffening
 from fefinger.mechanics import solid
 from fefinger.results import pressure

@@ -17,6 +17,7 @@ from fefinger.validation.extremes.trial import (
     Trial,
     grouped,
 )
+from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.validation.oracles.impedance import impedance
 from fefinger.validation.oracles.sphere import Sphere
 
@@ -26,7 +27,6 @@ from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import Contact, paraboloid
 from fefinger.theory.contact.stack import Layer, Stack
-from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.relaxation import Prony, hereditary_integral
 

@@ -6,13 +6,13 @@ from functools import cache, partial
 import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles.compliance import series_modulus
+from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import PROFILES, SENSOR, pad
 
 from fefinger.support.arrays import Array
 from fefinger.theory.array.sensor import ArraySensor, blurred, isobar
 from fefinger.theory.array.sensor_fit import fit_fingerpad
-from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.theory.relaxation import hereditary_integral
 
 

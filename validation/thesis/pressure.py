@@ -8,11 +8,11 @@ import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles import goodwin
 from fefinger.validation.oracles.compliance import series_modulus
+from fefinger.validation.oracles.fingerpad import Fingerpad, Reading
 from fefinger.validation.thesis.lumped import DIGITS, digits
 
 from fefinger.scene import pawluk1997
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.validation.oracles.fingerpad import Fingerpad, Reading
 from fefinger.theory.relaxation import hereditary_integral
 
 

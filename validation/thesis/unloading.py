@@ -5,10 +5,10 @@ from functools import cache
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
+from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.validation.thesis.pressure import pad
 
 from fefinger.support.arrays import Array
-from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.theory.relaxation import hereditary_integral
 
 

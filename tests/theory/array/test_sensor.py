@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from fefinger.validation.oracles.compliance import series_modulus
+from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.validation.thesis.ball import fit_ball
 from fefinger.validation.thesis.force_filter import two_pole
 from scipy.signal import butter, lfilter
@@ -11,7 +12,6 @@ from fefinger.scene import pawluk1997
 from fefinger.theory.array.sensor import ArraySensor, Reading, blurred, isobar
 from fefinger.theory.array.sensor_fit import BlurredCap, fit_fingerpad
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.validation.oracles.fingerpad import Fingerpad
 
 
 SENSOR = ArraySensor()

@@ -5,7 +5,7 @@ import math
 import pytest
 from fefinger.validation.oracles.compliance import series_modulus
 
-from fefinger.theory.contact.curvature import equivalent_radius, relative_radius
+from fefinger.theory.contact.hertz import equivalent_radius, relative_radius
 
 
 def test_radii_and_compliances_add_in_series():

@@ -4,14 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.validation.thesis.pressure import lumped_ratio
 from fefinger.validation.thesis.unloading import pressure_as_printed
 from scipy.integrate import quad
 
 from fefinger.scene import pawluk1997
-from fefinger.theory.contact.curvature import relative_radius
-from fefinger.theory.contact.hertz import Hertz
-from fefinger.validation.oracles.fingerpad import Fingerpad
+from fefinger.theory.contact.hertz import Hertz, relative_radius
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 

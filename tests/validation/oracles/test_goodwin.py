@@ -8,8 +8,7 @@ import pytest
 from fefinger.validation.oracles import goodwin
 from scipy.integrate import quad
 
-from fefinger.theory.contact.curvature import relative_radius
-from fefinger.theory.contact.hertz import Hertz
+from fefinger.theory.contact.hertz import Hertz, relative_radius
 
 
 SPHERES = np.array([0.0, 80.6, 172.0, 340.0, 694.0]) * 1e-3  # 1/mm
