@@ -17,12 +17,6 @@ SUM_LIMITS = (0.98, 1.02)
 
 _ROUNDING = 1e-9
 
-_HALVINGS = 64
-
-_NOTHING = 1e-60
-"""Weight that counts as zero, and relative distance from the end of an interval that counts as its
-end."""
-
 
 def _numbers(name: str, values: Iterable[float]) -> tuple[float, ...]:
     """Check a list of finite numbers and convert it to a tuple of floats."""
@@ -119,47 +113,20 @@ class Prony:
 
         Notes
         -----
-        The lam are the roots of w0 + sum w_i s / (s + v_i) at s = -lam, one below each rate, and
-        k_j = 1 / (lam_j sum w_i v_i / (v_i - lam_j)²). A root is found by its distance from the
-        nearer end of its interval, so that rates far apart keep their digits. Terms with equal
-        rates are merged; the others of such a group, and terms without weight, have k = 0 and
-        lam = v.
+        The lam are the roots of w0 + sum w_i s / (s + v_i) at s = -lam, one below each rate: the
+        eigenvalues of V - u u' with V = diag(v) and u_i = sqrt(w_i v_i). They are squares of the
+        singular values of sqrt(V) [I - q q' / (1 + sqrt(w0))], q_i = sqrt(w_i), so that rates far
+        apart keep their digits, and k_j = (u' x_j)² / lam_j of the eigenvectors x_j. Of terms with
+        equal rates, and of those without weight, all but one or all have k = 0 and lam = v.
         """
-        v, place = np.unique(np.array(self.v), return_inverse=True)
-        w = np.zeros(len(v))
-        np.add.at(w, place, self.weights[1:])
-        whole = np.flatnonzero(w > _NOTHING)
-        k, lam = np.zeros(len(self.v)), np.sort(self.v)
-        if len(whole):
-            at = np.searchsorted(lam, v[whole])
-            k[at], lam[at] = _inverted(self.long_time, w[whole], v[whole])
+        falling = np.argsort(self.v)[::-1]
+        roots = np.sqrt(np.array(self.weights[1:])[falling])
+        root_v = np.sqrt(np.array(self.v)[falling])
+        rest = np.eye(len(roots)) - np.outer(roots, roots) / (1 + math.sqrt(self.long_time))
+        vectors, values, _ = np.linalg.svd(root_v[:, None] * rest)
+        lam = values[::-1] ** 2
+        k = ((roots * root_v) @ vectors[:, ::-1]) ** 2 / lam
         return 1.0 / self.long_time, k, lam
-
-
-def _inverted(w0: float, w: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Compute k and lam (2, n) for weights w (n,) at rising rates v (n,), see `Prony.creep`."""
-    out = np.empty((2, len(v)))
-    for j, below in enumerate(np.append(0.0, v[:-1])):
-        half = (v[j] - below) / 2
-        low = _residual(half, below, v - below, w0, w) < 0
-        pole, side = (below, 1.0) if low else (v[j], -1.0)
-        ahead = v - pole
-        # Bisection of the logarithm of the distance, from far below rounding to the middle.
-        near, far = _NOTHING * v[j], half
-        for _ in range(_HALVINGS):
-            t = math.sqrt(near * far)
-            above = side * _residual(side * t, pole, ahead, w0, w) > 0
-            near, far = (t, far) if above else (near, t)
-        lam = pole + side * t
-        out[:, j] = 1.0 / (lam * (w * v) @ (ahead - side * t) ** -2.0), lam
-    return out
-
-
-def _residual(
-    t: float, pole: float, ahead: NDArray[np.float64], w0: float, w: NDArray[np.float64]
-) -> float:
-    """Return w0 - sum w_i lam / (v_i - lam) at lam = pole + t; `ahead` is v - pole."""
-    return float(w0 - w @ ((pole + t) / (ahead - t)))
 
 
 def exprel(z: ArrayLike) -> NDArray[np.float64]:

@@ -192,19 +192,13 @@ def derivative(x: Array, y: Array) -> Array:
     if len(x) < 5:
         raise ValueError(f"derivative: expected at least 5 points, received {len(x)}")
     near, values = (np.lib.stride_tricks.sliding_window_view(v, 5) for v in (x, y))
-    apart = near[:, :, None] - near[:, None, :]
-    equal = np.eye(5, dtype=bool)
-    if np.any(apart[:, ~equal] == 0):
+    if np.any(np.diff(np.sort(near, axis=1), axis=1) == 0):
         msg = "derivative: expected positions that differ among 5 neighbors; smooth them first"
         raise ValueError(msg)
-    center, others = 2, [0, 1, 3, 4]
-    slope = (1.0 / apart[:, center, others]).sum(axis=1) * values[:, center]
-    for j in others:
-        rest = [k for k in others if k != j]
-        numerator = np.prod(apart[:, center][:, rest], axis=1)
-        denominator = np.prod(apart[:, j][:, [*rest, center]], axis=1)
-        slope = slope + values[:, j] * numerator / denominator
-    return slope
+    apart = near - near[:, 2:3]
+    width = np.abs(apart).max(axis=1)
+    powers = (apart / width[:, None])[:, :, None] ** np.arange(5)
+    return np.asarray(np.linalg.solve(powers, values[:, :, None])[:, 1, 0] / width)
 
 
 def averages(record: RampHold) -> tuple[Array, Array, Array, Array]:
