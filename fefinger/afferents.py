@@ -81,7 +81,6 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
 
 
 def _noisy(ask: "Ask") -> bool:
-    """Whether the units of a scene have noise."""
     noise = None if ask.population is None else ask.population.noise
     return ask.afferents == "recorded" if noise is None else noise > 0.0
 
@@ -89,7 +88,6 @@ def _noisy(ask: "Ask") -> bool:
 def _recorded(
     layout: Layout | None, time: Array, strain: Array, sites: "Sites", options: dict[str, Any]
 ) -> "SpikeTrains":
-    """Spikes of units of the family `recorded`."""
     from fefinger.neural.drives import driven_displacements
     from fefinger.neural.recorded import fitted, simulate_recorded
 
@@ -110,7 +108,6 @@ def _thesis(
     reference: "Reference",
     options: dict[str, Any],
 ) -> "SpikeTrains":
-    """Spikes of units of the family `thesis`."""
     from fefinger.neural.reference import equivalent_displacements
     from fefinger.neural.units import simulate_units
 

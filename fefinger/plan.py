@@ -333,7 +333,6 @@ def _named(rungs: tuple[Rung, ...], mechanics: str) -> Rung:
 
 
 def _settings(case: Situation, chosen: Rung) -> Settings:
-    """Return the settings of the chosen mechanics: mesh, half or whole, times, outputs."""
     ask = case.ask
     return Settings(
         resolution=chosen.resolution,
@@ -361,7 +360,6 @@ def _sentence(
 
 
 def _computed(settings: Settings) -> str:
-    """Return the settings in a sentence."""
     mesh = ""
     if settings.resolution is not None:
         half = "half a" if settings.half else "the whole"

@@ -146,7 +146,6 @@ def _named(source: str | Path) -> str:
 
 
 def _target(work: Work, source: str | Path) -> SubjectTarget | RecordTarget:
-    """Load the target: a subject, or a record with its lumped fit."""
     if isinstance(source, str) and source in pawluk1997.lumped():
         return targets.subject(source)
     with work.stage("lumped") as misfit:

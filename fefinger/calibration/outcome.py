@@ -270,7 +270,6 @@ def _status(
     residuals: dict[str, float],
     stages: Sequence[Stage],
 ) -> str:
-    """Summarize the quality and the cost of the fit in one sentence."""
     if isinstance(wanted, RecordTarget):
         good = f"squared error {100 * residuals['mse']:.2g} % of the variance"
     else:

@@ -17,8 +17,7 @@ from fefinger.calibration.targets import Frames, aligned
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
-from fefinger.theory.array.sensor import ArraySensor
-from fefinger.theory.array.sensor_fit import fit_fingerpad
+from fefinger.theory.array.sensor import ArraySensor, fit_fingerpad
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 

@@ -73,7 +73,6 @@ def field(
 
 
 def _summary(answer: "ReceptiveField", files: list[str]) -> str:
-    """Text of the answer: most impulses and area by type, and the files."""
     lines = [f"{answer.scene} by {answer.mechanics}, {len(answer.places)} places"]
     lines += [
         f"{kind}: at most {answer.of(kind).max()} impulses, half of them or more within "

@@ -64,7 +64,6 @@ def run(
 
 
 def _tell(output: str, *, replaced: bool) -> None:
-    """Say that an earlier result is no longer there."""
     if replaced:
         click.echo(f"replaced an earlier result in {output}", err=True)
 

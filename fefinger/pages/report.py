@@ -76,19 +76,16 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
 
 
 def _cautions(result: ResultRecord) -> list[str]:
-    """Return the cautions of the summary as sentences."""
     return [f"{text[0].upper()}{text[1:]}." for text in key_numbers.cautions(result)]
 
 
 def _dry(result: ResultRecord) -> list[str]:
-    """Return a sentence on the neglected parts of the contact."""
     if result.lateral is not None and result.lateral.work is not None:
         return ["No sweat: friction does not depend on time, speed or the pressure of fluid."]
     return ["No sweat and no friction: the contact carries pressure only."]
 
 
 def _chance(result: ResultRecord) -> list[str]:
-    """Return a sentence on the random parts of the spikes and their seed."""
     spikes, layout = result.spikes, result.scene.ask.population
     if spikes is None:
         return []
@@ -129,7 +126,6 @@ def answer(result: ResultRecord) -> str:
 
 
 def _touch(result: ResultRecord) -> str:
-    """Return finger, indenter and motion in one sentence."""
     scene = result.scene
     finger, motion = scene.finger, scene.motion
     who = f"subject {finger.subject_name}" if finger.subject_name else "a finger"
@@ -171,7 +167,6 @@ def _blocked(result: ResultRecord) -> list[str]:
 
 
 def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
-    """Yield the sections with pictures, in order."""
     if result.force is not None:
         text = "Force of the whole finger along the indenter's normal, and the indenter's travel."
         yield _part("force", "Force and depth", text, figures.force(result))
@@ -228,7 +223,6 @@ def _top_pressure(result: ResultRecord) -> str:
 
 
 def _harmonic(harmonic: Harmonic, result: ResultRecord) -> dict[str, Any]:
-    """Return the section on the answer to small oscillations about the preload."""
     text = (
         f"Answer to small oscillations about {harmonic.preload_depth:.3g} mm and "
         f"{harmonic.preload_force:.3g} N of relaxed tissue, with contact as it is there. What the "
@@ -261,7 +255,6 @@ def _spikes(result: ResultRecord) -> dict[str, Any]:
 
 
 def _on_object(result: ResultRecord) -> Iterator[dict[str, Any]]:
-    """Yield the sections on spikes and rates in the coordinates of a sliding object."""
     text = (
         "Every spike at the place on the object that was over the unit then (spatial event plot), "
         "in the object's own x and y; darker is lower."
@@ -279,7 +272,6 @@ def _part(key: str, title: str, text: str, drawn: Any) -> dict[str, Any]:
 
 
 def _section(result: ResultRecord) -> dict[str, Any]:
-    """Return the section on the strain in the finger: the cut, and two views in space."""
     assert result.fields is not None
     text = (
         f"The deformed finger at the stored time next to {result.peak_name}. Lines bound skin and "
@@ -305,7 +297,6 @@ def _section(result: ResultRecord) -> dict[str, Any]:
 
 
 def _screenshot(result: ResultRecord, field: str) -> str:
-    """Return the view in space as the source of a picture."""
     from PIL import Image
 
     with temporary_folder() as folder:

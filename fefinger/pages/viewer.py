@@ -101,7 +101,6 @@ def write(
 
 
 def _bar(span: Span, name: str) -> dict[str, Any]:
-    """Return the record of the color bar of a field."""
     return span._asdict() | {"colors": _map(span), "unit": quantities.unit(name)}
 
 
@@ -112,13 +111,11 @@ def _map(span: Span) -> str:
 
 
 def _colors(span: Span) -> list[int]:
-    """Return the colors of a bar as 256 times red, green and blue."""
     table = span.map()(np.arange(quantities.SHADES))[:, :3]
     return [int(value) for value in np.round(255 * table).astype(int).ravel()]
 
 
 def _scene(drawn: Drawing, blob: Blob) -> dict[str, Any]:
-    """Return one finger as a record that points into the blob."""
     result, fields, every, lines = drawn.result, drawn.fields, drawn.surfaces, drawn.lines
     assert lines is not None
     starts = np.cumsum([0, *(len(piece.edges) for piece in every)])

@@ -163,7 +163,6 @@ def leading(result: ResultRecord, count: int) -> list[KeyNumber]:
 
 
 def _impedance(harmonic: Harmonic) -> KeyNumber:
-    """Return the mechanical impedance at the lowest and at the highest frequency."""
     ends = " and ".join(f"{abs(each):.3g}" for each in harmonic.impedance[[0, -1]])
     low, high = harmonic.frequency[[0, -1]]
     return KeyNumber("impedance", f"{ends} N s/m", math.nan, 0, f"at {low:.3g} and {high:.3g} Hz")

@@ -72,7 +72,6 @@ def read(path: str | PathLike[str]) -> result_record.ResultRecord:
 
 
 def _another(kind: object) -> str:
-    """Say what a netCDF file of another format is."""
     if not str(kind).startswith(FAMILY):
         return "not a result of fefinger"
     return f"written by another version of fefinger: format {kind!r}, this version reads {FORMAT!r}"

@@ -68,7 +68,6 @@ def _field(name: str) -> str:
 
 
 def _value(row: Mapping[str, Any], name: str) -> str:
-    """Value of a field in a label, with its unit."""
     value = row[name]
     text = f"{value:.{DIGITS}g}" if isinstance(value, float) else str(value)
     return f"{text} {split(name)[1]}".strip()
@@ -173,7 +172,6 @@ def grouped(rows: Rows, series: Sequence[str], labels: Sequence[str] = ()) -> Gr
 
 
 def _legend(drawn: Any, groups: Groups, others: Sequence[Any] = ()) -> None:
-    """Name the series that are drawn, and other lines."""
     from matplotlib.lines import Line2D
 
     handles = [

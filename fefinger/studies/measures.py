@@ -61,14 +61,8 @@ VIBRATES = Slope(float("nan"), 0, "none: the motion vibrates, see dynamic_stiffn
 OPENS = "none: contact opens in the last cycles of the vibration, or no cycle is whole"
 """Why a vibration has no dynamic stiffness."""
 
-OF = {
-    "depth": "depth_mm",
-    "force": "force_N",
-    "pressure": "highest_pressure_1mm2_kPa",
-    "area": "contact_area_mm2",
-    "strain": "strain_rms_percent",
-}
-"""Columns of the quantities for which a plan states errors."""
+QUANTITIES = "depth", "force", "pressure", "area", "strain"
+"""Names that a plan gives to the quantities of ERRORS, in their order."""
 
 SPEED = 10.0
 """Speed in mm/s of the press whose errors are looked up.
@@ -116,7 +110,6 @@ def rows(
 def _row(
     result: Result, view: "PlaneView | None", when: NamedTime, highest: float | None
 ) -> dict[str, Any]:
-    """Make the columns of one time."""
     where, control = when.where, result.scene.motion.control
     wave, time = result.scene.motion.trajectory.wave, float(at(result.time, where))
     slope = VIBRATES
@@ -219,7 +212,6 @@ def _first_touch(result: Result) -> tuple[Array, Array, FirstTouch | None] | Non
 
 
 def _without_rounding(value: float) -> float:
-    """Replace a value within ROUNDING of zero by 0."""
     return 0.0 if abs(value) < ROUNDING else value
 
 
@@ -234,7 +226,6 @@ def _columns(prefix: str, shape: Moments) -> dict[str, Any]:
 
 
 def _shape(view: PlaneView, where: float) -> dict[str, Any]:
-    """Make the columns of the shape of the contact."""
     now, triangles = at(view.pressure, where), view.pad.triangles
     shape = shape_of(view.places, triangles, view.areas, now)
     return _columns("", shape) | _reach("", view.places, triangles, now)
@@ -300,8 +291,9 @@ def stated(result: Result, where: float, given: str) -> dict[str, float]:
     by_quantity = dict(errors) if depth[-1] >= depth.max() * (1 - SAME) else {}
     if force[-1] > 0 and given == "depth":
         by_quantity["force"] = rung.error * float(force.max() / force[-1])
-    finite = {name: by_quantity[name] for name in OF if np.isfinite(by_quantity.get(name, np.nan))}
-    return {ERRORS[OF[name]]: error for name, error in finite.items()}
+    columns = zip(QUANTITIES, ERRORS.values(), strict=True)
+    expected = {column: by_quantity.get(name, np.nan) for name, column in columns}
+    return {column: error for column, error in expected.items() if np.isfinite(error)}
 
 
 def _pressed(result: Result, depth: float, given: str) -> tuple[Rung, Mapping[str, float]]:

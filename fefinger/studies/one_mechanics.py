@@ -74,7 +74,6 @@ def _stored(place: Path | None) -> Choice | None:
 
 
 def _choice(tasks: Mapping[int, Task], over: Collection[str]) -> Choice:
-    """Choose one mechanics and mesh for all scenes."""
     sample = list(tasks.values())[:: -(-len(tasks) // MOST)]
     scenes = [Scene.from_dict(task["scene"]) for task in sample]
     named = sample[0]["mechanics"]

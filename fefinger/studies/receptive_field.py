@@ -209,7 +209,6 @@ def _pressed(scene: Scene, plan: Plan, place: Array) -> tuple[Response, Integers
 
 
 def _moved(scene: Scene, place: Array) -> Scene:
-    """Return the scene with its object at a place (2,) mm."""
     x, y = place.tolist()
     return replace(scene, indenter=scene.indenter.moved((x, y)))
 

@@ -174,7 +174,6 @@ def _plain(column: "pd.Series") -> Any:
 
 
 def _about(name: str, words: str) -> dict[str, str]:
-    """Return the attributes of a column, which holds what `words` say."""
     unit = split(name)[1]
     units = {"units": unit.replace("²", "2")} if unit else {}
     return {"long_name": words, **units}

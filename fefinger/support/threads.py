@@ -66,5 +66,4 @@ def together(work: Callable[[Item], R], parts: Sequence[Item]) -> list[R]:
 
 @cache
 def _pool() -> ThreadPoolExecutor:
-    """Threads that help this one."""
     return ThreadPoolExecutor(max(threads() - 1, 1), thread_name_prefix="elements")

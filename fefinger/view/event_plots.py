@@ -170,7 +170,6 @@ def sideways(result: ResultRecord) -> Any:
 
 
 def _grip(axis: Any, result: ResultRecord, lateral: Lateral) -> None:
-    """Draw which part of the contact sticks, and the work that friction has lost."""
     assert lateral.stick_area is not None
     assert lateral.work is not None
     if result.pad is not None and result.pressure is not None:

@@ -188,7 +188,6 @@ def _actors(
     limits: tuple[float, float] | None,
     folders: Sequence[str],
 ) -> tuple[Any, list[FingerActor]]:
-    """Return an off-screen plotter, and the results in it."""
     renderer.require()
     plotter = renderer.plotter(size(len(results)), len(results), aside=BARS)
     return plotter, compose(plotter, results, field, limits, folders)
@@ -243,7 +242,6 @@ def _fit(plotter: Any, points: Array) -> None:
 
 
 def _finish(plotter: Any, path: str | PathLike[str]) -> None:
-    """Write the picture as PNG under a temporary name, and move it to `path`."""
     try:
         with moved(Path(path)) as new:
             plotter.screenshot(new)

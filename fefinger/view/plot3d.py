@@ -202,7 +202,6 @@ class FingerActor:
         self.keys.setdefault(title, (actor.mapper, needs if name == "pressure" else ()))
 
     def _add_lines(self, piece: surfaces.Piece) -> None:
-        """Add the white outlines of the tissues on the cut."""
         import pyvista as pv
 
         mesh = pv.PolyData(self._place(piece, 0), lines=np.insert(piece.triangles, 0, 2, axis=1))

@@ -126,7 +126,6 @@ def _organs(result: ResultRecord, rest: Array, moved: Array) -> list[tuple[Array
 
 
 def _draw_section(axis: Any, cut: Medial) -> None:
-    """Draw the colored section, the outlines of its regions, and the indenter."""
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.patches import Polygon
 

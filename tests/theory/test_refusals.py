@@ -9,7 +9,7 @@ from fefinger.validation.thesis.ball import fit_ball
 from fefinger.validation.thesis.force_filter import two_pole
 
 from fefinger.theory import relaxation
-from fefinger.theory.array import sensor, sensor_fit
+from fefinger.theory.array import sensor
 from fefinger.theory.contact import (
     elliptic,
     hertz,
@@ -107,7 +107,7 @@ CALLS = [
     lambda: two_pole([0, 1.0], [1.0, NAN]),
     lambda: two_pole([0, 1.0], [1.0, 2.0], 0.0),
     lambda: two_pole([], []),
-    lambda: sensor_fit.fit_fingerpad([[0.1, NAN]], [[1.0, 2.0]], [0.0, 1.0]),
+    lambda: sensor.fit_fingerpad([[0.1, NAN]], [[1.0, 2.0]], [0.0, 1.0]),
     lambda: fit_ball([[0.1, 0.2]], [[1.0, NAN]], [0.0, 1.0]),
     lambda: fit_ball(np.zeros((0, 2)), np.zeros((0, 2)), [0.0, 1.0]),
     lambda: fit_ball([[0.1, 0.2]], [[1.0, 1.0]], [0.0, -1.0]),

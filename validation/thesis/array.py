@@ -11,8 +11,7 @@ from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import PROFILES, SENSOR, pad
 
 from fefinger.support.arrays import Array
-from fefinger.theory.array.sensor import ArraySensor, blurred, isobar
-from fefinger.theory.array.sensor_fit import fit_fingerpad
+from fefinger.theory.array.sensor import ArraySensor, blurred, fit_fingerpad, isobar
 from fefinger.theory.relaxation import hereditary_integral
 
 

@@ -13,8 +13,7 @@ from fefinger.validation.thesis.pressure import BALL_DEPTH, BALLS, SENSOR, ball
 from numpy.typing import ArrayLike
 
 from fefinger.support.arrays import Array
-from fefinger.theory.array.sensor import ArraySensor, blurred
-from fefinger.theory.array.sensor_fit import BlurredCap, SensorFit, search
+from fefinger.theory.array.sensor import ArraySensor, BlurredCap, SensorFit, blurred, search
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import Contact
 

@@ -1,8 +1,8 @@
-"""Tactile array sensor of Pawluk (1997): simulated readings of a pressure on a plane.
+"""Tactile array sensor of Pawluk (1997): simulated readings, and the thesis's fit to readings.
 
 8 x 8 elements 2 mm apart, each a Gaussian of 0.96 mm, scanned one after the other at 200 Hz, with
-noise of 0.5 kPa. Lengths in mm, pressures in kPa, times in s. Source: Pawluk (1997), section 3.2
-and appendix A, Eq. 3.1 to 3.3, 3.18, A.1 and A.4.
+noise of 0.5 kPa. Lengths in mm, pressures in kPa, times in s. Source: Pawluk (1997), section 3.2,
+3.4.2 and appendix A, Eq. 3.1 to 3.3, 3.17, 3.18, A.1 and A.4.
 """
 
 import math
@@ -26,6 +26,8 @@ PER_SIGMA = 3.0
 COARSEST = 1.5
 """Largest spacing of points over sigma: the error of their sum as an integral of the Gaussian is
 then 2 exp(-2 pi² sigma² / spacing²) = 3e-4 (Poisson summation)."""
+
+TABLE = 120  # number of contact radii, and of distances, in the table of the blurred pressure
 
 
 @dataclass(frozen=True)
@@ -184,3 +186,97 @@ def blurred(
     # ive is I0 without its growth exp(r s / sigma²), which is in `apart`: no overflow.
     kernel = s / sigma**2 * apart * ive(0, r[..., None] * s / sigma**2)
     return np.asarray(kernel @ (weights * pressure(s)))
+
+
+@dataclass(frozen=True)
+class SensorFit:
+    """Fitted parameters by name, and the error of Eq. 2.5 as a fraction."""
+
+    parameters: dict[str, float]
+    error: float
+
+
+class BlurredCap:
+    """Table of the blurred sqrt(a² - r²) in mm for contact radii a and distances r (mm)."""
+
+    def __init__(self, widest: float, farthest: float) -> None:
+        from scipy.interpolate import RectBivariateSpline
+
+        radii = np.linspace(0.0, widest, TABLE)
+        distances = np.linspace(0.0, farthest, TABLE)
+        rows = [np.zeros_like(distances)]
+        rows += [
+            blurred(lambda s, a=a: np.sqrt(np.maximum(a**2 - s**2, 0.0)), a, distances)
+            for a in radii[1:].tolist()
+        ]
+        self.widest = widest
+        self._spline = RectBivariateSpline(radii, distances, np.array(rows))
+
+    def __call__(self, radius: ArrayLike, r: ArrayLike) -> Array:
+        """Interpolate the blurred cap at contact radii and distances, of their broadcast shape."""
+        return np.asarray(self._spline(radius, r, grid=False))
+
+
+def fit_fingerpad(depth: ArrayLike, pressure: ArrayLike, distance: ArrayLike) -> SensorFit:
+    """Fit R mm, the relaxed b ("c0_b", kPa/mm) and m 1/mm to a slow press (Eq. 3.17, 3.18).
+
+    A Hertz pressure is convolved with the response of the elements; a simplex search minimizes the
+    squared error over the whole press.
+
+    Parameters
+    ----------
+    depth, pressure
+        (n_t, n) mm, at the time of the reading of each element, and kPa.
+    distance
+        (n,) mm of the elements from the center of contact.
+
+    Raises
+    ------
+    ValueError
+        If the search does not converge, or shapes do not match.
+    """
+
+    def predict(radius: float, b: float, m: float, reach: Array, cap: BlurredCap) -> Array:
+        a = np.minimum(np.sqrt(radius * reach), cap.widest)
+        return 4 * b / (np.pi * radius * m) * np.expm1(m * reach) * cap(a, distance)
+
+    return search(predict, {"radius": 14.0, "c0_b": 3.0, "m": 1.5}, depth, pressure, distance)
+
+
+def search(
+    predict: Callable[..., Array],
+    guess: dict[str, float],
+    depth: ArrayLike,
+    pressure: ArrayLike,
+    distance: ArrayLike,
+) -> SensorFit:
+    """Minimize the squared error of `predict` over the logarithms of the parameters (simplex).
+
+    guess: by name, that of the radius in mm first; other arguments and errors as `fit_fingerpad`.
+    """
+    from scipy.optimize import minimize
+
+    depth = elastic.numbers("fit", "depth", depth)
+    pressure = elastic.numbers("fit", "pressure", pressure)
+    distance = elastic.numbers("fit", "distance", distance, least=0.0)
+    start = np.array(list(guess.values()))
+    if pressure.shape != depth.shape or depth.shape[1:] != np.shape(distance):
+        msg = f"depth: expected the shape of the pressure {pressure.shape}, received {depth.shape}"
+        raise ValueError(msg)
+    reach = np.maximum(depth, 0.0)
+    if not reach.max() > 0:
+        raise ValueError("depth: expected a contact, received no depth above 0 mm")
+    widest = float(np.sqrt(4 * start[0] * reach.max()))  # contact radius at R = 4 times the guess
+    cap = BlurredCap(widest, float(distance.max()))
+
+    def squares(logarithms: Array) -> float:
+        return float(np.sum((predict(*np.exp(logarithms), reach, cap) - pressure) ** 2))
+
+    options = {"xatol": 1e-7, "fatol": 1e-10, "maxiter": 4000, "maxfev": 4000}
+    minimum = minimize(squares, np.log(start), method="Nelder-Mead", options=options)
+    values = np.exp(minimum.x)
+    if not minimum.success or values[0] * reach.max() > widest**2:
+        msg = f"fit: expected a minimum, the search ended at {values.round(4).tolist()} without one"
+        raise ValueError(msg)
+    spread = float(np.sum((pressure - pressure.mean()) ** 2))
+    return SensorFit(dict(zip(guess, values.tolist(), strict=True)), float(minimum.fun) / spread)

@@ -15,8 +15,7 @@ from scipy.special import j0, j1
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
-from fefinger.theory.contact.indentation import Contact
-from fefinger.theory.contact.quadrature import panels, panels_up_to
+from fefinger.theory.contact.indentation import Contact, panels, panels_up_to
 from fefinger.theory.contact.stack import Layer, Stack
 
 

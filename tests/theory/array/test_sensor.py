@@ -9,8 +9,14 @@ from fefinger.validation.thesis.force_filter import two_pole
 from scipy.signal import butter, lfilter
 
 from fefinger.scene import pawluk1997
-from fefinger.theory.array.sensor import ArraySensor, Reading, blurred, isobar
-from fefinger.theory.array.sensor_fit import BlurredCap, fit_fingerpad
+from fefinger.theory.array.sensor import (
+    ArraySensor,
+    BlurredCap,
+    Reading,
+    blurred,
+    fit_fingerpad,
+    isobar,
+)
 from fefinger.theory.contact.hertz import Hertz
 
 

@@ -11,8 +11,7 @@ from scipy.linalg import expm
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.theory.contact.indentation import flat_punch, paraboloid
-from fefinger.theory.contact.quadrature import panels
+from fefinger.theory.contact.indentation import flat_punch, panels, paraboloid
 from fefinger.theory.contact.stack import Layer, Stack
 from fefinger.theory.contact.subsurface import subsurface_field
 
