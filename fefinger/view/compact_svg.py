@@ -10,8 +10,7 @@ from collections import Counter
 from collections.abc import Iterator
 from itertools import count, product
 from string import ascii_letters
-from xml.etree.ElementTree import Element, fromstring
-from xml.sax.saxutils import escape
+from xml.etree.ElementTree import Element, fromstring, tostring
 
 
 SVG = "http://www.w3.org/2000/svg"
@@ -25,7 +24,12 @@ PAIRS = {"M": 1, "L": 1, "Q": 2, "C": 3, "Z": 0}
 def compact(text: str) -> str:
     """Return the SVG text of a matplotlib figure without its invisible parts."""
     root = fromstring(text)
-    for child in [child for child in root if _name(child) == "metadata"]:
+    for element in root.iter():
+        element.tag = element.tag.rpartition("}")[2]
+        # Text that only indents; a no-break space stays.
+        element.text = (element.text or "").strip(" \n\t") and element.text
+        element.tail = (element.tail or "").strip(" \n\t") and element.tail
+    for child in root.findall("metadata"):
         root.remove(child)
     _rename_links(root)
     _merge_groups(root)
@@ -33,11 +37,8 @@ def compact(text: str) -> str:
         _round(element)
     _share_styles(root)
     root.set("xmlns", SVG)
-    return "".join(_written(root))
-
-
-def _name(element: Element) -> str:
-    return element.tag.rpartition("}")[2]
+    written = tostring(root, "unicode").replace(" />", "/>").replace("'", "&apos;")
+    return re.sub(r"<[^>]*>", lambda tag: tag[0].replace('"', "'"), written)
 
 
 def _rename_links(root: Element) -> None:
@@ -72,10 +73,10 @@ def _merge_groups(parent: Element) -> None:
     merged: list[Element] = []
     for child in parent:
         _merge_groups(child)
-        bare = _name(child) == "g" and not child.attrib
+        bare = child.tag == "g" and not child.attrib
         for each in child if bare else [child]:
             last, clipped = merged[-1] if merged else None, set(each.attrib) == {"clip-path"}
-            alike = last is not None and _name(last) == _name(each) == "g"
+            alike = last is not None and last.tag == each.tag == "g"
             if last is not None and alike and clipped and last.attrib == each.attrib:
                 last.extend(each)
             else:
@@ -86,7 +87,7 @@ def _merge_groups(parent: Element) -> None:
 def _round(element: Element) -> None:
     """Round the coordinates of an element, and squeeze its path, style and transform."""
     # The size and the viewBox of the figure itself stay exact: they set its place in the page.
-    if _name(element) != "svg":
+    if element.tag != "svg":
         for key in LENGTHS:
             if key in element.attrib:
                 element.set(key, _rounded(element.attrib[key]))
@@ -171,25 +172,7 @@ def _share_styles(root: Element) -> None:
     for element in root.iter():
         if element.get("style", "") in classes:
             element.set("class", classes[element.attrib.pop("style")])
-    sheet = next((each for each in root.iter() if _name(each) == "style"), None)
+    sheet = root.find(".//style")
     if sheet is not None:
         rules = "".join(f".{name}{{{style}}}" for style, name in classes.items())
         sheet.text = re.sub(r"\s*([:;{}])\s*", r"\1", sheet.text or "") + rules
-
-
-def _written(element: Element) -> Iterator[str]:
-    """Give the text of an element and all inside of it, attributes in single quotes."""
-    name = _name(element)
-    attributes = "".join(
-        f" {key}='{escape(value, {chr(39): '&apos;'})}'" for key, value in element.attrib.items()
-    )
-    inside = _text(element.text)
-    children = "".join("".join(_written(child)) for child in element)
-    full = inside or children
-    yield f"<{name}{attributes}>{inside}{children}</{name}>" if full else f"<{name}{attributes}/>"
-    yield _text(element.tail)
-
-
-def _text(text: str | None) -> str:
-    """Return text between tags, none where it only indents; a no-break space stays."""
-    return escape(text) if text and text.strip(" \n\t") else ""

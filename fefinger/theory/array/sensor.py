@@ -205,16 +205,17 @@ class BlurredCap:
         radii = np.linspace(0.0, widest, TABLE)
         distances = np.linspace(0.0, farthest, TABLE)
         rows = [np.zeros_like(distances)]
-        rows += [
-            blurred(lambda s, a=a: np.sqrt(np.maximum(a**2 - s**2, 0.0)), a, distances)
-            for a in radii[1:].tolist()
-        ]
+        rows += [blurred(_cap(a), a, distances) for a in radii[1:].tolist()]
         self.widest = widest
         self._spline = RectBivariateSpline(radii, distances, np.array(rows))
 
     def __call__(self, radius: ArrayLike, r: ArrayLike) -> Array:
         """Interpolate the blurred cap at contact radii and distances, of their broadcast shape."""
         return np.asarray(self._spline(radius, r, grid=False))
+
+
+def _cap(a: float) -> Callable[[Array], Array]:
+    return lambda s: np.sqrt(np.maximum(a**2 - s**2, 0.0))
 
 
 def fit_fingerpad(depth: ArrayLike, pressure: ArrayLike, distance: ArrayLike) -> SensorFit:
