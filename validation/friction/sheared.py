@@ -83,10 +83,8 @@ def sheared(body: Body, size: int, path: Array, mu: float = MU) -> Sheared:
     on = contact(body, size)
     count = len(on.areas)
     state = friction_state.friction_state(on.flexibility, mu)
-    memory = step_compiled.pad_state(
-        np.zeros(3 * count), np.zeros(3 * count), np.zeros(0), np.zeros(0)
-    )
-    history = friction_step.friction_history(on.gap, on.areas, mu, mu)
+    memory = step_compiled.pad_state(on.gap, on.areas, np.zeros(0), np.zeros(0), components=3)
+    history = friction_step.friction_history(count, mu, mu)
     depth, rows, lost = CONTACT**2 / RADIUS, [], []
     for moved in np.diff(path, prepend=0.0).tolist():
         outcome = friction_step.step(state, memory, history, 0.0, moved, 0.0, depth, False)

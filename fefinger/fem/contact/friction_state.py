@@ -85,15 +85,6 @@ def friction_state(flexibility: Array, mu: float) -> FrictionState:
 
 
 @njit(cache=True)
-def release(s: FrictionState) -> None:
-    """Reset to the state without contact."""
-    s.place[:] = -1
-    s.counts[:] = 0
-    s.x[:] = 0.0
-    s.moved[:] = 0.0
-
-
-@njit(cache=True)
 def save(s: FrictionState) -> None:
     """Save the present solution."""
     s.saved[0], s.saved[1] = s.x, s.moved

@@ -15,11 +15,13 @@ import numpy as np
 from numba import njit
 
 from fefinger.fem.contact import friction_compiled as friction
-from fefinger.fem.contact.friction_state import FrictionState, release, restore, save
+from fefinger.fem.contact import step_compiled
+from fefinger.fem.contact.friction_state import FrictionState, restore, save
 from fefinger.fem.contact.lcp_compiled import DONE, MISSED
 from fefinger.fem.contact.step_compiled import (
     PadState,
     excess_force,
+    first_touch,
     load_history,
     store_history,
 )
@@ -39,14 +41,11 @@ MATCH = 1e-7
 class FrictionHistory(NamedTuple):
     """Friction state of a pad: weighted slip, friction coefficients and dissipated work.
 
-    gap (n,) mm³ and projected (n,) mm²: of the patch, the first at the present place; slip (2n,)
-    mm³: weighted slip since first contact; static and kinetic (1,): coefficients; lost (1,)
-    µJ; stiffness (1,) mN/mm: of the last steps under force control; limits (n,): outcome of a step
-    with contact at the vertex, as of `Output`.
+    slip (2n,) mm³: weighted slip since first contact; static and kinetic (1,): coefficients; lost
+    (1,) µJ; stiffness (1,) mN/mm: of the last steps under force control; limits (n,): outcome of a
+    step with contact at the vertex, as of `Output`.
     """
 
-    gap: Array
-    projected: Array
     slip: Array
     static: Array
     kinetic: Array
@@ -55,14 +54,9 @@ class FrictionHistory(NamedTuple):
     limits: Integers
 
 
-def friction_history(
-    gap: Array, projected: Array, static: float, kinetic: float
-) -> FrictionHistory:
-    """Allocate the memory of a pad at rest, with the coefficients of friction."""
-    n = len(gap)
+def friction_history(n: int, static: float, kinetic: float) -> FrictionHistory:
+    """Allocate the memory of a pad of n vertices at rest, with the coefficients of friction."""
     return FrictionHistory(
-        gap=np.array(gap, dtype=np.float64),
-        projected=np.array(projected, dtype=np.float64),
         slip=np.zeros(2 * n),
         static=np.array([static], dtype=np.float64),
         kinetic=np.array([kinetic], dtype=np.float64),
@@ -75,11 +69,9 @@ def friction_history(
 @njit(cache=True)
 def reset(s: FrictionState, m: PadState, c: FrictionHistory) -> None:
     """Reset the pad to rest: no contact and no history."""
-    release(s)
+    step_compiled.reset(s, m)
     s.mu[:] = c.static[0]
-    for array in (m.terms, m.moved_terms):
-        array[:] = 0.0
-    for row in (m.elastic, m.moved_elastic, m.depth, m.peak, c.slip, c.lost, c.stiffness):
+    for row in (c.slip, c.lost, c.stiffness):
         row[:] = 0.0
 
 
@@ -98,18 +90,18 @@ def step(
 
     Return DONE or a failure, after which the state is as it was.
     """
-    n, depth, peak = len(c.gap), m.depth[0], m.peak[0]
+    n, depth, peak = len(m.gap), m.depth[0], m.peak[0]
     save(s)
     g = load_history(m, dt)
     for j in range(n):
         for a, moved in ((1, x), (2, y)):
             k = a * n + j
-            m.offset[k] = -m.moved_past[k] - g * (m.moved_elastic[k] + c.projected[j] * moved)
+            m.offset[k] = -m.moved_past[k] - g * (m.moved_elastic[k] + m.projected[j] * moved)
     if by_force:
         failed = _at_force(s, m, c, g, target)
     else:
         m.depth[0] = target
-        failed = _at_depth(s, m, c, g, target)
+        failed = _at_depth(s, m, g, target)
     for j in range(n):
         if failed == DONE and s.x[j] > 0.0:
             failed = c.limits[j]
@@ -123,18 +115,16 @@ def step(
 
 
 @njit(cache=True)
-def _at_depth(s: FrictionState, m: PadState, c: FrictionHistory, g: float, depth: float) -> int:
-    for j in range(len(c.gap)):
-        m.offset[j] = (c.gap[j] - depth * c.projected[j]) * g - m.moved_past[j]
+def _at_depth(s: FrictionState, m: PadState, g: float, depth: float) -> int:
+    for j in range(len(m.gap)):
+        m.offset[j] = (m.gap[j] - depth * m.projected[j]) * g - m.moved_past[j]
     return friction.solve(s, m.offset, COMPLEMENTARITY)
 
 
 @njit(cache=True)
 def _at_force(s: FrictionState, m: PadState, c: FrictionHistory, g: float, force: float) -> int:
     """Find the depth at a force in mN: secants inside a bracket that starts at first touch."""
-    touch = np.inf
-    for j in range(len(c.gap)):
-        touch = min(touch, (c.gap[j] - m.moved_past[j] / g) / c.projected[j])
+    touch = first_touch(m, m.gap, m.moved_past, g)
     if force <= 0.0:  # as in `step_compiled.solve_target`
         m.depth[0] = min(m.depth[0], touch)
         s.x[:] = 0.0
@@ -145,10 +135,10 @@ def _at_force(s: FrictionState, m: PadState, c: FrictionHistory, g: float, force
     low, high, last_depth, last = touch, np.inf, touch, -force
     depth = max(m.depth[0], touch + 1e-6 * (1.0 + abs(touch)))
     for _ in range(CORRECTIONS):
-        failed = _at_depth(s, m, c, g, depth)
+        failed = _at_depth(s, m, g, depth)
         if failed != DONE:
             return failed
-        excess = excess_force(c.projected, s.x, force)
+        excess = excess_force(m.projected, s.x, force)
         if abs(excess) <= close:
             m.depth[0] = depth
             return DONE
@@ -168,7 +158,7 @@ def _slip(s: FrictionState, m: PadState, c: FrictionHistory, g: float) -> None:
 
     The slip times g is F x + b: b, the history and the path, is still in `offset`.
     """
-    n = len(c.gap)
+    n = len(m.gap)
     for j in range(n):
         pressed = s.x[j] > 0.0
         slips = pressed and np.hypot(s.x[n + j], s.x[2 * n + j]) >= s.mu[j] * s.x[j] * (1 - STUCK)

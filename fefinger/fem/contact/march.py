@@ -104,9 +104,9 @@ def march_with_friction(
     """
     n, count = len(projected), len(prescribed.time)
     s = friction_state.friction_state(flexibility, mu[0])
-    nothing = np.zeros(3 * n)
-    m = step_compiled.pad_state(nothing, nothing, relaxation.weights, relaxation.rates)
-    history = friction_step.friction_history(np.zeros(n), projected, *mu)
+    weights, rates = relaxation.weights, relaxation.rates
+    m = step_compiled.pad_state(np.zeros(n), projected, weights, rates, components=3)
+    history = friction_step.friction_history(n, *mu)
     time, by_force = prescribed.time, prescribed.control == "force"
     m.peak[0] = prescribed.value.max(initial=0.0)
     depth, stress, elastic = np.empty(count), np.empty((count, 3 * n)), np.empty((count, 3 * n))
@@ -114,7 +114,7 @@ def march_with_friction(
     slopes, slip, lost, worst = np.empty((count, 2)), np.empty((count, 2, n)), np.empty(count), 0.0
     for k, target in enumerate(prescribed.value):
         dt = float(time[k] - time[k - 1]) if k else 0.0
-        history.gap[:], rim = path.gap(k)
+        m.gap[:], rim = path.gap(k)
         bounds[k] = s.mu
         x, y = moves[k].tolist()
         outcome = friction_step.step(s, m, history, dt, x, y, float(target), by_force)

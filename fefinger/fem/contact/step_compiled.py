@@ -38,7 +38,8 @@ class PadState(NamedTuple):
     terms and moved_terms (m, n): the internal variables of the pressure and F times them; elastic
     and moved_elastic (n,): y and F y; past, moved_past and offset (n,): work; depth (1,) mm;
     tolerance (1,) of the penetration, over the largest offset; peak (1,) mN: the largest force so
-    far, which scales the tolerance of small forces.
+    far, which scales the tolerance of small forces. With several components of traction per
+    vertex, terms to offset have one after the other.
     """
 
     gap: Array
@@ -63,9 +64,10 @@ def pad_state(
     weights: Array,
     rates: Array,
     tolerance: float = COMPLEMENTARITY,
+    components: int = 1,
 ) -> PadState:
     """Allocate the state of a pad at rest; `weights` (m,): Prony weights over the long-time one."""
-    n, m = len(gap), len(rates)
+    n, m = components * len(gap), len(rates)
     return PadState(
         gap=np.array(gap),
         projected=np.array(projected),
@@ -230,6 +232,15 @@ def excess_force(projected: Array, pressure: Array, force: float) -> float:
 
 
 @njit(cache=True)
+def first_touch(m: PadState, gap: Array, past: Array, stiffness: float) -> float:
+    """Compute the depth in mm at which the first of the gaps closes; as in `solve_target`."""
+    depth = np.inf
+    for j in range(len(gap)):
+        depth = min(depth, (gap[j] - past[j] / stiffness) / m.projected[j])
+    return depth
+
+
+@njit(cache=True)
 def _at_depth(
     s: LcpState, m: PadState, gap: Array, past: Array, stiffness: float, depth: float
 ) -> int:
@@ -258,18 +269,16 @@ def solve_target(
     if not by_force:
         m.depth[0] = target
         return _at_depth(s, m, gap, past, stiffness, target)
-    first_touch, force = np.inf, target
-    for j in range(len(gap)):
-        first_touch = min(first_touch, (gap[j] - past[j] / stiffness) / m.projected[j])
+    touch, force = first_touch(m, gap, past, stiffness), target
     if force <= 0.0:
-        m.depth[0] = min(m.depth[0], first_touch)
+        m.depth[0] = min(m.depth[0], touch)
         s.x[:] = 0.0
         s.moved[:] = 0.0
         return DONE
     m.peak[0] = max(m.peak[0], force)
     close = FORCE_MATCH * max(force, SMALL_FORCE * m.peak[0], LEAST_FORCE)
-    low, high = first_touch, np.inf
-    depth = max(m.depth[0], first_touch + 1e-6 * (1.0 + abs(first_touch)))
+    low, high = touch, np.inf
+    depth = max(m.depth[0], touch + 1e-6 * (1.0 + abs(touch)))
     for _ in range(CORRECTIONS):
         failed = _at_depth(s, m, gap, past, stiffness, depth)
         if failed != DONE:
@@ -279,7 +288,7 @@ def solve_target(
             m.depth[0] = depth
             return DONE
         rise = stiffness * contact.slope(s, m.projected)
-        depth, low, high = corrected(depth, excess, rise, low, high, first_touch)
+        depth, low, high = corrected(depth, excess, rise, low, high, touch)
     return MISSED
 
 

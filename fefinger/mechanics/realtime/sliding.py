@@ -117,11 +117,10 @@ class Sliding(Loop):
         self._output = step_output(solid, reduced, self.sites.points, precision)
         self._limits = self._output.limits.copy()
         size = len(reduced.flexibility)
-        areas = on.projected if not mu else np.zeros(size)
-        self._memory = step_compiled.pad_state(np.zeros(size), areas, *finger.prony.branches)
-        self._friction_history = friction_step.friction_history(
-            np.zeros(count), on.projected, mu, indenter.kinetic
+        self._memory = step_compiled.pad_state(
+            np.zeros(count), on.projected, *finger.prony.branches, components=size // count
         )
+        self._friction_history = friction_step.friction_history(count, mu, indenter.kinetic)
         self._state = lcp_compiled.lcp_state(np.zeros((0, 0)) if mu else reduced.flexibility)
         self._friction_state = friction_state.friction_state(
             reduced.flexibility if mu else np.zeros((0, 0)), mu
@@ -209,7 +208,7 @@ class Sliding(Loop):
         if mu:
             history, state = self._friction_history, self._friction_state
             bounds = state.mu.copy()
-            history.gap[:], history.limits[:] = gap, limits_here
+            memory.gap[:], history.limits[:] = gap, limits_here
             x, y = (place - self._shift).tolist()
             outcome = friction_step.step(state, memory, history, dt, x, y, target, by_force)
             if outcome == lcp_compiled.DONE:
