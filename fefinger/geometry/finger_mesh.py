@@ -1,4 +1,4 @@
-"""Mesh of a finger as plain arrays, with volumes, faces and edges of its tetrahedra."""
+"""Mesh of a finger as plain arrays, with volumes, faces, edges and boundaries."""
 
 from dataclasses import dataclass, field
 from itertools import combinations
@@ -77,6 +77,13 @@ def edges(simplices: Integers) -> Integers:
     """Return the edges of triangles or tetrahedra (m, k) once each, (e, 2) ascending."""
     pairs = simplices[:, list(combinations(range(simplices.shape[1]), 2))].reshape(-1, 2)
     return np.unique(np.sort(pairs, axis=1), axis=0)
+
+
+def boundary_edges(triangles: Integers) -> Integers:
+    """Return the edges (k, 2) that only one of the triangles (n, 3) has, ascending."""
+    pairs = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
+    edges, count = np.unique(pairs, axis=0, return_counts=True)
+    return np.asarray(edges[count == 1])
 
 
 def triangle_areas(corners: Array) -> Array:

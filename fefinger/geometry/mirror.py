@@ -4,11 +4,14 @@ A half body has y >= 0. Points and vectors change the sign of y; of a tensor the
 one y change theirs, in a (3, 3) tensor as among the six xx, yy, zz, xy, yz, xz.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.checks import InputError
 
 
 SIGNS = np.array([1.0, -1.0, 1.0])
@@ -22,6 +25,9 @@ VOIGT_SIGNS = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
 
 ROUNDING = 1e-9
 """Distance from the plane, over the largest coordinate, that is rounding."""
+
+DOUBLED = ("n_cells", "nail_area")
+"""Quality figures that double exactly; the number of points is counted again."""
 
 
 def image(vectors: Array) -> Array:
@@ -95,3 +101,42 @@ class Halves:
     def triangles(self, triangles: Integers) -> Integers:
         """Return the triangles of the whole, (2 m, 3), turned the same way round."""
         return np.concatenate([triangles, self.twin[triangles][:, [0, 2, 1]]])
+
+
+def whole(half: FingerMesh) -> FingerMesh:
+    """Return the whole finger: the half and its mirror image, sharing the vertices of y = 0.
+
+    The mirror images follow the n vertices of the half; a whole mesh has no "medial" facets.
+    Raises InputError for a mesh that is whole already.
+    """
+    if not half.half:
+        raise InputError(f"mesh: expected a half finger, received the whole finger {half.name!r}")
+    halves = Halves.of(half.points)
+    facets = {
+        name: halves.triangles(part) for name, part in half.facets.items() if name != "medial"
+    }
+    return replace(
+        half,
+        points=halves.vectors(half.points),
+        cells=halves.cells(half.cells),
+        region=np.concatenate([half.region, half.region]),
+        facets=facets,
+        pad_normals=halves.vectors(half.pad_normals),
+        half=False,
+        quality=_quality(half, len(halves.origin)),
+    )
+
+
+def _quality(half: FingerMesh, n_points: int) -> dict[str, Any]:
+    """Quality figures of the whole mesh from those of the half."""
+    quality = dict(half.quality)
+    for key in DOUBLED:
+        if key in quality:
+            quality[key] = 2 * quality[key]
+    for key in ("volumes", "surface_volumes"):
+        if key in quality:
+            quality[key] = {name: 2.0 * value for name, value in quality[key].items()}
+    for key in ("soft_vertices", "taylor_hood_unknowns", "n_pad_vertices"):
+        quality.pop(key, None)
+    quality["n_points"] = n_points
+    return quality

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.geometry.boundary import boundary_edges
+from fefinger.geometry.finger_mesh import boundary_edges
 from fefinger.support.arrays import Array, Integers
 
 

@@ -15,11 +15,10 @@ from fefinger.geometry import facets as topology
 from fefinger.geometry.finger_mesh import BONE, FingerMesh
 from fefinger.mesh import smooth, tetrahedralize, vtu
 from fefinger.mesh.finger_shape import Shape, touch_point
-from fefinger.mesh.finish import bone_of_volume, record, supports
 from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS
 from fefinger.mesh.morph import draft, finished
 from fefinger.mesh.parametric import parametric
-from fefinger.mesh.quality import gate
+from fefinger.mesh.quality import gate, record
 from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.scan import shape_of
 from fefinger.mesh.shipped import templates
@@ -153,11 +152,13 @@ def _attempt(
         points, cells, region, cut=shape.cut, tolerance=tolerance, level=shape.skin.level
     )
     points, first = _snapped(shape, points, facets)
-    constraints = supports(shape, len(points), facets)
+    constraints = smooth.supports(shape, len(points), facets)
     points = smooth.fit(points, cells, constraints, wanted=WANTED_SINE, pinned=np.array([first]))
     free = constraints.free.copy()
     free[np.setdiff1d(np.arange(len(points)), facets["bone"])] = False
-    points = bone_of_volume(shape, points, cells[region == BONE], free, shape.volumes["bone"])
+    points = smooth.bone_of_volume(
+        shape, points, cells[region == BONE], free, shape.volumes["bone"]
+    )
     outer = facets["pad"]
     nail = shape.nail.covers(points[outer].mean(axis=1))
     sets = {**facets, "pad": outer[~nail], "nail": outer[nail]}

@@ -17,8 +17,7 @@ from fefinger.geometry.facets import interfaces
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, triangle_areas, volumes
 from fefinger.mesh import finger_shape, smooth
 from fefinger.mesh.finger_shape import Shape, touch_point
-from fefinger.mesh.finish import ON_SHELLS, bone_of_volume, record, supports
-from fefinger.mesh.quality import gate
+from fefinger.mesh.quality import gate, record
 from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.shell import Shell
 from fefinger.mesh.shipped import STRETCH
@@ -30,7 +29,7 @@ Pair = tuple[float, float]
 Stations = Callable[[Array, Array], Array]
 """New x of points at x and at a height, over that of the section: -1 on the palm, 1 on the back."""
 
-BONE_SHELL = ON_SHELLS.index("bone")
+BONE_SHELL = smooth.ON_SHELLS.index("bone")
 
 LEAST = 1e-9
 """Size in mm of a section that counts as a point."""
@@ -67,7 +66,7 @@ def draft(template: FingerMesh, source: Shape, target: Shape, touch: Touch = Non
     Raises ConvergenceError where the pad becomes coarser than its resolution.
     """
     facets = _facets(template)
-    constraints = supports(target, len(template.points), facets)
+    constraints = smooth.supports(target, len(template.points), facets)
     moves = _surface_moves(template, source, target, facets, constraints, touch)
     _check_stretch(template, template.points + moves)
     held = ~constraints.free | (constraints.surface >= 0)[:, None]
@@ -89,7 +88,7 @@ def finished(made: Draft, target: Shape, recipe: Recipe, *, name: str = "finger"
     bone = template.cells[template.region == BONE]
     share = volumes(template.points, bone).sum() / made.source.volumes["bone"]
     on_bone = (made.constraints.surface == BONE_SHELL)[:, None] & free
-    points = bone_of_volume(target, points, bone, on_bone, share * target.volumes["bone"])
+    points = smooth.bone_of_volume(target, points, bone, on_bone, share * target.volumes["bone"])
     mesh = record(
         target, recipe, points, template.cells, template.region, template.facets, name=name
     )
@@ -145,7 +144,7 @@ def mapped(points: Array, source: Shell, target: Shell, stations: Stations) -> A
 
 
 def _facets(mesh: FingerMesh) -> dict[str, Integers]:
-    """Return the facet sets as `finish.supports` takes them."""
+    """Return the facet sets as `smooth.supports` takes them."""
     between, _, outer = interfaces(mesh.cells, mesh.region)
     pad = np.concatenate([mesh.facets["pad"], mesh.facets["nail"]])
     layers = between[(outer != 0) & (outer != BONE)]

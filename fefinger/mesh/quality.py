@@ -1,12 +1,16 @@
-"""Quality figures of a finger mesh, and the check that rejects a bad mesh."""
+"""Record of a finger mesh with its quality figures, and the check that rejects a bad mesh."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fefinger.geometry.facets import parts
 from fefinger.geometry.finger_mesh import (
     BONE,
+    FACETS,
     REGIONS,
     FingerMesh,
     edges,
@@ -15,7 +19,9 @@ from fefinger.geometry.finger_mesh import (
     volumes,
 )
 from fefinger.geometry.mirror import Halves
+from fefinger.mesh.finger_shape import Shape
 from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL, fitted_radii
+from fefinger.mesh.recipe import Recipe
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError
 
@@ -52,6 +58,31 @@ def measured_radii(mesh: FingerMesh) -> tuple[float, float]:
     if mesh.half:
         pad = Halves.of(pad).vectors(pad)
     return fitted_radii(pad)
+
+
+def record(
+    shape: Shape,
+    recipe: Recipe,
+    points: Array,
+    cells: Integers,
+    region: NDArray[np.int8],
+    facets: Mapping[str, Integers],
+    *,
+    name: str,
+) -> FingerMesh:
+    """Make the mesh record, with smooth normals and measured quality; facets as in FACETS."""
+    sets = {key: facets[key] for key in FACETS}
+    pad = np.unique(sets["pad"])
+    gap = float(np.abs(shape.skin.level(points[pad])).max())
+    normals = np.zeros_like(points)
+    normals[pad] = shape.skin.normals(points[pad])
+    mesh = FingerMesh(
+        points, cells, region, sets, normals, half=True, name=name, recipe=recipe.to_dict()
+    )
+    quality = measure(mesh, radii=shape.radii, surface_volumes=shape.volumes, gap=gap)
+    if shape.notes:
+        quality["notes"] = list(shape.notes)
+    return replace(mesh, quality=quality)
 
 
 def measure(

@@ -1,15 +1,23 @@
 """Projection of vertices onto their smooth surfaces, and optimization of the worst tetrahedra."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.mesh.finger_shape import SmoothSurface
+from fefinger.geometry.finger_mesh import volumes
+from fefinger.mesh.finger_shape import Shape, SmoothSurface
 from fefinger.support.arrays import Array, Flags, Integers
 
 
 TRIALS = 24
 """Random positions tried for a vertex in one sweep; about one in four moves then helps."""
+
+ON_SHELLS = ("pad", "skin-subcutaneous", "bone")
+"""Facet sets on the outer surfaces of skin, subcutaneous tissue and bone; the nail is pad here."""
+
+TRIAL = 0.01
+"""Offset in mm of the bone's surface from which its volume is extrapolated."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +44,32 @@ class Supports:
             if on.any():
                 placed[on] = surface.project(points[on], free=self.free[which][on])
         return placed
+
+
+def supports(shape: Shape, count: int, facets: Mapping[str, Integers]) -> Supports:
+    """Constraints of each vertex: the surface of a shell, the medial plane, the cut."""
+    on = np.full(count, -1)
+    for number, name in enumerate(ON_SHELLS):
+        on[np.unique(facets[name])] = number
+    free = np.ones((count, 3), dtype=bool)
+    free[np.unique(facets["medial"]), 1] = False
+    free[np.unique(np.concatenate([facets["cut"], facets["bone-cut"]])), 0] = False
+    return Supports(on, free, shape.shells)
+
+
+def bone_of_volume(
+    shape: Shape, points: Array, bone: Integers, free: Flags, volume: float
+) -> Array:
+    """Offset the bone's surface so that its cells (m, 4) have the volume, mm^3.
+
+    The bone is thin and strongly curved: facets with vertices on it would lose 2 to 3 %.
+    `free` (n, 3): the coordinates that may change; all are False beside the surface of the bone.
+    """
+    on = free.any(axis=1)
+    moves = np.zeros_like(points)
+    moves[on] = shape.bone.normals(points[on]) * free[on]
+    present, trial = (volumes(points + step * moves, bone).sum() for step in (0.0, TRIAL))
+    return points + TRIAL * (volume - present) / (trial - present) * moves
 
 
 def sines(corners: Array) -> Array:

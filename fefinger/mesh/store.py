@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.geometry.mirror import whole
 from fefinger.mesh import vtu
 from fefinger.mesh.extend import continued_source, extended
 from fefinger.mesh.recipe import Recipe, Touch
 from fefinger.mesh.shipped import has_template, shipped_path
-from fefinger.mesh.symmetric import whole
 from fefinger.support import cache
 from fefinger.support.checks import InputError
 

@@ -1,24 +1,33 @@
-"""Tetrahedral meshing with pytetwild and a sizing field, in a separate process."""
+"""Tetrahedral meshing with pytetwild and a sizing field, in a process of its own.
+
+In the caller's process pytetwild would hold the interpreter lock, catch Ctrl-C, print, and on
+failure end the process: `python -m fefinger.mesh.tetrahedralize FOLDER` runs it.
+"""
 
 import itertools
 import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fefinger.mesh import tetwild_process
 from fefinger.mesh.shell_triangles import Triangles
 from fefinger.support import processes
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.atomic_write import temporary_folder
 from fefinger.support.checks import ConvergenceError
+from fefinger.support.interrupt import unblock
 
 
 LIMIT = 900.0
 """Seconds after which the mesher is ended, and after which no other meshing begins; a fine mesh of
 a finger takes some 40, four times that on a busy machine."""
+
+ARGUMENTS, MESH = "arguments.npz", "mesh.npz"
+"""Files of the folder: the arguments of `pytetwild.tetrahedralize`, and its result."""
 
 
 @dataclass(frozen=True)
@@ -74,9 +83,9 @@ def tetrahedra(
 def _in_process(**arguments: Any) -> tuple[Array, Integers]:
     """Run the mesher with `arguments` in a process of its own; return its vertices and cells."""
     with temporary_folder() as folder:
-        np.savez(folder / tetwild_process.ARGUMENTS, **arguments)
+        np.savez(folder / ARGUMENTS, **arguments)
         with processes.running(
-            processes.command("-m", tetwild_process.__name__, str(folder)),
+            processes.command("-m", "fefinger.mesh.tetrahedralize", str(folder)),
             cwd=folder,  # fTetWild writes __tracked_surface.stl into its working folder
             env=processes.environment(),
             stdin=subprocess.DEVNULL,
@@ -97,7 +106,7 @@ def _in_process(**arguments: Any) -> tuple[Array, Integers]:
             last = (text.strip().splitlines() or ["none"])[-1]
             message = f"mesher: it ended with status {mesher.returncode}; its last message: {last}"
             raise ConvergenceError(message)
-        with np.load(folder / tetwild_process.MESH) as mesh:
+        with np.load(folder / MESH) as mesh:
             return mesh["vertices"], mesh["cells"]
 
 
@@ -116,3 +125,20 @@ def _grid(box: Array, step: float) -> tuple[Array, Integers]:
         corners = (tuple(slice(a, a + n) for a, n in zip(at, counts, strict=True)) for at in path)
         parts.append(np.stack([index[corner].ravel() for corner in corners], axis=1))
     return nodes.reshape(-1, 3), np.concatenate(parts)
+
+
+def main(folder: Path) -> None:
+    """Mesh the surfaces in a folder; write the mesh there."""
+    import pytetwild
+
+    with np.load(folder / ARGUMENTS) as arrays:
+        arguments = {key: arrays[key] if arrays[key].ndim else arrays[key].item() for key in arrays}
+    vertices, cells = pytetwild.tetrahedralize(
+        **arguments, coarsen=True, disable_filtering=True, num_threads=1
+    )
+    np.savez(folder / MESH, vertices=vertices, cells=cells)
+
+
+if __name__ == "__main__":
+    unblock()
+    main(Path(sys.argv[1]))

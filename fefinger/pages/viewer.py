@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.geometry.boundary import boundary_edges
+from fefinger.geometry.finger_mesh import boundary_edges
 from fefinger.geometry.profiles import FLANK
 from fefinger.neural.trains import FEW
 from fefinger.pages import page

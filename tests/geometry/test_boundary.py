@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from fefinger.geometry.boundary import boundary_edges
+from fefinger.geometry.finger_mesh import boundary_edges
 
 
 def test_the_boundary_of_a_square_is_its_four_sides():

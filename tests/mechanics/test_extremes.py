@@ -13,13 +13,13 @@ from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.probe import strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.geometry.mirror import whole
 from fefinger.mechanics import linear
 from fefinger.mechanics import solid as finite
 from fefinger.mechanics.press import materials, placement
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
-from fefinger.mesh.symmetric import whole
 from fefinger.support.checks import ConvergenceError, InputError
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from fefinger.validation.pressed.scenes import LIGHT
 
+from fefinger.geometry.mirror import whole
 from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.evidence import tabulation_error
 from fefinger.mechanics.evidence.table import TABULATION, table
@@ -17,7 +18,6 @@ from fefinger.mechanics.press.elastic_press import FEWEST, depths
 from fefinger.mechanics.realtime.pressed import Pressed
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
-from fefinger.mesh.symmetric import whole
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask

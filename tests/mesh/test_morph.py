@@ -10,11 +10,11 @@ from scipy.spatial import cKDTree
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, volumes
 from fefinger.mesh import build, morph, shell_triangles, smooth, vtu
 from fefinger.mesh.finger_shape import Shape
-from fefinger.mesh.finish import supports
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import MIN_DIHEDRAL, dihedral_angles
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shipped import data_folder, has_template, shipped_path
+from fefinger.mesh.smooth import supports
 from fefinger.mesh.store import load_or_build
 from fefinger.support.checks import ConvergenceError
 

@@ -5,9 +5,9 @@ import pytest
 from oracles.solids import assert_closed, enclosed
 
 from fefinger.geometry.finger_mesh import FingerMesh, volumes
+from fefinger.geometry.mirror import whole
 from fefinger.mesh import vtu
 from fefinger.mesh.shipped import data_folder
-from fefinger.mesh.symmetric import whole
 from fefinger.support.checks import InputError
 
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.geometry.mirror import whole
 from fefinger.mesh import shipped, store, vtu
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.symmetric import whole
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 

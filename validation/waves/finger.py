@@ -9,7 +9,7 @@ from fefinger.validation.waves import lateral, loops, preload
 from scipy import sparse
 
 from fefinger.fem.contact.closed_contact import ClosedContact
-from fefinger.fem.elements.mass import mass
+from fefinger.fem.elements.forms import mass
 from fefinger.fem.modes import modes_of
 from fefinger.mechanics import modal, pressed, solid
 from fefinger.mechanics.evidence import vibration

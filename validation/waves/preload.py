@@ -16,7 +16,7 @@ from scipy.sparse.linalg import splu
 
 from fefinger.fem.contact.deformed_gap import DeformedGap, contact_surface
 from fefinger.fem.contact.oscillators import Complex, complex_modulus
-from fefinger.fem.elements.mass import mass
+from fefinger.fem.elements.forms import mass
 from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress, continuum
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target

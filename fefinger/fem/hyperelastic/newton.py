@@ -39,9 +39,14 @@ from scipy import sparse
 
 from fefinger.fem.contact.deformed_gap import ContactSurface, DeformedGap
 from fefinger.fem.contact.viscoelastic import depth_at
-from fefinger.fem.hyperelastic.anderson import Anderson
 from fefinger.fem.hyperelastic.continuum import Continuum
-from fefinger.fem.hyperelastic.iterate import Iterate, not_converged, relative_error, stagnant
+from fefinger.fem.hyperelastic.iterate import (
+    Anderson,
+    Iterate,
+    not_converged,
+    relative_error,
+    stagnant,
+)
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.hyperelastic.tangent import FactoredTangent
 from fefinger.fem.linalg.multifrontal_indefinite import ApproximateFactor

@@ -16,7 +16,7 @@ from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Operator
 from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.elements.assembly import numbering
-from fefinger.fem.elements.mass import mass
+from fefinger.fem.elements.forms import mass
 from fefinger.fem.modes import Modes, modes_of
 from fefinger.mechanics.press.operator_cache import MODES, modes_folder, modes_identity
 from fefinger.scene.finger import Finger

@@ -19,13 +19,13 @@ from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.linalg.dissection import Front
 from fefinger.fem.linalg.multifrontal import Eliminated
 from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.geometry.mirror import whole
 from fefinger.mechanics.press.materials import fixed_facets
 from fefinger.mechanics.press.notes import own_relaxation_reasons
 from fefinger.mechanics.press.operator_cache import folder, identity, parities
 from fefinger.mechanics.press.problem import SolutionMethod
 from fefinger.mesh.extend import CONTINUED
 from fefinger.mesh.store import load_or_build
-from fefinger.mesh.symmetric import whole
 from fefinger.scene.finger import Finger
 from fefinger.support import cache
 from fefinger.support.arrays import Array

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from fefinger.fem.contact.contact_area import FIRST, REACH, fit_rims
 from fefinger.fem.contact.obstacle import FAR
-from fefinger.fem.contact.rim_fit import FIRST, REACH, fit_rims
 
 
 def drawn(count: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -10,8 +10,7 @@ from scipy import sparse
 
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic import newton
-from fefinger.fem.hyperelastic.anderson import Anderson
-from fefinger.fem.hyperelastic.iterate import ASTRAY, stagnant
+from fefinger.fem.hyperelastic.iterate import ASTRAY, Anderson, stagnant
 from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
 from fefinger.fem.hyperelastic.load_path import (
     FactorizationBudget,
