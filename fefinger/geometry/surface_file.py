@@ -371,22 +371,14 @@ def _neighbors(corners: Array) -> Integers:
 
 
 def _pierced(start: Array, end: Array, triangle: Array) -> Flags:
-    """Whether segments pass through the inside of their triangles.
-
-    Möller and Trumbore, J. Graph. Tools 2:21, 1997.
-    """
+    """Whether segments pass through the inside of their triangles: a + first u + second v."""
     a, b, c = triangle.transpose(1, 0, 2)
     along, u, v = end - start, b - a, c - a
-    normal = np.cross(along, v)
-    scale = np.einsum("ij,ij->i", u, normal)
     size = np.linalg.norm(along, axis=1) * np.linalg.norm(np.cross(u, v), axis=1)
-    steep = np.abs(scale) > 1e-6 * size
-    inverse = 1.0 / np.where(steep, scale, 1.0)
-    away = start - a
-    turned = np.cross(away, u)
-    first = np.einsum("ij,ij->i", away, normal) * inverse
-    second = np.einsum("ij,ij->i", along, turned) * inverse
-    place = np.einsum("ij,ij->i", v, turned) * inverse
+    system = np.stack([u, v, -along], axis=2)
+    steep = np.abs(np.linalg.det(system)) > 1e-6 * size
+    system[~steep] = np.eye(3)
+    first, second, place = np.linalg.solve(system, (start - a)[..., None])[..., 0].T
     small = 1e-9
     # An edge counts as a part of the triangle: symmetric surfaces cross edge on edge.
     inside = (first > -small) & (second > -small) & (first + second < 1 + small)

@@ -14,6 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.fem.contact.complementarity import EXCHANGES, PATIENCE
+from fefinger.fem.contact.friction_state import FrictionState
 from fefinger.support.arrays import Array, Integers
 
 
@@ -72,7 +73,7 @@ def lcp_state(flexibility: Array) -> LcpState:
 
 
 @njit(cache=True)
-def release(s: LcpState) -> None:
+def release(s: LcpState | FrictionState) -> None:
     """Reset to the state without contact."""
     s.place[:] = -1
     s.x[:] = 0.0

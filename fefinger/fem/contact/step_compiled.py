@@ -12,6 +12,7 @@ from numba import njit
 
 from fefinger.fem.contact import complementarity
 from fefinger.fem.contact import lcp_compiled as contact
+from fefinger.fem.contact.friction_state import FrictionState
 from fefinger.fem.contact.lcp_compiled import (
     BEYOND,
     DONE,
@@ -161,7 +162,7 @@ def real_time_step(
 
 
 @njit(cache=True)
-def reset(s: LcpState, m: PadState) -> None:
+def reset(s: LcpState | FrictionState, m: PadState) -> None:
     """Reset the pad to rest: no contact and no history."""
     contact.release(s)
     for array in (m.terms, m.moved_terms):
