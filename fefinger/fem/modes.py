@@ -120,29 +120,28 @@ def lowest(
         raise InputError(message)
     if size <= LEAST:
         return _dense(solve, mass, count)
-    block = BLOCK
     longest = min(size, max(LEAST, int(SLACK * count)))
-    basis = np.empty((size, longest + block), order="F")
-    projected = np.zeros((longest + block, longest + block))
-    start = np.random.default_rng(SEED).standard_normal((size, block))
+    basis = np.empty((size, longest + BLOCK), order="F")
+    projected = np.zeros((longest + BLOCK, longest + BLOCK))
+    start = np.random.default_rng(SEED).standard_normal((size, BLOCK))
     # One solution first: so the start has no part that no mode can have.
-    basis[:, :block], _ = _orthonormal(solve(mass @ start), mass)
-    used, worst = block, np.inf
+    basis[:, :BLOCK], _ = _orthonormal(solve(mass @ start), mass)
+    used, worst = BLOCK, np.inf
     while True:
-        newest = slice(used - block, used)
+        newest = slice(used - BLOCK, used)
         images = solve(mass @ basis[:, newest])
         basis_so_far = basis[:, :used]
         # The last two blocks are all that exact arithmetic needs; then all, against its rounding.
-        for first in (max(0, used - 2 * block), 0):
+        for first in (max(0, used - 2 * BLOCK), 0):
             others = basis[:, first:used]
             shares = others.T @ (mass @ images)
             projected[first:used, newest] += shares
             images -= others @ shares
         following, coupling = _orthonormal(images, mass)
-        full = used + block > longest
-        if full or (used >= count and (used // block) % CHECK == 0):
+        full = used + BLOCK > longest
+        if full or (used >= count and (used // BLOCK) % CHECK == 0):
             inverse, vectors = _ritz(projected[:used, :used], count)
-            left = np.linalg.norm(coupling @ vectors[-block:], axis=0) / inverse
+            left = np.linalg.norm(coupling @ vectors[-BLOCK:], axis=0) / inverse
             worst = float(left.max()) if len(left) == count else np.inf
             progress(min(1.0, float((left <= TOLERANCE).sum()) / count))
             if worst <= TOLERANCE or used == size:
@@ -152,8 +151,8 @@ def lowest(
                 f"modes: expected {count} with residuals of at most {TOLERANCE:g}, reached "
                 f"{worst:.1e} in a basis of {used} vectors; ask for fewer modes"
             )
-        basis[:, used : used + block] = following
-        used += block
+        basis[:, used : used + BLOCK] = following
+        used += BLOCK
 
 
 def _dense(solve: Solves, mass: sparse.csr_matrix, count: int) -> Modes:
@@ -182,18 +181,16 @@ def _ritz(projected: Array, count: int) -> tuple[Array, Array]:
 
 
 def _orthonormal(vectors: Array, mass: sparse.csr_matrix) -> tuple[Array, Array]:
-    """Orthonormalize vectors (n, k) in the inner product of M; return them and R, V = Q R."""
+    """Orthonormalize vectors (n, k) in the inner product of M; return them and R, V = Q R.
+
+    Twice, through the eigenvalues of the Gram matrix, which may be singular.
+    """
     factor = np.eye(vectors.shape[1])
     for _ in range(2):
-        vectors, upper = _by_gram(vectors, mass)
-        factor = upper @ factor
+        scale = np.sqrt(np.maximum(np.einsum("ij,ij->j", vectors, mass @ vectors), 1e-300))
+        scaled = vectors / scale
+        values, rotation = np.linalg.eigh(scaled.T @ (mass @ scaled))
+        roots = np.sqrt(np.maximum(values, np.finfo(float).eps * values[-1]))
+        vectors = scaled @ (rotation / roots)
+        factor = ((roots[:, None] * rotation.T) * scale) @ factor
     return vectors, factor
-
-
-def _by_gram(vectors: Array, mass: sparse.csr_matrix) -> tuple[Array, Array]:
-    """Orthonormalize once, through the eigenvalues of the Gram matrix, which may be singular."""
-    scale = np.sqrt(np.maximum(np.einsum("ij,ij->j", vectors, mass @ vectors), 1e-300))
-    scaled = vectors / scale
-    values, rotation = np.linalg.eigh(scaled.T @ (mass @ scaled))
-    roots = np.sqrt(np.maximum(values, np.finfo(float).eps * values[-1]))
-    return scaled @ (rotation / roots), (roots[:, None] * rotation.T) * scale

@@ -229,7 +229,13 @@ class Equilibrium:
             return None
         gap = self.contact.at(state)
         pulled = gap.pulled(target.drag)
-        error = self._error(state, target, inner - pulled @ state.pressure, gap)
+        residual = inner - pulled @ state.pressure
+        load = max(self.load, float(np.linalg.norm(gap.loads @ state.pressure)))
+        error = relative_error(
+            self.body, self.contact, self.system.free, state, target, residual, gap.gaps, load
+        )
+        if error <= self.tolerance:
+            self.load = load
         return Iterate(state, inner, gap, pulled, error)
 
     def _folds_too_stiff(self, fold_stiffness: Array, target: Target) -> bool:
@@ -242,16 +248,6 @@ class Equilibrium:
         factored = self._factored.fold_stiffness * gain / self._factored.gain
         change = np.abs(fold_stiffness - factored)
         return bool((change > np.maximum(STIFF * skin, factored / 2)).any())
-
-    def _error(self, state: State, target: Target, residual: Array, gap: DeformedGap) -> float:
-        """Relative error of an iterate with the force `residual` (n_unknowns,) mN."""
-        load = max(self.load, float(np.linalg.norm(gap.loads @ state.pressure)))
-        error = relative_error(
-            self.body, self.contact, self.system.free, state, target, residual, gap.gaps, load
-        )
-        if error <= self.tolerance:
-            self.load = load
-        return error
 
     def _renew(self, iterate: Iterate, target: Target, *, consistent: bool = True) -> None:
         """Factor the tangent of the iterate, with an elastic support where it is in contact.

@@ -13,6 +13,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import cg
 
+from fefinger.fem.elements.assembly import scattered
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.laws import Law
 from fefinger.support.arrays import Array
@@ -124,9 +125,8 @@ class StoredEnergy:
     def _projection_matrix(self) -> sparse.csr_matrix:
         """Mass matrix of the linear functions, apart per tissue."""
         block = np.einsum("eq,qa,qb->eab", self._weights, self._linear, self._linear)
-        rows = np.broadcast_to(self._pressures[:, :, None], block.shape).ravel()
-        columns = np.broadcast_to(self._pressures[:, None, :], block.shape).ravel()
-        return sparse.coo_matrix((block.ravel(), (rows, columns))).tocsr()
+        rows, count = self._pressures[:, :, None], int(self._pressures.max()) + 1
+        return scattered(block, rows, self._pressures[:, None], (count, count)).tocsr()
 
     def _projected(self, values: Array) -> Array:
         """Return the projection (n_cells, n_q) of values at the integration points."""

@@ -93,8 +93,9 @@ class Rolling(Loop):
         flexibility, rim = reduced.flexibility.reshape(2, n, 2, n), np.flatnonzero(self._on_rim())
         self._plate = rolling_step.plate(flexibility, moments, weights, rim)
         self._state = lcp_compiled.lcp_state(np.zeros((n, n)))  # made when the plate has an angle
-        nothing = np.zeros(2 * n)
-        self._memory = step_compiled.pad_state(nothing, nothing, *finger.prony.branches)
+        nothing = np.zeros(n)
+        branches = finger.prony.branches
+        self._memory = step_compiled.pad_state(nothing, nothing, *branches, components=2)
         self._along = -every[1].moment[chosen, 1] / every[1].projected[chosen]
         self._strain = np.zeros(6 * len(sites.points))
         self.now = Step.at_rest(self._state.x, self._strain.reshape(-1, 6))

@@ -118,7 +118,7 @@ class Sliding(Loop):
         self._limits = self._output.limits.copy()
         size = len(reduced.flexibility)
         self._memory = step_compiled.pad_state(
-            np.zeros(count), on.projected, *finger.prony.branches, components=size // count
+            np.zeros(count), on.projected, *finger.prony.branches, components=3 if mu else 1
         )
         self._friction_history = friction_step.friction_history(count, mu, indenter.kinetic)
         self._state = lcp_compiled.lcp_state(np.zeros((0, 0)) if mu else reduced.flexibility)
