@@ -24,7 +24,7 @@ from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.dissection import dissect_space
-from fefinger.fem.linalg.solvers import compressible
+from fefinger.fem.linalg.system import compressible
 from fefinger.geometry import mirror
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError

@@ -26,7 +26,7 @@ from fefinger.support.vocabulary import (
 
 
 SOLVERS = ("multifrontal", "single", "iterative")
-"""Names of the linear solvers of the finite elements, see `fem.linalg.solvers`."""
+"""Names of the linear solvers of the finite elements, see `fem.linalg.system`."""
 
 
 @dataclass(frozen=True, kw_only=True)

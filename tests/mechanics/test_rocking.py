@@ -8,6 +8,7 @@ import pytest
 import fefinger as ff
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.travel import Heights, envelope
+from fefinger.geometry.profiles import frame
 from fefinger.mechanics import condensed, linear, pressed, solid
 from fefinger.mechanics.situation import Situation
 from fefinger.scene.indenter import direction
@@ -39,7 +40,10 @@ def test_distances_are_those_to_the_turned_plane_along_the_travel(angle, tilt):
     points = np.random.default_rng(2).uniform(-4, 4, (50, 3))
     motion = rock(angle=(30, angle, angle), tilt=(0, tilt, tilt))
     incline = motion.inclines(0.2, plate)
-    pivot, normal = obstacle.moved(shift).origin, direction(ff.Flat(angle, tilt))
+    pivot, normal = (
+        obstacle.origin + shift @ frame(obstacle.axis)[:2],
+        direction(ff.Flat(angle, tilt)),
+    )
     exact = (points - pivot) @ normal / (normal @ obstacle.axis)
     assert Heights.over(obstacle, points).distance(shift, incline) == pytest.approx(exact)
     swept = envelope(obstacle, shift[None], incline[None])

@@ -1,6 +1,5 @@
 """SuperLU, the sparse factor of SciPy: a baseline of speed, and an independent check in tests."""
 
-from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -8,19 +7,17 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from fefinger.fem.elements.spaces import Space
-from fefinger.fem.linalg.solvers import Equations, Prepared
 from fefinger.fem.linalg.system import System, prepare
 from fefinger.support.arrays import Array, Integers
 
 
-class SuperLU(Prepared):
+class SuperLU:
     """Factor of SuperLU, symmetric and in the order of our own, which is better than its orders."""
 
-    def __init__(self, equations: Equations) -> None:
-        super().__init__("superlu", equations)
-        self._order = equations.dissection.order
+    def __init__(self, system: System) -> None:
+        self._order = system.dissection.order
         self.factor = splu(
-            equations.neighbor[self._order][:, self._order].tocsc(),
+            system.neighbor(system.matrix)[self._order][:, self._order].tocsc(),
             permc_spec="NATURAL",
             diag_pivot_thresh=0.0,
             options={"SymmetricMode": True, "Equil": False},
@@ -36,7 +33,8 @@ class SuperLU(Prepared):
 def factor(space: Space, matrix: sparse.csr_matrix, fixed: Integers) -> System:
     """Return the system that `fem.linalg.system.factor` returns, with SuperLU as its solver."""
     system = prepare(space, matrix, fixed)
-    return replace(system, solver=SuperLU(system.solver.equations))
+    system.name, system.solver = "superlu", SuperLU(system)
+    return system
 
 
 def entries(system: System) -> int:

@@ -7,7 +7,7 @@ axis, at every depth; sideways motion enters to first order. Finite strain takes
 axis itself, g = (x - origin) . axis + h - d, with its derivatives at the deformed point x.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -46,10 +46,6 @@ class Obstacle:
     origin: Array
     profile: Profile = field(default_factory=Plane)
     roll: float = 0.0
-
-    def moved(self, shift: Array) -> "Obstacle":
-        """Return the obstacle moved by (2,) mm across its travel, along its frame without roll."""
-        return replace(self, origin=self.origin + shift @ frame(self.axis)[:2])
 
     @property
     def frame(self) -> Array:

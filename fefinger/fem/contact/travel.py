@@ -45,16 +45,12 @@ class Swept:
 
     def gap(self, points: Array) -> tuple[Array, Array]:
         """Return the least distance along the axis (...,) mm of any place, and the axis."""
-        local = (points - self.obstacle.origin) @ frame(self.axis).T
-        nearest = np.full(points.shape[:-1], np.inf)
+        over = Heights.over(self.obstacle, points.reshape(-1, 3))
+        nearest = np.full(len(over.along), np.inf)
         inclines = repeat(None) if self.inclines is None else self.inclines
         for shift, incline in zip(self.shifts, inclines, strict=False):
-            if incline is None:
-                distance = self.obstacle.moved(shift).gap(points)[0]
-            else:
-                distance = local[..., 2] + (local[..., :2] - shift) @ incline
-            nearest = np.minimum(nearest, distance)
-        return nearest, np.broadcast_to(self.axis, points.shape)
+            nearest = np.minimum(nearest, over.distance(shift, incline))
+        return nearest.reshape(points.shape[:-1]), np.broadcast_to(self.axis, points.shape)
 
     def beyond(self, points: Array) -> Flags:
         """Return False: where the shape ends is looked at on the way, see `Travel.gap`."""

@@ -1,51 +1,116 @@
 """Linear system of mixed elasticity, solved for many loads with iterative refinement.
 
-With every solver of `solvers` the solution is refined until the residual of the true matrix is
-small. The default is `multifrontal`: on the standard finger (reports/bench-fem.json, one thread) 4
-times faster than SuperLU on the same order of the unknowns, and 3 times faster for its loads. In
-trials PARDISO took 1.4 to 2.9 s for the factor (here 1.9 to 2.4 s) and 0.4 to 1.5 s for 64 loads
-(here 0.4 s), so neither it nor its 0.9 GB of MKL is a dependency.
+The solution is refined until the residual of the true matrix is small, so that the approximate
+solver decides time and memory but not the answer. In the order of choice:
+
+- "multifrontal": a factor in double precision, the fastest where it fits in memory. On the standard
+  finger (reports/bench-fem.json, one thread) it is 4 times faster than SuperLU on the same order of
+  the unknowns, and 3 times faster for its loads. In trials PARDISO took 1.4 to 2.9 s for the factor
+  (here 1.9 to 2.4 s) and 0.4 to 1.5 s for 64 loads (here 0.4 s), so neither it nor its 0.9 GB of
+  MKL is a dependency. CHOLMOD is no choice: the matrix is quasi-definite, which its supernodal code
+  refuses, and its simplicial one took 11 times as long on 28 thousand unknowns.
+- "single": a factor in single precision, for half the memory. It converges for ratios of moduli
+  up to about 1e4; where it fails, the factor in double precision replaces it.
+- "iterative": MINRES without a factor of the matrix: memory grows in proportion to the unknowns. A
+  load costs some 170 iterations at every size and Poisson's ratio, and 3 times as many where a
+  part that is 1e3 to 1e6 times as stiff floats in the rest (reports/bench-fem.json).
 
 For nu < 0.5 the matrix is quasi-definite; at nu = 0.5 a slightly compressible neighbor is factored.
 """
 
+import os
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from scipy import sparse
 
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal, multifrontal_indefinite
-from fefinger.fem.linalg.dissection import dissect_space
+from fefinger.fem.linalg.dissection import Dissection, dissect_space
+from fefinger.fem.linalg.minres import iterative
 from fefinger.fem.linalg.multifrontal_indefinite import ApproximateFactor, Precision
-from fefinger.fem.linalg.solvers import SOLVERS, Equations, Prepared, choose, neighbor
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError, choice
 from fefinger.support.threads import one_thread
-from fefinger.support.tolerances import FORCE_BALANCE, LINEAR_RESIDUAL
+from fefinger.support.tolerances import FACTOR_COMPRESSIBILITY, FORCE_BALANCE, LINEAR_RESIDUAL
 
+
+ROOM = 0.5  # share of the free memory that a factor may take
+WORKING = 1.5  # memory while factoring, over that of the factor
+SPREAD = 1e5  # largest ratio of diagonal entries for which single precision converges
 
 REFINEMENTS = 8  # limit of iterative refinement
 LEFT = 0.1  # largest relative residual of a factor for the rigid motions of a held body
 
+SINGLE_FAILED = (
+    "The factor in single precision failed; the factor in double precision, with twice the "
+    "memory, was used instead."
+)
 
-@dataclass(frozen=True)
-class System(Equations):
+
+class Solver(Protocol):
+    """Interface of a solver: approximate solutions for right hand sides (n,) or (n, k)."""
+
+    def solve(self, right: Array) -> Array:
+        """Return the approximate solution in the shape of `right`."""
+        ...
+
+
+@dataclass(eq=False)
+class System:
     """Equations with the unknowns `fixed` (n_fixed,) prescribed, and their solver.
 
-    failed: why single precision failed, once for each factor that `approximate_factor` had to make
-    in double.
+    matrix (n_unknowns, n_unknowns) of all unknowns of the space; free (n,): those to be solved for;
+    reduced (n, n): their matrix; dissection: the order of a factor; name: of the solver; notes: on
+    a solver in single precision that failed; failed: why single precision failed, once for each
+    factor that `approximate_factor` had to make in double.
     """
 
+    space: Space
+    matrix: sparse.csr_matrix
     fixed: Integers
-    solver: Prepared
+    free: Integers
+    reduced: sparse.csr_matrix
+    dissection: Dissection
+    name: str
+    notes: tuple[str, ...] = ()
     failed: list[str] = field(default_factory=list)
 
-    @property
-    def name(self) -> str:
-        """The kind of its solver."""
-        return self.solver.name
+    @cached_property
+    def solver(self) -> Solver:
+        """The solver, built on first use.
+
+        Raises
+        ------
+        InputError
+            If the matrix is singular, also in double precision.
+        """
+        try:
+            return SOLVERS[self.name](self)
+        except InputError:
+            if not self._use_double():
+                raise
+            return SOLVERS[self.name](self)
+
+    def neighbor(self, matrix: sparse.csr_matrix) -> sparse.csr_matrix:
+        """Return the `compressible` matrix (n, n) of the free unknowns: the one that is factored.
+
+        It is slightly compressible and quasi-definite.
+        """
+        return compressible(self.space, matrix)[self.free][:, self.free].tocsr()
+
+    def _use_double(self) -> bool:
+        """Switch from single to double precision; False if it is not in single precision."""
+        if self.name != "single":
+            return False
+        self.name, self.notes = "multifrontal", (SINGLE_FAILED,)
+        self.__dict__.pop("solver", None)
+        return True
 
     @property
     def rigid(self) -> Array:
@@ -99,7 +164,7 @@ class System(Equations):
         try:
             return self._iterated(right)
         except ConvergenceError:
-            if not self.solver.use_double():
+            if not self._use_double():
                 raise
         return self._iterated(right)
 
@@ -135,6 +200,13 @@ class System(Equations):
         raise ConvergenceError(message)
 
 
+SOLVERS: Mapping[str, Callable[[System], Solver]] = {
+    "multifrontal": lambda s: multifrontal.factor(s.neighbor(s.matrix), s.dissection),
+    "single": lambda s: multifrontal_indefinite.factor(s.neighbor(s.matrix), s.dissection),
+    "iterative": lambda s: iterative(s.space, s.matrix, s.free, s.reduced),
+}
+
+
 @one_thread
 def factor(
     space: Space,
@@ -144,7 +216,7 @@ def factor(
 ) -> System:
     """Build and factor the system of `matrix` of `space`, with the unknowns `fixed` prescribed.
 
-    `solver` is one of `solvers.SOLVERS`; by default that of `solvers.choose`.
+    `solver` is one of `SOLVERS`; by default that of `choose`.
 
     Raises
     ------
@@ -153,7 +225,7 @@ def factor(
         known.
     """
     system = prepare(space, matrix, fixed, solver)
-    _ = system.solver.made  # factor now, so that a singular system is reported here
+    _ = system.solver  # factor now, so that a singular system is reported here
     return system
 
 
@@ -175,10 +247,12 @@ def prepare(
         message = "held facets: expected at least one held face, received none"
         raise InputError(message)
     free = np.setdiff1d(np.arange(space.n_unknowns), held)
-    given = (space, matrix, free, matrix[free][:, free].tocsr(), dissect_space(space, free))
-    equations = Equations(*given)
-    name = choose(equations) if solver is None else choice("ask.solver", solver, SOLVERS)
-    return System(*given, held, Prepared(name, equations))
+    reduced, dissection = matrix[free][:, free].tocsr(), dissect_space(space, free)
+    if solver is None:
+        name = choose(reduced, dissection)
+    else:
+        name = choice("ask.solver", solver, SOLVERS)
+    return System(space, matrix, held, free, reduced, dissection, name)
 
 
 @one_thread
@@ -195,7 +269,7 @@ def approximate_factor(
     InputError
         If it is singular, or beyond double precision.
     """
-    close = neighbor(system.space, matrix, system.free)
+    close = system.neighbor(matrix)
     rigid = system.rigid if held else np.empty((len(system.free), 0))
 
     def factored(precision: Precision) -> ApproximateFactor:
@@ -212,3 +286,38 @@ def approximate_factor(
         in_double = factored(np.float64)
         system.failed.append(str(error))
     return in_double
+
+
+def choose(reduced: sparse.csr_matrix, dissection: Dissection) -> str:
+    """Choose the fastest solver that fits in the free memory, by name; arguments as of `System`."""
+    room = ROOM * free_memory()
+    size = WORKING * dissection.entries
+    if 8 * size <= room:
+        return "multifrontal"
+    diagonal = reduced.diagonal()
+    stiffness = diagonal[diagonal > 0]
+    if 4 * size <= room and stiffness.max() <= SPREAD * stiffness.min():
+        return "single"
+    return "iterative"
+
+
+def free_memory() -> float:
+    """Free memory in bytes; the installed memory where the free one is not known, or else inf."""
+    with suppress(OSError, StopIteration):
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        line = next(line for line in lines if line.startswith("MemAvailable:"))
+        return 1024.0 * int(line.split()[1])
+    with suppress(AttributeError, ValueError, OSError):
+        return float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
+    return float("inf")
+
+
+def compressible(
+    space: Space, matrix: sparse.csr_matrix, least: float = FACTOR_COMPRESSIBILITY
+) -> sparse.csr_matrix:
+    """Return the matrix with at least the compressibility `least` on the pressure diagonal."""
+    n = space.n_displacements
+    wanted = least * np.asarray(abs(matrix[n:][:, :n]).sum(axis=1)).ravel()
+    shift = np.zeros(space.n_unknowns)
+    shift[n:] = np.maximum(wanted + matrix.diagonal()[n:], 0.0)  # C stands there as -C
+    return matrix - sparse.diags(shift, format="csr") if shift.any() else matrix

@@ -181,13 +181,13 @@ def _precision(body: Solid) -> tuple[str, ...]:
         return ()
     count = len(body.system.failed)
     if not count:
-        return body.system.solver.notes
+        return body.system.notes
     tangents = (
         f"Single precision failed for {count} factor{'s' if count > 1 else ''} of the tangent; "
         f"{'those' if count > 1 else 'that'} in double precision, of twice the memory, "
         f"{'were' if count > 1 else 'was'} taken instead."
     )
-    return (*body.system.solver.notes, tangents)
+    return (*body.system.notes, tangents)
 
 
 def deepest_penetration(gap: Array) -> float:

@@ -13,7 +13,7 @@ from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.laws import neo_hookean
-from fefinger.fem.linalg import solvers
+from fefinger.fem.linalg import system
 from fefinger.mechanics import Mechanics, condensed, get, linear, names, solid
 from fefinger.mechanics.press import finite_strain, materials
 from fefinger.mechanics.press.operator import operator
@@ -170,14 +170,14 @@ def test_bad_hard_parts_are_refused(field: str, value: object, told: str) -> Non
 
 
 def test_the_solver_of_a_scene_is_used_and_recorded() -> None:
-    assert tuple(solvers.SOLVERS) == SOLVERS
+    assert tuple(system.SOLVERS) == SOLVERS
 
     result = run(scene("iterative", depth=0.05), mechanics="linear")
     found = {name: linear.respond(scene(name, depth=0.05)) for name in (None, "single")}
     found["iterative"] = result.response
     used = {name: response.sources["solver"] for name, response in found.items()}
     # With some processors' kernels LAPACK's inverse in single precision is at times not a number.
-    gave_way = solvers.SINGLE_FAILED in found["single"].notes
+    gave_way = system.SINGLE_FAILED in found["single"].notes
     single = "multifrontal" if gave_way else "single"
     assert used == {None: "multifrontal", "single": single, "iterative": "iterative"}
     for response in found.values():
@@ -198,7 +198,7 @@ def test_single_precision_that_fails_gives_way_with_a_note(
     double = {linear: answer(linear, "single"), solid: answer(solid)}
     for each, response in double.items():
         assert response.force == pytest.approx(usual[each].force, rel=1e-6)
-    assert solvers.SINGLE_FAILED in double[linear].notes
+    assert system.SINGLE_FAILED in double[linear].notes
     assert double[linear].sources["solver"] == "multifrontal"
     assert any("Single precision failed for" in note for note in double[solid].notes)
     unsound(np.float32, np.float64)
