@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
+from fefinger.geometry.voigt import logarithmic
 
 
 def test_a_result_of_solid_has_the_green_lagrange_strain_of_its_deformation(synthetic):

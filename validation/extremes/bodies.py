@@ -17,9 +17,9 @@ from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import HistoryStress, continuum
 from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
-from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.linalg.system import factor
+from fefinger.geometry.voigt import logarithmic
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Sphere

@@ -7,7 +7,7 @@ import numpy as np
 from fefinger.validation.waves.bodies import RATES, WEIGHTS
 
 from fefinger.fem.contact.closed_contact import ClosedContact
-from fefinger.fem.contact.modal_march import ModalContact
+from fefinger.fem.contact.modal_step import ModalContact
 from fefinger.fem.contact.oscillators import Complex, Oscillators
 from fefinger.fem.contact.step_compiled import check
 from fefinger.mechanics.press.modal_press import contact_of

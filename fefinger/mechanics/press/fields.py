@@ -10,7 +10,6 @@ from fefinger.fem.contact.patch import Patch
 from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.elements.probe import gradient_at_vertices, strain_at_vertices
 from fefinger.fem.elements.spaces import Space
-from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.stored_energy import StoredEnergy
 from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS, FingerMesh
 from fefinger.geometry.locate import inside_weights

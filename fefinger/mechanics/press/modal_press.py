@@ -9,7 +9,7 @@ from scipy import sparse
 
 from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Operator, displaced
-from fefinger.fem.contact.modal_march import ModalContact, TimeGrid, march_modes
+from fefinger.fem.contact.modal_step import ModalContact, TimeGrid, march_modes
 from fefinger.fem.contact.viscoelastic import History, Prescribed
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.mechanics.press import modal_body

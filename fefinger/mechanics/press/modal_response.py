@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 
 from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.modal_march import TimeGrid
+from fefinger.fem.contact.modal_step import TimeGrid
 from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at_vertices

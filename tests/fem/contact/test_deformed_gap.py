@@ -16,9 +16,9 @@ from fefinger.fem.elements.probe import gradient_at, gradient_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.laws import neo_hookean
-from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.profiles import FLANK, Bar, Ellipsoid, Plane, Profile, Relief
+from fefinger.geometry.voigt import logarithmic
 
 
 GRID = np.linspace(0.0, 1.0, 4)
