@@ -55,11 +55,7 @@ class StressHistory:
             self._parts.append((cells, Relaxation(prony.weights, prony.rates, size)))
 
     def over(self, step: float) -> HistoryStress:
-        """Return the relaxation factors and the history stress of a step of `step` s.
-
-        At its end S = g S_e + h: g (`gains`) multiplies the elastic stress S_e there, which the
-        equilibrium finds, and h (`past`) is what the steps before leave of the stress.
-        """
+        """Return the relaxation factors and the history stress of a step of `step` s."""
         gains = np.ones((len(self.body.weights), 2))
         past = np.zeros((*self.body.weights.shape, 6))
         for cells, relaxation in self._parts:

@@ -41,11 +41,7 @@ class FactoredTangent:
         self._woodbury: tuple[sparse.csc_matrix, Array, Array] | None = None
 
     def set_travel_load(self, load: Array) -> None:
-        """Set the displacement per mm of travel, from the load C e (n_unknowns,) mN/mm.
-
-        A contact stiffness C in K0 resists motion against the obstacle, not motion with it: over a
-        travel dd its force is C (v - dd e), e being the rigid motion of the obstacle.
-        """
+        """Set `following` from the load C e (n_unknowns,) mN/mm of a travel: see `newton`."""
         self.following = self.solve(load)
 
     def travel(self, loads: sparse.csc_matrix, projected: Array) -> tuple[Array, Array]:
