@@ -1,4 +1,4 @@
-"""Projection of vertices onto their smooth surfaces, and optimization of the worst tetrahedra."""
+"""Vertices moved onto their smooth surfaces, the volume of the bone, and the worst tetrahedra."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ TRIALS = 24
 ON_SHELLS = ("pad", "skin-subcutaneous", "bone")
 """Facet sets on the outer surfaces of skin, subcutaneous tissue and bone; the nail is pad here."""
 
-TRIAL = 0.01
+OFFSET = 0.01
 """Offset in mm of the bone's surface from which its volume is extrapolated."""
 
 
@@ -68,8 +68,8 @@ def bone_of_volume(
     on = free.any(axis=1)
     moves = np.zeros_like(points)
     moves[on] = shape.bone.normals(points[on]) * free[on]
-    present, trial = (volumes(points + step * moves, bone).sum() for step in (0.0, TRIAL))
-    return points + TRIAL * (volume - present) / (trial - present) * moves
+    present, trial = (volumes(points + step * moves, bone).sum() for step in (0.0, OFFSET))
+    return points + OFFSET * (volume - present) / (trial - present) * moves
 
 
 def sines(corners: Array) -> Array:
