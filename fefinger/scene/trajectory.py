@@ -11,10 +11,17 @@ from fefinger.support.checks import InputError
 
 
 _STRAIGHT = 1e-9
-"""Change of slope, relative to the steepest one, below which a knot is no corner."""
+"""Change of slope, relative to the steeper one beside a knot, below which it is no corner."""
 
-_INSTANT = 1e-12
-"""Part of the duration below which a last segment is rounding, not motion."""
+_ROUNDING = 16 * float(np.finfo(float).eps)
+"""Relative error of times and values that is rounding: a last segment that short is no motion."""
+
+_SHORTEST = 1024 * float(np.finfo(float).eps)
+"""Length of a segment in motion over the time at its end, below which too few digits of the length
+are left: their rounding changes the slope by a thousandth."""
+
+_FASTEST = 1e100
+"""Largest slope and bend, whose squares are still numbers."""
 
 _HALVINGS = 50
 """Bisections of a quarter of a cycle, after which it is rounding."""
@@ -157,15 +164,17 @@ class Trajectory:
         begins at t = 0, so a corner delays every knot by corner / 2 and no level is missed.
         """
         t, y = np.asarray(times, float), np.asarray(values, float)
-        if not np.all(np.diff(t) > 0):
+        if not np.all(np.diff(t) > np.where(np.diff(y) == 0, 0.0, _SHORTEST * t[1:])):
             raise InputError(
                 f"motion: expected parts longer than rounding, received knots at "
                 f"{t.tolist()} s; change the speed or the hold"
             )
-        slope = np.diff(y) / np.diff(t)
+        with np.errstate(over="ignore"):
+            slope = np.diff(y) / np.diff(t)
         before = np.concatenate([[0.0], slope])
         after = np.concatenate([slope, [0.0 if stop else slope[-1]]])
-        kink = np.abs(after - before) > _STRAIGHT * np.abs(slope).max()
+        _check_pace(np.abs(slope).max(), corner)
+        kink = _kinks(t, y, before, after)
         # The parabolas about two kinks must not overlap, nor the last one go beyond the end.
         longest = float(np.diff(t[kink]).min(initial=np.inf))
         if kink.any() and not kink[-1]:
@@ -185,7 +194,7 @@ class Trajectory:
                 delay = corner / 2 if i else 0.0
                 rows.append((t[i] + delay, y[i], after[i], 0.0))
         end = float(t[-1] + (corner if kink[-1] else corner / 2))
-        table = np.array([row for row in rows if end - row[0] > _INSTANT * end])
+        table = np.array([row for row in rows if end - row[0] > _ROUNDING * end])
         return cls(table[:, 0], table[:, 1], table[:, 2], table[:, 3], end)
 
     def followed_by(self, wave: Wave, cycles: float) -> "Trajectory":
@@ -248,3 +257,29 @@ class Trajectory:
         if self.wave is not None:
             times = np.concatenate([times, self.wave.crests(self.duration)])
         return float(self.value(times).max())
+
+
+def _check_pace(steepest: float, corner: float) -> None:
+    """Raise InputError for a slope per s, or a corner in s, whose squares are no numbers."""
+    if not steepest <= _FASTEST:
+        raise InputError(
+            f"motion: expected a speed of at most {_FASTEST:g} per s, received {steepest:.3g}; "
+            "check whether times are in s"
+        )
+    if 0 < corner < steepest / _FASTEST:
+        raise InputError(
+            f"motion.corner: expected at least {steepest / _FASTEST:.3g} s, or 0 for sharp ones, "
+            f"received {corner:g}"
+        )
+
+
+def _kinks(t: Array, y: Array, before: Array, after: Array) -> NDArray[np.bool_]:
+    """Knots (n,) at which the slope changes by more than rounding of the longer part beside them.
+
+    Against the steepest slope of the whole motion, a jump would hide all that is slow.
+    """
+    length = np.diff(t)
+    longer = np.maximum(np.append(length[0], length), np.append(length, length[-1]))
+    steeper = np.maximum(np.abs(before), np.abs(after))
+    rounding = _ROUNDING * (t / longer * steeper + np.abs(y) / longer)
+    return np.asarray(np.abs(after - before) > _STRAIGHT * steeper + rounding)

@@ -18,6 +18,7 @@ from fefinger.scene.motions import (
     RampHold,
     RampSinusoid,
     Sampled,
+    SampledPath,
     Sinusoid,
     Trapezoid,
     Vibration,
@@ -223,6 +224,37 @@ def test_samples_are_joined_by_straight_lines_and_collinear_ones_make_no_break()
     assert motion.breakpoints == (0.0, 2.0, 3.0)
 
 
+@pytest.mark.parametrize("jump", [1e-3, 1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("scale", [1.0, 1e-3, 1e3])
+def test_what_is_slow_is_not_lost_beside_a_jump(jump, scale):
+    time = scale * np.array([0, jump, 1000, 2000, 3000])
+    depth = np.array([0, 0.5, 0.5001, 0.6, 0.5])
+    motion = Sampled(tuple(time.tolist()), tuple(depth.tolist()))
+    assert motion.value(time) == pytest.approx(depth, abs=1e-12)
+    assert motion.peak == pytest.approx(0.6, abs=1e-12)
+    path = SampledPath(motion.time, motion.depth, (0.0,) * 5, depth=(0.5,) * 5)
+    assert path.shift(time)[:, 0] == pytest.approx(depth, abs=1e-12)
+
+
+@pytest.mark.parametrize("corner", [0.0, None])
+def test_a_sudden_end_of_a_long_rest_is_not_lost(corner):
+    motion = Trapezoid(2e6, 1.0, hold=1e6, corner=corner)
+    assert motion.value([5e5, motion.duration]) == pytest.approx([1, 0], abs=1e-3)
+    rest = RampHold(1e-3, 1.0, hold=1e-10, corner=corner)  # shorter than its digits, but still
+    assert rest.value(rest.duration) == pytest.approx(1, abs=1e-12)
+
+
+@pytest.mark.parametrize("start", [0.0, 1e3])
+def test_rounding_of_even_samples_makes_no_break(start):
+    time = start + np.arange(2001) * 1e-3
+    time[0] = 0.0
+    ramp = np.where(time > start, 0.3 + 0.1 * (time - start), 0.3)
+    for depth in (ramp, 0.3 + 1e-16 * np.arange(2001)):
+        motion = Sampled(tuple(time.tolist()), tuple(depth.tolist()))
+        assert len(motion.breakpoints) <= 3
+        assert motion.value(time) == pytest.approx(depth, abs=1e-9)
+
+
 def test_samples_may_stay_at_one_depth_from_the_start():
     motion = Sampled((0, 1, 2), (0.5, 0.5, 0.5))
     assert motion.value(np.array([0.0, 0.7, 2.0])) == pytest.approx([0.5, 0.5, 0.5])
@@ -301,6 +333,13 @@ def test_a_corner_that_is_not_given_is_as_long_as_the_parts_of_the_motion_allow(
         (lambda: Sampled([0, 1], [-1, 0]), r"motion.depth: .*never touches"),
         (lambda: Sampled("01", [0, 1]), r"motion.time: expected a list of numbers"),
         (lambda: Sampled([0, 1, 2], [0, 1, 0], corner=2), r"motion.corner: expected at most 1 s"),
+        (
+            lambda: Sampled([0, 1e-300], [0, 1]),
+            r"motion: .* at most 1e\+100 per s, received 1e\+300",
+        ),
+        (lambda: Sampled([0, 1e-300], [0, 1e20]), r"motion: .* received inf; check whether times"),
+        (lambda: RampHold(10, 1, hold=1, corner=1e-310), r"motion.corner: expected at least 1e-99"),
+        (lambda: Trapezoid(1e7, 1, hold=1e6, corner=0), "motion: .* parts longer than rounding"),
         (lambda: ForceSampled([0, 1, 2], [0, 1, -1]), r"motion.force: .*cannot pull"),
         (
             lambda: ForceSampled([0, 1, 2], [-0.03, 0, 1]),
