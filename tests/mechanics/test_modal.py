@@ -4,6 +4,7 @@ import dataclasses
 import struct
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -215,10 +216,13 @@ def test_a_preload_is_answered_alike_after_any_other(loop: ff.Modal) -> None:
         ([10.0], {}, "a depth in mm or a force in N"),
         ([10.0], {"depth": 3.0}, "at most 1.2"),
         ([10.0], {"force": 30.0}, "rim"),
+        ("a", {"depth": 0.8}, r"frequency\[0\]: expected a finite number, received 'a'"),
+        (1j, {"depth": 0.8}, r"frequency\[0\]: expected a finite number, received 1j"),
+        ([20.0, "a"], {"depth": 0.8}, r"frequency\[1\]: expected a finite number, received 'a'"),
     ],
 )
 def test_a_harmonic_answer_that_cannot_be_given_is_a_sentence(
-    loop: ff.Modal, frequency: list[float], preload: dict[str, float], sentence: str
+    loop: ff.Modal, frequency: Any, preload: dict[str, float], sentence: str
 ) -> None:
     with pytest.raises(InputError, match=sentence):
         loop.harmonic(frequency, **preload)

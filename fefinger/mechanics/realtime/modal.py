@@ -9,6 +9,7 @@ It is `mechanics/modal` at small strain without a scene: operator and modes of t
 once and kept.
 """
 
+from collections.abc import Iterable
 from functools import cached_property
 from os import PathLike
 from typing import Literal
@@ -35,7 +36,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, number
+from fefinger.support.checks import InputError, number, numbers
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
@@ -133,7 +134,7 @@ class Modal(Loop):
         ConvergenceError
             If no contact is found.
         """
-        self._check_step(dt)
+        dt = self._checked_step(dt)
         return self._advance(dt, number("depth", depth, unit="mm"), by_force=False)
 
     def step_force(self, force: float, dt: float) -> Step:
@@ -141,7 +142,7 @@ class Modal(Loop):
 
         Errors as `step`.
         """
-        self._check_step(dt)
+        dt = self._checked_step(dt)
         wanted = number("force", force, at_least=0, unit="N")
         return self._advance(dt, wanted / (NEWTON_PER_MILLINEWTON * self._sides), by_force=True)
 
@@ -173,9 +174,10 @@ class Modal(Loop):
             number("depth", depth, above=0, at_most=self.deepest, unit="mm")
         else:
             number("force", force, above=0, unit="N")
-        return self.vibrating.harmonic(
-            np.atleast_1d(np.asarray(frequency, dtype=np.float64)), depth=depth, force=force
-        )
+        given: Any = frequency.tolist() if isinstance(frequency, np.ndarray) else frequency
+        several = isinstance(given, Iterable) and not isinstance(given, str | bytes)
+        wanted = np.array(numbers("frequency", given if several else [given]))
+        return self.vibrating.harmonic(wanted, depth=depth, force=force)
 
     def shape(self, which: int, *, frames: int = 24) -> Fields:
         """Return one cycle of a free mode on the mesh, with a largest displacement of 1 mm.
@@ -218,12 +220,14 @@ class Modal(Loop):
             self.finger, self.solid, self.modes, still.patch, self.deepest, self.sites
         )
 
-    def _check_step(self, dt: float) -> None:
+    def _checked_step(self, dt: float) -> float:
+        dt = number("dt", dt, unit="s")
         if not 0 < dt <= self._contact.longest:
             raise InputError(
                 f"dt: expected a step above 0 and of at most {self.dt:g} s, for which the finger "
                 f"was made, received {dt!r}; make it with a longer `dt`, or call `rest`"
             )
+        return dt
 
     def _advance(self, dt: float, target: float, *, by_force: bool) -> Step:
         outcome = self._contact.step(dt, target, by_force=by_force)

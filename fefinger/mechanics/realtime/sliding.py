@@ -196,9 +196,7 @@ class Sliding(Loop):
     def _advance(
         self, target: float, shift: tuple[float, float], dt: float, *, by_force: bool
     ) -> SlidingStep:
-        place = np.array(shift, dtype=float)
-        if not (place.shape == (2,) and np.isfinite(place).all()):
-            raise InputError(f"shift: expected two finite numbers in mm, received {shift!r}")
+        place = _place(shift)
         dt = quick_number("dt", dt, 0.0, unit="s")
         if not self._obstacle.profile.level and math.hypot(*place) > self.reach * (1 + 1e-9):
             raise InputError(FAR.format(self.reach, *place))
@@ -262,6 +260,16 @@ class Sliding(Loop):
             now.torque = float(turning) * NEWTON_PER_MILLINEWTON
         else:
             now.torque = 0.0
+
+
+def _place(shift: tuple[float, float]) -> Array:
+    """Return the place (2,) mm of the object; InputError if it is not two finite numbers."""
+    try:
+        x, y = shift
+        return np.array([number("shift", x), number("shift", y)])
+    except (TypeError, ValueError) as error:
+        message = f"shift: expected two finite numbers in mm, received {shift!r}"
+        raise InputError(message) from error
 
 
 def _disc(radius: float) -> Array:

@@ -173,8 +173,9 @@ def test_a_finger_that_is_only_pressed_refuses_friction(kind: type) -> None:
 @pytest.mark.parametrize("make", [
     lambda: ff.Pressed(SOFT, ff.Flat(30), deepest=0.5).step,
     lambda: ff.Condensed(SOFT, ff.Flat(30), deepest=0.5).step,
+    lambda: ff.Modal(SOFT, ff.Flat(30), deepest=0.5, dt=1.0).step,
     lambda: partial(ff.Sliding(SOFT, ff.Dots(2.5), deepest=0.5).step, shift=(0.0, 0.0)),
-], ids=["pressed", "condensed", "sliding"])  # fmt: skip
+], ids=["pressed", "condensed", "modal", "sliding"])  # fmt: skip
 def test_a_depth_or_a_step_that_is_no_number_is_refused(make: Callable) -> None:
     step = make()
     for wrong in ("0.3", None, 1j, True, np.array([0.1, 0.2])):
@@ -183,3 +184,11 @@ def test_a_depth_or_a_step_that_is_no_number_is_refused(make: Callable) -> None:
         with pytest.raises(ff.InputError, match="dt: expected"):
             step(depth=0.1, dt=wrong)
     assert step(depth=np.array(0), dt=1).depth == 0.0
+
+
+def test_a_place_that_is_not_two_numbers_is_refused() -> None:
+    finger = ff.Sliding(SOFT, ff.Dots(2.5), deepest=0.5)
+    for wrong in ("a", "12", None, 1.0, (0.0,), (0.0, "1"), (0.0, True), (1j, 0.0), ([0.1], 0.0)):
+        with pytest.raises(ff.InputError, match="shift: expected two finite numbers in mm"):
+            finger.step(0.1, wrong, 1e-3)  # type: ignore[arg-type]
+    assert finger.step(0.1, np.array([0.5, 0]), 1e-3).shift.tolist() == [0.5, 0.0]
