@@ -86,6 +86,34 @@ def test_ramp_and_hold_equal_the_integral_of_the_relaxation_over_the_force_of_he
     assert answer.contact_area == pytest.approx(np.pi * 14.0 * answer.depth, abs=1e-2)
 
 
+@pytest.mark.parametrize("motion", [
+    ff.RampHold(20, 0.2, hold=3.0),
+    ff.ForceRampHold(1.0, 0.05, hold=3.0),
+], ids=["depth", "force"])  # fmt: skip
+def test_how_long_a_press_is_held_changes_nothing_of_its_start(motion):
+    start = motion.duration - motion.hold
+    after = start + np.array([0.001, 0.01, 0.1, 0.3, 1.0, 2.0])
+    short, *longer = (
+        hertz.respond(scene(motion=replace(motion, hold=hold))) for hold in (3.0, 1e2, 1e3, 1e6)
+    )
+    for quantity in ("force", "depth"):
+        expected = np.interp(after, short.time, getattr(short, quantity))
+        for each in longer:
+            found = np.interp(after, each.time, getattr(each, quantity))
+            assert found == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_slow_ramp_after_a_jump_relaxes_as_a_rest_does():
+    jump = ((0.0, 1e-3, 1e3), (0.0, 0.2, 0.2 + 1e-6))
+    rest, slow = (
+        hertz.respond(scene(motion=each))
+        for each in (ff.RampHold(200, 0.2, hold=1e3, corner=0.0), ff.Sampled(*jump))
+    )
+    after = np.array([0.01, 0.05, 0.2, 1.0, 10.0])
+    expected = np.interp(after, rest.time, rest.force)
+    assert np.interp(after, slow.time, slow.force) == pytest.approx(expected, rel=5e-3)
+
+
 def test_the_pressure_in_the_middle_is_the_integral_of_that_of_hertz_over_its_cell():
     answer = hertz.respond(scene())
     radius = np.sqrt(answer.pad.areas[0] / np.pi)

@@ -243,6 +243,20 @@ def test_time_steps_follow_the_motion(motion: Motion, fast: bool) -> None:
         assert np.abs(grid - corner).min() < 1e-9
 
 
+@pytest.mark.parametrize("fast", [True, False])
+def test_a_part_begins_with_short_steps_however_long_it_is(fast: bool) -> None:
+    limit = time_steps.FAST_STEP if fast else time_steps.MOVING_STEP
+    for long in (2.0, 100.0, 1e6):
+        for after in (0.5, 0.5 + 1e-3 * long):  # mm: a rest, and a slow ramp after a fast one
+            motion = ff.Sampled((0.0, 0.05, 0.05 + long), (0.0, 0.5, after))
+            grid = time_steps.time_grid(motion, fast=fast)
+            steps = np.diff(grid[grid > 0.05 - 1e-9])
+            assert (steps > 0).all()
+            assert steps[0] <= limit * 1.001
+            assert (steps[1:] < 1.3 * steps[:-1]).all()
+            assert len(steps) < 350 + min(long, time_steps.LONG) / limit
+
+
 @pytest.mark.parametrize("tissue", sorted(filter(library.fitted_to, library.TISSUE_SETS)))
 def test_the_tissue_of_no_subject_is_beyond_what_was_measured_and_a_stiffer_one_is(tissue):
     finger = ff.Finger.subject("a.h.", tissue=tissue)

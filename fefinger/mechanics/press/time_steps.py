@@ -1,7 +1,7 @@
 """Time steps that follow the motion: fine while it moves, growing while it rests."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,8 +17,8 @@ FAST_STEP = 2e-4  # s: FAII takes a second derivative of up to 1 kHz
 STEPS_PER_CYCLE = 40
 STEPS_PER_MOVE = 60
 STEPS_PER_PART = 10  # in which a part of a texture passes, as a dot or a groove
-LONG = 5.0  # s: parts and cycles of a motion that are longer take steps longer by as much
-GROWTH = 1.25  # of successive steps while at rest
+LONG = 5.0  # s: ramps and cycles that are longer take steps longer by as much, after their start
+GROWTH = 1.25  # of successive steps while at rest, and at the start of a long ramp
 RESTING_STEP = 0.05  # s, the longest, up to a rest of RESTING_STEPS of them
 RESTING_STEPS = 200  # longer rests take longer steps
 
@@ -36,10 +36,15 @@ MOST = 250_000
 
 @dataclass(frozen=True)
 class _Piece:
-    """A part of the motion without corners, from `start` to `stop` s."""
+    """A part of the motion without corners, from `start` to `stop` s.
+
+    Its steps grow from `first` s, however long it is: tissue relaxes fastest at its start. In a
+    rest they grow on, else to `step` s.
+    """
 
     start: float
     stop: float
+    first: float
     step: float
     moves: bool
 
@@ -50,9 +55,16 @@ class _Piece:
 
     def times(self) -> Array:
         """Return its times in s but the first."""
-        if self.moves:
-            return np.linspace(self.start, self.stop, self.count + 1)[1:]
-        return _growing(self.start, self.stop, self.step)
+        if not self.moves:
+            return _growing(self.start, self.stop, self.first)
+        lengths, length = [], self.first
+        while length < self.step * (1 - 1e-9):
+            lengths.append(length)
+            length *= GROWTH
+        lead = self.start + np.cumsum(lengths)
+        lead = lead[lead < self.stop - self.step]
+        even = replace(self, start=float(lead[-1])) if len(lead) else self
+        return np.append(lead, np.linspace(even.start, even.stop, even.count + 1)[1:])
 
 
 def time_grid(
@@ -60,10 +72,10 @@ def time_grid(
 ) -> Array:
     """Return times (n_t,) in s from 0 to the end of the motion, with all of its corners.
 
-    `fast` limits the step in motion to 0.2 ms (a 25000th of parts and cycles longer than 5 s);
-    `refine` divides every step. `feature` in mm is the smallest part of a texture that may slide,
-    which takes shorter steps, but none below those of `fast`. InputError for a motion that takes
-    more than `most` steps.
+    `fast` limits the step in motion to 0.2 ms (a 25000th of ramps and cycles longer than 5 s, after
+    their start); `refine` divides every step. `feature` in mm is the smallest part of a texture
+    that may slide, which takes shorter steps, but none below those of `fast`. InputError for a
+    motion that takes more than `most` steps.
     """
     pieces = list(_pieces(motion, fast=fast, feature=feature))
     reason = _too_long(motion, pieces, most)
@@ -121,10 +133,11 @@ def _pieces(motion: Motion, *, fast: bool, feature: float) -> Iterator[_Piece]:
         middle = (start + stop) / 2
         move = [end - begin for begin, end in moving if begin <= middle <= end]
         longer = max(1.0, min(stop - start, cycle) / LONG)
-        longest = min(finest * longer, max(FAST_STEP * longer, part))
-        shares = (length / STEPS_PER_MOVE for length in move)
-        step = min([longest, cycle / STEPS_PER_CYCLE, *shares])
-        yield _Piece(start, stop, step, bool(move))
+        shares = [cycle / STEPS_PER_CYCLE, *(length / STEPS_PER_MOVE for length in move)]
+        first, step = (
+            min([finest * long, max(FAST_STEP * long, part), *shares]) for long in (1.0, longer)
+        )
+        yield _Piece(start, stop, first, step, bool(move))
 
 
 def _growing(start: float, stop: float, step: float) -> Array:
