@@ -209,6 +209,26 @@ def test_a_preload_is_answered_alike_after_any_other(loop: ff.Modal) -> None:
 
 
 @pytest.mark.parametrize(
+    "motion",
+    [
+        ff.RampSinusoid(20, 0.3, amplitude=0.35, frequency=100, cycles=3),
+        ff.Sampled((0.0, 0.005, 0.01, 0.02, 0.025, 0.04), (0.0, 0.5, -0.2, -0.2, 0.5, 0.0)),
+    ],
+    ids=["vibration", "taps"],
+)
+def test_stiffening_tissue_bears_no_force_without_contact(motion: ff.Sampled) -> None:
+    finger = ff.Finger.subject("a.h.", resolution="coarse")
+    ask = ff.Ask(strain=False, fields=False)
+    answer = modal.respond(ff.Scene(finger=finger, motion=motion, ask=ask))
+    borne = 1e-3 * answer.pressure @ answer.pad.areas
+    assert borne == pytest.approx(answer.force, abs=1e-9 * answer.force.max())
+    assert answer.force.min() == 0
+    assert np.array_equal(answer.force > 0, answer.contact_area > 0)
+    assert answer.force[answer.depth < 0].max() == 0
+    assert any("still touches the object" in note for note in answer.notes)
+
+
+@pytest.mark.parametrize(
     ("frequency", "preload", "sentence"),
     [
         ([3000.0], {"depth": 0.8}, f"of the frequency of the last of {MODES} modes"),

@@ -227,8 +227,10 @@ def _added(
         more = history.contact.depth - still.contact.depth + relaxation.depth(*about)
     else:
         force = force + moving - resting + relaxation.force(*about)
-    pulls = force < 0
-    force = np.maximum(force, 0.0)
+    # The linear finger is as stiff as at its preload, and leaves the object later than the skin.
+    apart = (answer.force <= 0) & (not by_force)
+    touches, pulls = apart & (moving > 0), ~apart & (force < 0)
+    force = np.where(apart, 0.0, np.maximum(force, 0.0))
     share = np.divide(force, answer.force, out=np.zeros_like(force), where=answer.force > 0)
     notes = [
         f"Tissue stiffens with strain: inertia is that of a linear finger with {linear.factor:.3g} "
@@ -239,6 +241,11 @@ def _added(
     ]
     if pulls.any():
         notes.append(f"The contact would pull at {int(pulls.sum())} times: there it is open.")
+    if touches.any():
+        notes.append(
+            f"At {int(touches.sum())} times the linear finger still touches the object where the "
+            "skin without inertia does not: there the contact is open."
+        )
     return replace(
         answer,
         depth=answer.depth + more,
