@@ -16,6 +16,9 @@ _STRAIGHT = 1e-9
 _ROUNDING = 16 * float(np.finfo(float).eps)
 """Relative error of times and values that is rounding: a last segment that short is no motion."""
 
+_LEVEL = 1e-12
+"""Distance from the line before, over the largest value, below which a knot is on it."""
+
 _SHORTEST = 1024 * float(np.finfo(float).eps)
 """Length of a segment in motion over the time at its end, below which too few digits of the length
 are left: their rounding changes the slope by a thousandth."""
@@ -274,7 +277,7 @@ def _check_pace(steepest: float, corner: float) -> None:
 
 
 def _kinks(t: Array, y: Array, before: Array, after: Array) -> NDArray[np.bool_]:
-    """Knots (n,) at which the slope changes by more than rounding of the longer part beside them.
+    """Knots (n,) at which the slope changes, but for changes by rounding or that lead nowhere.
 
     Against the steepest slope of the whole motion, a jump would hide all that is slow.
     """
@@ -282,4 +285,12 @@ def _kinks(t: Array, y: Array, before: Array, after: Array) -> NDArray[np.bool_]
     longer = np.maximum(np.append(length[0], length), np.append(length, length[-1]))
     steeper = np.maximum(np.abs(before), np.abs(after))
     rounding = _ROUNDING * (t / longer * steeper + np.abs(y) / longer)
-    return np.asarray(np.abs(after - before) > _STRAIGHT * steeper + rounding)
+    kinks = np.asarray(np.abs(after - before) > _STRAIGHT * steeper + rounding)
+    bent = np.flatnonzero(kinks[:-1])
+    ends, tolerance = np.append(bent, len(t) - 1)[1:], _LEVEL * float(np.abs(y).max())
+    last, slope = 0, 0.0
+    for knot, end in zip(bent.tolist(), ends.tolist(), strict=True):
+        kinks[knot] = abs(y[last] + slope * (t[end] - t[last]) - y[end]) > tolerance
+        if kinks[knot]:
+            last, slope = knot, after[knot]
+    return kinks

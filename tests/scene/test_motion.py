@@ -236,6 +236,13 @@ def test_what_is_slow_is_not_lost_beside_a_jump(jump, scale):
     assert path.shift(time)[:, 0] == pytest.approx(depth, abs=1e-12)
 
 
+def test_no_sample_of_a_fine_curve_is_missed():
+    time = np.linspace(0, 1, 100_001)
+    depth = 1e-3 * (1 - np.cos(2 * np.pi * time)) + np.where(time > 0.5, 0.3, 0.0)
+    motion = Sampled(tuple(time.tolist()), tuple(depth.tolist()))
+    assert np.abs(motion.value(time) - depth).max() < 1e-11
+
+
 @pytest.mark.parametrize("corner", [0.0, None])
 def test_a_sudden_end_of_a_long_rest_is_not_lost(corner):
     motion = Trapezoid(2e6, 1.0, hold=1e6, corner=corner)
@@ -249,7 +256,8 @@ def test_rounding_of_even_samples_makes_no_break(start):
     time = start + np.arange(2001) * 1e-3
     time[0] = 0.0
     ramp = np.where(time > start, 0.3 + 0.1 * (time - start), 0.3)
-    for depth in (ramp, 0.3 + 1e-16 * np.arange(2001)):
+    noise = 1e-14 * np.random.default_rng(1).standard_normal(2001)
+    for depth in (ramp, 0.3 + 1e-16 * np.arange(2001), 0.3 + noise):
         motion = Sampled(tuple(time.tolist()), tuple(depth.tolist()))
         assert len(motion.breakpoints) <= 3
         assert motion.value(time) == pytest.approx(depth, abs=1e-9)
