@@ -11,11 +11,15 @@ import pytest
 import xarray as xr
 
 from fefinger.pages import report
+from fefinger.pipeline import run
+from fefinger.plan import explain
 from fefinger.result import Result, load
 from fefinger.results import netcdf
 from fefinger.results.netcdf import LAYOUT, RECORDS
+from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.motions import Sampled
+from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import Prony
@@ -166,6 +170,30 @@ def test_a_result_loads_without_the_files_of_its_finger(
     assert found.scene.finger.skin.exponent == 3.0
     found.save(tmp_path / "again")
     assert_same(load(tmp_path / "again"), result)
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_a_saved_scene_runs_again_without_the_file_of_its_tissue(
+    synthetic: Result, tmp_path: Path
+) -> None:
+    file = tmp_path / "tissue.toml"
+    file.write_text(TISSUE_SET)
+    finger = Finger(14, 10, subject_name="a.h.", tissue=str(file), pad_radius=13)
+    ask = Ask(mechanics="lumped", pressure=False, strain=False, fields=False)
+    scene = dataclasses.replace(synthetic.scene, finger=finger, ask=ask)
+    dataclasses.replace(synthetic, scene=scene).save(tmp_path / "out")
+    refusals = [rung.refusals for rung in explain(scene).rungs]
+    file.unlink()
+    found = load(tmp_path / "out").scene
+    assert found == scene
+    assert [rung.refusals for rung in explain(found).rungs] == refusals
+    assert Scene.from_toml(found.to_toml()) == scene
+    assert dataclasses.replace(found.finger, width=15).skin == finger.skin
+    notes = run(found).notes
+    assert f"The file of the tissue, {file}, is gone; this scene has kept its values." in notes
+    assert any("pad_radius 13 mm instead of 14 mm" in note for note in notes)
+    with pytest.raises(InputError, match="expected a TOML file with a tissue set"):
+        Finger(14, 10, tissue=str(file))
 
 
 @pytest.mark.usefixtures("plain_report")

@@ -26,7 +26,7 @@ that do not stiffen, at strains where a law with the fitted exponents is 2 to 4 
 
 RATIO_SD = 0.6  # of the logarithm of the ratio of the moduli: a factor 1.8
 
-PULP = "18 kPa (Dandekar 2003) to 50 kPa (Saal 2017) about 34 kPa (Maeno 1998): a factor 4"
+PULP = "18 kPa (Dandekar 2003) to 50 kPa (Saal 2017), about 34 kPa (Maeno 1998): a factor 4"
 SKIN = "3 (Maeno 1998) to 10 (Dandekar 2003): a factor 1.8 about the latter"
 GIVEN = "the tissue of the finger that was given"
 """Sources of the priors of the moduli: published tissue, or another that a fit starts from."""

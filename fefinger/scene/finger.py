@@ -23,6 +23,8 @@ AUTO = "auto"
 STANDARD = "standard"
 FILES = ("tissue", "surface", "bone_surface")
 """Fields that may name a file."""
+FROM_TISSUE = ("pad_radius", *LAYERS, "prony")
+"""Fields that every finger has, by default those of its tissue set."""
 PULP = 0.5
 """Soft tissue under the pad over the thickness of the finger, about."""
 BONE = 0.47
@@ -120,7 +122,9 @@ class Finger:
         if self.subject_name is not None:
             choice("finger.subject", self.subject_name, pawluk1997.subjects())
         self._default("tissue", library.default_tissue(self.subject_name))
-        tissues = library.tissue_set(self.tissue)
+        # A finger that was saved has all values, and the file of its tissue may have moved since.
+        whole = all(getattr(self, given) is not None for given in FROM_TISSUE)
+        tissues = None if whole and library.gone(self.tissue) else library.tissue_set(self.tissue)
         for size in ("width", "thickness"):
             set_number(self, f"finger.{size}", above=0, unit="mm")
             value = getattr(self, size)
@@ -130,16 +134,8 @@ class Finger:
                     f"received {value:g}{FINGER.hint(value)}; a fingertip is some 15 mm wide and "
                     "12 mm thick"
                 )
-        lengths = tissues.lengths(self.width, self.thickness)
-        radius = lengths["pad_radius"] or pawluk1997.quasistatic()[name].radius
-        self._default("pad_radius", radius)
-        self._default("skin", tissues.skin)
-        self._default("subcutaneous", tissues.subcutaneous)
-        self._default("prony", tissues.prony or pawluk1997.relaxation()[name])
-        if self.bone_surface is None:
-            self._default("tip_tissue", lengths["tip_tissue"])
-        if self.surface is None:
-            self._default("tip_radius", lengths["tip_radius"])
+        if tissues is not None:
+            self._fill(tissues, name)
         set_number(self, "finger.pad_radius", above=0, unit="mm")
         if not isinstance(self.bone, Hard):
             choice("finger.bone", self.bone, (RIGID,))
@@ -155,6 +151,19 @@ class Finger:
             raise InputError(msg)
         self._check_tip()
         self._check_layers()
+
+    def _fill(self, tissues: library.TissueSet, row: str) -> None:
+        """Fill in what a tissue set gives, or the row of the thesis's tables."""
+        lengths = tissues.lengths(self.width, self.thickness)
+        radius = lengths["pad_radius"] or pawluk1997.quasistatic()[row].radius
+        self._default("pad_radius", radius)
+        self._default("skin", tissues.skin)
+        self._default("subcutaneous", tissues.subcutaneous)
+        self._default("prony", tissues.prony or pawluk1997.relaxation()[row])
+        if self.bone_surface is None:
+            self._default("tip_tissue", lengths["tip_tissue"])
+        if self.surface is None:
+            self._default("tip_radius", lengths["tip_radius"])
 
     def _default(self, name: str, value: Any) -> None:
         """Set a field that was left out."""
@@ -267,6 +276,9 @@ class Finger:
 
 def origin_notes(finger: Finger) -> tuple[str, ...]:
     """Describe how a finger mixes sources: tissue fitted to another subject, or changed sizes."""
+    if library.gone(finger.tissue):
+        kept = f"The file of the tissue, {finger.tissue}, is gone; this scene has kept its values."
+        return (kept, *_resized(finger))
     source = library.fitted_to(finger.tissue) or finger.subject_name
     tissues = library.tissue_set(finger.tissue)
     given = [layer for layer in LAYERS if getattr(finger, layer) != getattr(tissues, layer)]
@@ -288,7 +300,8 @@ def _resized(finger: Finger) -> tuple[str, ...]:
     if row is None or finger.surface is not None:
         return ()
     size = {"width": finger.width, "thickness": finger.thickness}
-    measured = Finger.subject(str(finger.subject_name), tissue=finger.tissue, **size)
+    tissue = None if library.gone(finger.tissue) else finger.tissue
+    measured = Finger.subject(str(finger.subject_name), tissue=tissue, **size)
     wanted = {"width": row.width, "thickness": row.thickness, "pad_radius": measured.pad_radius}
     changed = [
         f"{name} {getattr(finger, name):g} mm instead of {value:g} mm"

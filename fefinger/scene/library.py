@@ -16,7 +16,7 @@ from fefinger.scene import pawluk1997
 from fefinger.scene.pawluk1997 import MEANS
 from fefinger.scene.tissue import Tissue
 from fefinger.support.checks import InputError, choice, reject_unknown
-from fefinger.support.outputs import check_input
+from fefinger.support.outputs import check_input, unreadable
 from fefinger.theory.relaxation import Prony
 
 
@@ -285,6 +285,11 @@ def tissue_set(name: str) -> TissueSet:
 
 TISSUE_FILE = ".toml"
 """Suffix of files with a tissue set, which `fefinger calibrate` writes."""
+
+
+def gone(name: str) -> bool:
+    """Whether a tissue set names a file that is not there, as of a result that was saved."""
+    return isinstance(name, str) and name.endswith(TISSUE_FILE) and bool(unreadable(name))
 
 
 def _tissue_file(name: str) -> TissueSet:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, cast
 
 from fefinger.scene import library
 from fefinger.scene.ask import Ask
-from fefinger.scene.finger import LAYERS, Finger
+from fefinger.scene.finger import FROM_TISSUE, LAYERS, Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS, Flat
 from fefinger.scene.motion import Motion
@@ -171,9 +171,11 @@ def _finger(table: dict[str, Any], folder: Path | None) -> Finger:
         tissue = table.get("tissue", library.default_tissue(subject))
         if isinstance(tissue, str) and tissue.endswith(library.TISSUE_FILE):
             tissue = table["tissue"] = str(folder / tissue)
-        tissues = library.tissue_set(tissue)
-        # A layer keeps its relaxation, as in Python; only the others take that of the finger.
-        bases = {layer: vars(getattr(tissues, layer)) for layer in LAYERS}
+        # A saved scene has all values, and the file of its tissue may have moved since.
+        if not (library.gone(tissue) and set(FROM_TISSUE) <= table.keys()):
+            tissues = library.tissue_set(tissue)
+            # A layer keeps its relaxation, as in Python; only the others take that of the finger.
+            bases = {layer: vars(getattr(tissues, layer)) for layer in LAYERS}
     for layer in LAYERS:
         name = f"finger.{layer}"
         if layer in table:

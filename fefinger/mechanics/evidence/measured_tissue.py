@@ -75,11 +75,12 @@ def calibrated(finger: Finger) -> bool:
 
     Its size may be another one.
     """
+    if library.fitted_to(finger.tissue) is None:  # its file, if it has one, is not needed
+        return False
     tissues = library.tissue_set(finger.tissue)
     tip = tissues.lengths(finger.width, finger.thickness)
     return (
-        library.fitted_to(finger.tissue) is not None
-        and (finger.skin, finger.subcutaneous) == (tissues.skin, tissues.subcutaneous)
+        (finger.skin, finger.subcutaneous) == (tissues.skin, tissues.subcutaneous)
         and finger.surface is None
         and (finger.tip_tissue, finger.tip_radius) == (tip["tip_tissue"], tip["tip_radius"])
         and _as_held(finger)
