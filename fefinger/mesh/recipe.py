@@ -16,8 +16,9 @@ FORMAT = 2
 """Version of the builder in the cache key; increased when a recipe gives another mesh. Version 2
 morphs shipped meshes."""
 
-SURFACE_FORMAT = 3
-"""The same for fingers from a surface file; version 3 morphs too, and averages their two halves."""
+SURFACE_FORMAT = 4
+"""The same for fingers from a surface file; version 3 morphs too, and averages their two halves;
+version 4 has the nail above the tip, not above half of the thickness."""
 
 
 Touch = float | tuple[float, float] | None

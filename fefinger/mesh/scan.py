@@ -93,7 +93,6 @@ def scanned(recipe: Recipe) -> Shape:
     near = (Shell.of(level, cut=cut, **tables), Shell.of(level, cut=cut, **inset), near_bone)
     soft = zip(shells[:2], near[:2], strict=True)
     halves = [*(_half(*pair, finger_shape.FINE) for pair in soft), inside]
-    middle = 0.5 * (float(low[2]) + top)
     return Shape(
         skin=skin,
         subcutaneous=under,
@@ -101,7 +100,7 @@ def scanned(recipe: Recipe) -> Shape:
         cut=cut,
         radii=fitted_radii(patch_points(skin)),
         nail=finger_shape.nail_of(
-            recipe, tip=tip, middle=middle, side=lambda x: np.interp(x, *tables["side"])
+            recipe, tip=tip, middle=level, side=lambda x: np.interp(x, *tables["side"])
         ),
         triangles=lambda step: [
             _half(skin, near[0], step),

@@ -61,7 +61,9 @@ class Shell:
         """Return half width, palmar depth and dorsal height at x, each (n,), mm."""
         x = np.minimum(x, self.tip)
         low, high = (np.maximum(spline(x), 0.0) for spline in (self.palmar, self.dorsal))
-        return np.sqrt(low / self.palmar_ratio(x)), np.sqrt(low), np.sqrt(high)
+        # Splines of a scan's profiles may swing below 0 beside the tip, where all are 0.
+        wide = np.maximum(low / self.palmar_ratio(x), 0.0)
+        return np.sqrt(wide), np.sqrt(low), np.sqrt(high)
 
     def level(self, points: Array) -> Array:
         """Return a signed distance, first-order exact at the surface, negative inside, (n,) mm."""

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from fefinger.mesh import shell_triangles as surface
 from fefinger.mesh.build import build
@@ -58,6 +59,20 @@ def test_first_touch_and_radii_come_back(scan: Shape, shape: Shape) -> None:
     assert scan.radii == pytest.approx(shape.radii, rel=0.04)
     assert scan.skin.level(np.zeros((1, 3))) == pytest.approx(0.0, abs=1e-3)
     assert scan.skin.normals(np.zeros((1, 3)))[0] == pytest.approx(PLATE_NORMAL, abs=5e-3)
+
+
+def test_the_nail_comes_back_without_skin_of_the_palm(scan: Shape, shape: Shape) -> None:
+    assert scan.nail.middle == pytest.approx(shape.nail.middle, abs=0.1)
+    points = surface.without_caps(surface.half(shape.skin, 0.5))[0]
+    palm = points[(points[:, 2] < shape.nail.middle - 0.1)]
+    assert not scan.nail.covers(palm).any()
+
+
+def test_a_profile_that_swings_below_zero_beside_the_tip_has_no_width_there() -> None:
+    x = np.linspace(-1.0, 0.0, 5)
+    palmar, below = CubicSpline(x, 1e-17 + 0.0 * x), CubicSpline(x, -0.08 + 0.0 * x)
+    shell = Shell(-1.0, 0.0, 5.5, palmar, palmar, below, below)
+    np.testing.assert_allclose(shell.heights(x), 0.0, atol=1e-8)
 
 
 def test_regions_come_back(scan: Shape, shape: Shape) -> None:
