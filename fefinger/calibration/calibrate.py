@@ -126,7 +126,7 @@ def calibrate(
     predicted = None if check is None else targets.unloading(check)
     search = Search(work, wanted, measured)
     calibration = search.solid() if mechanics == "solid" else search.condensed()
-    refuse_gross(calibration)
+    refuse_gross(calibration, wanted)
     return calibration if predicted is None else checked(calibration, predicted)
 
 

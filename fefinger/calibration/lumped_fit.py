@@ -145,7 +145,8 @@ def _check_signs(file: str, position: Array, force: Array) -> None:
         msg = f"{file}: force: expected pressing to be positive, received up to {force.min():.3g} N"
         raise InputError(msg)
     highest = int(force.argmax())
-    if position[highest] < np.median(position[: highest + 1]):
+    until = position[: highest + 1]
+    if position[highest] < (until.min() + until.max()) / 2:
         raise InputError(
             f"{file}: position: expected values that grow into the finger, received values that "
             "fall while the force rises; change their sign"

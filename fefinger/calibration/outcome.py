@@ -21,6 +21,7 @@ from fefinger.scene.tissue import Tissue
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.lumped import confidence
+from fefinger.theory.lumped.identify import TERMS
 from fefinger.theory.lumped.spring import contact_force
 
 
@@ -136,17 +137,21 @@ def checked(done: Calibration, motion: tuple[Array, Array, Array]) -> Calibratio
     return replace(done, checks=done.checks | {"record that was not fitted": errors(force, model)})
 
 
-def refuse_gross(done: Calibration) -> None:
+def refuse_gross(done: Calibration, wanted: SubjectTarget | RecordTarget) -> None:
     """Raise ConvergenceError for a finger that does not reproduce the record it was fitted to."""
     error = done.residuals.get("mse", 0.0)
-    if error > GROSS:
-        rest = "".join(f"; {each}" for each in done.unidentified)
-        raise ConvergenceError(
-            f"{done.target}: expected a fit with an error of at most {100 * GROSS:g} % of the "
-            f"record's variance, received {100 * error:.3g} %; press less deep than "
-            f"{done.deepest:.2g} mm, where its presses end, and check the size of the finger and "
-            f"the units{rest}"
-        )
+    if isinstance(wanted, SubjectTarget) or error <= GROSS:
+        return
+    less, deep = "", float(wanted.position.max()) - done[TOUCH].value
+    if deep > done.deepest:
+        less = f"press less deep than {done.deepest:.2g} mm, where its presses end, and "
+    lumped = [f"in the lumped fit of the record, {each}" for each in wanted.lumped.warnings]
+    rest = "".join(f"; {each}" for each in (*lumped, *done.unidentified))
+    raise ConvergenceError(
+        f"{done.target}: expected a fit with an error of at most {100 * GROSS:g} % of the record's "
+        f"variance, received {100 * error:.3g} %; {less}check the size of the finger, the units "
+        f"and the touch{rest}"
+    )
 
 
 def errors(measured: Array, model: Array) -> dict[str, float]:
@@ -230,6 +235,11 @@ def _unidentified(
         )
     if isinstance(wanted, RecordTarget):
         lumped = wanted.lumped
+        if len(lumped.prony.v) < TERMS:
+            sentences.append(
+                f"relaxation: the lumped fit of the record converges with {len(lumped.prony.v)} "
+                f"of {TERMS} terms only, the priors determine the rest; ramp faster or hold longer"
+            )
         sentences += [
             f"relaxation, in the lumped fit of the record: {each}"
             for each in confidence.terms(

@@ -151,6 +151,14 @@ def test_a_short_ramp_before_a_long_hold_is_not_taken_for_one_that_goes_outward(
     assert lumped_fit.fit(write(tmp_path / "long.csv", record), terms=1) is not None
 
 
+def test_of_two_presses_one_is_fitted(samples, tmp_path):
+    """The force peaks before the corner of the second ramp, above which most positions lie."""
+    moved = [samples[-1, 0] + 1e-3, 0.0, 0.0]
+    twice = np.vstack([samples, samples * [1, 1, 1.1] + moved])
+    twice[twice[:, 2].argmax(), 1] -= 0.1
+    assert lumped_fit.fit(write(tmp_path / "twice.csv", twice), terms=2) is not None
+
+
 TEXTS = {
     "no force": (
         "time,position\n0,1\n",

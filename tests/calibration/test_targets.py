@@ -105,6 +105,10 @@ BAD = {
         "expected a force that rises with the position, received one that does not",
     ),
     "a force that grows at rest": (growing, "force that falls in the hold|rises on the ramp"),
+    "one force in the hold": (
+        lambda t: changed(t, 2, lambda f: np.where(t[:, 1] < 0.95 * t[:, 1].max(), f, f.max())),
+        "hold: expected a force that falls, because a finger relaxes",
+    ),
     "a pillow": (lambda t: t * [1.0, 20.0, 0.02], "which no fingertip has"),
 }
 """Besides those that `lumped_fit` refuses as well."""

@@ -318,6 +318,11 @@ def _relaxation(
     """
     start = int(np.sum(averages(record)[0] < record.time[record.hold]))
     t, _, f, size = (values[start:] for values in averages(record))
+    if np.ptp(record.force[record.hold :]) == 0:
+        raise ValueError(
+            f"hold: expected a force that falls, because a finger relaxes, received {f[0]:.4g} N "
+            "in all its samples; check that the force is the right column"
+        )
     root = np.sqrt(size)
     fit = _exponentials(t - record.time[record.hold], f, root, terms, record.hold_seconds)
     order = _sorted(1, terms, fit.x)
