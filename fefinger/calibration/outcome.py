@@ -289,6 +289,8 @@ def _status(
         )
     within = "within the scatter of the data"
     beyond = "model error exceeds the scatter of the data, and the true uncertainties are larger"
+    if isinstance(wanted, RecordTarget):
+        beyond += "; tare the force, and check for drift or a lag of the force"
     spent = sum(each.cpu for each in stages)
     return (
         f"Fitted {wanted.name} in {solution.evaluations} evaluations and {spent:.0f} s of CPU: "

@@ -96,6 +96,17 @@ def test_a_record_without_noise_is_calibrated_within_the_error_of_one_g(
     assert found["exponent"].value == pytest.approx(2.4, abs=0.3)
 
 
+def test_a_force_that_is_late_is_named_as_a_cause_of_a_large_misfit(tmp_path, solved, law, write):
+    table = record_of(law.at(2.4, 14.0), 0.7, 0.4)
+    said = []
+    for late in (0, 5):
+        table[late:, 2] = table[: len(table) - late, 2].copy()
+        press = write(tmp_path / "press.csv", table)
+        found = ff.calibrate(press, finger=targets.finger_of("a.h."), resolution="coarse")
+        said.append("a lag of the force" in found.status)
+    assert said == [False, True]
+
+
 def test_a_record_that_shows_fewer_terms_is_calibrated(tmp_path, solved, law, write, monkeypatch):
     def joint(*record, terms):
         if terms == 3:
