@@ -12,6 +12,7 @@ from fefinger.mesh.finger_shape import Shape
 from fefinger.mesh.frame import ALONG, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.parametric import parametric, patch_points, radii
 from fefinger.mesh.recipe import Recipe
+from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 
 
@@ -124,12 +125,19 @@ def test_the_tip_has_the_radius_that_is_given(radius: float) -> None:
     [
         (21.0, r"finger\.tip_radius: expected at most 20 mm, the radius of the pad along"),
         (6.0, r"finger\.pad_radius: .*, or a smaller finger\.tip_radius"),
-        (0.5, r"finger\.skin\.thickness: expected less than some 0\.5 mm"),
+        (0.5, r"finger\.skin\.thickness: expected less than some 0\.35 mm"),
     ],
 )
 def test_a_tip_that_does_not_fit_the_finger_is_refused(radius: float, message: str) -> None:
     with pytest.raises(InputError, match=message):
         parametric(Recipe(14, 10, 14, tip_radius=radius))
+
+
+def test_the_largest_skin_that_a_message_names_is_meshed() -> None:
+    child = Recipe.of(Finger(8, 6))
+    with pytest.raises(InputError, match=r"less than some 0\.92 mm, .*, received 1 mm; use a thin"):
+        parametric(child)
+    parametric(replace(child, skin_thickness=0.92))
 
 
 def test_a_bone_that_leaves_the_pulp_or_has_no_base_is_refused() -> None:
@@ -181,7 +189,7 @@ def test_nail_is_a_patch_of_the_back(shape: Shape, recipe: Recipe) -> None:
         ((20, 8, 6), "pad_radius: expected at least 11.0 mm"),
         ((3, 10, 14), "width: expected a finite number in mm at least 5"),
         ((14, float("nan"), 14), "thickness: expected a finite number"),
-        ((14.4, 12.0, 15.2, 2.83), "finger.skin.thickness: expected less than some 2.4 mm"),
+        ((14.4, 12.0, 15.2, 2.83), "finger.skin.thickness: expected less than some 1.7 mm"),
     ],
 )
 def test_impossible_fingers_get_a_sentence(sizes: tuple[float, ...], message: str) -> None:
