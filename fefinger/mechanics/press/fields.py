@@ -13,7 +13,7 @@ from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.stored_energy import StoredEnergy
 from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS, FingerMesh
 from fefinger.geometry.locate import inside_weights
-from fefinger.geometry.voigt import VOIGT
+from fefinger.geometry.voigt import VOIGT, logarithmic
 from fefinger.mechanics.press.materials import laws
 from fefinger.mechanics.press.problem import Press, frames_of
 from fefinger.results.records import Fields

@@ -12,10 +12,10 @@ from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.elements.recovery import recovered_gradient_at
 from fefinger.fem.hyperelastic import load_path
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
-from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.finger_mesh import REGIONS, FingerMesh
+from fefinger.geometry.voigt import logarithmic
 from fefinger.mechanics.press import dragged, limits, placement, problem
 from fefinger.mechanics.press.load_steps import (
     LoadSteps,

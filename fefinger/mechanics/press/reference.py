@@ -12,10 +12,9 @@ from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.recovery import recovered_gradient_at, recovered_strain_at
 from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.fem.hyperelastic.load_path import Path, StressHistory, follow
-from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
-from fefinger.geometry.voigt import tensor_from_voigt
+from fefinger.geometry.voigt import logarithmic, tensor_from_voigt
 from fefinger.mechanics.press import depth_table, placement
 from fefinger.mechanics.press.problem import REACH, Press, ReferencePlate, SolutionMethod
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH

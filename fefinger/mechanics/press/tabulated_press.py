@@ -16,7 +16,7 @@ import numpy as np
 from fefinger.fem.body import solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.elements.recovery import recovered_gradient_at
-from fefinger.fem.hyperelastic.logarithmic_strain import logarithmic
+from fefinger.geometry.voigt import logarithmic
 from fefinger.mechanics.press import dragged, elastic_press, response
 from fefinger.mechanics.press.depth_table import DepthTable
 from fefinger.mechanics.press.elastic_press import FARTHEST

@@ -12,7 +12,7 @@ once and kept.
 from collections.abc import Iterable
 from functools import cached_property
 from os import PathLike
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
