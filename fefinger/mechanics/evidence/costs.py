@@ -309,10 +309,15 @@ def _of_modes(case: Situation, stage: str) -> float:
     return seconds * (FINE if fine else 1.0) * slowness(record)
 
 
+def _building_of_modal(case: Situation) -> float:
+    """CPU seconds of the press that `modal` adds inertia to, on tissue that stiffens."""
+    return building(case) if stiffens(case.finger) else 0.0
+
+
 FINITE_STRAIN: Mapping[str, Callable[[Situation], float]] = {
     "solid": _following,
     "pressed": building,
-    "modal": building,
+    "modal": _building_of_modal,
 }
 """Expected CPU seconds of finite strain within the cost of a mechanics."""
 

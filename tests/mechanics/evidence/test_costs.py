@@ -4,6 +4,7 @@ import pytest
 
 from fefinger import plan
 from fefinger.mechanics.evidence import costs
+from fefinger.mechanics.situation import Situation
 from fefinger.results.plan_text import expected_time
 from fefinger.scene import builtin
 
@@ -35,6 +36,14 @@ def test_threads_share_finite_strain_alone_and_rank_nothing(rungs) -> None:
 def test_of_a_press_to_be_built_the_threads_share_the_building(rungs) -> None:
     fine = rungs(4)["pressed fine"]
     assert 1 - costs.SHARED < fine.wall / fine.seconds < 1 - 0.7 * costs.SHARED
+
+
+@pytest.mark.parametrize(("tissue", "shares"), [("maeno1998", False), ("calibrated_means", True)])
+def test_threads_share_modal_only_where_tissue_stiffens(monkeypatch, tissue, shares) -> None:
+    monkeypatch.setattr(costs, "threads", lambda: 2)
+    changes = {"finger.tissue": tissue, "finger.resolution": "fine"}
+    case = Situation.of(builtin.load("flat-press", changes))
+    assert (costs.wall("modal", case, 100.0) < 100.0) == shares
 
 
 def test_the_time_in_words_is_on_the_cores_that_share_it(rungs) -> None:
