@@ -90,8 +90,8 @@ class DepthTable:
 
     depth (n,) mm; force (n,) N of the whole finger; moment (n, 3) mN mm of the meshed part; area
     (n,) mm²; stiffening (n,): mean exponent b (I1 - 3) of the energies of the tissues; work (n, n):
-    ratios of `elastic_press.work_ratios`; pressure (n, n_candidates) kPa; gap (n, n_seen) mm; modes:
-    displacements (n, n_displacements) mm at the depths and, unless one of them is it, of the
+    ratios of `elastic_press.work_ratios`; pressure (n, n_candidates) kPa; gap (n, n_seen) mm;
+    modes: displacements (n, n_displacements) mm at the depths and, unless one of them is it, of the
     reference press; reach mm: that of the candidates; modulus kPa: of the skin, which forces and
     pressures grow with.
     """
