@@ -3,17 +3,13 @@
 from typing import Literal
 
 
-Reason = Literal["first touch", "interpolation", "pulp", "area", "waves", "preload", "pressure"]
+Reason = Literal["first touch", "pulp", "area", "waves", "preload", "pressure"]
 
 REASONS: dict[Reason, str] = {
     "first touch": (
         "the calibration fits stiffness against force, up to 2.5 N; the scatter that the source "
         "leaves, some 0.03 to 0.5 N/mm at every force, is of the size of the stiffness at 0.05 N, "
         "which so had little weight, and the depth at which a force is reached was not fitted"
-    ),
-    "interpolation": (
-        "the tissue was calibrated before the force between the depths of a table was interpolated "
-        "as it is now, up to 7 % otherwise; `solid` gives 0.90"
     ),
     "pulp": (
         "the law measured on a.h. itself (Table 2.1 of the source) gives 0.65 at this speed: the "
@@ -43,7 +39,6 @@ MISSES: dict[str, tuple[float, Reason]] = {
     "force at 2.1 mm over that of the subject, p.w.": (0.741, "first touch"),
     "stiffness at 0.05 N over that of the subject, d.s.": (0.882, "first touch"),
     "stiffness at 0.05 N over that of the subject, p.w.": (0.774, "first touch"),
-    "stiffness at 1.5 N over that of the subject, p.w.": (0.885, "interpolation"),
     "displacement at 1 N over that at 5.2 N, flat plate, a.h.": (0.659, "pulp"),
     "displacement at 1 N over that at 5.2 N, flat plate, means": (0.672, "pulp"),
     "contact area at 1 N over that at 10 N, flat plate, a.h.": (0.669, "area"),
