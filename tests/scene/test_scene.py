@@ -444,3 +444,27 @@ def test_spikes_of_more_than_an_hour_are_refused_before_anything_is_solved():
     with pytest.raises(InputError, match=r"motion: expected at most 3600 s where ask.spikes"):
         Scene(**parts, ask=Ask(spikes=("SAI",)))
     assert Scene(**parts).motion.duration > 4000
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("flat-press", {"motion.depth": 0.1}),
+        ("flat-press", {"motion.kind": "ramp", "motion.speed": 1000.0}),
+        ("press-to-1N", {"motion.force": 0.01, "motion.loading_rate": 10.0}),
+        ("flat-press", {"finger.width": 20.0, "finger.thickness": 16.0}),
+        ("flat-press", {"finger.prony.c": [0.4, 0.3, 0.3], "finger.prony.v": [1.0, 10.0]}),
+        ("pin-hold", {"indenter.width": 0.5}),
+    ],
+)
+def test_a_change_in_a_scene_is_that_change_in_its_file(name, changes):
+    """What was filled in follows: the corner of a ramp, the rim of a pin, the lengths of a pad."""
+    in_scene = builtin.given(builtin.load(name), changes)
+    assert in_scene == builtin.load(name, changes)
+
+
+def test_a_number_of_ones_own_stays_when_another_changes():
+    """A corner or pad radius that differs from the default is not filled in anew."""
+    mine = builtin.load("flat-press", {"motion.corner": 0.002, "finger.pad_radius": 9.0})
+    after = builtin.given(mine, {"motion.depth": 1.0, "finger.width": 20.0})
+    assert (after.motion.corner, after.finger.pad_radius) == (0.002, 9.0)

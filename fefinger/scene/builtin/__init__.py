@@ -3,7 +3,9 @@
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from copy import deepcopy
+from dataclasses import fields, replace
 from importlib.resources import files
 from itertools import takewhile
 from pathlib import Path
@@ -44,7 +46,9 @@ WHOLE = ("finger.subject", "finger.surface", "finger.tissue")
 def given(scene: Any, changes: Mapping[str, Any] | None = None) -> "Scene":
     """Take a Scene, or load a built-in name or TOML file, with changes; errors as `load`.
 
-    A Scene has already resolved the fields WHOLE, which cannot be changed in it.
+    A Scene has already resolved the fields WHOLE, which cannot be changed in it. A number that it
+    has filled in, as the corner of a short ramp or the pad radius of a finger's width, follows a
+    change of what it comes from, as it does in a file that leaves it out.
     """
     from fefinger.scene.scene import Scene
 
@@ -59,7 +63,22 @@ def given(scene: Any, changes: Mapping[str, Any] | None = None) -> "Scene":
                 f"{field}: expected the name or file of a scene to change this field in, received "
                 "a Scene, in which it is already resolved to other fields"
             )
-    return Scene.from_dict(changed(scene.to_dict(), changes)) if changes else scene
+    return Scene.from_dict(changed(_left_out(scene), changes)) if changes else scene
+
+
+def _left_out(scene: "Scene") -> dict[str, Any]:
+    """Tables of a scene without the numbers that it fills in by itself where they are left out."""
+    tables = scene.to_dict()
+    for part in ("finger", "indenter", "motion"):
+        record = getattr(scene, part)
+        for each in fields(record):
+            value = getattr(record, each.name)
+            if each.default is not None or not isinstance(value, float):
+                continue
+            with suppress(InputError):  # where the file that it came from is gone, it stays
+                if getattr(replace(record, **{each.name: None}), each.name) == value:
+                    del tables[part][each.name]
+    return tables
 
 
 def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene":
