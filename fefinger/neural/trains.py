@@ -393,7 +393,7 @@ class SpikeTrains:
         series = pynwb.TimeSeries(
             name="skin_displacement",
             data=self.x_in,
-            unit="m",
+            unit="meters",  # the name of NWB; readers find it beside a prefix, not "m"
             conversion=1e-3,
             timestamps=self.time,
             description=f"one column per unit: {MEANINGS['x_in']}",

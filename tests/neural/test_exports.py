@@ -206,8 +206,12 @@ def test_neo_reads_the_nwb_file(tmp_path):
     try:
         (block,) = reader.read_all_blocks()
         actual = [np.asarray(train.magnitude) for s in block.segments for train in s.spiketrains]
+        signals = [each for s in block.segments for each in s.irregularlysampledsignals]
+        (displacement,) = signals or [s.analogsignals[0] for s in block.segments]
+        depths = displacement.rescale("mm").magnitude
     finally:
         reader._io_nwb.close()
+    np.testing.assert_allclose(depths, TRAINS.x_in)
     assert len(actual) == 3
     for times, expected in zip(actual, TIMES, strict=True):
         np.testing.assert_array_equal(times, expected)
