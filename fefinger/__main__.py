@@ -4,6 +4,7 @@ The commands are imported after signals are blocked: Ctrl-C would end an import 
 """
 
 import gc
+import os
 import sys
 
 
@@ -19,9 +20,22 @@ COLLECT = 20_000
 often as by default takes a second of a run."""
 
 
+def _open_streams() -> None:
+    """Open standard streams that the caller has closed, as by `2>&-`: what is written is dropped.
+
+    The next file would else take their number, and messages of libraries would go into it.
+    """
+    for name in ("stdin", "stdout", "stderr"):
+        if getattr(sys, name) is None:
+            stream = open(os.devnull, "r" if name == "stdin" else "w")
+            os.set_inheritable(stream.fileno(), True)  # for the workers of a study
+            setattr(sys, name, stream)
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit status; by default with the process's arguments."""
     if arguments is None:
+        _open_streams()
         gc.set_threshold(COLLECT)
         return interruptible(lambda: main(sys.argv[1:]))
     from fefinger.commands.cli import run
