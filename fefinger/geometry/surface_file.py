@@ -4,6 +4,7 @@ The file is in mm with x distal, y radial and z dorsal, wherever its origin.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -238,14 +239,56 @@ def _unit(mesh: Any) -> str:
 
 
 def _filled(mesh: Any, loop: Integers) -> str:
-    """Close a hole with a fan of triangles about its center; return a note on it."""
-    middle = mesh.vertices[np.unique(loop)].mean(axis=0)
+    """Close a hole by rings of triangles about its center; return a note on it.
+
+    In the skin they follow the surface around it: a flat lid of a hole in the pad leaves an edge,
+    and a plate that presses there meets the edge. The open proximal end gets a flat lid.
+    """
+    rim, ends = np.unique(loop, return_inverse=True)
+    a, b = ends.reshape(loop.shape).T
+    points = mesh.vertices[rim]
+    middle = points.mean(axis=0)
+    across = float(np.ptp(points, axis=0).max())
+    if across > HOLE * float(np.sort(mesh.extents)[1]):
+        lid = middle[None]
+    else:
+        around = np.linalg.norm(mesh.vertices - middle, axis=1) < across
+        # As far apart as the points of the rim.
+        lid = _lid(points, mesh.vertices[around], rings=max(1, round(len(loop) / (2 * np.pi))))
     number = len(mesh.vertices)
-    fan = np.column_stack([loop[:, ::-1], np.full(len(loop), number)])
-    mesh.vertices = np.vstack([mesh.vertices, middle])
-    mesh.faces = np.vstack([mesh.faces, fan])
+    inner = number + np.arange(len(lid) - 1).reshape(-1, len(rim))
+    rows = [rim, *inner]
+    fans = [[rows[-1][b], rows[-1][a], np.full(len(loop), number + len(lid) - 1)]]
+    for far, near in pairwise(rows):
+        fans += [[far[b], far[a], near[a]], [far[b], near[a], near[b]]]
+    mesh.vertices = np.vstack([mesh.vertices, lid])
+    mesh.faces = np.vstack([mesh.faces, *(np.column_stack(fan) for fan in fans)])
     x, y, z = middle
     return f"A hole of {len(loop)} edges near ({x:.3g}, {y:.3g}, {z:.3g}) mm was filled."
+
+
+def _lid(rim: Array, near: Array, rings: int) -> Array:
+    """Points (n, 3) in a hole with a rim (m, 3): its rings inward of the rim, and its center.
+
+    They lie on the quadric through the points `near` the hole, by least squares over its plane, and
+    come to the rim where that is off the quadric.
+    """
+    middle = rim.mean(axis=0)
+    frame = np.linalg.svd(rim - middle, full_matrices=False)[2]
+    size = float(np.linalg.norm(rim - middle, axis=1).max())
+
+    def terms(uv: Array) -> Array:
+        u, v = uv.T
+        return np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=1)
+
+    flat, around = ((each - middle) @ frame.T / size for each in (rim, near))
+    fit = np.linalg.lstsq(terms(around[:, :2]), around[:, 2])[0]
+    off = flat[:, 2] - terms(flat[:, :2]) @ fit
+    points = [np.array([[0.0, 0.0, fit[0]]])]
+    for share in np.arange(1, rings) / rings:
+        uv = share * flat[:, :2]
+        points.insert(0, np.column_stack([uv, terms(uv) @ fit + share**2 * off]))
+    return np.asarray(middle + size * np.concatenate(points) @ frame)
 
 
 def _check_size(extents: Array, name: str) -> str:

@@ -16,9 +16,10 @@ FORMAT = 2
 """Version of the builder in the cache key; increased when a recipe gives another mesh. Version 2
 morphs shipped meshes."""
 
-SURFACE_FORMAT = 4
+SURFACE_FORMAT = 5
 """The same for fingers from a surface file; version 3 morphs too, and averages their two halves;
-version 4 has the nail above the tip, not above half of the thickness."""
+version 4 has the nail above the tip, not above half of the thickness; version 5 has curved skin in
+holes."""
 
 
 Touch = float | tuple[float, float] | None

@@ -19,9 +19,9 @@ from fefinger.support.checks import InputError
 trimesh = pytest.importorskip("trimesh")
 
 
-def egg(**half_axes: float) -> Any:
+def egg(subdivisions: int = 3, **half_axes: float) -> Any:
     """Return a closed surface the size of a fingertip, tip ahead."""
-    mesh = trimesh.creation.icosphere(subdivisions=3)
+    mesh = trimesh.creation.icosphere(subdivisions=subdivisions)
     size = {"x": 11.0, "y": 7.0, "z": 5.0} | half_axes
     mesh.vertices *= [size["x"], size["y"], size["z"]]
     mesh.vertices += [90.0, 3.0, -4.0]
@@ -91,6 +91,23 @@ def test_what_can_be_repaired_is_repaired_and_said(
     assert found.mesh.is_watertight
     assert found.mesh.volume == pytest.approx(egg().volume, rel=0.01)
     assert said in found.notes[1]
+
+
+def test_skin_over_a_hole_is_curved_as_around_it(tmp_path: Path) -> None:
+    """A flat lid of a hole in the pad took 7 % more force under a plate, with an edge around it."""
+    whole = egg(5)
+    pad = whole.vertices[np.argmin(whole.vertices[:, 2])]
+    torn, away = whole.copy(), np.linalg.norm(whole.triangles_center - pad, axis=1)
+    torn.update_faces(away > 1.2)
+    torn.remove_unreferenced_vertices()
+    x, y, z = (read_surface(written(torn, tmp_path / "scan.ply")).mesh.vertices - pad).T
+    lid = np.hypot(x, y) < 1.0
+    below = 5.0 * (1.0 - np.sqrt(1.0 - (x[lid] / 11.0) ** 2 - (y[lid] / 7.0) ** 2))
+    pad_side = z[lid] < 1.0
+    off = np.abs(z[lid] - below)[pad_side]
+    under_the_rim = torn.vertices[:, 2].min() - pad[2]
+    assert off.size > 9
+    assert off.max() < 0.2 * under_the_rim
 
 
 def cut_open(mesh: Any) -> Any:
