@@ -53,7 +53,13 @@ NARROWED, FULL = 0.92, 0.97
 where it is to be cut; it is 1 in a parametric finger."""
 
 ASYMMETRY = 0.15
-"""Largest mean distance of a scan from its mirror image, over half its width."""
+"""Largest mean distance of a scan, or of its bone, from its mirror image, over half its width."""
+
+AVERAGED = 0.1
+"""Mean distance in mm of a surface from its mirror image from which on a note states it."""
+
+COARSE = 1.2
+"""Length in mm of the edges of a scan from which on a note states what its facets cost."""
 
 
 def shape_of(recipe: Recipe) -> Shape:
@@ -71,7 +77,7 @@ def scanned(recipe: Recipe) -> Shape:
     mesh = _refined(file.mesh, open_behind=True)
     aside = np.array([0.0, mesh.bounds[:, 1].mean(), 0.0])
     skin = _cloud(mesh, aside)
-    _check_symmetry(skin, file, recipe)
+    averaged = _check_symmetry(skin, file, recipe)
     touch = _first_touch(skin)
     skin = Cloud.of(skin.points - touch, skin.point_normals)
     under = replace(skin, inset=recipe.skin_thickness)
@@ -84,7 +90,7 @@ def scanned(recipe: Recipe) -> Shape:
     fault = _fault(file, recipe, height) or _rounded_behind(file, recipe, tables, start)
     inset = {name: offset(table, recipe.skin_thickness) for name, table in tables.items()}
     try:
-        bone, near_bone, notes = _bone(recipe, aside + touch, cut=cut, tip=tip, top=top)
+        bone, near_bone, of_bone = _bone(recipe, aside + touch, cut=cut, tip=tip, top=top)
         inside = _half(bone, near_bone, finger_shape.FINE)
         finger_shape.check_room(under, surface.without_caps(inside)[0], recipe)
     except InputError as error:
@@ -111,7 +117,7 @@ def scanned(recipe: Recipe) -> Shape:
         ],
         sections=near,
         volumes=finger_shape.region_volumes(*map(surface.volume, halves)),
-        notes=(*file.notes, *notes),
+        notes=(*file.notes, *_facets(file), *averaged, *of_bone),
     )
 
 
@@ -124,9 +130,9 @@ def _fault(file: SurfaceFile, recipe: Recipe, height: float) -> InputError | Non
     name = f"finger.surface: {Path(str(recipe.surface)).name}"
     if height < NAIL_DOWN:
         return InputError(
-            f"{name} seems to have the nail down: its tip is in the lower half, at {height:.2g} of "
-            "the thickness, and a bone under the nail would leave the skin; turn it about x by 180 "
-            "degrees"
+            f"{name} seems to have the nail down, or to dip its tip: that is in the lower half, at "
+            f"{height:.2g} of the thickness, and a bone under the nail would leave the skin; turn "
+            "it about y until its back is level, or about x by 180 degrees"
         )
     if share < ROUND:
         return InputError(
@@ -173,8 +179,16 @@ def _bone(
         return shell, shell, ()
     closed, notes = read_closed(recipe.bone_surface, field="finger.bone_surface")
     cloud = _cloud(_refined(closed), origin)
+    away, name = cloud.asymmetry(), Path(recipe.bone_surface).name
+    if away > ASYMMETRY * recipe.width / 2.0:
+        raise InputError(
+            f"finger.bone_surface: expected a bone nearly symmetric about the middle of the skin, "
+            f"y = {origin[1]:.2f} mm in the files, received {name} with a mean distance of "
+            f"{away:.2f} mm from its mirror image there; its box has its middle at y = "
+            f"{closed.bounds[:, 1].mean():.2f} mm: place it as the skin, or leave it out"
+        )
     level, tables = _profiles(cloud, cut)
-    return cloud, Shell.of(level, cut=cut, **tables), notes
+    return cloud, Shell.of(level, cut=cut, **tables), (*notes, *_averaged(name, away))
 
 
 def _half(smooth: SmoothSurface, near: Shell, step: float, *, overhang: float = 0.0) -> Triangles:
@@ -253,8 +267,11 @@ def _first_touch(skin: Cloud) -> Array:
     return np.asarray(line[np.argmax(line @ PLATE_NORMAL)])
 
 
-def _check_symmetry(skin: Cloud, file: SurfaceFile, recipe: Recipe) -> None:
-    """Raise InputError if the surface is far from its mirror image in y = 0."""
+def _check_symmetry(skin: Cloud, file: SurfaceFile, recipe: Recipe) -> tuple[str, ...]:
+    """Return the note on the mean of a surface and its mirror image in y = 0.
+
+    Raises InputError if the two are far from each other.
+    """
     away = skin.asymmetry()
     if away > ASYMMETRY * recipe.width / 2.0:
         tilted, turn = tilt(file.mesh, "z") or ("", "x until the pad faces down (-z)")
@@ -263,3 +280,35 @@ def _check_symmetry(skin: Cloud, file: SurfaceFile, recipe: Recipe) -> None:
             f"surface: expected a finger nearly symmetric in y, received one{which} with a mean "
             f"distance of {away:.2f} mm from its mirror image; turn it about {turn}"
         )
+    return _averaged(Path(str(recipe.surface)).name, away)
+
+
+def _averaged(name: str, away: float) -> tuple[str, ...]:
+    """Note on a surface that is `away` mm from its mirror image in the mean; () if that is near."""
+    if away < AVERAGED:
+        return ()
+    return (
+        f"{name} lies {away:.2g} mm from its mirror image in the mean; the finger has the mean of "
+        "both, since its mesh is symmetric.",
+    )
+
+
+def _facets(file: SurfaceFile) -> tuple[str, ...]:
+    """Note on a scan with large triangles on its palm; () if they are small.
+
+    Measured on a finger 14 mm wide with 9680 triangles that was decimated, on the coarse mesh under
+    the 30 degree plate (0.8 mm deep): the force of 2000 triangles was off by 1 % and the highest
+    pressure by 2 %, of 500 by 4 and 9 %, of 200 by 4 and 24 %.
+    """
+    mesh = file.mesh
+    palm = mesh.face_normals[:, 2] < -0.5
+    palm &= mesh.triangles_center[:, 0] > mesh.bounds[1, 0] - LENGTH
+    areas = mesh.area_faces[palm]
+    edge = float(np.sqrt(4.0 / np.sqrt(3.0) * np.average(areas, weights=areas)))
+    if edge < COARSE:
+        return ()
+    return (
+        f"The triangles of its palm have edges of some {edge:.2g} mm, so that it is less round "
+        "than the finger: edges of 2.1 mm changed the force of a plate by 4 % and the highest pressure "
+        "by 9 %. The stated errors leave this out; use edges of 1 mm or less.",
+    )

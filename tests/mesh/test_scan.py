@@ -116,6 +116,31 @@ def test_the_bone_may_come_from_a_file_too(shape: Shape, stl: Path, tmp_path: Pa
         scanned(Recipe(14, 10, 14, surface=str(stl), bone_surface=str(tmp_path / "low.stl")))
 
 
+def test_a_bone_beside_the_middle_is_refused_or_said(
+    shape: Shape, stl: Path, tmp_path: Path
+) -> None:
+    """The mean of both sides passed silently: 2 % off in force for a bone 1 mm aside."""
+    recipe = Recipe(14, 10, 14, surface=str(stl), bone_surface=str(tmp_path / "bone.stl"))
+    bone = trimesh.load_mesh(exported(shape.bone, tmp_path / "bone.stl"))
+    assert not any("mirror image" in note for note in scanned(recipe).notes)
+    bone.vertices[:, 1] += 0.3
+    bone.export(tmp_path / "bone.stl")
+    assert any("mm from its mirror image in the mean" in note for note in scanned(recipe).notes)
+    bone.vertices[:, 1] += 1.2
+    bone.export(tmp_path / "bone.stl")
+    with pytest.raises(InputError, match=r"bone_surface: .* box has its middle at y = 4.50 mm"):
+        scanned(recipe)
+
+
+def test_a_scan_of_large_triangles_says_what_they_cost(stl: Path, tmp_path: Path) -> None:
+    pv = pytest.importorskip("pyvista")
+    recipe = Recipe(14, 10, 14, surface=str(tmp_path / "few.stl"))
+    whole = pv.read(stl)
+    for count, said in ((3000, False), (500, True)):
+        whole.decimate(1 - count / whole.n_cells).save(tmp_path / "few.stl")
+        assert said == any("have edges of some 2" in note for note in scanned(recipe).notes)
+
+
 @pytest.mark.parametrize(
     ("fault", "message"),
     [
@@ -123,6 +148,7 @@ def test_the_bone_may_come_from_a_file_too(shape: Shape, stl: Path, tmp_path: Pa
         ("askew", r"tilted about z by about 15 degrees.* turn it about z by about -15 degrees$"),
         ("flat", "mm of subcutaneous tissue around the bone"),
         ("nail down", r"^finger.surface: bad.stl seems to have the nail down.* x by 180 degrees$"),
+        ("tip down", r"nail down, or to dip its tip: .*; turn it about y until its back is level"),
         ("ball", r"^finger.surface: bad.stl is rounded at both ends, as a ball"),
     ],
 )
@@ -134,6 +160,8 @@ def test_unusable_surfaces_get_a_sentence(
         mesh.vertices[:, 2] += 0.5 * mesh.vertices[:, 1]
     if fault == "askew":
         mesh.apply_transform(trimesh.transformations.rotation_matrix(np.radians(15), [0, 0, 1]))
+    if fault == "tip down":
+        mesh.apply_transform(trimesh.transformations.rotation_matrix(np.radians(12), [0, 1, 0]))
     if fault == "nail down":
         mesh.vertices[:, 1:] *= -1.0
     if fault == "ball":
