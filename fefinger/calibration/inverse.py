@@ -176,8 +176,7 @@ def _judged(
     # Where the misfit exceeds the noise, model error dominates: scale the covariance by it.
     scale = max(1.0, misfit)
     information = matrix.T @ matrix / scale
-    prior = np.array([0.0 if each.prior is None else each.prior[1] ** -2 for each in unknowns])
-    covariance = _inverse(information + np.diag(prior))
+    covariance = _covariance(unknowns, information)
     deviation = np.sqrt(np.diag(covariance))
     stretch = [values[each.name] if each.log else 1.0 for each in unknowns]
     deviations = {
@@ -194,6 +193,26 @@ def _judged(
         at_bounds,
         count,
     )
+
+
+def _covariance(unknowns: Sequence[Unknown], information: Array) -> Array:
+    """Covariance (n, n) of the fitted numbers, by the information (n, n) of the data.
+
+    A number that is held keeps the variance of its prior, since the data did not move it, and adds
+    to the others what they would change with it (Schmidt's consider covariance). The posterior
+    variance of a joint fit, which is smaller, is that of another estimate.
+    """
+    variance = np.array([0.0 if each.prior is None else each.prior[1] ** 2 for each in unknowns])
+    weight = np.divide(1.0, variance, out=np.zeros_like(variance), where=variance > 0)
+    held = np.array([each.held for each in unknowns])
+    free = ~held
+    own = _inverse((information + np.diag(weight))[np.ix_(free, free)])
+    change = np.zeros((len(unknowns), int(held.sum())))
+    change[held] = np.eye(int(held.sum()))
+    change[free] = -own @ information[np.ix_(free, held)]
+    covariance = (change * variance[held]) @ change.T
+    covariance[np.ix_(free, free)] += own
+    return np.asarray(covariance)
 
 
 def _inverse(matrix: Array) -> Array:

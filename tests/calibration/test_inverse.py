@@ -48,6 +48,27 @@ def test_what_is_held_stays_and_adds_to_the_uncertainty():
     assert found.deviations["p"] == pytest.approx(0.5, rel=0.01)
 
 
+def test_what_is_held_keeps_its_prior_although_the_data_would_move_it():
+    """By draws: the fitted number errs by what was held wrongly, which these data could tell."""
+
+    def fit(measured):
+        free = unknown("p", log=False)
+        held = unknown("q", log=False, prior=(1.0, 0.5), held=True)
+        return inverse.solve(
+            lambda v: (np.array([v["p"] + v["q"], v["p"] + 1.2 * v["q"]]) - measured) / 0.02,
+            [free, held],
+        )
+
+    rng = np.random.default_rng(0)
+    off = []
+    for q in rng.normal(1.0, 0.5, 300):
+        found = fit(np.array([2.0 + q, 2.0 + 1.2 * q]) + 0.02 * rng.normal(size=2))
+        off.append(found.values["p"] - 2.0)
+    found = fit(np.array([3.0, 3.2]))
+    assert found.deviations["q"] == pytest.approx(0.5)
+    assert found.deviations["p"] == pytest.approx(np.std(off), rel=0.15)
+
+
 def test_a_bound_that_stops_the_search_is_named():
     found = inverse.solve(lambda v: np.array([v["p"] - 20.0, 0.1]), [unknown("p")])
     assert found.at_bounds == ("p",)

@@ -32,7 +32,7 @@ RATE = 2500.0  # 1/s
 OFF = 0.06
 """What parameters may be off in the mean, as found: v1 by 5 %, the weights of G by 2 to 3 %."""
 
-WITHIN = {"exponent": 5, "each weight of G": 2}
+WITHIN = {"exponent": 7, "each weight of G": 2}
 """Seeds of ten in which these are within their stated uncertainty, as found."""
 
 TISSUE = {"modulus": SOFTER * start().subcutaneous.modulus, "x0": TOUCH}
