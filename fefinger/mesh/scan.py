@@ -309,6 +309,6 @@ def _facets(file: SurfaceFile) -> tuple[str, ...]:
         return ()
     return (
         f"The triangles of its palm have edges of some {edge:.2g} mm, so that it is less round "
-        "than the finger: edges of 2.1 mm changed the force of a plate by 4 % and the highest pressure "
-        "by 9 %. The stated errors leave this out; use edges of 1 mm or less.",
+        "than the finger: edges of 2.1 mm changed the force of a plate by 4 % and the highest "
+        "pressure by 9 %. The stated errors leave this out; use edges of 1 mm or less.",
     )
