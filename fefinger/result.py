@@ -23,7 +23,7 @@ from fefinger.scene.finger import origin_notes, other_size
 from fefinger.scene.inertia import quasistatic, samples, warnings
 from fefinger.support.checks import InputError
 from fefinger.support.interrupt import shielded
-from fefinger.support.outputs import output_folder
+from fefinger.support.outputs import keep, output_folder
 from fefinger.support.provenance import software
 from fefinger.support.text import table
 
@@ -185,12 +185,7 @@ def earlier(folder: str | PathLike[str]) -> tuple[str, ...]:
         if (place / "study.json").exists():
             others.add("report.html")  # that of the study
         foreign = [name for name in present if name in others]
-    if foreign:
-        listed = ", ".join(map(repr, foreign))
-        raise InputError(
-            f"output folder: {listed} in {str(place)!r} would be overwritten, and no result of "
-            "fefinger there holds it; move it away or choose another folder"
-        )
+    keep(foreign, place, "result")
     return tuple(present)
 
 

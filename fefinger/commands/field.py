@@ -49,11 +49,13 @@ def field(
     place, as a pin or a sphere (default: pin-hold).
     """
     from fefinger.scene import builtin
-    from fefinger.studies.receptive_field import receptive_field
+    from fefinger.studies.receptive_field import keep_others, receptive_field
     from fefinger.support import outputs
 
     loaded = builtin.load(scene, builtin.settings(changes))
-    with outputs.output(output):
+    with outputs.output(output) as folder:
+        if folder is not None:
+            keep_others(folder)
         with console.progress() as report:
             answer = receptive_field(
                 loaded,

@@ -70,6 +70,8 @@ def spikes(
 
     signals = read(source)
     with outputs.output(output) as folder:
+        if folder is not None:
+            series.keep_others(folder)
         try:
             trains = series.fire(
                 signals,

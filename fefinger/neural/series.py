@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,6 +16,7 @@ from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import as_input_error
 from fefinger.support.checks import InputError, choice, integer, number, repeated, suggestion
 from fefinger.support.likely_units import in_milliseconds, seconds_or_milliseconds
+from fefinger.support.outputs import keep
 from fefinger.support.vocabulary import FAMILIES, GENERATORS, TYPE_SYNONYMS, TYPES
 
 
@@ -242,8 +244,24 @@ def _prefix(header: str) -> str:
     return re.split(r"[\W_]", header)[0]
 
 
+def keep_others(folder: Path) -> None:
+    """Raise InputError where FILES in a folder are not those of earlier spike trains."""
+    from fefinger.neural.trains import SpikeTrains
+
+    present = [name for name in FILES if (folder / name).exists()]
+    if FILES[-1] in present:
+        with suppress(InputError):
+            SpikeTrains.from_npz(folder / FILES[-1])
+            present = []
+    keep(present, folder, "spike trains")
+
+
 def save(trains: "SpikeTrains", folder: Path) -> list[str]:
-    """Write spike trains to FILES in a folder and return the paths."""
+    """Write spike trains to FILES in a folder and return the paths.
+
+    InputError where they cannot be written, or where files of these names are not spike trains.
+    """
+    keep_others(folder)
     paths = [folder / name for name in FILES]
     with as_input_error(folder):
         trains.to_csv(paths[0])

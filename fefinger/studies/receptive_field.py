@@ -7,7 +7,9 @@ The units stay under the first touch of the 30 degree plate, with their end orga
 its motion are those of the scene.
 """
 
+import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -28,7 +30,7 @@ from fefinger.scene.scene import Scene
 from fefinger.support import atomic_write
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, choices, number
-from fefinger.support.outputs import output_folder
+from fefinger.support.outputs import keep, output_folder
 from fefinger.support.progress import Progress
 from fefinger.support.text import outline
 from fefinger.support.vocabulary import TYPE_SYNONYMS, TYPES
@@ -41,6 +43,9 @@ ASIDE = np.array([0.5, 0.5])
 """Place in mm for which the mechanics is chosen: off the medial plane, as most places are."""
 
 FILES = ("field.csv", "field.svg")
+
+PLACE = ("x_mm", "y_mm")
+"""First columns of the table of a field."""
 """Files that `ReceptiveField.save` writes."""
 
 
@@ -99,16 +104,30 @@ class ReceptiveField:
         return receptive_fields(self.places, self.spacing, fields, self.organs)
 
     def save(self, folder: str | Path) -> list[str]:
-        """Write FILES into a folder and return their paths; InputError where it is unusable."""
+        """Write FILES into a folder and return their paths.
+
+        InputError where it is unusable, or where files of these names are not those of a field.
+        """
         from fefinger.view.figures import svg
 
-        lines = [",".join(["x_mm", "y_mm", *(f"{kind}_impulses" for kind in self.kinds)])]
+        lines = [",".join([*PLACE, *(f"{kind}_impulses" for kind in self.kinds)])]
         for (x, y), counts in zip(self.places.tolist(), self.impulses.tolist(), strict=True):
             lines.append(",".join([f"{x:g}", f"{y:g}", *map(str, counts)]))
         place = output_folder(folder)
+        keep_others(place)
         texts = dict(zip(FILES, ("\n".join(lines) + "\n", svg(self.figure())), strict=True))
         atomic_write.write(place, texts)
         return [str(place / name) for name in FILES]
+
+
+def keep_others(folder: Path) -> None:
+    """Raise InputError where FILES in a folder are not those of an earlier field."""
+    present = [name for name in FILES if (folder / name).exists()]
+    header = rf"{','.join(PLACE)}(,\w+_impulses)+"
+    with suppress(OSError, UnicodeDecodeError), open(folder / FILES[0], encoding="utf-8") as table:
+        if re.fullmatch(header, table.readline().strip()):
+            present = []
+    keep(present, folder, "receptive field")
 
 
 def receptive_field(

@@ -2,7 +2,7 @@
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from os import PathLike
 from pathlib import Path
@@ -68,6 +68,19 @@ def output_folder(folder: str | PathLike[str]) -> Path:
             f"({reason}); {advice}"
         ) from None
     return path
+
+
+def keep(foreign: Sequence[str], folder: str | PathLike[str], ours: str) -> None:
+    """Raise InputError where writing `ours` would replace files that are not of such an output.
+
+    foreign: names of these files in `folder`: they are the user's own, or those of another command.
+    """
+    if foreign:
+        raise InputError(
+            f"output folder: {', '.join(map(repr, foreign))} in {os.fspath(folder)!r} would be "
+            f"overwritten, and no {ours} of fefinger there holds it; move it away or choose "
+            "another folder"
+        )
 
 
 @contextmanager

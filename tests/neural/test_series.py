@@ -4,6 +4,7 @@ import csv
 import json
 import re
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -424,3 +425,16 @@ def test_the_recorded_family_takes_displacements_and_strains_of_its_own_length(t
         series.fire(read(press), ("SAI",), family="recorded", tolerance=0.1)
     with pytest.raises(InputError, match=r"family: expected one of"):
         series.fire(read(press), ("SAI",), family="recordd")
+
+
+def test_files_of_another_origin_are_not_overwritten(press, tmp_path, capsys):
+    """Such as the recording itself, or the spikes of a saved result."""
+    spikes = ["spikes", "--type", "SAI", "-o", str(tmp_path), "--from"]
+    recording = tmp_path / "spikes.csv"
+    recording.write_bytes(Path(press).read_bytes())
+    assert main([*spikes, str(recording)]) == 2
+    assert "'spikes.csv' in" in capsys.readouterr().err
+    assert recording.read_bytes() == Path(press).read_bytes()
+    recording.unlink()
+    assert main([*spikes, press]) == 0
+    assert main([*spikes, press]) == 0  # replaces its own

@@ -128,6 +128,16 @@ def test_it_writes_a_table_and_a_picture(field, tmp_path):
     assert len(lines) == 10
     assert (tmp_path / "field.svg").read_text().startswith("<svg")
     assert json.loads(json.dumps(field.record()))["mechanics"] == "condensed"
+    field.save(tmp_path)  # replaces its own
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_files_of_another_origin_are_not_overwritten(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(receptive_field, "receptive_field", None)  # before it computes
+    (tmp_path / name).write_text("x,y\n1,2\n")
+    assert main(["field", "-o", str(tmp_path)]) == 2
+    assert f"'{name}' in {str(tmp_path)!r} would be overwritten" in capsys.readouterr().err
+    assert (tmp_path / name).read_text() == "x,y\n1,2\n"
 
 
 @pytest.mark.parametrize(
