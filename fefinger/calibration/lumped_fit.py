@@ -17,6 +17,7 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.csv_columns import CsvTable, check_times, factor, read_table, shortened
 from fefinger.support.likely_units import DURATION, FORCE, TRAVEL
+from fefinger.support.outputs import keep
 from fefinger.support.text import strict_json, table
 from fefinger.theory.lumped import identify, ramp_hold
 from fefinger.theory.lumped import spring as lumped
@@ -198,6 +199,19 @@ ADVICE = (
 )
 
 
+HEADING = "time_s,position_mm,force_N,joint_N,thesis_N"
+"""First line of `fit.csv`."""
+
+
+def keep_others(folder: Path) -> None:
+    """Raise InputError where `fit.csv` in a folder is another table, as the record itself."""
+    name = "fit.csv"
+    if (folder / name).exists():
+        with open(folder / name, encoding="utf-8", errors="replace") as table:
+            first = table.readline().strip()
+        keep([name] * (first != HEADING), folder, "fit")
+
+
 def save(fit: LumpedFit, folder: Path) -> list[str]:
     """Write `fit.json` and `fit.csv` into an existing folder.
 
@@ -210,8 +224,7 @@ def save(fit: LumpedFit, folder: Path) -> list[str]:
         lumped.force(way.spring, way.prony, used.time, position) for way in (fit.joint, fit.thesis)
     ]
     columns = np.column_stack([used.time, position, used.force, *models])
-    heading = "time_s,position_mm,force_N,joint_N,thesis_N"
     texts = {"fit.json": strict_json(record(fit)) + "\n"}
     with atomic_write.together(folder, texts), atomic_write.in_place(folder / "fit.csv") as rows:
-        np.savetxt(rows, columns, "%.9g", ",", header=heading, comments="")
+        np.savetxt(rows, columns, "%.9g", ",", header=HEADING, comments="")
     return [str(folder / name) for name in ("fit.json", "fit.csv")]

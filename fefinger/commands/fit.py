@@ -25,6 +25,8 @@ def fit(data: str, terms: int, output: str | None, as_json: bool) -> None:
     from fefinger.support import outputs
 
     with outputs.output(output) as folder:
+        if folder is not None:
+            lumped_fit.keep_others(folder)
         identified = lumped_fit.fit(data, terms=terms)
         files: list[str] = []
         try:

@@ -208,3 +208,11 @@ def test_a_fit_that_does_not_converge_says_so(file, monkeypatch):
     monkeypatch.setattr(identify, "joint", fail)
     with pytest.raises(ConvergenceError, match="did not converge"):
         lumped_fit.fit(file)
+
+
+def test_a_record_of_the_name_of_the_output_is_not_overwritten(file, capsys, tmp_path):
+    record = tmp_path / "fit.csv"
+    record.write_bytes(file.read_bytes())
+    assert main(["fit", str(record), "-o", str(tmp_path)]) == 2
+    assert "'fit.csv' in" in capsys.readouterr().err
+    assert record.read_bytes() == file.read_bytes()
