@@ -33,6 +33,10 @@ PALMAR = -1.0
 RIDGE, FOREMOST = 400, 12.0
 """Number of points along the finger at which the touch of a plate is sought; largest x in mm."""
 
+BONE_AHEAD, BONE_ROUNDED = 0.42, 0.3
+"""Tissue ahead of a bone, over the thickness, and length of the rounding of its end, over the width
+of the finger, where the recipe gives no other."""
+
 SAMPLES = 4001
 """Points in a profile table; the error of the trapezoidal rule is below 1e-6 mm."""
 
@@ -201,7 +205,7 @@ def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> She
     middle = top - recipe.skin_thickness - 0.14 * thickness
     depth = np.clip(middle - pulp * np.cos(PLATE), 0.07 * thickness, 0.18 * thickness)
     # A pad that rises steeply comes close to the nail: there the bone ends short of the pulp.
-    end = min(tip - 0.42 * thickness, -np.sqrt(max(pulp**2 - middle**2, 0.0)))
+    end = min(tip - BONE_AHEAD * thickness, -np.sqrt(max(pulp**2 - middle**2, 0.0)))
     if recipe.tip_tissue is not None:
         end = tip - recipe.tip_tissue
         if end < cut + 0.6 * width:
@@ -216,7 +220,7 @@ def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> She
     x = end - (end - cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
     base = smooth(1.0 - (x - cut) / (0.6 * width))
     tuft = np.exp(-(((x - end + 0.16 * width) / (0.2 * width)) ** 2))
-    tip_factor = rounding(x, end, 0.3 * width)
+    tip_factor = rounding(x, end, BONE_ROUNDED * width)
     side = width * (0.16 + 0.10 * base + 0.05 * tuft) * tip_factor
     low = (depth + 0.16 * thickness * base) * tip_factor
     high = 0.09 * thickness * tip_factor
@@ -225,7 +229,7 @@ def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> She
 
 def length_needed(recipe: Recipe) -> float:
     """Least length in mm of a scan: the base of a bone, the tissue ahead of it, and a margin."""
-    ahead = 0.42 * recipe.thickness if recipe.tip_tissue is None else recipe.tip_tissue
+    ahead = BONE_AHEAD * recipe.thickness if recipe.tip_tissue is None else recipe.tip_tissue
     return max(1.1 * recipe.width, ahead + 0.6 * recipe.width + 1.0)
 
 

@@ -90,7 +90,8 @@ def scanned(recipe: Recipe) -> Shape:
     fault = _fault(file, recipe, height) or _rounded_behind(file, recipe, tables, start)
     inset = {name: offset(table, recipe.skin_thickness) for name, table in tables.items()}
     try:
-        bone, near_bone, of_bone = _bone(recipe, aside + touch, cut=cut, tip=tip, top=top)
+        back = level + _lowest_back(recipe, tables["dorsal"], tip)
+        bone, near_bone, of_bone = _bone(recipe, aside + touch, cut=cut, tip=tip, top=back)
         inside = _half(bone, near_bone, finger_shape.FINE)
         finger_shape.check_room(under, surface.without_caps(inside)[0], recipe)
     except InputError as error:
@@ -117,7 +118,7 @@ def scanned(recipe: Recipe) -> Shape:
         ],
         sections=near,
         volumes=finger_shape.region_volumes(*map(surface.volume, halves)),
-        notes=(*file.notes, *_facets(file), *averaged, *of_bone),
+        notes=(*file.notes, *_facets(file), *averaged, *_lowered(recipe, top - back), *of_bone),
     )
 
 
@@ -189,6 +190,28 @@ def _bone(
         )
     level, tables = _profiles(cloud, cut)
     return cloud, Shell.of(level, cut=cut, **tables), (*notes, *_averaged(name, away))
+
+
+def _lowest_back(recipe: Recipe, dorsal: Table, tip: float) -> float:
+    """Least height of the back over the part of a parametric bone that is not rounded yet.
+
+    The back of a scan is not level: nail, folds and the joint differ by a millimeter, more than the
+    tissue between them and a bone under their highest point.
+    """
+    x, height = dorsal
+    ahead = recipe.tip_tissue or finger_shape.BONE_AHEAD * recipe.thickness
+    over = x <= tip - ahead - finger_shape.BONE_ROUNDED * recipe.width
+    return float(height[over].min() if over.any() else height.max())
+
+
+def _lowered(recipe: Recipe, down: float) -> tuple[str, ...]:
+    """Note on a parametric bone that lies `down` mm lower than under the highest point."""
+    if recipe.bone_surface is not None or down < AVERAGED:
+        return ()
+    return (
+        f"The back of the scan is not level: the bone lies {down:.2g} mm lower than under its "
+        "highest point, to be below all of the skin.",
+    )
 
 
 def _half(smooth: SmoothSurface, near: Shell, step: float, *, overhang: float = 0.0) -> Triangles:

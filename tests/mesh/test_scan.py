@@ -132,6 +132,28 @@ def test_a_bone_beside_the_middle_is_refused_or_said(
         scanned(recipe)
 
 
+@pytest.mark.parametrize("part", ["nail", "joint", "narrow joint"])
+def test_a_scan_whose_back_is_not_level_has_room_for_a_bone(
+    scan: Shape, stl: Path, tmp_path: Path, part: str
+) -> None:
+    """The bone was under the highest point, so that half a millimeter left it no room."""
+    mesh = trimesh.load_mesh(stl)
+    x, y, z = (mesh.vertices - AWAY).T
+    back = np.clip((z - z.mean()) / (z.max() - z.mean()), 0.0, 1.0)
+    behind = np.clip((-6.0 - x) / 8.0, 0.0, 1.0)
+    raised = {
+        "nail": 0.5 * ((z > z.mean() + 1.5) & (np.abs(y) < 5) & (x > -10)),
+        "joint": 1.0 * back * behind,
+        "narrow joint": -0.8 * back * behind,
+    }
+    mesh.vertices[:, 2] += raised[part]
+    mesh.export(tmp_path / "uneven.stl")
+    found = scanned(Recipe(14, 10, 14, surface=str(tmp_path / "uneven.stl")))
+    assert any("back of the scan is not level" in note for note in found.notes)
+    assert not any("not level" in note for note in scan.notes)
+    assert found.volumes["bone"] == pytest.approx(scan.volumes["bone"], rel=0.1)
+
+
 def test_a_scan_of_large_triangles_says_what_they_cost(stl: Path, tmp_path: Path) -> None:
     pv = pytest.importorskip("pyvista")
     recipe = Recipe(14, 10, 14, surface=str(tmp_path / "few.stl"))
