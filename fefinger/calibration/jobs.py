@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.calibration.calibrate import calibrate
-from fefinger.calibration.record import Calibration
+from fefinger.calibration.record import Calibration, keep_others
 from fefinger.calibration.targets import finger_of
 from fefinger.support import outputs, processes
 from fefinger.support.checks import ConvergenceError, InputError
@@ -72,17 +72,19 @@ def _one(job: Job) -> Calibration:
 def folders(todo: Sequence[Job], output: str | None) -> Iterator[list[Path]]:
     """Create the folder of every job below `output`, as a context; [] without an output.
 
-    Empty folders are removed after an error.
+    Empty folders are removed after an error. InputError where a folder holds files of a
+    calibration's names that are not those of one.
     """
     with ExitStack() as opened:
         whole = opened.enter_context(outputs.output(output))
-        if whole is None or len(todo) == 1:
-            yield [] if whole is None else [whole]
-            return
-        names = [job["source"].strip(".").replace(".", "") for job in todo]
-        for name in names:
-            opened.enter_context(outputs.output(whole / name))
-        yield [whole / name for name in names]
+        places = [] if whole is None else [whole]
+        if whole is not None and len(todo) > 1:
+            places = [whole / job["source"].strip(".").replace(".", "") for job in todo]
+            for place in places:
+                opened.enter_context(outputs.output(place))
+        for place in places:
+            keep_others(place)
+        yield places
 
 
 def save(calibrations: Sequence[Calibration], places: Sequence[Path]) -> list[str]:

@@ -1,6 +1,7 @@
 """Record of a calibration: parameters with uncertainty and prior, misfits, and its files."""
 
 import json
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Self
@@ -15,6 +16,7 @@ from fefinger.scene.tissue import Tissue
 from fefinger.support import atomic_write
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+from fefinger.support.outputs import keep
 from fefinger.support.text import table
 from fefinger.theory.relaxation import Prony
 
@@ -166,9 +168,14 @@ class Calibration:
         return values | {"skin": self.skin, "subcutaneous": self.subcutaneous}
 
     def save(self, folder: str | Path) -> list[str]:
-        """Write `calibration.json` and, for `solid`, `tissue.toml` into an existing folder."""
+        """Write `calibration.json` and, for `solid`, `tissue.toml` into an existing folder.
+
+        InputError where they cannot be written, or where files of these names are not those of a
+        calibration.
+        """
         import tomli_w
 
+        keep_others(Path(folder))
         texts = {FILE: json.dumps(self.record(), indent=1) + "\n"}
         if MECHANICS[self.mechanics].finite:
             texts[TISSUE_FILE] = tomli_w.dumps(self.tissue_set())
@@ -188,7 +195,7 @@ class Calibration:
         path = path / FILE if path.is_dir() else path
         try:
             return cls.from_record(json.loads(path.read_text(encoding="utf-8")))
-        except (OSError, ValueError, TypeError, KeyError) as error:
+        except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
             msg = f"{path}: expected a {FILE} that `fefinger calibrate -o` wrote ({error})"
             raise InputError(msg) from None
 
@@ -203,6 +210,16 @@ class Calibration:
         fields["stages"] = tuple(Stage(**each) for each in fields["stages"])
         fields["prony"] = Prony(**fields["prony"])
         return cls(**fields)
+
+
+def keep_others(folder: Path) -> None:
+    """Raise InputError where files of a calibration's names in a folder are not those of one."""
+    present = [name for name in (FILE, TISSUE_FILE) if (folder / name).exists()]
+    if FILE in present:
+        with suppress(InputError):
+            Calibration.load(folder)
+            present = []
+    keep(present, folder, "calibration")
 
 
 def _tuples(value: Any) -> Any:

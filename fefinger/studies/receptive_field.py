@@ -43,10 +43,10 @@ ASIDE = np.array([0.5, 0.5])
 """Place in mm for which the mechanics is chosen: off the medial plane, as most places are."""
 
 FILES = ("field.csv", "field.svg")
+"""Files that `ReceptiveField.save` writes."""
 
 PLACE = ("x_mm", "y_mm")
 """First columns of the table of a field."""
-"""Files that `ReceptiveField.save` writes."""
 
 
 @dataclass(frozen=True)

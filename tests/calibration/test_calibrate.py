@@ -261,6 +261,17 @@ def test_an_empty_name_is_no_folder_of_a_calibration(capsys, solved):
     assert solved == []
 
 
+@pytest.mark.parametrize("name", ["tissue.toml", "calibration.json"])
+def test_a_file_that_is_none_of_a_calibration_is_not_replaced(name, tmp_path, capsys, solved):
+    own = tmp_path / name
+    own.write_text("[1]\n")
+    words = ["calibrate", "--subject", "a.h.", "--resolution", "coarse", "-o", str(tmp_path)]
+    assert main(words) == 2
+    assert f"'{name}'" in capsys.readouterr().err
+    assert own.read_text() == "[1]\n"
+    assert solved == []
+
+
 def test_subjects_are_calibrated_in_processes_of_their_own():
     todo = [{"source": name, "mechanics": "condensed"} for name in ("nobody", "no one")]
     with pytest.raises(InputError, match="expected a subject"):
