@@ -17,7 +17,7 @@ from fefinger.validation.problems.hemisphere import DEPTH, SPEED, Hemisphere
 
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
-from fefinger.fem.hyperelastic.load_path import Path, Series, StressHistory, follow
+from fefinger.fem.hyperelastic.load_path import LoadPath, Series, StressHistory, follow
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony, hereditary_integral
@@ -82,7 +82,7 @@ def _through(pressed: Cube, times: Array, depth: Callable[[float], float]) -> Ar
         forces.append(float(pressed.equilibrium.contact.projected @ state.pressure))
 
     history = StressHistory(pressed.body, {1: SERIES})
-    follow(pressed.equilibrium, history, Path("depth", times, depth), keep)
+    follow(pressed.equilibrium, history, LoadPath("depth", times, depth), keep)
     return np.array(forces)
 
 

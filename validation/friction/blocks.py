@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from fefinger.fem.contact.march import Path, march_with_friction
+from fefinger.fem.contact.march import SlidingPath, march_with_friction
 from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
 from fefinger.support.arrays import Array, Flags
 from fefinger.theory.relaxation import Prony, hereditary_integral
@@ -48,7 +48,7 @@ def dragged(prony: Prony, passes: int) -> tuple[Array, Array, History]:
     history = march_with_friction(
         np.diag([AREA**2 / 100.0, AREA**2 / STIFFNESS, AREA**2 / STIFFNESS]),
         (STATIC, KINETIC),
-        Path(Plate(), shift),  # type: ignore[arg-type]  # it has the two methods that are called
+        SlidingPath(Plate(), shift),  # type: ignore[arg-type]  # it has the two methods that are called
         np.array([AREA]),
         Relaxation(np.array(prony.weights), np.array(prony.v), 3),
         Prescribed("force", time, np.full(len(time), FORCE)),

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.fem.contact.march import Path, march
+from fefinger.fem.contact.march import SlidingPath, march
 from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.support.arrays import Array, Flags
 from fefinger.theory.relaxation import Prony
@@ -75,7 +75,7 @@ def drag_ratio(speed: float) -> float:
     history = march(
         flexibility(wave),
         # A wave has the distances and slopes that `march` reads of `Heights`, without a pad.
-        Path(wave, shift),  # type: ignore[arg-type]  # it has the two methods that are called
+        SlidingPath(wave, shift),  # type: ignore[arg-type]  # it has the two methods that are called
         np.full(NODES, wave.share),
         Relaxation(np.array(PRONY.weights), np.array(PRONY.v), NODES),
         Prescribed("depth", time, np.full(len(time), DEPTH)),

@@ -15,7 +15,7 @@ from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.laws import Law
-from fefinger.fem.hyperelastic.load_path import Path, Series, StressHistory, follow
+from fefinger.fem.hyperelastic.load_path import LoadPath, Series, StressHistory, follow
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.fem.linalg.system import System, factor
@@ -120,5 +120,5 @@ class Hemisphere:
         def keep(_: int, state: State) -> None:
             forces.append(4e-3 * float(self.contact.projected @ state.pressure))
 
-        follow(solver, history, Path("depth", times, lambda t: min(rate * t, DEPTH)), keep)
+        follow(solver, history, LoadPath("depth", times, lambda t: min(rate * t, DEPTH)), keep)
         return np.array(forces), solver

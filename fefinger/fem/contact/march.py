@@ -14,7 +14,7 @@ from fefinger.support.checks import PRESS_LESS, InputError
 
 
 @dataclass(frozen=True)
-class Path:
+class SlidingPath:
     """Path of an obstacle that slides: shift (n_t, 2) mm, and the slopes (n_t, 2) of a plate."""
 
     travel: Travel
@@ -42,7 +42,7 @@ class Path:
 
 def march(
     flexibility: Array,
-    gap: Array | Path,
+    gap: Array | SlidingPath,
     projected: Array,
     relaxation: Relaxation,
     prescribed: Prescribed,
@@ -61,8 +61,8 @@ def march(
     ConvergenceError
         If the contact or the depth under force control does not converge.
     """
-    path, count = gap if isinstance(gap, Path) else None, len(prescribed.time)
-    start = np.zeros(len(projected)) if isinstance(gap, Path) else gap
+    path, count = gap if isinstance(gap, SlidingPath) else None, len(prescribed.time)
+    start = np.zeros(len(projected)) if isinstance(gap, SlidingPath) else gap
     s = contact.lcp_state(flexibility)
     m = step_compiled.pad_state(start, projected, relaxation.weights, relaxation.rates)
     time, by_force = prescribed.time, prescribed.control == "force"
@@ -87,7 +87,7 @@ def march(
 def march_with_friction(
     flexibility: Array,
     mu: tuple[float, float],
-    path: Path,
+    path: SlidingPath,
     projected: Array,
     relaxation: Relaxation,
     prescribed: Prescribed,

@@ -76,7 +76,7 @@ class StressHistory:
 
 
 @dataclass(frozen=True)
-class Path:
+class LoadPath:
     """Prescribed motion of the indenter: `value` is depth in mm or force in mN over time in s.
 
     drag(t) (3,): the friction of a plate that slides, see `Target`.
@@ -114,7 +114,7 @@ class FactorizationBudget:
 def follow(
     equilibrium: Equilibrium,
     history: StressHistory,
-    path: Path,
+    path: LoadPath,
     observe: Callable[[int, State], None],
     progress: Callable[[float], None] = lambda fraction: None,
     allowance: FactorizationBudget | None = None,
@@ -151,7 +151,7 @@ class _PathSolver:
 
     equilibrium: Equilibrium
     stress: StressHistory
-    path: Path
+    path: LoadPath
     peak: float
     state: State
     previous: State

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
-from fefinger.fem.hyperelastic.load_path import Path, StressHistory
+from fefinger.fem.hyperelastic.load_path import LoadPath, StressHistory
 from fefinger.mechanics.press import depth_table, limits
 from fefinger.mechanics.press.depth_table import DepthTable, DisplacementBasis
 from fefinger.mechanics.press.fields import stiffening
@@ -110,7 +110,7 @@ def _solved(
         reference=None,
     )
     course = Course(  # at 1 mm/s
-        Path("depth", wanted, float),
+        LoadPath("depth", wanted, float),
         lambda: StressHistory(elements, {}),
         LoadSteps(wanted, wanted, np.arange(len(wanted)), wanted, np.array([0, len(wanted) - 1])),
         frozenset(range(len(wanted))),

@@ -139,7 +139,7 @@ def solve(
     steps = load_steps(motion, press.time, relaxing, refine, friction=press.indenter.kinetic)
     frames = set(frames_of(steps.value, int(np.argmax(steps.value))).tolist())
     course = Course(
-        load_path.Path(
+        load_path.LoadPath(
             motion.control,
             steps.times,
             lambda t: press.load_unit * float(motion.value(t)),
@@ -217,7 +217,7 @@ class Course:
     limit on tangent factorizations, none by default.
     """
 
-    path: load_path.Path
+    path: load_path.LoadPath
     stress: Callable[[], load_path.StressHistory]
     steps: LoadSteps
     frames: frozenset[int]

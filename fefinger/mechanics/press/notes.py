@@ -111,7 +111,7 @@ def elastic_hard_parts_reasons(finger: Finger) -> Iterator[Reason]:
 
 
 def own_relaxation_reasons(finger: Finger) -> list[Reason]:
-    """Return what keeps a finger from relaxing as one body about a rigid bone."""
+    """Reasons why a finger does not relax as one body about a rigid bone."""
     return [*elastic_hard_parts_reasons(finger), *separate_relaxation_reasons(finger)]
 
 

@@ -11,7 +11,7 @@ from fefinger.fem.contact.deformed_gap import contact_surface
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.recovery import recovered_gradient_at, recovered_strain_at
 from fefinger.fem.hyperelastic.continuum import Continuum
-from fefinger.fem.hyperelastic.load_path import Path, StressHistory, follow
+from fefinger.fem.hyperelastic.load_path import LoadPath, StressHistory, follow
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.voigt import logarithmic, tensor_from_voigt
@@ -87,7 +87,7 @@ def reference_unknowns(press: Press, elements: Continuum) -> Array:
     )
     equilibrium = Equilibrium(elements, contact, press.system)
     states: list[State] = []
-    path = Path("depth", np.linspace(0, 1, STEPS + 1), lambda t: REFERENCE_DEPTH * t)
+    path = LoadPath("depth", np.linspace(0, 1, STEPS + 1), lambda t: REFERENCE_DEPTH * t)
     follow(equilibrium, StressHistory(elements, {}), path, lambda _, state: states.append(state))
     check_border(states[-1].pressure, contact.on.border)
     return states[-1].values

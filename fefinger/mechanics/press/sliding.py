@@ -8,7 +8,7 @@ from scipy import sparse
 
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.condensation import Operator
-from fefinger.fem.contact.march import Path, march, march_with_friction
+from fefinger.fem.contact.march import SlidingPath, march, march_with_friction
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import Patch, directed, patch
 from fefinger.fem.contact.travel import Heights, Travel, envelope
@@ -107,7 +107,7 @@ def solve_sliding_contact(
     """
     on = reduced.patch
     travel = Travel.of(press.body.space, press.body.normals, on, press.obstacle)
-    path = Path(travel, press.motion.shift(press.time), press.inclines)
+    path = SlidingPath(travel, press.motion.shift(press.time), press.inclines)
     rest = path, on.projected, relaxation, prescribed, report
     if press.indenter.friction:
         mu = press.indenter.friction, press.indenter.kinetic

@@ -14,7 +14,7 @@ from fefinger.fem.hyperelastic.iterate import ASTRAY, Anderson, stagnant
 from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
 from fefinger.fem.hyperelastic.load_path import (
     FactorizationBudget,
-    Path,
+    LoadPath,
     Series,
     StressHistory,
     follow,
@@ -64,7 +64,7 @@ def squeezed(material: Law, depths: list[float]) -> tuple[float, np.ndarray, Sta
     return force_of(pressed, state), stretches(state.values, pressed.body), state
 
 
-def forces_along(pressed: Cube, path: Path, **options: object) -> np.ndarray:
+def forces_along(pressed: Cube, path: LoadPath, **options: object) -> np.ndarray:
     """Return the forces in mN at the times of a path."""
     forces: list[float] = []
     history = StressHistory(pressed.body, SERIES, **options)
@@ -154,7 +154,7 @@ def test_a_step_too_large_is_reported():
 
 def passed(material: Law, times: np.ndarray, depth: object, **options: object) -> np.ndarray:
     """Return the force in mN at the times, under depth control."""
-    return forces_along(cube(material, 1), Path("depth", times, depth), **options)
+    return forces_along(cube(material, 1), LoadPath("depth", times, depth), **options)
 
 
 @pytest.mark.parametrize("poisson", RATIOS)
@@ -163,7 +163,9 @@ def test_a_body_without_memory_that_is_left_again_is_at_rest_at_once(poisson: fl
     pressed, states = cube(neo_hookean(Elastic(40.0, poisson))), []
     history = StressHistory(pressed.body, {1: Series(np.ones(1), np.empty(0))})
     times, depth = np.arange(9.0), lambda time: 0.1 * min(time, 8.0 - time)
-    follow(pressed.equilibrium, history, Path("depth", times, depth), lambda _, s: states.append(s))
+    follow(
+        pressed.equilibrium, history, LoadPath("depth", times, depth), lambda _, s: states.append(s)
+    )
     assert np.abs(states[-1].values).max() < 1e-7
     forces = [float(pressed.equilibrium.contact.projected @ state.pressure) for state in states]
     assert forces[-1] < EQUILIBRIUM * max(forces)  # single pressures go with the processor
@@ -192,7 +194,7 @@ def relaxed(material: Law, times: np.ndarray) -> np.ndarray:
 def test_forces_far_below_the_largest_one_of_a_path_are_met_as_closely_as_can_be(tiny: float):
     pressed = cube(neo_hookean(Elastic(40.0, 0.49)), 1)
     times, forces = np.linspace(0, 1, 6), 10 * np.array([tiny, 1, tiny, 0, tiny**0.5, 1])
-    path = Path("force", times, lambda time: float(np.interp(time, times, forces)))
+    path = LoadPath("force", times, lambda time: float(np.interp(time, times, forces)))
     close = EQUILIBRIUM * max(SMALL_FORCE * forces.max(), LEAST_FORCE)
     assert forces_along(pressed, path) == pytest.approx(forces, rel=EQUILIBRIUM, abs=close)
 
@@ -260,7 +262,8 @@ def test_a_held_force_creeps_to_the_depth_of_the_relaxed_cube():
     pressed = cube(material, 1)
     target, depths = nominal(material, 0.8), []
     history = StressHistory(pressed.body, SERIES)
-    path = Path("force", np.concatenate([[0.0], np.geomspace(1e-3, 30.0, 25)]), lambda t: target)
+    times = np.concatenate([[0.0], np.geomspace(1e-3, 30.0, 25)])
+    path = LoadPath("force", times, lambda t: target)
 
     def keep(_: int, state: State) -> None:
         depths.append(state.depth)
@@ -293,13 +296,13 @@ def test_a_path_under_force_control_takes_few_iterations(poisson: float):
     material = neo_hookean(Elastic(40.0, poisson))
     force, _, _ = squeezed(material, [0.1, 0.2, 0.3])
     pressed = cube(material)
-    path = Path("force", np.linspace(0, 1, 13), lambda time: force * min(2 * time, 1.0))
+    path = LoadPath("force", np.linspace(0, 1, 13), lambda time: force * min(2 * time, 1.0))
     follow(pressed.equilibrium, StressHistory(pressed.body, SERIES), path, lambda *_: None)
     assert pressed.equilibrium.iterations < 110
 
 
 def starts_and_ends(
-    solver: Equilibrium, path: Path, monkeypatch: pytest.MonkeyPatch
+    solver: Equilibrium, path: LoadPath, monkeypatch: pytest.MonkeyPatch
 ) -> tuple[list[State], list[State]]:
     """Return the states from which the steps of a path start, and those that they find."""
     starts, ends, find = [], [], solver.find
@@ -318,7 +321,7 @@ def test_a_step_of_a_hold_starts_where_creep_as_in_the_step_before_it_would_lead
     monkeypatch: pytest.MonkeyPatch,
 ):
     """Not so the first one, before which the plate moved."""
-    path = Path("force", np.array([0.0, 0.01, 0.02, 0.04, 0.08]), lambda t: 1000 * min(t, 0.01))
+    path = LoadPath("force", np.array([0.0, 0.01, 0.02, 0.04, 0.08]), lambda t: 1000 * min(t, 0.01))
     solver = cube(neo_hookean(Elastic(40.0, 0.3)), 1).equilibrium
     starts, ends = starts_and_ends(solver, path, monkeypatch)
     assert starts[2].depth == ends[1].depth
@@ -331,7 +334,7 @@ def test_a_step_of_a_hold_starts_where_creep_as_in_the_step_before_it_would_lead
 
 def test_no_step_starts_with_tension(monkeypatch: pytest.MonkeyPatch):
     depths = [0.0, 0.1, 0.3, 0.01]
-    path = Path("depth", np.arange(4) / 10, lambda t: depths[round(10 * t)])
+    path = LoadPath("depth", np.arange(4) / 10, lambda t: depths[round(10 * t)])
     solver = cube(law("demiray", Elastic(40.0, 0.3), 2.0), 1).equilibrium
     starts, ends = starts_and_ends(solver, path, monkeypatch)
     on = ends[1].toward(ends[2], 1 + (0.01 - 0.3) / 0.2).pressure
@@ -405,7 +408,7 @@ def test_a_step_that_takes_more_than_its_allowance_is_given_up_with_all_its_part
     """It was split again and again, each time at the price of a whole search and descent."""
     pressed = cube(neo_hookean(Elastic(40.0, 0.5)), 1)
     solver, seen = pressed.equilibrium, []
-    path = Path("depth", np.arange(4.0), lambda t: (0.0, 0.1, 0.2, 1.2)[int(np.ceil(t))])
+    path = LoadPath("depth", np.arange(4.0), lambda t: (0.0, 0.1, 0.2, 1.2)[int(np.ceil(t))])
     history = StressHistory(pressed.body, SERIES)
 
     def keep(number: int, _: State) -> None:
