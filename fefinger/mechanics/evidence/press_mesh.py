@@ -29,10 +29,10 @@ from fefinger.theory.relaxation import hereditary_integral
 
 
 QUANTILE = 0.95
-"""Quantile of the deviations, over all presses and depths, that is taken as margin."""
+"""Quantile of the deviations, over all presses at depths like that, that is taken as margin."""
 
 LOCAL = ("pressure", "area")
-"""Quantities that depend by chance on which vertices bear the pressure, at any depth."""
+"""Quantities that depend by chance on which vertices bear the pressure."""
 
 DEPTHS = 2.0
 """Factor on the depth within which deviations count: errors fall steeply from first touch on."""
@@ -55,10 +55,10 @@ BEYOND = 1.06
 """Depth over that of the deepest press up to which the errors there count."""
 
 
-def margin(excess: Excess, part: float | None) -> float:
-    """95 % quantile of the excess at depths within a factor 2 of `part` (of all depths if None)."""
+def margin(excess: Excess, part: float) -> float:
+    """95 % quantile of the excess at depths within a factor DEPTHS of `part`, else of all."""
     parts, values = excess
-    near = values[[part is None or part / DEPTHS < each < part * DEPTHS for each in parts]]
+    near = values[(part / DEPTHS < parts) & (parts < part * DEPTHS)]
     chosen = near if near.size else values
     return max(float(np.quantile(chosen, QUANTILE)), 0.0) if chosen.size else 0.0
 
@@ -273,8 +273,7 @@ def _estimate(candidate: Candidate, case: Situation, quantity: str) -> _Estimate
 def _margins(
     estimate: _Estimate, candidate: Candidate, case: Situation, quantity: str
 ) -> list[float]:
-    # Which vertices bear the pressure is by chance at any depth.
-    depth, margins = None if quantity in LOCAL else estimate.depth, []
+    depth, margins = estimate.depth, []
     where, object_ = pressed_objects.axis_and_value(case.indenter), case.indenter
     if where is not None and estimate.share is not None:
         # Balls of nearly one curvature touch the same vertices; plates at an angle touch elsewhere.

@@ -403,3 +403,15 @@ def test_a_finger_whose_bone_ends_elsewhere_is_none_that_was_measured() -> None:
         finger = Finger.subject("a.h.", tissue=tissue)
         assert measured(finger)
         assert not measured(replace(finger, tip_tissue=3.8))
+
+
+@pytest.mark.parametrize("quantity", ["pressure", "area"])
+@pytest.mark.parametrize("mesh", ["coarse", "standard"])
+def test_fingers_scatter_more_at_light_touch_than_in_deep_presses(mesh, quantity) -> None:
+    excess = press_mesh.other_fingers(Candidate("solid", mesh), quantity)
+    parts, values = excess
+    light, deep = (press_mesh.margin(excess, part) for part in (0.02, 0.12))
+    assert light > 3 * deep
+    for part, margin in ((0.02, light), (0.12, deep)):
+        near = values[(parts > part / 2) & (parts < 2 * part)]
+        assert np.mean(near <= margin) == pytest.approx(0.95, abs=0.02)
