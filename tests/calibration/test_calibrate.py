@@ -148,6 +148,7 @@ def test_a_record_is_calibrated_through_solid(tmp_path, solved, law, write):
     assert found["exponent"].sd < 0.2
     assert any("skin_ratio" in said for said in found.unidentified)
     assert any("one G relaxes the force" in said for said in found.unidentified)
+    assert any("take the pad radius as known" in said for said in found.unidentified)
 
 
 def test_a_subject_is_calibrated_through_solid(tmp_path, solved):

@@ -190,5 +190,5 @@ def test_a_place_that_is_not_two_numbers_is_refused() -> None:
     finger = ff.Sliding(SOFT, ff.Dots(2.5), deepest=0.5)
     for wrong in ("a", "12", None, 1.0, (0.0,), (0.0, "1"), (0.0, True), (1j, 0.0), ([0.1], 0.0)):
         with pytest.raises(ff.InputError, match="shift: expected two finite numbers in mm"):
-            finger.step(0.1, wrong, 1e-3)  # type: ignore[arg-type]
+            finger.step(0.1, wrong, 1e-3)  # type: ignore[arg-type]  # of the wrong type on purpose
     assert finger.step(0.1, np.array([0.5, 0]), 1e-3).shift.tolist() == [0.5, 0.0]
