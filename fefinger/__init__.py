@@ -12,6 +12,7 @@ indenter    Flat, Sphere, Pin, Bar, Cylinder, Ellipsoid, Grating, Dots, Braille,
 motion      RampHold, Vibration, FrequencySweep, Slide, Sampled, ...; ForceRampHold, ... by force
 ask         Ask(spikes=("SAI",), rel_error=0.05, population=Scatter(), Grid, Line or Places)
 loop        Pressed, Condensed, Sliding, Rolling, Modal: one step of your own at a time
+extension   register(thing): an indenter, a law, afferents or a mechanics of your own, by its name
 own tissue  calibrate("press.csv", finger=Finger(width=15, thickness=11))
 
 Lengths are in mm, times in s, pressures in kPa, forces in N; x is distal, z dorsal.
@@ -88,6 +89,7 @@ if TYPE_CHECKING:
     from fefinger.support.checks import ConvergenceError as ConvergenceError
     from fefinger.support.checks import InputError as InputError
     from fefinger.support.checks import Stopped as Stopped
+    from fefinger.support.registry import register as register
     from fefinger.theory.relaxation import Prony as Prony
 
 __version__ = VERSION
@@ -97,6 +99,7 @@ _HOMES = {
     "calibration.calibrate": ("calibrate",),
     "calibration.record": ("Calibration",),
     "support.checks": ("ConvergenceError", "InputError", "Stopped"),
+    "support.registry": ("register",),
     "result": ("Result", "load"),
     "scene.finger": ("Finger",),
     "scene.indenters": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Pin", "Sphere"),

@@ -7,9 +7,9 @@ import numpy as np
 
 from fefinger.geometry import profiles
 from fefinger.scene.indenter import Indenter, Placed, Plate, PlateLike, turned
-from fefinger.scene.texts import Braille, Letters
-from fefinger.scene.textured import Dots, Grating, Relief
+from fefinger.support import registry
 from fefinger.support.checks import numbers, set_number
+from fefinger.support.registry import Registry
 
 
 @final
@@ -224,10 +224,5 @@ class Pin(Edged):
         return f"a rigid pin {self.width:g} mm wide with an edge of {self.corner:g} mm"
 
 
-INDENTERS: dict[str, type[Indenter]] = {
-    indenter.kind: indenter
-    for indenter in (
-        *(Flat, Sphere, Ellipsoid, Cylinder, Bar, Pin, Grating, Relief),
-        *(Dots, Braille, Letters),
-    )
-}
+INDENTERS: Registry[type[Indenter]] = registry.INDENTERS
+"""The classes of objects by kind, also those of the user."""

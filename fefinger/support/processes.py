@@ -18,7 +18,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from queue import SimpleQueue
 from typing import Any, TypeVar
 
-from fefinger.support import interrupt
+from fefinger.support import interrupt, registry
 from fefinger.support.checks import InputError
 
 
@@ -40,9 +40,10 @@ def command(*words: str) -> list[str]:
 
 
 def environment() -> dict[str, str]:
-    """Environment of a child: that of this process, with its import path in PYTHONPATH."""
+    """Environment of a child: that of this process, with its import path and its plugins."""
     path = os.pathsep.join(entry or os.getcwd() for entry in sys.path)
-    return {**os.environ, "PYTHONPATH": path}
+    plugins = os.pathsep.join(sorted(registry.modules()))
+    return {**os.environ, "PYTHONPATH": path, registry.PLUGINS: plugins}
 
 
 @contextmanager
