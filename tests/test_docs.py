@@ -73,7 +73,7 @@ def test_a_key_has_its_values_its_default_and_its_meaning(generate):
 
     text = "\n".join(generate.keys(schema()))
     assert '| `cut` | `"fixed"`, `"nail"` | `"fixed"` | Boundary condition' in text
-    assert "| `speed` | number > 0 | needed | Speed in mm/s |" in text
+    assert "| `speed` | number > 0 | needed | Speed [mm/s] |" in text
 
 
 def test_the_readme_is_a_page_and_begins_with_the_two_commands():

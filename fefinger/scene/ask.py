@@ -2,19 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any, ClassVar
 
-from fefinger.scene.population import Layout, by_type
-from fefinger.support.checks import (
-    FrozenDict,
-    InputError,
-    boolean,
-    choice,
-    choices,
-    integer,
-    number,
-    set_number,
-)
+from fefinger.scene.key import Key, check
+from fefinger.scene.population import Layout
+from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import (
     DRIVES,
     FAMILIES,
@@ -68,58 +60,36 @@ class Ask:
         Linear solver of the finite elements; by default the fastest that fits in free memory.
     """
 
+    table: ClassVar[str] = "ask"
+
     force: bool = True
     pressure: bool = True
     strain: bool = True
     fields: bool = True
-    spikes: tuple[str, ...] = ()
-    rel_error: float = 0.05
-    seconds: float | None = None
+    spikes: Annotated[tuple[str, ...], Key(words=TYPES, synonyms=TYPE_SYNONYMS)] = ()
+    rel_error: Annotated[float, Key(above=0, at_most=1)] = 0.05
+    seconds: Annotated[float | None, Key(unit="s", above=0)] = None
     mechanics: str | None = None
-    depths: Mapping[str, float] = field(default_factory=dict, hash=False)
-    drives: Mapping[str, str] = field(default_factory=dict, hash=False)
-    generator: str = "saturating"
-    afferents: str = FAMILIES[0]
+    depths: Annotated[Mapping[str, float], Key(unit="mm", above=0)] = field(
+        default_factory=dict, hash=False
+    )
+    drives: Annotated[Mapping[str, str], Key(words=DRIVES)] = field(
+        default_factory=dict, hash=False
+    )
+    generator: Annotated[str, Key(words=GENERATORS)] = GENERATORS[0]
+    afferents: Annotated[str, Key(words=FAMILIES)] = FAMILIES[0]
     population: Layout | None = None
-    trial: int = field(default=0, metadata={"written": False})
-    solver: str | None = None
+    trial: Annotated[int, Key(at_least=0, written=False)] = 0
+    solver: Annotated[str | None, Key(words=SOLVERS)] = None
 
     def __post_init__(self) -> None:
-        for name in ("force", "pressure", "strain", "fields"):
-            boolean(f"ask.{name}", getattr(self, name))
-        set_number(self, "ask.rel_error", above=0, at_most=1)
-        checked: dict[str, Any] = {
-            "spikes": choices("ask.spikes", self.spikes, TYPES, TYPE_SYNONYMS),
-            "depths": {
-                name: number(f"ask.depths.{name}", value, above=0, unit="mm")
-                for name, value in by_type("ask.depths", self.depths).items()
-            },
-            "drives": {
-                name: choice(f"ask.drives.{name}", value, DRIVES)
-                for name, value in by_type("ask.drives", self.drives).items()
-            },
-        }
-        integer("ask.trial", self.trial)
-        if self.seconds is not None:
-            set_number(self, "ask.seconds", above=0, unit="s")
-        if self.mechanics is not None and not isinstance(self.mechanics, str):
-            raise InputError(f"ask.mechanics: expected a name, received {self.mechanics!r}")
-        choice("ask.generator", self.generator, GENERATORS)
-        choice("ask.afferents", self.afferents, FAMILIES)
-        if self.solver is not None:
-            choice("ask.solver", self.solver, SOLVERS)
-        population: Any = self.population
-        if population is not None and not isinstance(population, Layout):
-            raise InputError(f"ask.population: expected a Layout, received {population!r}")
-        if population is not None and not checked["spikes"]:
+        check(self)
+        if self.population is not None and not self.spikes:
             raise InputError(
                 "ask.population: expected ask.spikes to name the types of its units, received none"
             )
         if self.afferents == "recorded":
-            _check_recorded(checked["drives"], self.generator, population)
-        for name, value in checked.items():
-            frozen = FrozenDict(value) if isinstance(value, dict) else value
-            object.__setattr__(self, name, frozen)
+            _check_recorded(self.drives, self.generator, self.population)
 
 
 def _check_recorded(drives: Mapping[str, Any], generator: str, population: Layout | None) -> None:

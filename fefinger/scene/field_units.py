@@ -1,47 +1,14 @@
-"""Units of the fields of a scene, and names of columns that end in them."""
+"""Units of the fields of a scene in names of columns, which end in them."""
 
-from fefinger.support.vocabulary import TYPES
+from collections.abc import Iterator
+from typing import Any
 
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.key import Key, keys_of, records
+from fefinger.scene.toml import KINDS, PRONY
+from fefinger.theory.relaxation import Prony
 
-_LAYER = {"modulus": "kPa", "thickness": "mm", "density": "kg_per_m3"}
-
-_RELAXING = {"v": "per_s"}
-
-UNITS: dict[str, dict[str, str]] = {
-    "finger": dict.fromkeys(("width", "thickness", "pad_radius", "tip_tissue", "tip_radius"), "mm"),
-    "finger.skin": _LAYER,
-    "finger.subcutaneous": _LAYER,
-    "finger.bone": {"modulus": "kPa"},
-    "finger.nail": {"modulus": "kPa"},
-    "finger.prony": _RELAXING,
-    "finger.skin.prony": _RELAXING,
-    "finger.subcutaneous.prony": _RELAXING,
-    "indenter": {
-        **dict.fromkeys(("angle", "tilt", "roll"), "deg"),
-        **dict.fromkeys(("spacing", "height", "diameter", "edge", "cell", "start", "size"), "mm"),
-        **dict.fromkeys(("radius", "radii", "at", "width", "corner"), "mm"),
-        **dict.fromkeys(("period", "ridge", "depth", "shift", "x", "y", "heights"), "mm"),
-    },
-    "motion": {
-        **{"speed": "mm_per_s", "depth": "mm", "loading_rate": "N_per_s", "force": "N"},
-        **{"amplitude": "mm", "preload": "mm", "approach": "mm_per_s"},
-        **dict.fromkeys(("direction", "angle", "tilt"), "deg"),
-        **dict.fromkeys(("frequency", "start", "stop"), "Hz"),
-        **dict.fromkeys(("distance", "x", "y"), "mm"),
-        **dict.fromkeys(("hold", "settle", "held", "seconds", "corner", "time"), "s"),
-    },
-    "ask": {"seconds": "s"},
-    "ask.depths": dict.fromkeys(TYPES, "mm"),
-    "ask.population": {
-        **dict.fromkeys(("radius", "spacing", "start", "stop", "places", "distance"), "mm"),
-        "noise": "uA_per_cm2",
-    },
-    "ask.population.densities": dict.fromkeys(TYPES, "per_cm2"),
-}
-"""Units of the fields of a scene, by table: a name may have different units in two tables."""
-
-FORCED = {"motion.amplitude": "N", "motion.approach": "N_per_s"}
-"""Units that differ where the motion prescribes the force."""
 
 SHORT = {
     **{"kg_per_m3": "kg/m³", "N_per_mm": "N/mm", "N_per_s": "N/s", "mm_per_s": "mm/s"},
@@ -50,17 +17,47 @@ SHORT = {
 }
 """Units as suffixes of column names, longer ones first, and as they are printed."""
 
+SUFFIX = {unit: suffix for suffix, unit in SHORT.items()} | {"degrees": "deg"}
+
 
 def column(field: str, kind: str = "") -> str:
     """Return the name of the column of a field of the scene, with its unit.
 
     `kind` is that of the motion, whose amplitude and approach are those of a force or a depth.
     """
+    found = next((key for key in _keys(field, kind) if key.unit), Key())
+    suffix = SUFFIX.get(found.unit_of(kind), "")
+    return f"{field}_{suffix}" if suffix else field
+
+
+def _keys(field: str, kind: str) -> Iterator[Key]:
+    """Yield the keys of a field of the scene, of several kinds of its table that of `kind` first.
+
+    A table by afferent type has the key of the whole table.
+    """
     table, _, name = field.rpartition(".")
-    unit = UNITS.get(table, {}).get(name, "")
-    if kind.startswith("force"):
-        unit = FORCED.get(field, unit)
-    return f"{field}_{unit}" if unit else field
+    if table in KINDS:
+        kinds = KINDS[table]
+        candidates = [*([kinds[kind]] if kind in kinds else []), *kinds.values()]
+    else:
+        candidates = list(_records(table))
+    for record in candidates:
+        if record is Prony:
+            yield PRONY.get(name, Key())
+        elif name in (known := keys_of(record)):
+            yield known[name].key
+    if table:
+        yield from _keys(table, kind)
+
+
+def _records(table: str) -> Iterator[type[Any]]:
+    """Yield the records that a table of the finger or of `ask` is read to."""
+    path = table.split(".")
+    here: list[type[Any]] = [each for each in (Finger, Ask) if each.table == path[0]]
+    for name in path[1:]:
+        hints = [keys_of(each)[name].hint for each in here if name in keys_of(each)]
+        here = [each for hint in hints for each in records(hint)]
+    yield from here
 
 
 def split(name: str) -> tuple[str, str]:

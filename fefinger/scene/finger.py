@@ -3,20 +3,18 @@
 import math
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from fefinger.scene import library, pawluk1997
+from fefinger.scene.key import Key, check
 from fefinger.scene.tissue import Hard, Tissue
-from fefinger.support.checks import InputError, choice, number, set_number
+from fefinger.support.checks import InputError, choice, number
 from fefinger.support.likely_units import FINGER, MESHED
 from fefinger.support.outputs import check_input
 from fefinger.theory.relaxation import Prony
 
 
 RIGID = "rigid"
-NAILS = ("free",)
-RELAXATIONS = ("whole", "deviatoric")
-CUTS = ("fixed", "nail")
 RESOLUTIONS = ("coarse", "standard", "fine")
 LAYERS = ("skin", "subcutaneous")
 AUTO = "auto"
@@ -32,6 +30,9 @@ BONE = 0.47
 
 SAME = 1e-6
 """Relative difference of two sizes that is rounding."""
+
+LENGTH = Key(unit="mm", above=0)
+Length = Annotated[float, LENGTH]
 
 _FROM_LIBRARY: Any = None
 
@@ -51,7 +52,7 @@ class Finger:
         the finger that the tissue was fitted to, in proportion to the width. The transverse radius
         follows from width and thickness.
     subject_name
-        Subject of Pawluk (1997) that the values belong to, or None.
+        Subject of Pawluk (1997): sizes, and the tissue fitted to its measured curves; or None.
     surface
         File with the outer skin of the distal phalanx in mm (STL, OBJ, PLY, VTK; x distal, z
         dorsal), or None for the parametric shape. Width and thickness then scale the bone inside;
@@ -73,6 +74,8 @@ class Finger:
         the defaults of `skin` and `subcutaneous`; a set that was fitted to a finger also gives its
         pad radius, its tip and its relaxation. By default that of the subject, of other fingers
         that of the means of Table 2.1.
+    skin, subcutaneous
+        The skin, and the tissue between it and the bone; keys left out are those of the tissue set.
     prony
         Relaxation of all soft tissues; by default Table 3.1, of the subject or the means.
     relaxation
@@ -97,24 +100,26 @@ class Finger:
         An invalid field; the message has its name in a scene file.
     """
 
-    width: float
-    thickness: float
+    table: ClassVar[str] = "finger"
+
+    width: Length
+    thickness: Length
     _: KW_ONLY
-    pad_radius: float = _FROM_LIBRARY
-    subject_name: str | None = None
+    pad_radius: Length = _FROM_LIBRARY
+    subject_name: Annotated[str | None, Key(words=pawluk1997.subjects())] = None
     surface: str | None = None
     bone_surface: str | None = None
-    tip_tissue: float | None = None
-    tip_radius: float | None = None
+    tip_tissue: Annotated[float | None, LENGTH] = None
+    tip_radius: Annotated[float | None, LENGTH] = None
     tissue: str = _FROM_LIBRARY
     skin: Tissue = _FROM_LIBRARY
     subcutaneous: Tissue = _FROM_LIBRARY
     prony: Prony = _FROM_LIBRARY
-    relaxation: str = "whole"
-    bone: str | Hard = RIGID
-    nail: str | Hard | None = None
-    cut: str = "fixed"
-    resolution: str = AUTO
+    relaxation: Annotated[str, Key(words=("whole", "deviatoric"))] = "whole"
+    bone: Annotated[str | Hard, Key(words=(RIGID,))] = RIGID
+    nail: Annotated[str | Hard | None, Key(words=("free",))] = None
+    cut: Annotated[str, Key(words=("fixed", "nail"))] = "fixed"
+    resolution: Annotated[str, Key(words=(AUTO, *RESOLUTIONS))] = AUTO
 
     def __post_init__(self) -> None:
         """Fill in defaults of the library, then check every field."""
@@ -126,7 +131,7 @@ class Finger:
         whole = all(getattr(self, given) is not None for given in FROM_TISSUE)
         tissues = None if whole and library.gone(self.tissue) else library.tissue_set(self.tissue)
         for size in ("width", "thickness"):
-            set_number(self, f"finger.{size}", above=0, unit="mm")
+            check(self, size)
             value = getattr(self, size)
             if not FINGER.low <= value <= FINGER.high:
                 raise InputError(
@@ -136,16 +141,9 @@ class Finger:
                 )
         if tissues is not None:
             self._fill(tissues, name)
-        set_number(self, "finger.pad_radius", above=0, unit="mm")
-        if not isinstance(self.bone, Hard):
-            choice("finger.bone", self.bone, (RIGID,))
-        if self.nail is not None and not isinstance(self.nail, Hard):
-            choice("finger.nail", self.nail, NAILS)
-        choice("finger.relaxation", self.relaxation, RELAXATIONS)
-        choice("finger.cut", self.cut, CUTS)
-        choice("finger.resolution", self.resolution, (AUTO, *RESOLUTIONS))
         for name in ("surface", "bone_surface"):
             self._set_file(name)
+        check(self)
         if self.bone_surface is not None and self.surface is None:
             msg = "finger.bone_surface: expected finger.surface beside it, received none"
             raise InputError(msg)
@@ -189,7 +187,6 @@ class Finger:
         ):
             if getattr(self, name) is None:
                 continue
-            set_number(self, f"finger.{name}", above=0, unit="mm")
             if getattr(self, file) is not None:
                 raise InputError(
                     f"finger.{name}: expected none beside finger.{file}, which says {says}, "
@@ -198,10 +195,6 @@ class Finger:
 
     def _check_layers(self) -> None:
         """Check the tissues, the hard parts and the relaxation."""
-        for name, kind in (("skin", Tissue), ("subcutaneous", Tissue), ("prony", Prony)):
-            if not isinstance(getattr(self, name), kind):
-                msg = f"finger.{name}: expected a {kind.__name__}, received {getattr(self, name)!r}"
-                raise InputError(msg)
         for name, part in (("bone", self.bone), ("nail", self.nail)):
             if isinstance(part, Hard) and part.modulus < self.skin.modulus:
                 raise InputError(

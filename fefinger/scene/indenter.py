@@ -6,22 +6,41 @@ has to fit on the part, and into the gap beside it. Sizes across are those at ha
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
 from fefinger.geometry import profiles
+from fefinger.scene.key import Key, check
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, numbers, set_number
+from fefinger.support.checks import InputError
 
 
-TURNS = {"roll": (-180.0, 180.0), "angle": (0.0, 60.0), "tilt": (-45.0, 45.0)}
-"""Ranges in degrees of the turn about the travel, and of the plate's angle and tilt.
-
-An angle of 0 lies along the bone, beyond 60 the nail is in the way; the thesis has 20 to 40 (Pawluk
-1997, section 2.2).
-"""
+# Beyond 60 degrees the nail is in the way; the thesis has 20 to 40 (Pawluk 1997, section 2.2).
+PLACING = {
+    "angle": Key(
+        "Rotation of the plate about y: 0 is parallel to the bone, positive presses the tip side",
+        unit="degrees",
+        at_least=0,
+        at_most=60,
+    ),
+    "tilt": Key(
+        "Rotation of the plate about x, positive against the side of positive y",
+        unit="degrees",
+        at_least=-45,
+        at_most=45,
+    ),
+    "roll": Key(
+        "Turn about the direction of travel: 0 lies across the finger, 90 along it",
+        unit="degrees",
+        at_least=-180,
+        at_most=180,
+    ),
+    "at": Key("Place [x, y]; by default the point that the 30 degree plate touches", unit="mm"),
+}
+"""Keys that place an object on the finger."""
 
 FLANK_SAMPLES = 10
 """Samples of a flank."""
@@ -31,6 +50,12 @@ MOST = 10_000_000
 
 FINEST = 0.02
 """Least distance in mm of samples: 10 million of them cover 60 x 60 mm."""
+
+Crest = Annotated[
+    float | None,
+    Key("Radius of the crests; by default one that fits the other sizes", unit="mm", above=0),
+]
+"""Radius of the crests of raised parts."""
 
 SHORTEST = 4 * FINEST
 """Least length in mm of a flank: in four samples its crest has the stated radius within 15 %."""
@@ -56,36 +81,30 @@ class Indenter(ABC):
     `textured.py` and `texts.py` needs to know the classes.
     """
 
-    friction: float = field(default=0.0, kw_only=True, repr=False)
-    """Coulomb's coefficient, static and, by default, kinetic."""
+    table: ClassVar[str] = "indenter"
+    common: ClassVar[Mapping[str, Key]] = PLACING
 
-    friction_kinetic: float | None = field(default=None, kw_only=True, repr=False)
-    """Coefficient of what slips, at most the static one."""
+    friction: Annotated[
+        float, Key("Coulomb's coefficient of friction with the skin; 0 is frictionless", at_least=0)
+    ] = field(default=0.0, kw_only=True, repr=False)
+
+    friction_kinetic: Annotated[
+        float | None,
+        Key("Coefficient of skin that slips; by default that of skin that sticks", at_least=0),
+    ] = field(default=None, kw_only=True, repr=False)
 
     kind: ClassVar[str]
     sharp: ClassVar[bool] = False
     """Whether it has edges or ridges that the skin folds around."""
 
-    lengths: ClassVar[tuple[str, ...]] = ()
-    """Names of the fields that are a length above 0 mm."""
-
     def __post_init__(self) -> None:
-        """Check lengths, friction, angles and place."""
-        for name in self.lengths:
-            set_number(self, f"indenter.{name}", above=0, unit="mm")
-        set_number(self, "indenter.friction", at_least=0)
-        if self.friction_kinetic is not None:
-            set_number(self, "indenter.friction_kinetic", at_least=0)
-            if self.kinetic > self.friction:
-                raise InputError(
-                    "indenter.friction_kinetic: expected at most indenter.friction = "
-                    f"{self.friction:g}, that of skin that sticks, received {self.kinetic:g}"
-                )
-        for name, (low, high) in TURNS.items():
-            if hasattr(self, name):
-                set_number(self, f"indenter.{name}", at_least=low, at_most=high, unit="degrees")
-        if self.place is not None:
-            object.__setattr__(self, "at", numbers("indenter.at", self.place, count=2, unit="mm"))
+        """Check every field."""
+        check(self)
+        if self.kinetic > self.friction:
+            raise InputError(
+                "indenter.friction_kinetic: expected at most indenter.friction = "
+                f"{self.friction:g}, the coefficient of skin that sticks, received {self.kinetic:g}"
+            )
 
     @property
     @abstractmethod
@@ -261,7 +280,7 @@ class Raised(PlateLike):
     usual_edge: ClassVar[float]
 
     height: float
-    edge: float | None
+    edge: Crest
     roll: float
 
     def __post_init__(self) -> None:
@@ -275,7 +294,6 @@ class Raised(PlateLike):
                 f"{SHORTEST:g} mm, received {sizes}, which leave {max(width, 0.0):.3g} mm"
             )
         if self.edge is not None:
-            set_number(self, "indenter.edge", above=0, unit="mm")
             check_edge(self.edge, self.height, narrowest)
 
     @property

@@ -1,29 +1,30 @@
 """The rigid objects that touch the finger."""
 
 from dataclasses import dataclass
-from typing import final
+from typing import Annotated, final
 
 import numpy as np
 
 from fefinger.geometry import profiles
 from fefinger.scene.indenter import Indenter, Placed, Plate, PlateLike, turned
+from fefinger.scene.key import Key
 from fefinger.support import registry
-from fefinger.support.checks import numbers, set_number
+from fefinger.support.checks import set_number
 from fefinger.support.registry import Registry
+
+
+ROUNDING = Key("Radius of the rounded corners or edge", unit="mm", above=0)
+
+Radius = Annotated[float, Key("Radius", unit="mm", above=0)]
+Width = Annotated[float, Key("Width over all", unit="mm", above=0)]
 
 
 @final
 @dataclass(frozen=True)
 class Flat(PlateLike):
-    """A rigid plate, large against the finger.
+    """A rigid plate, large against the finger, at `angle` degrees about y and `tilt` about x.
 
-    Parameters
-    ----------
-    angle
-        Degrees about y: 0 is parallel to the axis of the bone, positive against the tip side.
-    tilt
-        Degrees about x, positive against the side of positive y; not 0 breaks the symmetry of the
-        finger.
+    A tilt other than 0 breaks the symmetry of the finger.
     """
 
     kind = "flat"
@@ -58,9 +59,8 @@ class Sphere(Placed):
     """A rigid sphere of `radius` mm, placed at `at`."""
 
     kind = "sphere"
-    lengths = ("radius",)
 
-    radius: float
+    radius: Radius
     at: tuple[float, float] | None = None
 
     @property
@@ -90,13 +90,11 @@ class Ellipsoid(Placed):
 
     kind = "ellipsoid"
 
-    radii: tuple[float, float, float]
+    radii: Annotated[
+        tuple[float, float, float],
+        Key("Half axes along x, y and the direction of travel", unit="mm", above=0),
+    ]
     at: tuple[float, float] | None = None
-
-    def __post_init__(self) -> None:
-        radii = numbers("indenter.radii", self.radii, count=3, above=0, unit="mm")
-        object.__setattr__(self, "radii", radii)
-        super().__post_init__()
 
     @property
     def profile(self) -> profiles.Ellipsoid:
@@ -120,9 +118,8 @@ class Cylinder(Placed):
     """A long rigid cylinder of `radius` mm, placed at `at` and turned by `roll`."""
 
     kind = "cylinder"
-    lengths = ("radius",)
 
-    radius: float
+    radius: Radius
     roll: float = 0.0
     at: tuple[float, float] | None = None
 
@@ -145,14 +142,15 @@ class Edged(Placed):
     """An object with a flat end `width` mm wide, whose edge is rounded to `corner` mm."""
 
     sharp = True
-    lengths = ("width",)
 
-    width: float
+    width: Width
     corner: float | None
 
     def __post_init__(self) -> None:
-        """Check the edge besides, which has to fit."""
+        """Take the edge from the width where it is left out; it has to fit."""
         super().__post_init__()
+        if self.corner is None:
+            object.__setattr__(self, "corner", self.width / 5)
         set_number(self, "indenter.corner", above=0, at_most=self.width / 2, unit="mm")
 
     @property
@@ -177,8 +175,8 @@ class Bar(Edged):
 
     kind = "bar"
 
-    width: float
-    corner: float
+    width: Width
+    corner: Annotated[float, ROUNDING]
     roll: float = 0.0
     at: tuple[float, float] | None = None
 
@@ -203,16 +201,9 @@ class Pin(Edged):
 
     kind = "pin"
 
-    width: float
-    corner: float | None = None
+    width: Width
+    corner: Annotated[float | None, ROUNDING] = None
     at: tuple[float, float] | None = None
-
-    def __post_init__(self) -> None:
-        """Take the edge from the width where it is left out, and check both."""
-        set_number(self, "indenter.width", above=0, unit="mm")
-        if self.corner is None:
-            object.__setattr__(self, "corner", self.width / 5)
-        super().__post_init__()
 
     @property
     def profile(self) -> profiles.Pin:

@@ -6,8 +6,8 @@ a path in `sliding.py`.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.scene.indenter import Inclined
+from fefinger.scene.key import Key, check
 from fefinger.scene.trajectory import Sweep, Trajectory, Wave
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, number
+from fefinger.support.checks import InputError
 
 
 LONGEST = 1e9
@@ -36,28 +37,47 @@ AS_LONG_AS_FITS: Any = None
 ANSWERED = 200
 """Frequencies at which a sweep is answered in closed form."""
 
-LIMITS: dict[str, dict[str, Any]] = {
-    **{key: {"above": 0, "unit": "mm"} for key in ("depth", "preload", "distance")},
-    **{key: {"above": 0, "unit": "Hz"} for key in ("frequency", "start", "stop")},
-    **{key: {"at_least": 0, "at_most": LONGEST, "unit": "s"} for key in ("hold", "settle", "held")},
-    **{key: {"above": 0} for key in ("amplitude", "approach")},
-    "speed": {"above": 0, "unit": "mm/s"},
-    "loading_rate": {"above": 0, "unit": "N/s"},
-    "force": {"above": 0, "unit": "N"},
-    "seconds": {"above": 0, "at_most": LONGEST, "unit": "s"},
-    "corner": {"at_least": 0, "unit": "s"},
-    "cycles": {"at_least": 1},
-    "direction": {"at_least": -360, "at_most": 360, "unit": "degrees"},
-    "passes": {"at_least": 1, "at_most": 1000},
-}
+SECONDS: dict[str, Any] = {"unit": "s", "at_least": 0, "at_most": LONGEST}
 
-WHOLE = ("cycles", "passes")
-"""Fields that are whole numbers."""
+KEYS = {
+    "speed": Key("Speed", unit="mm/s", above=0),
+    "depth": Key("Travel after first touch", unit="mm", above=0),
+    "loading_rate": Key("Rate of the force", unit="N/s", above=0),
+    "force": Key("Force", unit="N", above=0),
+    "hold": Key("Rest after the ramp", **SECONDS),
+    "corner": Key(
+        "Time over which the speed changes at a corner; 0 makes it sharp", unit="s", at_least=0
+    ),
+    "amplitude": Key("Amplitude of the depth or of the force", unit="mm or N", above=0),
+    "frequency": Key("Frequency", unit="Hz", above=0),
+    "cycles": Key("Number of whole cycles", at_least=1),
+    "settle": Key("Rest before the sine or the slide", **SECONDS),
+    "preload": Key("Depth that is held before the vibration", unit="mm", above=0),
+    "held": Key("Rest at the preload before the sine, in which units adapt", **SECONDS),
+    "seconds": Key("Length of the vibration", unit="s", above=0, at_most=LONGEST),
+    "start": Key("First frequency", unit="Hz", above=0),
+    "stop": Key("Last frequency", unit="Hz", above=0),
+    "distance": Key("Distance of a pass", unit="mm", above=0),
+    "direction": Key(
+        "Direction of the first pass: 0 moves the object distally, 90 radially",
+        unit="degrees",
+        at_least=-360,
+        at_most=360,
+    ),
+    "passes": Key("Number of passes; every second one returns", at_least=1, at_most=1000),
+    "approach": Key(
+        "Speed of the press before the slide, or rate of the force", unit="mm/s or N/s", above=0
+    ),
+}
+"""Keys of the motions, which mean the same in all of them."""
 
 
 @dataclass(frozen=True)
 class Motion(ABC):
     """A motion of the indenter; its depth in mm or its force in N follows `trajectory`."""
+
+    table: ClassVar[str] = "motion"
+    common: ClassVar[Mapping[str, Key]] = KEYS
 
     kind: ClassVar[str]
     control: ClassVar[Literal["depth", "force"]] = "depth"
@@ -76,19 +96,8 @@ class Motion(ABC):
 
     def __post_init__(self) -> None:
         """Check every field, then build the trajectory, which finds corners that are too long."""
-        for name in (each.name for each in fields(self)):
-            object.__setattr__(self, name, self._checked(name))
+        check(self)
         _ = self.trajectory
-
-    def _checked(self, name: str) -> Any:
-        """Return the value of a field that its limits allow; InputError for another."""
-        value = number(f"motion.{name}", getattr(self, name), **LIMITS[name])
-        if name not in WHOLE:
-            return value
-        if value != int(value):
-            msg = f"motion.{name}: expected a whole number of {name}, received {value:g}"
-            raise InputError(msg)
-        return int(value)
 
     @property
     def turns_plate(self) -> bool:
@@ -274,10 +283,12 @@ class RampMotion(Motion):
         """Lengths in s that a corner should not exceed: the ramp, and what follows it."""
         return (self.ramp_duration,)
 
-    def _checked(self, name: str) -> Any:
-        if name == "corner" and self.corner is AS_LONG_AS_FITS:  # the last field
-            return min(CORNER, *self.corner_limits)
-        return super()._checked(name)
+    def __post_init__(self) -> None:
+        """Check every field, and make the corner as long as fits where it is left out."""
+        check(self)
+        if self.corner is AS_LONG_AS_FITS:
+            object.__setattr__(self, "corner", min(CORNER, *self.corner_limits))
+        _ = self.trajectory
 
     @cached_property
     def trajectory(self) -> Trajectory:

@@ -5,8 +5,9 @@ base leaves open, as the name of what is controlled.
 """
 
 from dataclasses import KW_ONLY, dataclass
-from typing import final
+from typing import Annotated, final
 
+from fefinger.scene.key import Key
 from fefinger.scene.motion import (
     AS_LONG_AS_FITS,
     Motion,
@@ -28,6 +29,9 @@ MOST_CYCLES = 1_000_000
 APPROACH = 10.0
 """Speed in mm/s, or rate in N/s, with which a vibrating probe takes its preload; it has left no
 trace when the vibration begins."""
+
+Depths = Annotated[tuple[float, ...], Key("Depths; below 0 the object is off the skin", unit="mm")]
+Forces = Annotated[tuple[float, ...], Key("Forces, none below 0", unit="N")]
 
 
 @final
@@ -208,7 +212,7 @@ class Sampled(SampledMotion):
 
     kind = "sampled"
 
-    depth: tuple[float, ...]
+    depth: Depths
 
 
 @final
@@ -290,7 +294,7 @@ class ForceSampled(SampledMotion):
     kind = "force-sampled"
     control = "force"
 
-    force: tuple[float, ...]
+    force: Forces
 
 
 @final
@@ -342,7 +346,7 @@ class SampledPath(SampledPathMotion):
 
     kind = "sampled-path"
 
-    depth: tuple[float, ...]
+    depth: Depths
 
 
 @final
@@ -353,7 +357,7 @@ class ForceSampledPath(SampledPathMotion):
     kind = "force-sampled-path"
     control = "force"
 
-    force: tuple[float, ...]
+    force: Forces
 
 
 MOTIONS: dict[str, type[Motion]] = {

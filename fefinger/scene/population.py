@@ -1,34 +1,27 @@
 """Layouts of a population of afferent units: the table [ask.population]."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Annotated, ClassVar
 
-from fefinger.support.checks import (
-    FrozenDict,
-    InputError,
-    boolean,
-    choice,
-    integer,
-    number,
-    numbers,
-    reject_unknown,
-    set_number,
-)
-from fefinger.support.vocabulary import RULES, TYPES
+from fefinger.scene.key import Key, check
+from fefinger.support.checks import InputError, set_number
+from fefinger.support.vocabulary import RULES
 
 
 LARGEST_RADIUS = 10.0
 """Upper bound in mm of the radius of a population; no finger pad is wider."""
 
 
-def by_type(name: str, table: Any, example: str = "...") -> Mapping[str, Any]:
-    """Check that the keys of a table are afferent types; InputError for others, or no table."""
-    if not isinstance(table, Mapping):
-        msg = f"{name}: expected a table such as {{SAI = {example}}}, received {table!r}"
-        raise InputError(msg)
-    reject_unknown(name, table, TYPES)
-    return table
+Within = Annotated[
+    float,
+    Key(
+        "Radius about first touch within which units lie",
+        unit="mm",
+        above=0,
+        at_most=LARGEST_RADIUS,
+    ),
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,48 +48,31 @@ class Layout:
         `ask.trial` varies the noise alone.
     """
 
+    table: ClassVar[str] = "ask.population"
     kind: ClassVar[str]
 
     branched: bool = True
-    rule: str | None = None
-    distance: float = 0.0
-    spread: float | None = None
-    noise: float | None = None
-    seed: int = 0
+    rule: Annotated[str | None, Key(words=RULES)] = None
+    distance: Annotated[float, Key(unit="mm", at_least=0, at_most=2000)] = 0.0
+    spread: Annotated[float | None, Key(at_least=0, at_most=3)] = None
+    noise: Annotated[float | None, Key(unit="µA/cm²", at_least=0, at_most=100)] = None
+    seed: Annotated[int, Key(at_least=0)] = 0
 
     def __post_init__(self) -> None:
-        boolean("ask.population.branched", self.branched)
-        if self.rule is not None:
-            choice("ask.population.rule", self.rule, RULES)
-        integer("ask.population.seed", self.seed)
-        set_number(self, "ask.population.distance", at_least=0.0, at_most=2000.0, unit="mm")
-        if self.spread is not None:
-            set_number(self, "ask.population.spread", at_least=0.0, at_most=3.0)
-        if self.noise is not None:
-            set_number(self, "ask.population.noise", at_least=0.0, at_most=100.0, unit="µA/cm²")
+        check(self)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scatter(Layout):
-    """Units at random places within `radius` mm, at their published densities.
-
-    densities: units per cm² across the first touch, for the types that differ from the library.
-    """
+    """Units at random places within `radius` mm, at `densities` per cm² across first touch."""
 
     kind = "scatter"
 
-    radius: float = 5.0
-    densities: Mapping[str, float] = field(default_factory=dict, hash=False)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        set_number(self, "ask.population.radius", above=0.0, at_most=LARGEST_RADIUS, unit="mm")
-        name = "ask.population.densities"
-        checked = {
-            kind: number(f"{name}.{kind}", value, above=0.0, at_most=1e4, unit="per cm²")
-            for kind, value in by_type(name, self.densities, "70").items()
-        }
-        object.__setattr__(self, "densities", FrozenDict(checked))
+    radius: Within = 5.0
+    densities: Annotated[
+        Mapping[str, float],
+        Key("Units by type, where they differ from the published ones", "1/cm²", 0, at_most=1e4),
+    ] = field(default_factory=dict, hash=False)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,12 +82,11 @@ class Grid(Layout):
     kind = "grid"
 
     branched: bool = False
-    spacing: float = 1.0
-    radius: float = 5.0
+    spacing: Annotated[float, Key("Distance of neighbors", unit="mm", at_least=0.1)] = 1.0
+    radius: Within = 5.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        set_number(self, "ask.population.radius", above=0.0, at_most=LARGEST_RADIUS, unit="mm")
         set_number(self, "ask.population.spacing", at_least=0.1, at_most=self.radius, unit="mm")
 
 
@@ -121,21 +96,15 @@ class Line(Layout):
 
     kind = "line"
 
-    start: tuple[float, float]
-    stop: tuple[float, float]
-    count: int = 11
+    start: Annotated[tuple[float, float], Key("One end [x, y]", unit="mm")]
+    stop: Annotated[tuple[float, float], Key("Other end [x, y]", unit="mm")]
+    count: Annotated[int, Key("Number of places", at_least=2)] = 11
     branched: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("start", "stop"):
-            place = numbers(f"ask.population.{name}", getattr(self, name), count=2, unit="mm")
-            object.__setattr__(self, name, place)
         if self.start == self.stop:
             msg = f"ask.population.stop: expected a place other than start, received {self.stop}"
-            raise InputError(msg)
-        if isinstance(self.count, bool) or not isinstance(self.count, int) or self.count < 2:
-            msg = f"ask.population.count: expected 2 or more places, received {self.count!r}"
             raise InputError(msg)
 
 
@@ -145,21 +114,15 @@ class Places(Layout):
 
     kind = "places"
 
-    places: tuple[tuple[float, float], ...]
+    places: Annotated[tuple[tuple[float, float], ...], Key("List of places [x, y]", unit="mm")]
     branched: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        name = "ask.population.places"
-        given: Any = self.places
-        if isinstance(given, str | bytes) or not isinstance(given, Iterable):
-            raise InputError(f"{name}: expected a list of [x, y] in mm, received {given!r}")
-        places = tuple(
-            numbers(f"{name}[{i}]", place, count=2, unit="mm") for i, place in enumerate(given)
-        )
-        if not places:
-            raise InputError(f"{name}: expected one place [x, y] or more, received none")
-        object.__setattr__(self, "places", places)
+        if not self.places:
+            raise InputError(
+                "ask.population.places: expected a place [x, y] or more, received none"
+            )
 
 
 LAYOUTS: dict[str, type[Layout]] = {cls.kind: cls for cls in (Scatter, Grid, Line, Places)}

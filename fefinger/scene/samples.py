@@ -4,15 +4,16 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fefinger.scene.key import Key
 from fefinger.scene.motion import Motion
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, number, numbers, reject_unknown
+from fefinger.support.checks import InputError, number, reject_unknown
 from fefinger.support.csv_columns import read_columns
 from fefinger.support.wave_file import read_wave
 
@@ -61,7 +62,7 @@ SETTLE = 0.2
 class SampledMotion(Motion):
     """Times in s from 0 on, and a column named as `control`; straight lines between them."""
 
-    time: tuple[float, ...]
+    time: Annotated[tuple[float, ...], Key("Times, from 0 on and rising", unit="s")]
     corner: float = field(default=0.0, kw_only=True)
 
     @cached_property
@@ -175,11 +176,6 @@ class SampledMotion(Motion):
     def _columns(self) -> tuple[str, ...]:
         """Names of the columns besides time and depth or force."""
         return ()
-
-    def _checked(self, name: str) -> Any:
-        if name == "corner":
-            return super()._checked(name)
-        return numbers(f"motion.{name}", getattr(self, name))
 
     def _check_samples(self) -> None:
         time, values = self.time, getattr(self, self.control)

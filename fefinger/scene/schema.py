@@ -7,21 +7,16 @@ The reader checks more: numbers that must fit together, files, and places on the
 import inspect
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
-from types import NoneType, UnionType
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
-from fefinger.scene import pawluk1997
-from fefinger.scene.ask import SOLVERS, Ask
-from fefinger.scene.finger import AUTO, CUTS, NAILS, RELAXATIONS, RESOLUTIONS, RIGID, Finger
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
-from fefinger.scene.key_texts import TEXTS
-from fefinger.scene.motion import LIMITS
+from fefinger.scene.key import Key, KeyField, forms, keys_of, needed
 from fefinger.scene.population import Layout, Scatter
-from fefinger.scene.textured import ARRANGEMENTS
 from fefinger.scene.tissue import Hard, Tissue
-from fefinger.scene.toml import FROM_FILE, KINDS, SUBJECT, needed
-from fefinger.support.vocabulary import DRIVES, FAMILIES, GENERATORS, RULES, SHARES, TYPES
+from fefinger.scene.toml import FILE_KEYS, FROM_FILE, KINDS, PRONY, SUBJECT
+from fefinger.support.vocabulary import TYPES
 from fefinger.theory.relaxation import Prony
 
 
@@ -29,19 +24,6 @@ Schema = dict[str, Any]
 
 DRAFT = "http://json-schema.org/draft-07/schema#"
 """The version of JSON Schema that TOML editors read."""
-
-CHOICES: dict[str, tuple[str, ...]] = {
-    "ask.afferents": FAMILIES,
-    "ask.generator": GENERATORS,
-    "ask.solver": SOLVERS,
-    "ask.population.rule": RULES,
-    "finger.relaxation": RELAXATIONS,
-    "finger.cut": CUTS,
-    "finger.resolution": (AUTO, *RESOLUTIONS),
-    "tissue.law": tuple(SHARES),
-    "indenter.arrangement": ARRANGEMENTS,
-}
-"""Values of the keys that are words."""
 
 BOUNDS = {
     "above": "exclusiveMinimum",
@@ -52,6 +34,13 @@ BOUNDS = {
 """Names in JSON Schema of the limits of a number."""
 
 PLAIN: dict[Any, str] = {float: "number", int: "integer", bool: "boolean", str: "string"}
+
+ABOUT = {
+    "indenter": "The rigid object that touches the finger; a plate unless `kind` says otherwise",
+    "motion": "How the object moves: its depth or its force in time",
+    "ask.population": "Places of the afferent units; one of each type under first touch without it",
+}
+"""Meaning of the tables with kinds."""
 
 SIZES = ([SUBJECT], ["surface"], ["width", "thickness"])
 """Keys of [finger], one group of which has to be there."""
@@ -74,21 +63,13 @@ def schema() -> Schema:
 
 
 def _finger() -> Schema:
-    keys = _keys("finger", Finger)
-    keys[SUBJECT] = keys.pop("subject_name") | {"enum": list(pawluk1997.subjects())}
-    hard = _table(_keys("hard", Hard), required=("modulus",))
-    for name, words in (("bone", (RIGID,)), ("nail", NAILS)):
-        either = {"anyOf": [{"enum": list(words)}, hard]}
-        keys[name] = _described("finger", name, either, Finger)
+    keys = _keys(Finger)
+    keys[SUBJECT] = keys.pop("subject_name")
     return _table(keys) | {"anyOf": [{"required": group} for group in SIZES]}
 
 
 def _ask() -> Schema:
-    keys = _keys("ask", Ask)
-    keys["population"] = _kinds("ask.population", Scatter.kind)
-    keys["spikes"]["items"] = {"enum": list(TYPES)}
-    keys["drives"]["additionalProperties"] = {"enum": list(DRIVES)}
-    return _table(keys)
+    return _table(_keys(Ask) | {"population": _kinds("ask.population", Scatter.kind)})
 
 
 def _kinds(part: str, default: str | None = None) -> Schema:
@@ -96,23 +77,25 @@ def _kinds(part: str, default: str | None = None) -> Schema:
 
     A kind that can be read from a file has a second form, with the file and its other keys.
     """
-    forms: list[Schema] = []
+    kinds: list[Schema] = []
     for kind, record in KINDS[part].items():
-        keys = {"kind": {"const": kind}} | _keys(part, record)
+        keys = {"kind": {"const": kind}} | _keys(record, kind)
         must = () if kind == default else ("kind",)
         form = {"title": kind, "description": summary(record)}
-        forms.append(form | _table(keys, required=(*must, *needed(record))))
+        kinds.append(form | _table(keys, required=(*must, *needed(record))))
         if part != "ask.population" and kind in FROM_FILE:
             reader = FROM_FILE[kind]
             text = f"{reader.format} file, looked up from the scene's"
-            others = {
-                name: keys.get(name) or _described(part, name, {"type": "number"})
-                for name in reader.keys
-            }
+            others = {name: keys.get(name) or _of_file(name, kind) for name in reader.keys}
             file = {"file": {"type": "string", "description": text}}
             of_file = {"kind": keys["kind"]} | file | others
-            forms.append(form | _table(of_file, required=("kind", "file")))
-    return {"description": TEXTS[part], "type": "object", "oneOf": forms}
+            kinds.append(form | _table(of_file, required=("kind", "file")))
+    return {"description": ABOUT[part], "type": "object", "oneOf": kinds}
+
+
+def _of_file(name: str, kind: str) -> Schema:
+    """Return the schema of a number that says how a file is read."""
+    return _described(KeyField(FILE_KEYS[name], float, None, needed=False), "", kind)
 
 
 def _table(keys: Schema, required: Iterable[str] = ()) -> Schema:
@@ -121,57 +104,56 @@ def _table(keys: Schema, required: Iterable[str] = ()) -> Schema:
     return {"type": "object", "properties": keys, "additionalProperties": False, **must}
 
 
-def _keys(part: str, record: type[Any]) -> Schema:
+def _keys(record: type[Any], kind: str = "") -> Schema:
     """Return the schemas of the fields of a record, by name."""
-    hints = get_type_hints(record)
-    keys: Schema = {}
-    for each in fields(record):
-        name, words = each.name, CHOICES.get(f"{part}.{each.name}")
-        key: Schema = {"enum": list(words)} if words else _of_type(hints[name])
-        if part == "motion":
-            limits = LIMITS.get(name, {})
-            key |= {BOUNDS[limit]: limits[limit] for limit in BOUNDS if limit in limits}
-        if isinstance(each.default, str | int | float):
-            key["default"] = each.default
-        keys[name] = _described(part, name, key, record)
-    return keys
+    texts = parameters(record)
+    return {
+        name: _described(known, texts.get(name, ""), kind)
+        for name, known in keys_of(record).items()
+    }
 
 
-def _described(part: str, name: str, key: Schema, record: type[Any] | None = None) -> Schema:
-    """Return the schema of a key with its description: of the docstring, or of `key_texts`."""
-    texts = {} if record is None else parameters(record)
-    text = texts.get(name) or TEXTS.get(f"{part}.{name}") or TEXTS[name]
-    return {**key, "description": text}
+def _described(known: KeyField, text: str, kind: str = "") -> Schema:
+    """Return the schema of a key, with its default and its meaning."""
+    key: Schema = dict(_of_type(known.hint, known.key))
+    if isinstance(known.default, str | int | float):
+        key["default"] = known.default
+    unit = known.key.unit_of(kind)
+    return {**key, "description": text or known.key.text + (f" [{unit}]" if unit else "")}
 
 
-def _of_type(hint: Any) -> Schema:
+def _of_type(hint: Any, key: Key) -> Schema:
     """Return the schema of a type: a number, a word, a list of them, a table."""
-    origin, arguments = get_origin(hint), get_args(hint)
-    if hint in PLAIN:
-        return {"type": PLAIN[hint]}
-    if origin in (UnionType, Union):
-        forms = [_of_type(each) for each in arguments if each is not NoneType]
-        return forms[0] if len(forms) == 1 else {"anyOf": forms}
+    types = forms(hint)
+    if len(types) > 1:
+        return {"anyOf": [_of_type(each, key) for each in types]}
+    (one,) = types
+    origin, arguments = get_origin(one), get_args(one)
+    if one in PLAIN:
+        limits = {BOUNDS[name]: limit for name, limit in key.bounds.items()}
+        return {"enum": list(key.words)} if key.words else {"type": PLAIN[one], **limits}
     if origin is tuple:
         length = {} if arguments[-1] is Ellipsis else {"minItems": len(arguments)}
         length |= {"maxItems": len(arguments)} if length else {}
-        return {"type": "array", "items": _of_type(arguments[0]), **length}
+        return {"type": "array", "items": _of_type(arguments[0], key), **length}
     if origin is Mapping:
         return {
             "type": "object",
             "propertyNames": {"enum": list(TYPES)},
-            "additionalProperties": _of_type(arguments[1]),
+            "additionalProperties": _of_type(arguments[1], key),
         }
-    if hint in (Tissue, Hard):
-        part = "tissue" if hint is Tissue else "hard"
-        return _table(_keys(part, hint), required=() if hint is Tissue else needed(hint))
-    if hint is Prony:
-        numbers = {"type": "array", "items": {"type": "number"}}
-        keys = {name: _described("prony", name, numbers) for name in ("c", "v")}
-        return _table(keys, required=("c", "v"))
-    if hint is Layout:
+    if one in (Tissue, Hard):
+        return _table(_keys(one), required=() if one is Tissue else needed(one))
+    if one is Prony:
+        hints = get_type_hints(Prony)
+        keys = {
+            name: _described(KeyField(each, hints[name], None, needed=True), "")
+            for name, each in PRONY.items()
+        }
+        return _table(keys, required=keys)
+    if one is Layout:
         return {"type": "object"}
-    raise NotImplementedError(f"{hint!r}: a type that a scene file does not have")
+    raise NotImplementedError(f"{one!r}: a type that a scene file does not have")
 
 
 def summary(record: type[Any]) -> str:

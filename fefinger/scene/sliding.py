@@ -7,18 +7,18 @@ lie in the plane across the travel: x distal, y radial, those of a plate before 
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.geometry.profiles import frame
-from fefinger.scene.indenter import TURNS, Inclined, Plate, direction
+from fefinger.scene.indenter import PLACING, Inclined, Plate, direction
+from fefinger.scene.key import Key
 from fefinger.scene.motion import RampMotion, rest_limit
 from fefinger.scene.samples import SampledMotion, about_mean, noise, to_and_fro
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
-from fefinger.support.checks import numbers
 from fefinger.support.csv_columns import read_table
 
 
@@ -124,10 +124,10 @@ class SampledPathMotion(SampledMotion):
 
     slides = True
 
-    x: tuple[float, ...]
-    y: tuple[float, ...]
-    angle: tuple[float, ...] | None = field(default=None, kw_only=True)
-    tilt: tuple[float, ...] | None = field(default=None, kw_only=True)
+    x: Annotated[tuple[float, ...], Key("Places along x", unit="mm")]
+    y: Annotated[tuple[float, ...], Key("Places along y", unit="mm")]
+    angle: Annotated[tuple[float, ...] | None, PLACING["angle"]] = field(default=None, kw_only=True)
+    tilt: Annotated[tuple[float, ...] | None, PLACING["tilt"]] = field(default=None, kw_only=True)
 
     @cached_property
     def paths(self) -> tuple[Trajectory, ...]:
@@ -158,14 +158,6 @@ class SampledPathMotion(SampledMotion):
     @property
     def _columns(self) -> tuple[str, ...]:
         return ("x", "y", *(name for name in ANGLES if getattr(self, name) is not None))
-
-    def _checked(self, name: str) -> Any:
-        if name not in ANGLES:
-            return super()._checked(name)
-        if getattr(self, name) is None:
-            return None
-        (low, high), field = TURNS[name], f"motion.{name}"
-        return numbers(field, getattr(self, name), at_least=low, at_most=high, unit="degrees")
 
     @property
     def turns_plate(self) -> bool:

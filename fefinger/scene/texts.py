@@ -3,14 +3,15 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
+from typing import Annotated, final
 
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.scene.indenter import FlankLimit, Raised
+from fefinger.scene.indenter import Crest, FlankLimit, Raised
+from fefinger.scene.key import Key
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, set_number
+from fefinger.support.checks import InputError
 
 
 Extent = tuple[tuple[float, float], tuple[float, float]]
@@ -48,6 +49,13 @@ The letters are those of Louis Braille, shared by the languages with Latin lette
 the number sign."""
 
 
+Words = Annotated[str, Key("The text, along x")]
+Start = Annotated[
+    float, Key("Distance from the point of first touch to the beginning of the text", unit="mm")
+]
+Height = Annotated[float, Key("Height of the dots or letters", unit="mm", above=0)]
+
+
 class Text(Raised):
     """A raised text along x, which begins `start` mm before the point of first touch.
 
@@ -56,14 +64,13 @@ class Text(Raised):
 
     mirrored = False
 
-    text: str
-    start: float
+    text: Words
+    start: Start
 
     def __post_init__(self) -> None:
-        """Check the text and its start besides."""
+        """Check the length of the text."""
         super().__post_init__()
-        set_number(self, "indenter.start", unit="mm")
-        if not isinstance(self.text, str) or not self.text.strip() or len(self.text) > LARGEST_TEXT:
+        if not self.text.strip() or len(self.text) > LARGEST_TEXT:
             raise InputError(
                 f"indenter.text: expected 1 to {LARGEST_TEXT} characters that are not all blank, "
                 f"received {self.text!r}"
@@ -107,16 +114,17 @@ class Braille(Text):
     """
 
     kind = "braille"
-    lengths = ("diameter", "spacing", "cell", "height")
     usual_edge = 0.25
 
-    text: str
-    height: float = 0.48
-    diameter: float = 1.1
-    spacing: float = 2.34
-    cell: float = 6.2
-    edge: float | None = None
-    start: float = 0.0
+    text: Words
+    height: Height = 0.48
+    diameter: Annotated[float, Key("Diameter of a dot at half its height", unit="mm", above=0)] = (
+        1.1
+    )
+    spacing: Annotated[float, Key("Spacing of the dots in a cell", unit="mm", above=0)] = 2.34
+    cell: Annotated[float, Key("Spacing of the cells", unit="mm", above=0)] = 6.2
+    edge: Crest = None
+    start: Start = 0.0
     angle: float = 30.0
     tilt: float = 0.0
     roll: float = 0.0
@@ -175,14 +183,13 @@ class Letters(Text):
     """
 
     kind = "letters"
-    lengths = ("size", "height")
     usual_edge = 0.05
 
-    text: str
-    size: float = 6.0
-    height: float = 0.5
-    edge: float | None = None
-    start: float = 0.0
+    text: Words
+    size: Annotated[float, Key("Height of the capitals", unit="mm", above=0)] = 6.0
+    height: Height = 0.5
+    edge: Crest = None
+    start: Start = 0.0
     angle: float = 30.0
     tilt: float = 0.0
     roll: float = 0.0

@@ -1,19 +1,28 @@
 """Rigid plates with ridges, dots or a relief, which a finger scans."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Self, final
+from typing import Annotated, Any, Self, final
 
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.scene.indenter import FLANK_SAMPLES, FlankLimit, PlateLike, Raised, check_edge, turned
+from fefinger.scene.indenter import (
+    FLANK_SAMPLES,
+    Crest,
+    FlankLimit,
+    PlateLike,
+    Raised,
+    check_edge,
+    turned,
+)
+from fefinger.scene.key import Key
 from fefinger.scene.relief_file import read_relief
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, choice, integer, number, numbers, set_number
+from fefinger.support.checks import InputError, number, set_number
 
 
 LEVEL = 1e-9
@@ -24,8 +33,6 @@ TALLEST = 20.0
 
 SAMPLES = 4
 """Least number of samples of a relief in x and in y: as many as a cubic needs."""
-
-ARRANGEMENTS = ("grid", "random")
 
 TILE = 12
 """Spacings along a side of the square of random dots, which repeats."""
@@ -47,24 +54,21 @@ class Grating(PlateLike):
 
     kind = "grating"
     sharp = True
-    lengths = ("period", "depth")
 
-    period: float
-    ridge: float
-    depth: float
-    shift: float = 0.0
+    period: Annotated[float, Key("Spacing of the ridges", unit="mm", above=0)]
+    ridge: Annotated[float, Key("Width of a ridge at half its height", unit="mm", above=0)]
+    depth: Annotated[float, Key("Height of the ridges over the grooves", unit="mm", above=0)]
+    shift: Annotated[float, Key("Shift of the pattern along the plate", unit="mm")] = 0.0
     angle: float = 30.0
     tilt: float = 0.0
     roll: float = 0.0
-    edge: float | None = None
+    edge: Crest = None
 
     def __post_init__(self) -> None:
-        """Check ridge, shift and edge besides."""
+        """Check that ridge and edge fit."""
         super().__post_init__()
         set_number(self, "indenter.ridge", above=0, below=self.period, unit="mm")
-        set_number(self, "indenter.shift", unit="mm")
         if self.edge is not None:
-            set_number(self, "indenter.edge", above=0, unit="mm")
             sizes = f"period = {self.period:g}, ridge = {self.ridge:g}"
             limit = FlankLimit("ridge", sizes, self.feature)
             check_edge(self.edge, self.depth, limit, least=0.0)
@@ -118,15 +122,16 @@ class Dots(Raised):
     """
 
     kind = "dots"
-    lengths = ("diameter", "spacing", "height")
     usual_edge = 0.1
 
-    spacing: float
-    height: float = 0.4
-    diameter: float = 0.7
-    edge: float | None = None
-    arrangement: str = "grid"
-    seed: int = 0
+    spacing: Annotated[float, Key("Spacing of the dots", unit="mm", above=0)]
+    height: Annotated[float, Key("Height of the dots", unit="mm", above=0)] = 0.4
+    diameter: Annotated[float, Key("Diameter of a dot at half its height", unit="mm", above=0)] = (
+        0.7
+    )
+    edge: Crest = None
+    arrangement: Annotated[str, Key("Order of the dots", words=("grid", "random"))] = "grid"
+    seed: Annotated[int, Key("Seed of random places", at_least=0)] = 0
     angle: float = 30.0
     tilt: float = 0.0
     roll: float = 0.0
@@ -135,8 +140,6 @@ class Dots(Raised):
         """Check the number of samples besides, and that dots do not overlap."""
         super().__post_init__()
         self._check_samples("spacing", self.spacing, (self.tile, self.tile))
-        choice("indenter.arrangement", self.arrangement, ARRANGEMENTS)
-        integer("indenter.seed", self.seed)
         if self.arrangement == "random":
             _ = self.centers
 
@@ -216,36 +219,35 @@ class Relief(PlateLike):
     sharp = True
     mirrored = False  # whether the samples are symmetric is not looked at
 
-    x: tuple[float, ...]
-    y: tuple[float, ...]
-    heights: tuple[tuple[float, ...], ...]
+    x: Annotated[tuple[float, ...], Key("Grid lines along x", unit="mm")]
+    y: Annotated[tuple[float, ...], Key("Grid lines along y", unit="mm")]
+    heights: Annotated[
+        tuple[tuple[float, ...], ...],
+        Key("Heights toward the finger, one row for each x", unit="mm"),
+    ]
     angle: float = 30.0
     tilt: float = 0.0
     roll: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("x", "y"):
-            lines = numbers(f"indenter.{name}", getattr(self, name), unit="mm")
+        super().__post_init__()
+        for name, lines in (("x", self.x), ("y", self.y)):
             if len(lines) < SAMPLES or any(after <= before for before, after in pairwise(lines)):
                 raise InputError(
                     f"indenter.{name}: expected at least {SAMPLES} rising numbers, "
                     f"received {len(lines)}: {list(lines[:5])} ..."
                 )
-            object.__setattr__(self, name, lines)
-        given: Any = self.heights
-        given = given.tolist() if isinstance(given, np.ndarray) else given
-        listed = isinstance(given, Sequence) and not isinstance(given, str)
-        if not listed or len(given) != len(self.x):
+        if len(self.heights) != len(self.x):
             raise InputError(
                 f"indenter.heights: expected one row for each of the {len(self.x)} values of x, "
-                f"received {f'{len(given)} rows' if listed else repr(given)}"
+                f"received {len(self.heights)} rows"
             )
-        rows = (
-            numbers(f"indenter.heights[{i}]", row, count=len(self.y), unit="mm")
-            for i, row in enumerate(given)
-        )
-        object.__setattr__(self, "heights", tuple(rows))
-        super().__post_init__()
+        for i, row in enumerate(self.heights):
+            if len(row) != len(self.y):
+                raise InputError(
+                    f"indenter.heights[{i}]: expected a list of {len(self.y)} numbers, received "
+                    f"{len(row)}"
+                )
 
     @property
     def profile(self) -> profiles.Relief:

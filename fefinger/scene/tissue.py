@@ -1,15 +1,19 @@
 """Material parameters of the finger: soft layers, and elastic bone and nail."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, ClassVar
 
-from fefinger.support.checks import InputError, choice, set_number
+from fefinger.scene.key import Key, check
+from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import EXPONENTIAL, SHARES
 from fefinger.theory.relaxation import Prony
 
 
 DENSITY = 1100.0
 """Mass of skin and subcutaneous tissue in kg/m³; published ones lie between 1000 and 1150."""
+
+Modulus = Annotated[float, Key(unit="kPa", above=0)]
+Poisson = Annotated[float, Key(at_least=0, at_most=0.5)]
 
 
 @dataclass(frozen=True)
@@ -41,25 +45,19 @@ class Tissue:
         A value that is not a finite number in its range, or a parameter of another law.
     """
 
-    modulus: float
-    poisson: float
-    thickness: float | None = None
-    law: str = "neo-hookean"
-    exponent: float | None = None
-    share: float | None = None
+    table: ClassVar[str] = "tissue"
+
+    modulus: Modulus
+    poisson: Poisson
+    thickness: Annotated[float | None, Key(unit="mm", above=0)] = None
+    law: Annotated[str, Key(words=tuple(SHARES))] = "neo-hookean"
+    exponent: Annotated[float | None, Key(above=0)] = None
+    share: Annotated[float | None, Key(at_least=0, at_most=1)] = None
     prony: Prony | None = None
-    density: float = DENSITY
+    density: Annotated[float, Key(unit="kg/m³", above=0)] = DENSITY
 
     def __post_init__(self) -> None:
-        set_number(self, "tissue.modulus", above=0, unit="kPa")
-        set_number(self, "tissue.poisson", at_least=0, at_most=0.5)
-        set_number(self, "tissue.density", above=0, unit="kg/m³")
-        if self.thickness is not None:
-            set_number(self, "tissue.thickness", above=0, unit="mm")
-        prony: Any = self.prony
-        if prony is not None and not isinstance(prony, Prony):
-            raise InputError(f"tissue.prony: expected a Prony, received {prony!r}")
-        choice("tissue.law", self.law, SHARES)
+        check(self)
         exponential, mixed = self.law in EXPONENTIAL, self.law == "mooney-rivlin"
         if exponential and self.exponent is None:
             msg = f"tissue.exponent: missing; expected a number for the law {self.law!r}"
@@ -71,10 +69,6 @@ class Tissue:
             if value is not None and not fits:
                 msg = f"tissue.{name}: expected none for the law {self.law!r}, received {value!r}"
                 raise InputError(msg)
-        if self.exponent is not None:
-            set_number(self, "tissue.exponent", above=0)
-        if self.share is not None:
-            set_number(self, "tissue.share", at_least=0, at_most=1)
 
 
 @dataclass(frozen=True)
@@ -94,9 +88,10 @@ class Hard:
         A value that is not a finite number in its range.
     """
 
-    modulus: float
-    poisson: float = 0.3
+    table: ClassVar[str] = "hard"
+
+    modulus: Modulus
+    poisson: Poisson = 0.3
 
     def __post_init__(self) -> None:
-        set_number(self, "hard.modulus", above=0, unit="kPa")
-        set_number(self, "hard.poisson", at_least=0, at_most=0.5)
+        check(self)

@@ -3,7 +3,6 @@
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
@@ -12,6 +11,7 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import FROM_TISSUE, LAYERS, Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS, Flat
+from fefinger.scene.key import Key, keys_of, needed
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import MOTIONS, ForceSampled, ForceSampledPath, Sampled, SampledPath
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
@@ -44,6 +44,21 @@ class FileReader(NamedTuple):
 
 SAMPLES = ("corner", *WAVE_OPTIONS)
 """Other keys of a motion from a file: the first of CSV, the others of WAV."""
+
+FILE_KEYS = {
+    "pitch": Key("Spacing of the samples of an image or a surface", unit="mm", above=0),
+    "height": Key("Height of white over black in an image", unit="mm", above=0),
+    "amplitude": Key("Full scale of a WAV file", unit="mm or N", above=0),
+    "preload": Key("Value that a WAV file vibrates about", unit="mm or N", above=0),
+    "settle": Key("Time of the approach to the preload, and of the rest after", unit="s", above=0),
+}
+"""Keys that say how a file is read, besides those of the record that it is read to."""
+
+PRONY = {
+    "c": Key("Weights c0, c1, ... of G(t) = c0 + c1 exp(-v1 t) + ..., which add up to 1"),
+    "v": Key("Rates v1, v2, ..., one less than the weights", unit="1/s"),
+}
+"""Keys of a relaxation."""
 
 FROM_FILE = {
     Relief.kind: FileReader(
@@ -233,21 +248,21 @@ def _home(key: str, name: str) -> str:
         return kinds
     if key in _finger_keys():
         return f"it belongs in [finger], as finger.{key}"
-    if key in _names(Ask):
+    if key in keys_of(Ask):
         return f"it belongs in [ask], as ask.{key}"
     return _kinds(key, "motion") or _kinds(key, "indenter")
 
 
 def _kinds(key: str, part: str) -> str:
     """Name the kinds of a part of a scene that know a key; empty where none does."""
-    having = [kind for kind, cls in KINDS.get(part, {}).items() if key in _names(cls)]
+    having = [kind for kind, cls in KINDS.get(part, {}).items() if key in keys_of(cls)]
     what = f"{part.rpartition('.')[2]}{'s' if len(having) > 1 else ''}"
     return f"{part}.{key} is a key of the {what} {', '.join(map(repr, having))}" if having else ""
 
 
 def _finger_keys() -> tuple[str, ...]:
     """Names of the keys in [finger]."""
-    return (SUBJECT, *(name for name in _names(Finger) if name != "subject_name"))
+    return (SUBJECT, *(name for name in keys_of(Finger) if name != "subject_name"))
 
 
 def _prony(name: str, table: Mapping[str, Any]) -> dict[str, Prony]:
@@ -255,8 +270,8 @@ def _prony(name: str, table: Mapping[str, Any]) -> dict[str, Prony]:
     if "prony" not in table:
         return {}
     given = _subtable(f"{name}.prony", table)
-    reject_unknown(f"{name}.prony", given, ("c", "v"))
-    for key in ("c", "v"):
+    reject_unknown(f"{name}.prony", given, PRONY)
+    for key in PRONY:
         if key not in given:
             what = "expected prony = {c = [c0, c1, ..], v = [v1, ..]}"
             raise InputError(f"{name}.prony.{key}: missing; {what}")
@@ -301,7 +316,7 @@ def _of_kind(part: str, cls: type[Any], table: dict[str, Any], folder: Path) -> 
 
 def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") -> Any:
     """Construct `cls` from a table; InputError for an unknown or missing key."""
-    _reject(name, table, _names(cls))
+    _reject(name, table, keys_of(cls))
     needs = needed(cls)
     for key in needs:
         if key not in table:
@@ -310,27 +325,14 @@ def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") ->
     return cls(**table)
 
 
-def needed(record: type[Any]) -> list[str]:
-    """Return the fields of a record that have no default."""
-    return [
-        each.name
-        for each in fields(record)
-        if each.default is MISSING and each.default_factory is MISSING
-    ]
-
-
-def _names(record: type[Any]) -> list[str]:
-    return [each.name for each in fields(record)]
-
-
 def _plain(record: Any) -> dict[str, Any]:
     """Convert the fields of a record to TOML values; fields that are None or empty are left out.
 
     So are newer ones at their default, so that a scene keeps its text and what is stored under it.
     """
     table: dict[str, Any] = {}
-    for field in fields(record):
-        value = getattr(record, field.name)
+    for name, known in keys_of(type(record)).items():
+        value = getattr(record, name)
         if isinstance(value, Tissue | Hard | Prony):
             value = _plain(value)
         elif isinstance(value, Layout):
@@ -339,9 +341,9 @@ def _plain(record: Any) -> dict[str, Any]:
             value = dict(value)
         elif isinstance(value, tuple):
             value = list(value)
-        newer = not field.metadata.get("written", True) and value == field.default
+        newer = not known.key.written and value == known.default
         if value is not None and value != {} and not newer:
-            table[field.name] = value
+            table[name] = value
     return table
 
 
@@ -354,4 +356,4 @@ def keys_beside_file(kind: Any) -> tuple[str, ...]:
 def keys(part: str, kind: Any) -> tuple[str, ...]:
     """List the keys that a table ("indenter", "motion", "ask.population") takes for `kind`."""
     record = KINDS.get(part, {}).get(kind) if isinstance(kind, str) else None
-    return () if record is None else ("kind", *_names(record))
+    return () if record is None else ("kind", *keys_of(record))

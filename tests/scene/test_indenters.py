@@ -164,7 +164,10 @@ BAD = [
     (lambda: ff.Relief((0, 1, 2), LINE, RELIEF.heights), "indenter.x: expected at least 4"),
     (lambda: ff.Relief(LINE, LINE, RELIEF.heights[:-1]), "one row for each of the 25 .* 24 rows"),
     (lambda: ff.Relief(LINE, LINE, np.zeros((24, 25))), "one row for each of the 25 .* 24 rows"),
-    (lambda: ff.Relief(LINE, LINE, np.array(3.0)), "one row for each of the 25 .* received 3.0"),
+    (
+        lambda: ff.Relief(LINE, LINE, np.array(3.0)),
+        "indenter.heights: expected a list of lists of numbers",
+    ),
     (lambda: ff.Relief(LINE, LINE[:-1], RELIEF.heights), r"indenter.heights\[0\]: .*24 numbers"),
     (lambda: ff.Relief.of(lambda x, y: x / 0, LINE, LINE), r"heights\[0\]\[0\]: .*finite"),
     (lambda: ff.Relief.of(lambda x, y: 1.0, LINE, LINE), "one height for each of 25 x 25"),

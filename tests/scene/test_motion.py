@@ -317,12 +317,12 @@ def test_a_corner_that_is_not_given_is_as_long_as_the_parts_of_the_motion_allow(
         (lambda: ForceRamp(0, 1), r"motion.loading_rate: .*N/s above 0, received 0"),
         (
             lambda: Sinusoid(1, frequency=4, cycles=1.5),
-            "motion.cycles: expected a whole number of cycles, received 1.5",
+            "motion.cycles: expected a whole number at least 1, received 1.5",
         ),
         (lambda: Sinusoid(0, frequency=4, cycles=1), "motion.amplitude: expected"),
         (
             lambda: RampSinusoid(20, 1, amplitude=1, frequency=4, cycles=1.5),
-            r"motion.cycles: expected a whole number of cycles, received 1.5",
+            r"motion.cycles: expected a whole number at least 1, received 1.5",
         ),
         (
             lambda: RampSinusoid(20, 1, amplitude=1, frequency=400, cycles=1, corner=0.01),

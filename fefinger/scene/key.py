@@ -1,0 +1,209 @@
+"""What is known of a key of a scene file: unit, limits, choices and meaning, in one place.
+
+A key is a field of a record: `radius: Annotated[float, Key("Radius", unit="mm", above=0)]`. The
+reader, the schema, the page of keys, the columns of a study and all messages read it from there. An
+annotation leaves the default of the field to the dataclass, so that type checkers know which fields
+a record needs. Keys that mean the same in every record of a table stand in its `common`, by name.
+"""
+
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from functools import cache
+from types import NoneType, UnionType
+from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
+
+from fefinger.support.checks import (
+    FrozenDict,
+    InputError,
+    boolean,
+    choice,
+    choices,
+    number,
+    numbers,
+    reject_unknown,
+)
+from fefinger.support.vocabulary import TYPES
+
+
+BOUNDS = ("above", "at_least", "below", "at_most")
+"""Names of the limits of a number."""
+
+
+@dataclass(frozen=True)
+class Key:
+    """Meaning, unit, limits and choices of a key.
+
+    Parameters
+    ----------
+    text
+        Its meaning in one line, without the unit; "" where the docstring of the record says it.
+    unit
+        Unit of the number or of all numbers in it, as "mm" or "N/s"; "" for a pure number.
+    above, at_least, below, at_most
+        Limits of the number, or of each one.
+    words
+        Texts that it is chosen from.
+    synonyms
+        Other words for some of these, which are not accepted, but understood.
+    written
+        Whether a scene writes it at its default: one that came later is left out there, so that
+        the text of a scene and what is stored under it stay the same.
+    """
+
+    text: str = ""
+    unit: str = ""
+    above: float | None = None
+    at_least: float | None = None
+    below: float | None = None
+    at_most: float | None = None
+    words: tuple[str, ...] = ()
+    synonyms: Mapping[str, str] = field(default_factory=dict)
+    written: bool = True
+
+    def unit_of(self, kind: str) -> str:
+        """Return its unit in a motion of a kind: of "mm or N" the latter where it is of force."""
+        depth, _, force = self.unit.partition(" or ")
+        return force if force and kind.startswith("force") else depth
+
+    @property
+    def bounds(self) -> dict[str, float]:
+        """Its limits, by BOUNDS."""
+        return {name: getattr(self, name) for name in BOUNDS if getattr(self, name) is not None}
+
+    @property
+    def limits(self) -> dict[str, Any]:
+        """Limits and unit, as `checks.number` takes them."""
+        return {**self.bounds, "unit": self.unit}
+
+
+class KeyField(NamedTuple):
+    """A field of a record: its key, type and default (None where it has none, see `needed`)."""
+
+    key: Key
+    hint: Any
+    default: Any
+    needed: bool
+
+
+@cache
+def keys_of(record: Any) -> Mapping[str, KeyField]:
+    """Return the fields of a record, a class, by name.
+
+    A field without a Key has the one of its name in `common`, if any.
+    """
+    hints, common = get_type_hints(record, include_extras=True), getattr(record, "common", {})
+    found = {}
+    for each in fields(record):
+        hint, key = hints[each.name], common.get(each.name, Key())
+        if get_origin(hint) is Annotated:
+            hint, *extras = get_args(hint)
+            key = next((extra for extra in extras if isinstance(extra, Key)), key)
+        without = each.default is MISSING
+        needed = without and each.default_factory is MISSING
+        found[each.name] = KeyField(key, hint, None if without else each.default, needed)
+    return found
+
+
+def needed(record: type[Any]) -> list[str]:
+    """Return the names of the fields of a record that have no default."""
+    return [name for name, each in keys_of(record).items() if each.needed]
+
+
+def check(record: Any, *names: str) -> None:
+    """Check fields of a frozen record by their keys and types, and store them in their types.
+
+    By default all of them; messages call them after the `table` of the record. Where None is the
+    default the record fills it in, or does without.
+
+    Raises
+    ------
+    InputError
+        A value of another type, outside its limits or not among its words.
+    """
+    known = keys_of(type(record))
+    for name in names or known:
+        value = checked(f"{record.table}.{name}", getattr(record, name), known[name])
+        object.__setattr__(record, name, value)
+
+
+def checked(name: str, value: Any, known: KeyField) -> Any:
+    """Return the value of the field called `name`, if its type and key allow it."""
+    key, hint = known.key, known.hint
+    if value is None and not known.needed and known.default is None:
+        return None
+    types = records(hint)
+    if isinstance(value, tuple(types)):
+        return value
+    plain = [each for each in forms(hint) if each not in types]
+    if not plain:
+        what = " or ".join(each.__name__ for each in types)
+        raise InputError(f"{name}: expected a {what}, received {value!r}")
+    return _plain(name, value, plain[0], key)
+
+
+def forms(hint: Any) -> list[Any]:
+    """Return the types that a field may have besides None."""
+    either = get_args(hint) if get_origin(hint) in (UnionType, Union) else (hint,)
+    return [each for each in either if each is not NoneType]
+
+
+def records(hint: Any) -> list[type[Any]]:
+    """Return the records among the types that a field may have."""
+    return [each for each in forms(hint) if isinstance(each, type) and is_dataclass(each)]
+
+
+def _plain(name: str, value: Any, hint: Any, key: Key) -> Any:
+    """Return a value of a type that is no record."""
+    if hint is bool:
+        return boolean(name, value)
+    if hint is int:
+        return _whole(name, value, key)
+    if hint is float:
+        return number(name, value, **key.limits)
+    if hint is str:
+        if key.words:
+            return choice(name, value, key.words, key.synonyms)
+        if not isinstance(value, str):
+            raise InputError(f"{name}: expected a text, received {value!r}")
+        return value
+    origin, parts = get_origin(hint), get_args(hint)
+    if origin is Mapping:
+        items = by_type(name, value, "..." if key.words else "1.0")
+        return FrozenDict({at: _plain(f"{name}.{at}", x, parts[1], key) for at, x in items.items()})
+    if origin is tuple:
+        return _listed(name, value, parts, key)
+    raise InputError(f"{name}: expected a field of a type that a scene file has, received {hint!r}")
+
+
+def _whole(name: str, value: Any, key: Key) -> int:
+    """Return a whole number, 3.0 too."""
+    with suppress(InputError):
+        if number(name, value, **key.limits).is_integer():
+            return int(value)
+    limits = " and ".join(f"{word.replace('_', ' ')} {x:g}" for word, x in key.bounds.items())
+    expected = f"expected a whole number {limits}".rstrip()
+    raise InputError(f"{name}: {expected}, received {value!r}")
+
+
+def _listed(name: str, value: Any, parts: tuple[Any, ...], key: Key) -> tuple[Any, ...]:
+    """Return a list as a tuple: of words, of numbers, or of lists of numbers."""
+    item, count = parts[0], None if parts[-1] is Ellipsis else len(parts)
+    if item is str:
+        return choices(name, value, key.words, key.synonyms)
+    if get_origin(item) is not tuple:
+        return numbers(name, value, count=count, **key.limits)
+    given = value.tolist() if hasattr(value, "tolist") else value  # arrays of NumPy
+    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
+        raise InputError(f"{name}: expected a list of lists of numbers, received {value!r}")
+    rows = (_listed(f"{name}[{i}]", row, get_args(item), key) for i, row in enumerate(given))
+    return tuple(rows)
+
+
+def by_type(name: str, table: Any, example: str) -> Mapping[str, Any]:
+    """Return a table by afferent type; InputError for other keys, or no table."""
+    if not isinstance(table, Mapping):
+        msg = f"{name}: expected a table such as {{SAI = {example}}}, received {table!r}"
+        raise InputError(msg)
+    reject_unknown(name, table, TYPES)
+    return table
