@@ -9,7 +9,6 @@ a record needs. Keys that mean the same in every record of a table stand in its 
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
-from functools import cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
 
@@ -86,12 +85,17 @@ class KeyField(NamedTuple):
     needed: bool
 
 
-@cache
-def keys_of(record: Any) -> Mapping[str, KeyField]:
-    """Return the fields of a record, a class, by name.
+def keys_of(record: type[Any]) -> Mapping[str, KeyField]:
+    """Return the fields of a record by name; a field without a Key has that of `common`, if any."""
+    if record not in _KEYS:
+        _KEYS[record] = _read_keys(record)
+    return _KEYS[record]
 
-    A field without a Key has the one of its name in `common`, if any.
-    """
+
+_KEYS: dict[type[Any], Mapping[str, KeyField]] = {}
+
+
+def _read_keys(record: type[Any]) -> Mapping[str, KeyField]:
     hints, common = get_type_hints(record, include_extras=True), getattr(record, "common", {})
     found = {}
     for each in fields(record):
