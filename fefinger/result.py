@@ -22,6 +22,7 @@ from fefinger.results.result_record import ResultRecord
 from fefinger.scene.finger import origin_notes, other_size
 from fefinger.scene.inertia import quasistatic, samples, warnings
 from fefinger.support.checks import InputError
+from fefinger.support.compiled import notice
 from fefinger.support.interrupt import shielded
 from fefinger.support.outputs import keep, output_folder
 from fefinger.support.provenance import software
@@ -69,8 +70,8 @@ class Result(ResultRecord):
         """Assemble the result from the outputs of the stages of a run.
 
         `seconds` are those of the stages after the mechanics. Notes are added on parts of the
-        finger that belong to another one, and on motions that are too fast for statics. Strain that
-        was computed for the spikes alone is left out.
+        finger that belong to another one, on motions that are too fast for statics, and on compiled
+        code that cannot be kept. Strain that was computed for the spikes alone is left out.
         """
         notes = origin_notes(scene.finger) + other_size(scene.finger)
         notes += warnings(scene.motion) + samples(scene.motion)
@@ -78,6 +79,7 @@ class Result(ResultRecord):
             notes += (NOT_HARMONIC,)
         if not response.inertia:
             notes += quasistatic(scene, response.time, response.depth)
+        notes += (notice(),) if notice() else ()
         strain = response.strain if scene.ask.strain else None
         scene_hash = hashlib.sha256(scene.to_toml().encode()).hexdigest()
         fired = f" Spikes: {spikes.summary()}." if spikes is not None else ""
@@ -143,8 +145,9 @@ class Result(ResultRecord):
 
         target = output_folder(folder)
         before = earlier(target)
-        with atomic_write.as_input_error(target), atomic_write.scratch_folder(target) as scratch:
-            new = {name: Path(scratch, name) for name in NAMES}
+        saving = atomic_write.temporary_folder(target, atomic_write.SAVING)
+        with atomic_write.as_input_error(target), saving as scratch:
+            new = {name: scratch / name for name in NAMES}
             new["result.nc"].write_bytes(atomic_write.netcdf(netcdf.dataset(self)))
             if self.fields is not None:
                 vtkhdf.write(self.fields, new["result.vtkhdf"])

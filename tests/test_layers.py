@@ -55,6 +55,7 @@ ONLY = {
     "skfem": ("fefinger.fem", "fefinger.validation.problems.grids"),
     "pyvista": ("fefinger.view", "fefinger.geometry.surface_file"),
     "vtk": "fefinger.view",
+    "numba": "fefinger.support.compiled",
     "vtkmodules": "fefinger.view",
 }
 """Libraries that one place alone imports."""

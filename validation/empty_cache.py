@@ -36,6 +36,7 @@ def empty_cache(*shared: Path) -> Iterator[Path]:
 
 def only_meshes() -> AbstractContextManager[Path]:
     """Let the cache have meshes and the speed of the machine alone."""
-    meshes = cache.root() / "meshes"
-    meshes.mkdir(parents=True, exist_ok=True)
-    return empty_cache(meshes, machine.kept_path())
+    shared = cache.root() / "meshes", machine.kept_path().parent
+    for folder in shared:
+        folder.mkdir(parents=True, exist_ok=True)
+    return empty_cache(*shared)

@@ -11,7 +11,7 @@ import json
 import time
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 
@@ -24,7 +24,6 @@ from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support import cache
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.atomic_write import moved
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.relaxation import Prony
@@ -32,6 +31,9 @@ from fefinger.theory.relaxation import Prony
 
 FORMAT = 8
 """Version in the hash; increased when the mechanics or this file change, to solve presses again."""
+
+FILE = "press.npz"
+"""File of a cached press."""
 
 PART = {"solid": 0.2, "condensed": 0.18, "linear": 0.18}
 """Depth of a press over the thickness of the finger: some 2.3 N of a slow press in `solid`."""
@@ -82,18 +84,25 @@ def press(
         If fewer than 8 steps are solved.
     """
     scene = pressed(finger, part or PART[mechanics])
-    place = cache.root() / "presses" / f"{key(scene, mechanics, spare)}.npz"
-    with suppress(*cache.DAMAGED), place.open("rb") as opened, np.load(opened) as stored:
-        depth, force, read, area = (stored[name] for name in ("depth", "force", "felt", "area"))
-        return SlowPress(depth, force, read, area, float(stored["seconds"]), str(stored["halt"]))
+    place = cache.root() / "presses" / key(scene, mechanics, spare)
+    stored = cache.load(place, _read)
+    if stored is not None:
+        return stored
     solved = _solved(scene, mechanics, spare)
-    with suppress(OSError):  # on a full disk it is solved again the next time
-        place.parent.mkdir(parents=True, exist_ok=True)
-        values: dict[str, Any] = dict(vars(solved))
-        values["felt"] = values.pop("array_pressure")  # its name in the files of FORMAT 8
-        with moved(place) as new:
-            np.savez_compressed(new, **values)
+    reach = f"{len(solved.depth)} depths to {solved.depth[-1]:.3g} mm and {solved.force[-1]:.3g} N"
+    with (
+        suppress(OSError),  # on a full disk it is solved again the next time
+        cache.appearing(place, f"press of a calibration: {reach}") as new,
+    ):
+        np.savez_compressed(new / FILE, **vars(solved))
     return solved
+
+
+def _read(place: Path) -> SlowPress:
+    with np.load(place / FILE) as stored:
+        names = ("depth", "force", "array_pressure", "area")
+        depth, force, read, area = (stored[name] for name in names)
+        return SlowPress(depth, force, read, area, float(stored["seconds"]), str(stored["halt"]))
 
 
 def small(finger: Finger) -> SlowPress:

@@ -4,38 +4,83 @@ Exit status: 0 done, 1 the answer failed its check, 2 invalid input, 130 interru
 output holds the answer alone; progress, warnings and errors go to standard error.
 """
 
+import errno
+import os
+from contextlib import suppress
+
 import click
 
 from fefinger.commands import COMMANDS
 from fefinger.commands.options import DONE, FAILED, UNUSABLE
 from fefinger.support.atomic_write import FULL, write_error
 from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.compiled import notice
 from fefinger.support.interrupt import INTERRUPTED, MESSAGE
 from fefinger.support.version import VERSION
 
 
+LEAST_MEMORY = 800
+"""MB of address space below which compiled libraries cannot be loaded: some end, some wait."""
+
+
 def run(arguments: list[str]) -> int:
     """Run the command line and return its exit status."""
+    # Figures are drawn without a window, and matplotlib refuses the name of a window it lacks.
+    os.environ.pop("MPLBACKEND", None)
     try:
+        _check_memory()
         status = cli.main(args=arguments, prog_name="fefinger", standalone_mode=False)
-    except click.ClickException as error:
-        error.show()
-        return error.exit_code
-    except InputError as error:
-        click.echo(f"error: {error}", err=True)
-        return UNUSABLE
-    except ConvergenceError as error:
-        click.echo(f"failed: {error}", err=True)
-        return FAILED
-    except OSError as error:
-        if error.errno not in FULL:
-            raise
-        click.echo(f"error: {write_error(error, error.filename)}", err=True)
-        return UNUSABLE
     except (KeyboardInterrupt, click.Abort):
-        click.echo(MESSAGE, err=True)
+        _say(MESSAGE)
         return INTERRUPTED
+    except click.ClickException as error:
+        with suppress(OSError):
+            error.show()
+        return error.exit_code
+    except Exception as error:
+        status, sentence = _failure(error)
+        if not sentence:
+            raise
+        _say(sentence)
+        return status
+    if notice():
+        _say(f"note: {notice()}")
     return int(status or DONE)
+
+
+def _check_memory() -> None:
+    """Raise InputError where the address space is limited to less than LEAST_MEMORY."""
+    with suppress(ImportError):  # on Windows
+        import resource
+
+        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+        if limit != resource.RLIM_INFINITY and limit < LEAST_MEMORY * 1e6:
+            raise InputError(
+                f"memory: expected an address space of at least {LEAST_MEMORY} MB, received a "
+                f"limit of {limit / 1e6:.0f} MB; raise it (ulimit -v)"
+            )
+
+
+def _failure(error: Exception) -> tuple[int, str]:
+    """Return the exit status of an error and its sentence; "" where it is a fault of fefinger."""
+    if isinstance(error, InputError):
+        return UNUSABLE, f"error: {error}"
+    if isinstance(error, ConvergenceError):
+        return FAILED, f"failed: {error}"
+    if isinstance(error, OSError) and error.errno in FULL:
+        return UNUSABLE, f"error: {write_error(error, error.filename)}"
+    if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
+        return FAILED, (
+            "failed: memory ran out; close other programs, raise the limit (ulimit -v), or ask for "
+            "a coarser mesh (finger.resolution)"
+        )
+    return FAILED, ""
+
+
+def _say(sentence: str) -> None:
+    """Print a line on standard error, unless that is full or closed too."""
+    with suppress(OSError):
+        click.echo(sentence, err=True)
 
 
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100, "show_default": True}

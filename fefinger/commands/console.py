@@ -312,7 +312,7 @@ def cache_record(entry: "Entry") -> dict[str, Any]:
         "what": entry.what,
         "MB": round(entry.size / 1e6, 1),
         "used": datetime.fromtimestamp(entry.used, UTC).isoformat(timespec="seconds"),
-        "paths": [str(path) for path in entry.paths],
+        "paths": [str(entry.path)],
     }
 
 

@@ -19,6 +19,9 @@ from fefinger.support.checks import InputError
 if TYPE_CHECKING:
     from fefinger.scene.finger import Finger
 
+FILE = "mesh.vtu"
+"""File of a cached mesh, beside its sidecar."""
+
 
 def load_or_build(
     finger: "Finger | Recipe",
@@ -46,7 +49,7 @@ def load_or_build(
 def at_hand(finger: "Finger", touch: Touch = None) -> bool:
     """Whether the mesh of a scene's finger is shipped or cached, so that it need not be built."""
     recipe = Recipe.of(finger, touch)
-    return shipped_path(recipe) is not None or os.path.isfile(cached_path(recipe))
+    return shipped_path(recipe) is not None or os.path.isdir(cached_path(recipe))
 
 
 def morphed(finger: "Finger", touch: Touch = None) -> bool:
@@ -80,7 +83,7 @@ def sha256(finger: "Finger", touch: Touch = None, *, continued: bool = False) ->
     That is the SHA-256 of its file, or follows from it for the continued finger.
     """
     recipe = Recipe.of(finger, touch)
-    sidecar = vtu.sidecar_path(shipped_path(recipe) or cached_path(recipe))
+    sidecar = vtu.sidecar_path(shipped_path(recipe) or cached_path(recipe) / FILE)
     try:
         source = str(json.loads(sidecar.read_text(encoding="utf-8"))["sha256"])
         return continued_source(source) if continued else source
@@ -89,8 +92,14 @@ def sha256(finger: "Finger", touch: Touch = None, *, continued: bool = False) ->
 
 
 def cached_path(recipe: Recipe) -> Path:
-    """Path of the mesh of a recipe in the user's cache."""
-    return cache.root() / "meshes" / f"{recipe.key()[:16]}.vtu"
+    """Folder of the mesh of a recipe in the user's cache."""
+    return cache.root() / "meshes" / recipe.key()[:16]
+
+
+def keep(mesh: FingerMesh, recipe: Recipe) -> None:
+    """Write a mesh into the user's cache; OSError or InputError where it cannot be written."""
+    with cache.appearing(cached_path(recipe), f"mesh {mesh.name}") as new:
+        vtu.write(mesh, new / FILE)
 
 
 _in_memory: dict[Path, FingerMesh] = {}
@@ -100,10 +109,7 @@ _in_memory: dict[Path, FingerMesh] = {}
 def _cached(recipe: Recipe) -> FingerMesh | None:
     """Read the mesh of a recipe from the cache; None if it is missing or damaged."""
     place = cached_path(recipe)
-    try:
-        return vtu.read(place)
-    except (InputError, OSError):
-        return _in_memory.get(place)
+    return cache.load(place, lambda folder: vtu.read(folder / FILE)) or _in_memory.get(place)
 
 
 def _made(recipe: Recipe, progress: Callable[[str], None] | None) -> FingerMesh:
@@ -120,13 +126,9 @@ def _built(recipe: Recipe, say: Callable[[str], None]) -> FingerMesh:
 
     name = f"{recipe.width:g}x{recipe.thickness:g}x{recipe.pad_radius:g}-{recipe.resolution}"
     mesh = build(recipe, name=name, progress=say)
-    # Where file locks do not work, another process may have been faster: its mesh counts.
-    cached = _cached(recipe)
-    if cached is not None:
-        return cached
-    place = cached_path(recipe)
     try:
-        return vtu.read(vtu.write(mesh, place))
+        keep(mesh, recipe)
     except (InputError, OSError) as error:
         say(f"the mesh could not be cached: {error}")
-        return _in_memory.setdefault(place, mesh)
+    # Where file locks do not work, another process may have been faster: its mesh counts.
+    return _cached(recipe) or _in_memory.setdefault(cached_path(recipe), mesh)

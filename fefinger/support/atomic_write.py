@@ -20,7 +20,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SAVING = ".saving-"
-"""Prefix of the hidden folders in which the files of a result are completed."""
+"""Prefix of the hidden folders in which files are completed, on the file system of their place."""
+
+RANDOM = 6
+"""Random bytes in the name of a temporary folder."""
 
 FULL = errno.ENOSPC, errno.EDQUOT, errno.EFBIG
 """Error numbers of a full disk, a used-up quota and a file that is too long."""
@@ -81,15 +84,11 @@ def write(folder: str | PathLike[str], texts: Mapping[str, str]) -> None:
 
 @contextmanager
 def moved(path: Path) -> Iterator[Path]:
-    """Yield a temporary name beside `path`, as `in_place`, but raise OSError on failure."""
-    new = path.with_name(f".{path.stem}.{os.getpid()}.new{path.suffix}")
-    with on_end(lambda: new.unlink(missing_ok=True)):
-        try:
-            yield new
-            with shielded():
-                new.replace(path)
-        finally:
-            new.unlink(missing_ok=True)
+    """Yield a temporary path of the same name, as `in_place`, but raise OSError on failure."""
+    with temporary_folder(path.parent, SAVING) as folder:
+        yield folder / path.name
+        with shielded():
+            (folder / path.name).replace(path)
 
 
 @contextmanager
@@ -99,33 +98,36 @@ def temporary_folder(
     """Yield a new folder and remove it after the enclosed block.
 
     It lies in `inside`, by default in the temporary folder of the system. It is also removed when a
-    signal ends the process (`interrupt`).
+    signal ends the process (`interrupt`); and those that killed processes left there are removed
+    first, since a folder is locked as long as the process that made it lives. (On Windows, which
+    has no such locks, they stay.)
     """
-    path = Path(inside or tempfile.gettempdir(), f"{prefix}{secrets.token_hex(6)}")
-    with on_end(lambda: remove_folder(path)):
+    parent = Path(inside or tempfile.gettempdir())
+    for left in parent.glob(f"{prefix}{'[0-9a-f]' * 2 * RANDOM}"):
+        with suppress(OSError, ImportError), ExitStack() as held:
+            held.callback(os.close, lock(left))
+            remove_folder(left)
+    with ExitStack() as opened:
+        with shielded():  # no folder without an action that removes it
+            path = _locked_folder(parent, prefix, opened)
+            opened.enter_context(on_end(lambda: remove_folder(path)))
+            opened.callback(remove_folder, path)
+        yield path
+
+
+def _locked_folder(parent: Path, prefix: str, opened: ExitStack) -> Path:
+    """Make a folder that is locked until `opened` closes, where the system has locks."""
+    while True:
+        path = parent / f"{prefix}{secrets.token_hex(RANDOM)}"
         path.mkdir(mode=0o700)
         try:
-            yield path
-        finally:
-            remove_folder(path)
-
-
-@contextmanager
-def scratch_folder(target: Path) -> Iterator[Path]:
-    """Yield a hidden folder inside `target`, on the same file system, and remove it afterwards.
-
-    Scratch folders of processes that were killed are removed too: a folder is locked as long as the
-    process that fills it lives. (On Windows, which has no such locks, they stay.)
-    """
-    for left in target.glob(f"{SAVING}*"):
-        with suppress(OSError, ImportError):
-            handle = lock(left)
-            remove_folder(left)
-            os.close(handle)
-    with temporary_folder(target, SAVING) as path, ExitStack() as held:
-        with suppress(OSError, ImportError):
-            held.callback(os.close, lock(path))
-        yield path
+            opened.callback(os.close, lock(path))
+        except (BlockingIOError, FileNotFoundError):
+            continue  # another process took it for one that was left, and removes it
+        except (OSError, ImportError):
+            return path
+        if path.exists():
+            return path
 
 
 def lock(path: Path, flags: int = os.O_RDONLY, waiting: Callable[[], object] | None = None) -> int:

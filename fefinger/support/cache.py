@@ -1,10 +1,10 @@
 """The user's cache of meshes, operators, patches and presses, which any process may share.
 
-An entry appears complete or not at all and is removed at once: a process that reads it meanwhile
-keeps its open files, and a later one builds the entry again.
+An entry is a folder. It appears complete or not at all and is removed at once: a process that reads
+it meanwhile keeps its open files, and a later one builds the entry again. So it does where a file
+is not as it was written, by its checksum.
 """
 
-import json
 import os
 import shutil
 import time
@@ -12,30 +12,35 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
-from importlib.resources import files
+from functools import lru_cache
 from pathlib import Path
-from tokenize import TokenError
+from typing import TypeVar
 from zipfile import BadZipFile
 
 from fefinger.support.atomic_write import lock, temporary_folder
 from fefinger.support.interrupt import on_end, shielded
 
 
-KINDS = ("meshes", "operators", "modes", "patches", "presses", "elastic")
+Value = TypeVar("Value")
+
+KINDS = ("meshes", "operators", "modes", "patches", "presses", "elastic", "machine")
 LIMITS_MB = {"operators": 10_000, "modes": 2000, "patches": 2000, "elastic": 2000}
 """Limits in MB by kind; beyond them the least recently used entries are removed. There is an
 operator per finger, and a patch per indenter and set of end organs."""
+
+WHAT, CHECKSUMS = "what.txt", "checksums.txt"
+"""Files of every entry: its description, and the checksums of its other files."""
+
+CHUNK = 2**20
+"""Bytes that are read at a time for a checksum."""
 
 DAY = 24 * 3600.0
 
 ABANDONED = DAY
 """Age in s from which an unfinished entry counts as abandoned by its process."""
 
-DAMAGED = (
-    *(OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error),
-    *(NotImplementedError, RuntimeError, SyntaxError, TokenError),  # of damaged headers
-)
-"""Errors of reading missing or damaged arrays, which are then made again."""
+DAMAGED = (OSError, ValueError, LookupError, TypeError, EOFError, BadZipFile, zlib.error)
+"""Errors of reading an entry of another version, or shipped arrays that are damaged."""
 
 BUILDING, LEAVING = ".building-", ".leaving-"
 UNFINISHED = "unfinished"
@@ -43,11 +48,11 @@ UNFINISHED = "unfinished"
 
 @dataclass(frozen=True)
 class Entry:
-    """One cached item: kind, description, files or folder, size in bytes, time of last use."""
+    """One cached item: kind, description, folder, size in bytes, time of last use."""
 
     kind: str
     what: str
-    paths: tuple[Path, ...]
+    path: Path
     size: int
     used: float
 
@@ -67,7 +72,7 @@ def entries() -> tuple[Entry, ...]:
 
 def remove(chosen: Sequence[Entry]) -> tuple[Entry, ...]:
     """Remove entries and return those whose removal succeeded."""
-    return tuple(entry for entry in chosen if all([_removed(path) for path in entry.paths]))
+    return tuple(entry for entry in chosen if _removed(entry.path))
 
 
 def unused(days: float) -> tuple[Entry, ...]:
@@ -77,20 +82,58 @@ def unused(days: float) -> tuple[Entry, ...]:
     return tuple(e for e in entries() if now - e.used >= least.get(e.what, days * DAY))
 
 
-def touch(place: Path) -> None:
-    """Set the time of last use of an entry to now."""
-    with suppress(OSError):
+def load(place: Path, read: Callable[[Path], Value]) -> Value | None:
+    """Return what `read` makes of the folder of an entry, which counts as used; None without one.
+
+    An entry that is damaged is removed.
+    """
+    if not os.path.lexists(place):
+        return None
+    with suppress(*DAMAGED):
         os.utime(place)
+        known = place / CHECKSUMS
+        if known.is_file() and known.read_text(encoding="utf-8") == _checksums(place):
+            return read(place)
+    _removed(place)
+    return None
 
 
 @contextmanager
-def appearing(place: Path) -> Iterator[Path]:
-    """Yield a folder to fill and rename it to `place` afterwards, unless `place` exists by then."""
+def appearing(place: Path, what: str, *, replacing: bool = False) -> Iterator[Path]:
+    """Yield a folder to fill; rename it to `place` afterwards, with its description and checksums.
+
+    An entry that exists by then stays, since other processes may have used it already, unless it is
+    to be replaced. Raises OSError where the cache cannot be written.
+    """
     place.parent.mkdir(parents=True, exist_ok=True)
     with temporary_folder(place.parent, BUILDING) as path:
         yield path
-        with suppress(OSError), shielded():  # another process was faster
+        (path / WHAT).write_text(what, encoding="utf-8")
+        (path / CHECKSUMS).write_text(_checksums(path, place.name), encoding="utf-8")
+        with suppress(OSError), shielded():
+            if replacing:
+                _removed(place)
             os.rename(path, place)
+
+
+def _checksums(folder: Path, name: str = "") -> str:
+    """Lines with the name of an entry (by default its folder's), and those of its files' bytes."""
+    lines = [name or folder.name]
+    for file in sorted(folder.iterdir()):
+        if file.name != CHECKSUMS and file.is_file():
+            status = file.stat()
+            lines.append(f"{_crc32(file, status.st_size, status.st_mtime_ns):08x} {file.name}")
+    return "\n".join(lines)
+
+
+@lru_cache
+def _crc32(file: Path, size: int, modified: int) -> int:
+    """CRC-32 of a file, computed once in a process: 3 to 4 GB/s."""
+    total = 0
+    with file.open("rb") as opened:
+        while chunk := opened.read(CHUNK):
+            total = zlib.crc32(chunk, total)
+    return total
 
 
 @contextmanager
@@ -138,7 +181,7 @@ def limit(kind: str) -> None:
 
     The last used entry and unfinished ones stay in any case.
     """
-    finished = [entry for entry in _entries(kind, described=False) if entry.what != UNFINISHED]
+    finished = [entry for entry in _entries(kind) if entry.what != UNFINISHED]
     total = 0
     for number, entry in enumerate(sorted(finished, key=lambda entry: -entry.used)):
         total += entry.size
@@ -146,98 +189,32 @@ def limit(kind: str) -> None:
             remove([entry])
 
 
-def _entries(kind: str, *, described: bool = True) -> Iterator[Entry]:
-    """Yield the entries of one kind, whole or damaged; descriptions read files of each."""
-    for paths in _together(root() / kind):
-        with suppress(OSError):  # removed by another process in the meantime
-            first, size = paths[0], sum(_size(path) for path in paths)
-            used = max(path.stat().st_mtime for path in paths)
-            what = UNFINISHED if first.name.startswith(".") else ""
-            if described and not what:
-                what = _description(first)
-            yield Entry(kind, what, paths, size, used)
-
-
-def _together(folder: Path) -> Iterator[tuple[Path, ...]]:
-    """Yield the paths of each entry in a folder: one, or a mesh and its sidecar (first)."""
-    groups: dict[str, list[Path]] = {}
-    with suppress(OSError):
-        for path in sorted(folder.iterdir()):
-            alone = path.name.startswith(".") or path.suffix not in (".json", ".vtu")
-            groups.setdefault(path.name if alone else f"{path.stem}.vtu", []).append(path)
-    yield from map(tuple, groups.values())
+def _entries(kind: str) -> Iterator[Entry]:
+    """Yield the entries of one kind, whole or damaged."""
+    with suppress(OSError):  # there are none
+        for path in sorted((root() / kind).iterdir()):
+            with suppress(OSError):  # removed by another process in the meantime
+                what = UNFINISHED if path.name.startswith(".") else _description(path)
+                yield Entry(kind, what, path, _size(path), path.lstat().st_mtime)
 
 
 def _size(path: Path) -> int:
-    if not path.is_dir():
-        return path.stat().st_size
-    return sum(file.stat().st_size for file in path.rglob("*") if file.is_file())
+    return sum(file.lstat().st_size for file in (path, *path.rglob("*")) if not file.is_dir())
 
 
 def _description(path: Path) -> str:
-    """Describe a mesh (from its sidecar) or what was computed on it; "" for damaged entries."""
-    try:
-        return _DESCRIPTIONS[path.parent.name](path)
-    except (*DAMAGED, TypeError, IndexError):
-        return ""
-
-
-def _body(path: Path) -> str:
-    """Describe the finger of an operator or of modes from its identity."""
-    identity = json.loads((path / "identity.json").read_text(encoding="utf-8"))
-    ratios = " and ".join(f"{value:g}" for value in identity["poisson"])
-    sha256 = identity["mesh_file_sha256"]
-    mesh = _mesh_names().get(sha256, f"{sha256[:8]}, which is no longer here")
-    loads = {"even": "equal", "odd": "opposite"}[identity["parity"]]
-    stiff = f"pulp {identity['modulus_ratio']:.3g} times as stiff as skin"
-    return f"mesh {mesh}, {loads} loads on both sides, {stiff}, Poisson's ratios {ratios}"
-
-
-def _mesh_names() -> dict[str, str]:
-    """Return the names of the shipped and cached meshes by the hash of their files."""
-    names = {}
-    with suppress(ModuleNotFoundError):
-        for folder in (files("fefinger.meshes"), root() / "meshes"):
-            for file in folder.iterdir() if folder.is_dir() else ():
-                if file.name.endswith(".json"):
-                    with suppress(OSError, ValueError, KeyError, TypeError):
-                        about = json.loads(file.read_text(encoding="utf-8"))
-                        names[about["sha256"]] = about["name"]
-    return names
-
-
-def _patch(path: Path) -> str:
-    import numpy as np
-
-    points = len(np.load(path / "flexibility.npy", mmap_mode="r", allow_pickle=False))
-    return f"object on a finger, for `condensed`: {points} points of the pad"
-
-
-def _reach(path: Path) -> str:
-    """Say how far a press with a depth in mm and a force in N goes."""
-    import numpy as np
-
-    with path.open("rb") as opened, np.load(opened, allow_pickle=False) as stored:
-        depth, force = stored["depth"], stored["force"]
-    return f"of {len(depth)} depths to {depth[-1]:.3g} mm and {force[-1]:.3g} N"
-
-
-_DESCRIPTIONS: dict[str, Callable[[Path], str]] = {
-    "meshes": lambda path: str(json.loads(path.read_text(encoding="utf-8"))["name"]),
-    "operators": lambda path: f"finger for `condensed`: {_body(path)}",
-    "modes": lambda path: f"finger for `modal`: {_body(path)}",
-    "patches": _patch,
-    "presses": lambda path: f"press of a calibration: {_reach(path)}",
-    "elastic": lambda path: f"object on a finger, for `pressed`: table {_reach(path)}",
-}
+    """Read the description of an entry; "" for damaged ones."""
+    with suppress(OSError, ValueError):
+        return (path / WHAT).read_text(encoding="utf-8")
+    return ""
 
 
 def _removed(path: Path) -> bool:
     """Move a file or folder out of the cache, then delete it; True if it is no longer there."""
-    if not path.is_dir():
+    if path.is_symlink() or not path.is_dir():
         with suppress(OSError):
             path.unlink()
-        return not path.exists()
+        return not os.path.lexists(path)
     aside = path.with_name(f"{LEAVING}{os.getpid()}-{path.name.lstrip('.')}")
     try:
         os.rename(path, aside)

@@ -8,14 +8,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from damage import flip
 from fefinger.validation.waves.measure import pressed_force
 from fefinger.validation.waves.preload import Preloaded
 
 import fefinger as ff
+from fefinger.fem.modes import Modes
 from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics import condensed, modal, pressed
 from fefinger.mechanics.evidence import costs, vibration
-from fefinger.mechanics.press import depth_table
+from fefinger.mechanics.press import depth_table, modal_body
 from fefinger.mechanics.press.modal_press import RINGING, modal_grid
 from fefinger.mechanics.press.operator_cache import MODES
 from fefinger.mechanics.press.placement import obstacle
@@ -82,6 +84,23 @@ def test_the_fields_of_a_slow_press_are_those_without_inertia(
     for name in ("displacement", "strain"):
         still, moving = getattr(one, name)[-1], getattr(other, name)[-1]
         np.testing.assert_allclose(moving, still, atol=2e-3 * np.abs(still).max())
+
+
+def test_damaged_modes_are_computed_again(
+    loop: ff.Modal, operators: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    used = max((operators.parent / "modes").iterdir(), key=lambda place: place.stat().st_mtime)
+    computed, compute = [], modal_body.modes_of
+
+    def counted(*given: Any) -> Modes:
+        computed.append(given)
+        return compute(*given)
+
+    monkeypatch.setattr(modal_body, "modes_of", counted)
+    flip(used / "squares.npy")
+    again = ff.Modal(loop.finger, ff.Flat(30), deepest=1.2)
+    assert again.frequencies == pytest.approx(loop.frequencies, rel=1e-9)
+    assert len(computed) == 1
 
 
 def test_heavier_tissue_swings_more_slowly_with_the_modes_that_are_there(

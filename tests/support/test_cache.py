@@ -5,12 +5,15 @@ import os
 import subprocess
 import sys
 import time
+import zlib
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from damage import flip
 from scipy import sparse
 
 import fefinger as ff
@@ -20,7 +23,7 @@ from fefinger.fem.condensation import Compliance
 from fefinger.fem.linalg.multifrontal import Eliminated, Front
 from fefinger.mechanics.press import operator as _operator
 from fefinger.mechanics.press import operator_cache
-from fefinger.mesh import store, vtu
+from fefinger.mesh import store
 from fefinger.mesh.recipe import Recipe
 from fefinger.support import cache
 
@@ -37,48 +40,93 @@ def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def keep(place: Path, *, days: float, megabytes: float = 1.0) -> Path:
     """Keep an array that was last used so many days ago."""
-    with cache.appearing(place) as new:
-        np.save(new / "flexibility.npy", np.arange(int(megabytes * 125_000), dtype=float))
+    with cache.appearing(place, f"array {place.name}") as new:
+        np.save(new / "array.npy", np.arange(int(megabytes * 125_000), dtype=float))
     used = time.time() - days * DAY
     os.utime(place, (used, used))
     return place
+
+
+def read(place: Path) -> np.ndarray:
+    """Read the array of an entry."""
+    return np.load(place / "array.npy", mmap_mode="r")
 
 
 def test_what_is_kept_is_listed_with_its_size(root: Path) -> None:
     assert cache.entries() == ()
     keep(root / "patches" / "a", days=3)
     keep(root / "operators" / "b", days=1, megabytes=2)
-    identity = {"parity": "odd", "mesh_file_sha256": "0123456789", "modulus_ratio": 0.5}
-    message = json.dumps(identity | {"poisson": [0.48, 0.5]})
-    (root / "operators" / "b" / "identity.json").write_text(message)
     operator, patch = cache.entries()
     assert (operator.kind, patch.kind) == ("operators", "patches")
-    assert operator.what == (
-        "finger for `condensed`: mesh 01234567, which is no longer here, opposite loads on both "
-        "sides, pulp 0.5 times as stiff as skin, Poisson's ratios 0.48 and 0.5"
-    )
-    assert patch.what == "object on a finger, for `condensed`: 125000 points of the pad"
+    assert (operator.what, patch.what) == ("array b", "array a")
     assert operator.size == pytest.approx(2e6, rel=1e-3)
     assert time.time() - patch.used == pytest.approx(3 * DAY, abs=DAY / 2)
 
 
-@pytest.mark.parametrize("kind", ["elastic", "presses"])
-def test_presses_are_described_by_how_far_they_go(root: Path, kind: str) -> None:
-    (root / kind).mkdir(parents=True)
-    np.savez(root / kind / "a.npz", depth=[0.0, 1.0, 2.5], force=[0.0, 0.2, 1.25])
-    (entry,) = cache.entries()
-    assert entry.what.endswith("of 3 depths to 2.5 mm and 1.25 N")
+def _remade(file: Path, make: Callable[[], object]) -> None:
+    file.unlink()
+    make()
 
 
-def test_the_mesh_of_an_operator_is_named(root: Path) -> None:
-    keep(root / "operators" / "b", days=1)
-    (root / "meshes").mkdir()
-    (root / "meshes" / "m.json").write_text('{"name": "14x10x14-coarse", "sha256": "0123"}')
-    identity = {"parity": "even", "mesh_file_sha256": "0123", "modulus_ratio": 0.1}
-    message = json.dumps(identity | {"poisson": [0.48, 0.48]})
-    (root / "operators" / "b" / "identity.json").write_text(message)
-    (operator,) = (entry for entry in cache.entries() if entry.kind == "operators")
-    assert "mesh 14x10x14-coarse, equal loads" in operator.what
+DAMAGE: dict[str, Callable[[Path], object]] = {
+    "one bit": flip,
+    "first bit": lambda file: flip(file, at=0.0),
+    "last bit": lambda file: flip(file, at=1.0),
+    "empty": lambda file: file.write_bytes(b""),
+    "half": lambda file: file.write_bytes(file.read_bytes()[: file.stat().st_size // 2]),
+    "zeros": lambda file: file.write_bytes(bytes(file.stat().st_size)),
+    "missing": Path.unlink,
+    "folder": lambda file: _remade(file, file.mkdir),
+    "link to itself": lambda file: _remade(file, lambda: file.symlink_to(file)),
+    "pipe": lambda file: _remade(file, lambda: os.mkfifo(file)),
+    "another file": lambda file: file.with_name("other").write_bytes(b""),
+}
+
+
+@pytest.mark.parametrize("name", ["array.npy", "what.txt", "checksums.txt"])
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_a_damaged_entry_is_none_and_goes(root: Path, damage: str, name: str) -> None:
+    place = keep(root / "patches" / "a", days=0)
+    assert cache.load(place, read)[-1] == 124_999
+    DAMAGE[damage](place / name)
+    assert cache.load(place, read) is None
+    assert not os.path.lexists(place)
+    keep(place, days=0)
+    assert cache.load(place, read)[-1] == 124_999
+
+
+def test_an_entry_that_is_no_folder_or_that_of_another_goes(root: Path) -> None:
+    place, other = keep(root / "patches" / "a", days=0), root / "patches" / "b"
+    place.rename(other)
+    assert cache.load(other, read) is None
+    for make in (other.touch, other.mkdir, lambda: other.symlink_to(other)):
+        make()
+        assert cache.load(other, read) is None
+        assert not os.path.lexists(other)
+
+
+def test_an_entry_whose_reader_expects_another_version_goes(root: Path) -> None:
+    place = keep(root / "patches" / "a", days=0)
+    assert cache.load(place, lambda folder: np.load(folder / "later.npy")) is None
+    assert not place.exists()
+
+
+def test_an_entry_that_is_there_stays_unless_it_is_replaced(root: Path) -> None:
+    place = root / "elastic" / "a"
+    for size, replacing in ((1, False), (2, False), (3, True)):
+        with cache.appearing(place, "an array", replacing=replacing) as new:
+            np.save(new / "array.npy", np.arange(size))
+    assert len(cache.load(place, read)) == 3
+    assert list(place.parent.iterdir()) == [place]
+
+
+def test_the_checksum_of_a_file_is_computed_once(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place = keep(root / "patches" / "a", days=0)
+    cache.load(place, read)
+    monkeypatch.setattr(zlib, "crc32", lambda *given: pytest.fail("computed again"))
+    assert cache.load(place, read) is not None
 
 
 def test_what_was_not_used_for_days_is_pruned(
@@ -97,48 +145,18 @@ def test_what_was_not_used_for_days_is_pruned(
     assert main(["cache", "--prune", "-1"]) == 2
 
 
-def test_a_mesh_goes_with_its_sidecar(root: Path) -> None:
-    (root / "meshes").mkdir(parents=True)
-    for name, text in (("m.vtu", "mesh"), ("m.json", '{"name": "14x10x14-coarse"}')):
-        (root / "meshes" / name).write_text(text)
-    (mesh,) = cache.entries()
-    assert mesh.what == "14x10x14-coarse"
-    assert cache.remove([mesh]) == (mesh,)
-    assert list((root / "meshes").iterdir()) == []
-
-
-@pytest.mark.parametrize("text", ["", "{", "[]", "{}"])
-def test_a_damaged_mesh_is_listed_and_goes(
-    root: Path, capsys: pytest.CaptureFixture[str], text: str
+@pytest.mark.parametrize("make", [Path.touch, Path.mkdir], ids=["a file", "a folder"])
+def test_what_is_no_entry_is_listed_and_goes(
+    root: Path, capsys: pytest.CaptureFixture[str], make: Callable[[Path], object]
 ) -> None:
-    (root / "meshes").mkdir(parents=True)
-    (root / "meshes" / "x.json").write_text(text)
-    for names in (["x.json"], ["x.json", "x.vtu"]):
-        (root / "meshes" / names[-1]).touch()
-        assert main(["cache", "--json"]) == 0
-        (entry,) = json.loads(capsys.readouterr().out)["entries"]
-        assert [Path(path).name for path in entry["paths"]] == names
+    place = root / "meshes" / "x"
+    place.parent.mkdir(parents=True)
+    make(place)
+    assert main(["cache", "--json"]) == 0
+    (entry,) = json.loads(capsys.readouterr().out)["entries"]
+    assert (entry["paths"], entry["what"]) == ([str(place)], "")
     assert main(["cache", "--prune", "0"]) == 0
-    assert list((root / "meshes").iterdir()) == []
-
-
-def test_a_mesh_without_its_sidecar_is_listed_and_goes(root: Path) -> None:
-    (root / "meshes").mkdir(parents=True)
-    (root / "meshes" / "x.vtu").write_text("mesh")
-    (mesh,) = cache.entries()
-    assert (mesh.what, mesh.size) == ("", 4)
-    assert cache.remove(cache.unused(0)) == (mesh,)
-    assert list((root / "meshes").iterdir()) == []
-
-
-def test_a_part_of_a_mesh_that_was_never_finished_goes_when_it_is_abandoned(root: Path) -> None:
-    part = root / "meshes" / ".x-1234.json"
-    part.parent.mkdir(parents=True)
-    part.write_text('{"name":')
-    assert cache.unused(0.0) == ()
-    os.utime(part, (0, 0))
-    (entry,) = cache.unused(0.0)
-    assert (entry.what, entry.paths) == (cache.UNFINISHED, (part,))
+    assert list(place.parent.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", ["file", "x" * 300], ids=["a file", "a name too long"])
@@ -164,19 +182,34 @@ def test_a_cache_that_cannot_be_written_is_one_that_keeps_nothing(
 
 def test_who_reads_keeps_what_is_open(root: Path) -> None:
     place = keep(root / "patches" / "read", days=0)
-    mapped = np.load(place / "flexibility.npy", mmap_mode="r")
+    mapped = cache.load(place, read)
     assert len(cache.remove(cache.entries())) == 1
     assert not place.exists()
     assert mapped[-1] == len(mapped) - 1
 
 
 def test_what_is_being_made_is_left_alone_until_it_is_abandoned(root: Path) -> None:
-    with cache.appearing(root / "operators" / "x") as building:
+    with cache.appearing(root / "operators" / "x", "x") as building:
         (building / "values.npy").write_bytes(b"half")
         assert cache.unused(0.0) == ()
         os.utime(building, (0, 0))
         (entry,) = cache.unused(1e9)
         assert entry.what == cache.UNFINISHED
+
+
+def test_what_a_killed_process_left_goes_when_the_next_one_builds(root: Path) -> None:
+    pytest.importorskip("fcntl", reason="this system has no locks of files")
+    killed = (
+        "import os, signal, sys; from pathlib import Path; from fefinger.support import cache\n"
+        "with cache.appearing(Path(sys.argv[1]), 'x') as new:\n"
+        "    (new / 'part').touch(); os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    place = root / "operators" / "x"
+    assert subprocess.run([sys.executable, "-c", killed, str(place)]).returncode < 0
+    assert [entry.what for entry in cache.entries()] == [cache.UNFINISHED]
+    with cache.appearing(place, "x") as ours, cache.appearing(place.with_name("y"), "y") as others:
+        assert set(place.parent.iterdir()) == {ours, others}
+    assert {path.name for path in place.parent.iterdir()} == {"x", "y"}
 
 
 def test_a_kind_that_takes_too_much_loses_what_was_used_least_recently(
@@ -210,10 +243,10 @@ def test_an_operator_that_is_pruned_while_it_is_read_is_built_anew(
     os.utime(place, (0, 0))
     read = _operator.read
 
-    def late(where: Path, identity: dict) -> object:
+    def late(where: Path) -> object:
         assert time.time() - where.stat().st_mtime < DAY  # its use is noted before
         cache.remove(cache.entries())
-        return read(where, identity)
+        return read(where)
 
     monkeypatch.setattr(_operator, "read", late)
     (anew,) = _operator.operator(finger, half=True).parts
@@ -228,12 +261,13 @@ def test_an_operator_is_known_by_the_mesh_that_it_was_built_on(
     shipped = store.load_or_build(
         ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998"), half=True
     )
-    place = store.cached_path(Recipe.of(finger))
-    vtu.write(shipped, place)
+    recipe = Recipe.of(finger)
+    store.keep(shipped, recipe)
     prepared, other = _operator.solid, replace(shipped, points=1.001 * shipped.points)
 
     def late(*mesh: object) -> object:
-        vtu.write(other, place)  # the cache was emptied, and another process filled it again
+        cache.remove(cache.entries())
+        store.keep(other, recipe)  # by another process
         return prepared(*mesh)
 
     monkeypatch.setattr(_operator, "solid", late)

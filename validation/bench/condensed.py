@@ -103,7 +103,7 @@ def _building(finger: Finger) -> list[Figure]:
         built = operator.build(finger, mesh, odd=odd)
         identity = operator_cache.identity(finger, odd=odd, mesh=mesh)
         assert identity is not None
-        operator.write(built, operator_cache.folder(identity), identity)
+        operator.write(built, operator_cache.folder(identity), "operator of the benchmark")
         seconds += time.perf_counter() - started
     processor = time.process_time() - processor
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

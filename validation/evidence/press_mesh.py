@@ -31,10 +31,9 @@ from fefinger.mechanics.evidence.press_mesh import ABOUT
 from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.evidence.table import PRESS_MESH
 from fefinger.mechanics.situation import Situation
-from fefinger.mesh import vtu
+from fefinger.mesh import store
 from fefinger.mesh.build import SETTINGS, build
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.store import cached_path
 from fefinger.results.candidate import Candidate
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.ask import Ask
@@ -326,7 +325,7 @@ def thirds() -> dict[str, Any]:
     """
     recipe, changes = Recipe.of(replace(Finger.subject("a.h."), resolution="fine"), None), {}
     with empty_cache():
-        vtu.write(build(recipe, settings=SETTINGS["fine"]), cached_path(recipe))
+        store.keep(build(recipe, settings=SETTINGS["fine"]), recipe)
         for name in OBJECTS.keys() - ALIKE.keys():
             measurement = MEASUREMENTS[f"a.h./{name}"]
             presses = _pressed_by(measurement, THIRD)

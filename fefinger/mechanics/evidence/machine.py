@@ -4,7 +4,7 @@ The measure is the CPU time of one fixed piece of work, taken once and kept in t
 Reports hold that of the machine that measured them as `machine_seconds`.
 """
 
-import json
+import hashlib
 import platform
 import time
 from collections.abc import Mapping
@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from fefinger.support import cache
-from fefinger.support.atomic_write import moved
 
 
 REPORTED = 0.068
@@ -27,9 +26,13 @@ ROUNDS = 5
 """Times that the work is done; the fastest counts."""
 
 
+FILE = "seconds.txt"
+"""File of the cached time."""
+
+
 def kept_path() -> Path:
-    """Return the file of the benchmark time in the user's cache."""
-    return cache.root() / "machine.json"
+    """Return the folder of the benchmark time of this machine in the user's cache."""
+    return cache.root() / "machine" / hashlib.sha256(_name().encode()).hexdigest()[:16]
 
 
 def measure() -> float:
@@ -63,9 +66,8 @@ def seconds() -> float:
         return before
     measured = measure()
     try:
-        kept_path().parent.mkdir(parents=True, exist_ok=True)
-        with moved(kept_path()) as new:
-            new.write_text(json.dumps({"machine": _name(), "seconds": measured}), encoding="utf-8")
+        with cache.appearing(kept_path(), f"speed of the machine {_name()}") as new:
+            (new / FILE).write_text(repr(measured), encoding="utf-8")
     except OSError as error:  # without a cache another process measures it again
         _unkept.update(seconds=measured, reason=error.strerror or str(error))
     return measured
@@ -78,12 +80,10 @@ def known() -> float | None:
 
 
 def kept() -> float | None:
-    """Return the cached time of this machine, or None; that of another machine does not count."""
-    try:
-        record = json.loads(kept_path().read_text(encoding="utf-8"))
-        return float(record["seconds"]) if record["machine"] == _name() else None
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+    """Return the cached time of this machine, or None."""
+    return cache.load(
+        kept_path(), lambda folder: float((folder / FILE).read_text(encoding="utf-8"))
+    )
 
 
 def slowness(report: Mapping[str, Any]) -> float:

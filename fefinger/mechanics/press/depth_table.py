@@ -8,13 +8,12 @@ depth.
 
 import hashlib
 import json
-import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +28,10 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.motion import Motion
 from fefinger.support import cache
 from fefinger.support.arrays import Array
-from fefinger.support.atomic_write import moved
 from fefinger.support.checks import InputError
 
+
+Value = TypeVar("Value")
 
 RANK = 1e-6
 """Least singular value of a mode over the largest."""
@@ -55,6 +55,9 @@ PREFIX = "press-"
 """Of the names of shipped tables, which end with the first DIGITS of their key."""
 
 DIGITS = 16
+
+FILE = "table.npz"
+"""File of a cached table."""
 
 EXACT = ("depth", "force", "moment", "area", "stiffening", "work")
 ROUNDED = ("pressure", "gap")
@@ -251,26 +254,23 @@ def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple
         return 0.0, 0.0
     deepest = [(0.0, 0.0)]
     half = indenter.mirrored and motion.mirrored
-    for path in _paths(key(finger, indenter, source, half=half)):
-        with suppress(*cache.DAMAGED):
-            ends = _read(path, ("depth", "force", "modulus"))
-            scale = finger.skin.modulus / float(ends["modulus"])
-            deepest.append((float(ends["depth"][-1]), float(ends["force"][-1]) * scale))
+    read_ends = partial(_read, names=("depth", "force", "modulus"))
+    for ends in _stored(key(finger, indenter, source, half=half), read_ends):
+        scale = finger.skin.modulus / float(ends["modulus"])
+        deepest.append((float(ends["depth"][-1]), float(ends["force"][-1]) * scale))
     return max(deepest)
 
 
 def at_hand(finger: Finger, indenter: Indenter, mesh: FingerMesh) -> DepthTable | None:
     """Read the deepest table that is shipped or cached; None where none is, or all are damaged."""
-    tables = []
-    for path in _paths(key_on(finger, indenter, mesh)):
-        with suppress(*cache.DAMAGED):
-            tables.append(read(path).of_modulus(finger.skin.modulus))
-    return max(tables, key=lambda table: table.deepest, default=None)
+    tables = _stored(key_on(finger, indenter, mesh), read)
+    deepest = max(tables, key=lambda table: table.deepest, default=None)
+    return None if deepest is None else deepest.of_modulus(finger.skin.modulus)
 
 
 def cached_path(name: str) -> Path:
-    """Path of a table in the user's cache."""
-    return cache.root() / "elastic" / f"{name[:DIGITS]}.npz"
+    """Folder of a table in the user's cache."""
+    return cache.root() / "elastic" / name[:DIGITS]
 
 
 def shipped(name: str) -> Iterator[Path]:
@@ -278,12 +278,22 @@ def shipped(name: str) -> Iterator[Path]:
     yield from data_folder().glob(f"{PREFIX}*-{name[:DIGITS]}.npz")
 
 
-def _paths(name: str) -> Iterator[Path]:
-    yield from shipped(name)
-    place = cached_path(name)
-    if os.path.isfile(place):
-        cache.touch(place)
-        yield place
+def _stored(name: str, read: Callable[[Path], Value]) -> Iterator[Value]:
+    """Yield what `read` makes of the shipped and cached files of a table that are not damaged."""
+    for path in shipped(name):
+        with suppress(*cache.DAMAGED):
+            yield read(path)
+    cached = cache.load(cached_path(name), lambda folder: read(folder / FILE))
+    if cached is not None:
+        yield cached
+
+
+def keep(table: DepthTable, name: str) -> None:
+    """Write a table into the cache, in place of a shallower one; OSError where it cannot be."""
+    reach = f"{len(table.depth)} depths to {table.deepest:.3g} mm and {table.force[-1]:.3g} N"
+    what = f"object on a finger, for `pressed`: table of {reach}"
+    with cache.appearing(cached_path(name), what, replacing=True) as new:
+        write(table, new / FILE)
 
 
 def as_stored(table: DepthTable) -> DepthTable:
@@ -293,14 +303,12 @@ def as_stored(table: DepthTable) -> DepthTable:
 
 
 def write(table: DepthTable, place: Path) -> None:
-    """Write a table to a file, which appears complete or not at all."""
+    """Write a table to a file."""
     values: dict[str, Any] = {name: getattr(table, name) for name in EXACT}
     values |= {name: getattr(table, name).astype(np.float32) for name in ROUNDED}
     values |= {name: getattr(table, name) for name in ("reach", "modulus")}
     values |= {"amplitudes": table.modes.amplitudes, "shapes": table.modes.shapes}
-    place.parent.mkdir(parents=True, exist_ok=True)
-    with moved(place) as new:
-        np.savez_compressed(new, **values)
+    np.savez_compressed(place, **values)
 
 
 def read(place: Path) -> DepthTable:

@@ -167,8 +167,8 @@ def load_or_solve(press: Press, least: float, stages: Stages, *, force: float = 
     table = stored()
     if table is not None:
         return table
-    place = depth_table.cached_path(depth_table.key_on(press.finger, press.indenter, press.mesh))
-    with cache.alone(place):
+    name = depth_table.key_on(press.finger, press.indenter, press.mesh)
+    with cache.alone(depth_table.cached_path(name)):
         table = stored()  # another process may have solved it meanwhile
         if table is None:
             # A plate ends nowhere; contact with any other object may reach its rim.
@@ -176,7 +176,7 @@ def load_or_solve(press: Press, least: float, stages: Stages, *, force: float = 
             solved = solve(press, least, stages, force=force, further=further)
             table = depth_table.as_stored(solved)
             with suppress(OSError):  # without room for it, it is solved again the next time
-                depth_table.write(table, place)
+                depth_table.keep(table, name)
                 cache.limit("elastic")
     return table
 

@@ -4,10 +4,10 @@ Modes depend on the ratios of moduli and densities only: they are computed for a
 1 kg/mm³, and scaled.
 """
 
-import json
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from scipy import sparse
@@ -18,7 +18,7 @@ from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.elements.assembly import numbering
 from fefinger.fem.elements.forms import mass
 from fefinger.fem.modes import Modes, modes_of
-from fefinger.mechanics.press.operator_cache import MODES, modes_folder, modes_identity
+from fefinger.mechanics.press.operator_cache import MODES, description, modes_folder
 from fefinger.scene.finger import Finger
 from fefinger.support import cache
 from fefinger.support.arrays import Array, Integers
@@ -107,14 +107,9 @@ def _part(finger: Finger, solid: Operator, number: int, progress: Callable[[floa
     """Modes of one parity, for a skin of 1 kPa and 1 kg/mm³."""
     part, identity = solid.parts[number], solid.identities[number]
     place = None if identity is None else modes_folder(finger, identity)
-    if place is not None:
-        cache.touch(place)
-        with suppress(OSError, ValueError, EOFError):
-            omega_squared, shapes, residual = (
-                np.load(place / f"{name}.npy", mmap_mode="r") for name in NAMES
-            )
-            if shapes.shape[1] == len(omega_squared):
-                return Modes(np.array(omega_squared), shapes, float(residual))
+    stored = None if place is None else cache.load(place, _read)
+    if stored is not None:
+        return stored
     heavy = mass(solid.space, {1: 1.0, 2: finger.subcutaneous.density / finger.skin.density})
     unfold = part.unfold[: heavy.shape[0]]
     unfold = unfold[:, np.flatnonzero(unfold.getnnz(axis=0))]
@@ -128,14 +123,21 @@ def _part(finger: Finger, solid: Operator, number: int, progress: Callable[[floa
     # Single precision for shapes: the flexibility that modes leave over makes up for its rounding.
     kept = Modes(computed.omega_squared, computed.shapes.astype(np.float32), computed.residual)
     if place is not None and identity is not None:
-        with suppress(OSError), cache.appearing(place) as new:
-            about = json.dumps(modes_identity(finger, identity), indent=1)
-            (new / "identity.json").write_text(about, encoding="utf-8")
+        what = description(finger, identity, "modal")
+        with suppress(OSError), cache.appearing(place, what) as new:
             values = kept.omega_squared, kept.shapes, kept.residual
             for name, value in zip(NAMES, values, strict=True):
                 np.save(new / f"{name}.npy", np.asarray(value))
         cache.limit("modes")
     return kept
+
+
+def _read(place: Path) -> Modes:
+    """Return the modes in a folder, their shapes mapped into memory."""
+    omega_squared, shapes, residual = (
+        np.load(place / f"{name}.npy", mmap_mode="r") for name in NAMES
+    )
+    return Modes(np.array(omega_squared), shapes, float(residual))
 
 
 @dataclass(frozen=True)

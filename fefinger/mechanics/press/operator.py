@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -22,7 +21,7 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.geometry.mirror import whole
 from fefinger.mechanics.press.materials import fixed_facets
 from fefinger.mechanics.press.notes import own_relaxation_reasons
-from fefinger.mechanics.press.operator_cache import folder, identity, parities
+from fefinger.mechanics.press.operator_cache import description, folder, identity, parities
 from fefinger.mechanics.press.problem import SolutionMethod
 from fefinger.mesh.extend import CONTINUED
 from fefinger.mesh.store import load_or_build
@@ -50,7 +49,7 @@ def operator(
     `continued`: of the finger that is longer behind its proximal cut.
 
     InputError if the tissues of the finger do not relax as one, so that no step of it would be
-    right; or the cache holds something else under the hash of this finger.
+    right.
     """
     for reason in own_relaxation_reasons(finger):
         raise InputError(f"{reason.text}; use the mechanics 'solid'")
@@ -81,24 +80,9 @@ def build(finger: Finger, mesh: FingerMesh, *, odd: bool) -> Compliance:
     return condense(body, tissues, prescribed(body, mesh, fixed_facets(finger), odd=odd))
 
 
-def read(place: Path, identity: dict[str, Any]) -> Compliance:
-    """Return the compliance in a folder, mapped into memory.
-
-    InputError if the folder is damaged, or what it holds was built from something else.
-    """
-    advice = f"delete the folder {str(place)!r}, and it is built again"
-    try:
-        stored = dict(json.loads((place / "identity.json").read_text(encoding="utf-8")))
-        arrays = {name: np.load(place / f"{name}.npy", mmap_mode="r") for name in ARRAYS}
-    except (OSError, ValueError, TypeError, EOFError) as error:
-        message = f"operator: expected {len(ARRAYS)} arrays and their identity ({error}); {advice}"
-        raise InputError(message) from None
-    for name, value in identity.items():
-        if stored.get(name) != value:
-            raise InputError(
-                f"operator: expected one with {name} = {value!r}, received one with "
-                f"{stored.get(name)!r}; {advice}"
-            )
+def read(place: Path) -> Compliance:
+    """Return the compliance in a folder, mapped into memory."""
+    arrays = {name: np.load(place / f"{name}.npy", mmap_mode="r") for name in ARRAYS}
     return Compliance(
         np.array(arrays["order"]), tuple(_fronts(arrays)), arrays["matrix"].view(np.ndarray)
     )
@@ -113,22 +97,24 @@ def reduced(
     """
     digest = hashlib.sha256(json.dumps([solid.identities, finger.skin.modulus]).encode())
     on_pad = (patch.loads, patch.places)
-    stored = [array for each in on_pad for array in (each.indptr, each.indices, each.data)]
-    for array in (*stored, points):
+    sparse_arrays = [array for each in on_pad for array in (each.indptr, each.indices, each.data)]
+    for array in (*sparse_arrays, points):
         digest.update(np.ascontiguousarray(array).tobytes())
     names = ("flexibility", "strain", "normal_displacement")  # of the files, and in the key
     digest.update(f"{STRAIN}: {' '.join(names)}".encode())
     place = cache.root() / "patches" / digest.hexdigest()[:16]
-    cache.touch(place)
-    with suppress(OSError, ValueError, EOFError):
-        arrays = [np.load(place / f"{name}.npy", mmap_mode="r") for name in names]
-        count = len(patch.vertices)
-        rows = (count, 6 * len(points), len(patch.neighborhood.vertices))
-        if [array.shape for array in arrays] == [(row, count) for row in rows]:
-            return Reduced(patch, *(array.view(np.ndarray) for array in arrays))
+
+    def read(folder: Path) -> Reduced:
+        arrays = (np.load(folder / f"{name}.npy", mmap_mode="r") for name in names)
+        return Reduced(patch, *(array.view(np.ndarray) for array in arrays))
+
+    stored = cache.load(place, read)
+    if stored is not None:
+        return stored
     made = reduction.reduce(solid, patch, probe())
     if None not in solid.identities:
-        with suppress(OSError), cache.appearing(place) as new:
+        what = f"object on a finger, for `condensed`: {len(patch.vertices)} points of the pad"
+        with suppress(OSError), cache.appearing(place, what) as new:
             arrays = [made.flexibility, made.strain_operator, made.normal_displacement]
             for name, array in zip(names, arrays, strict=True):
                 np.save(new / f"{name}.npy", array)
@@ -136,10 +122,9 @@ def reduced(
     return made
 
 
-def write(compliance: Compliance, place: Path, identity: dict[str, Any]) -> None:
-    """Write a compliance into a folder, which appears complete or not at all."""
-    with cache.appearing(place) as new:
-        (new / "identity.json").write_text(json.dumps(identity, indent=1), encoding="utf-8")
+def write(compliance: Compliance, place: Path, what: str) -> None:
+    """Write a compliance into an entry of the cache, which `what` describes."""
+    with cache.appearing(place, what) as new:
         fronts = compliance.fronts
         np.save(new / "order.npy", compliance.order)
         np.save(new / "matrix.npy", compliance.matrix)
@@ -160,18 +145,16 @@ def _compliance(
     finger: Finger, mesh: FingerMesh, identified: dict[str, Any] | None, *, odd: bool
 ) -> Compliance:
     """Return the compliance of the even or `odd` part: from the cache, or built and put there."""
-    if identified is not None and os.path.isdir(folder(identified)):
-        cache.touch(folder(identified))
-        try:
-            return read(folder(identified), identified)
-        except InputError:
-            if os.path.isdir(folder(identified)):
-                raise  # else it was pruned in the meantime
+    if identified is None:
+        return build(finger, mesh, odd=odd)
+    place = folder(identified)
+    stored = cache.load(place, read)
+    if stored is not None:
+        return stored
     built = build(finger, mesh, odd=odd)
-    if identified is not None:
-        with suppress(OSError):  # without room for it, it is built again the next time
-            write(built, folder(identified), identified)
-            cache.limit("operators")
+    with suppress(OSError):  # without room for it, it is built again the next time
+        write(built, place, description(finger, identified, "condensed"))
+        cache.limit("operators")
     return built
 
 

@@ -59,6 +59,18 @@ def parities(*, half: bool) -> tuple[bool, ...]:
     return (False,) if half else (False, True)
 
 
+def description(finger: Finger, identity: dict[str, Any], mechanics: str) -> str:
+    """Describe the operator or the modes of one parity in a line, for the list of the cache."""
+    size = f"{finger.width:g} x {finger.thickness:g} mm, {finger.resolution}"
+    loads = {"even": "equal", "odd": "opposite"}[identity["parity"]]
+    stiff = f"pulp {identity['modulus_ratio']:.3g} times as stiff as skin"
+    ratios = " and ".join(f"{value:g}" for value in identity["poisson"])
+    return (
+        f"finger of {size}, for `{mechanics}`: {loads} loads on both sides, {stiff}, Poisson's "
+        f"ratios {ratios}"
+    )
+
+
 def modes_identity(finger: Finger, operator: dict[str, Any]) -> dict[str, Any]:
     """Return the inputs of the modes of one parity, from those of its operator."""
     ratio = finger.subcutaneous.density / finger.skin.density

@@ -1,8 +1,7 @@
 """The speed of this machine: measured once, kept, and not that of another machine."""
 
-import json
-
 import pytest
+from damage import flip
 
 from fefinger.mechanics.evidence import machine
 
@@ -35,14 +34,20 @@ def test_times_scale_with_the_machine_of_the_report(monkeypatch):
     assert machine.slowness({}) == pytest.approx(0.3 / machine.REPORTED)
 
 
-@pytest.mark.parametrize("text", ["", "{}", '{"machine": "another", "seconds": 1.0}', "[1]"])
-def test_a_record_that_is_not_of_this_machine_counts_as_none(text, monkeypatch):
-    machine.kept_path().parent.mkdir(parents=True)
-    machine.kept_path().write_text(text)
-    assert machine.kept() is None
+def test_a_damaged_record_is_measured_again(monkeypatch):
     monkeypatch.setattr(machine, "measure", lambda: 0.25)
     assert machine.seconds() == 0.25
-    assert json.loads(machine.kept_path().read_text())["seconds"] == 0.25
+    flip(machine.kept_path() / "seconds.txt")
+    assert machine.kept() is None
+    assert not machine.kept_path().exists()
+    assert machine.seconds() == machine.kept() == 0.25
+
+
+def test_the_record_of_another_machine_counts_as_none(monkeypatch):
+    monkeypatch.setattr(machine, "measure", lambda: 0.25)
+    machine.seconds()
+    monkeypatch.setattr(machine, "_name", lambda: "another")
+    assert machine.kept() is None
 
 
 def test_without_a_cache_it_is_measured_again(monkeypatch, tmp_path):
