@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numba import njit
 
 from fefinger.support.arrays import Array
+from fefinger.support.compiled import njit
 
 
 SHORTEST = 5

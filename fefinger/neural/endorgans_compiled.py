@@ -3,10 +3,10 @@
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.compiled import njit
 
 
 @njit(cache=True, nogil=True)

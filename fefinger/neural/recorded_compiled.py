@@ -9,10 +9,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.compiled import njit
 from fefinger.support.threads import together
 
 

@@ -4,7 +4,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.neural.generators import LARGEST_CURRENT
@@ -12,6 +11,7 @@ from fefinger.neural.membranes.integrate_and_fire_compiled import eventful
 from fefinger.neural.membranes.vectorized import LANES, interval
 from fefinger.neural.recorded_compiled import Units, X, run
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.compiled import njit
 
 
 class State(NamedTuple):

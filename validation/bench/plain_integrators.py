@@ -7,10 +7,10 @@ the textbook.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.neural.membranes import equations as squid
+from fefinger.support.compiled import njit
 
 
 State = tuple[float, float, float, float]

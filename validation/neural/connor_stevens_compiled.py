@@ -7,10 +7,10 @@ Equations and constants: Dayan & Abbott (2001), Theoretical Neuroscience, sectio
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.neural.membranes.equations import REARM_MV, SPIKE_MV, crossing
+from fefinger.support.compiled import njit
 
 
 G_NA, G_K, G_LEAK = 120.0, 20.0, 0.3

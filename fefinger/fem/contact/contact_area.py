@@ -15,13 +15,13 @@ from functools import cached_property
 from math import hypot, sqrt
 
 import numpy as np
-from numba import njit
 from scipy.spatial import cKDTree
 
 from fefinger.fem.contact.obstacle import FAR, Rigid
 from fefinger.fem.elements.assembly import numbering
 from fefinger.geometry.finger_mesh import triangle_areas
 from fefinger.support.arrays import Array, Flags, Integers
+from fefinger.support.compiled import njit
 
 
 SIDES = np.array([[0, 1], [1, 2], [2, 0]])

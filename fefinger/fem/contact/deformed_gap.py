@@ -28,7 +28,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy import sparse
 
@@ -38,6 +37,7 @@ from fefinger.fem.elements.assembly import scattered
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.state import State
 from fefinger.support.arrays import Array, Flags, Integers
+from fefinger.support.compiled import njit
 
 
 Indices = NDArray[np.int32]

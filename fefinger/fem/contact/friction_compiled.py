@@ -13,7 +13,6 @@ in question are compressed into a block with three rows for each of them.
 """
 
 import numpy as np
-from numba import njit
 
 from fefinger.fem.contact.friction_state import (
     INVERTED,
@@ -27,6 +26,7 @@ from fefinger.fem.contact.friction_state import (
 )
 from fefinger.fem.contact.lcp_compiled import DONE, ENDLESS, SINGULAR, combine
 from fefinger.support.arrays import Array
+from fefinger.support.compiled import njit
 
 
 CONE = 1e-10  # residual that counts as none, over the largest pressure

@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.compiled import njit
 
 
 K, SOLVED, SWEPT, KEPT, INVERTED = 0, 1, 2, 3, 4

@@ -12,7 +12,6 @@ step after its first slip to the step in which it sticks again, or leaves contac
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from fefinger.fem.contact import friction_compiled as friction
 from fefinger.fem.contact import step_compiled
@@ -28,6 +27,7 @@ from fefinger.fem.contact.step_compiled import (
 from fefinger.fem.contact.viscoelastic import CORRECTIONS, corrected
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError
+from fefinger.support.compiled import njit
 from fefinger.support.tolerances import COMPLEMENTARITY, LEAST_FORCE, SMALL_FORCE
 
 

@@ -10,12 +10,12 @@ longer falls fast.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.fem.contact.complementarity import EXCHANGES, PATIENCE
 from fefinger.fem.contact.friction_state import FrictionState
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.compiled import njit
 
 
 Floats = NDArray[np.floating]

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.fem.contact import lcp_compiled as contact
@@ -36,6 +35,7 @@ from fefinger.fem.contact.step_compiled import (
 from fefinger.fem.contact.viscoelastic import History, Prescribed, increments
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import PRESS_LESS
+from fefinger.support.compiled import njit
 from fefinger.support.threads import one_thread
 
 

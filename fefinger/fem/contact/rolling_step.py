@@ -9,12 +9,12 @@ turned; the inverse in `lcp_compiled` is then slightly out of date, which its re
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from fefinger.fem.contact import lcp_compiled as contact
 from fefinger.fem.contact.lcp_compiled import BEYOND, DONE, LcpState
 from fefinger.fem.contact.step_compiled import PadState, load_history, store_history
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.compiled import njit
 
 
 class RollingPlate(NamedTuple):

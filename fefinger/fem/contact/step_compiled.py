@@ -8,7 +8,6 @@ thesis's modulus t(u) over a constant one) enters as y = t q.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from fefinger.fem.contact import complementarity
 from fefinger.fem.contact import lcp_compiled as contact
@@ -25,6 +24,7 @@ from fefinger.fem.contact.lcp_compiled import (
 from fefinger.fem.contact.viscoelastic import CORRECTIONS, corrected
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.compiled import njit
 from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, LEAST_FORCE, SMALL_FORCE
 
 

@@ -10,11 +10,11 @@ The compiled steps are in `step_compiled.py`, the way through time in `march.py`
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import PRESS_LESS, ConvergenceError
+from fefinger.support.compiled import njit
 from fefinger.support.tolerances import FORCE_MATCH, LEAST_FORCE, SMALL_FORCE
 
 

@@ -4,11 +4,11 @@ The pattern follows from the numbering alone: assembly needs little memory beyon
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.compiled import njit
 
 
 Places = NDArray[np.int32]

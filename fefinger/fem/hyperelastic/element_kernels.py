@@ -8,7 +8,6 @@ the Green-Lagrange strain, g_d and g_v the relaxation factors of the step, and H
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fefinger.fem.hyperelastic.stress_kernels import (
@@ -20,6 +19,7 @@ from fefinger.fem.hyperelastic.stress_kernels import (
     stresses,
 )
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.compiled import njit
 
 
 class Elements(NamedTuple):

@@ -5,9 +5,9 @@ digits at the smallest strains. Symmetric tensors have the components xx yy zz x
 """
 
 import numpy as np
-from numba import njit
 
 from fefinger.support.arrays import Array
+from fefinger.support.compiled import njit
 
 
 PAIRS = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]])

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import LinAlgError, cholesky
@@ -21,6 +20,7 @@ from scipy.linalg.blas import dsyrk, dtrsm
 from fefinger.fem.linalg.dissection import Dissection, Front
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
+from fefinger.support.compiled import njit
 from fefinger.support.tolerances import SINGULAR_PIVOT
 
 

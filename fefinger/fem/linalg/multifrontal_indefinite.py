@@ -12,7 +12,6 @@ The branches of the dissection are factored and solved in all threads, then the 
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from scipy import sparse
 from scipy.linalg.lapack import get_lapack_funcs
 
@@ -20,6 +19,7 @@ from fefinger.fem.linalg.dissection import Dissection
 from fefinger.fem.linalg.multifrontal import SINGULAR, Assembly, Floats
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
+from fefinger.support.compiled import njit
 from fefinger.support.threads import together
 
 

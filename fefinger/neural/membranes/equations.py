@@ -7,9 +7,9 @@ rate functions corrected (see `HodgkinHuxley`).
 import math
 
 import numpy as np
-from numba import njit
 
 from fefinger.support.arrays import Array
+from fefinger.support.compiled import njit
 
 
 CAPACITANCE, G_NA, G_K, G_LEAK = 1.0, 120.0, 36.0, 0.3  # uF/cm², mS/cm²

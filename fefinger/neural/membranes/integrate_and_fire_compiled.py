@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.compiled import njit
 
 
 @njit(cache=True)

@@ -7,7 +7,6 @@ them into vector instructions; imported when a membrane first runs.
 import math
 
 import numpy as np
-from numba import njit
 
 from fefinger.neural.membranes.equations import (
     CAPACITANCE,
@@ -23,6 +22,7 @@ from fefinger.neural.membranes.equations import (
     slope,
 )
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.compiled import njit
 
 
 LANES = 16
