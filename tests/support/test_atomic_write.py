@@ -1,6 +1,8 @@
 """Where a disk is full: a sentence, the answer all the same, and nothing that is half-written."""
 
 import errno
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -177,3 +179,51 @@ def test_a_full_disk_elsewhere_is_a_sentence_too(monkeypatch, capsys):
     monkeypatch.setattr("fefinger.scene.builtin.load", load)
     assert main(["explain", "flat-press"]) == 2
     assert "error: cannot write 'somewhere': No space left" in capsys.readouterr().err
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from fefinger.support import atomic_write
+place = Path(sys.argv[1], "a.vtu")
+with atomic_write.in_place(place) as new, atomic_write.temporary_folder(place.parent):
+    new.write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_what_a_killed_process_left_goes_at_the_next_use_of_the_folder(tmp_path):
+    pytest.importorskip("fcntl", reason="this system has no locks of files")
+    subprocess.run([sys.executable, "-c", KILLED, str(tmp_path)], check=False)
+    names = sorted(path.name.rpartition("-")[0] for path in tmp_path.iterdir())
+    assert names == [".saving", "fefinger"]
+    ours = [tmp_path / "fefinger-out", tmp_path / "fefinger-0123456789abcdef", tmp_path / ".saving"]
+    for folder in ours:  # none of these names is that of a temporary folder
+        folder.mkdir()
+    with (
+        atomic_write.in_place(tmp_path / "a.vtu") as new,
+        atomic_write.temporary_folder(tmp_path) as folder,
+        atomic_write.temporary_folder(tmp_path) as another,
+    ):
+        new.write_text("whole")
+        assert set(tmp_path.iterdir()) == {*ours, new.parent, folder, another}
+    assert set(tmp_path.iterdir()) == {*ours, tmp_path / "a.vtu"}
+    assert (tmp_path / "a.vtu").read_text() == "whole"
+
+
+def test_a_folder_that_another_process_removes_before_it_is_locked_is_made_again(
+    monkeypatch, tmp_path
+):
+    lock, taken = atomic_write.lock, []
+
+    def late(path, *given):
+        if not taken:
+            taken.append(path)
+            path.rmdir()
+        return lock(path, *given)
+
+    monkeypatch.setattr(atomic_write, "lock", late)
+    with atomic_write.temporary_folder(tmp_path) as folder:
+        assert folder.is_dir()
+        assert folder not in taken
+    assert list(tmp_path.iterdir()) == []
