@@ -102,7 +102,7 @@ def columns(file: str | Path, units: dict[str, str], *, slow: bool = False) -> A
         i = int(wrong[0]) + 1
         what = "a repeated time" if time[i] == time[i - 1] else "an earlier time"
         raise InputError(
-            f"{table.source}: line {table.rows[i][0]}: expected a time above {time[i - 1]:g} s, "
+            f"{table.source}: line {table.line(i)}: expected a time above {time[i - 1]:g} s, "
             f"received {what}, {time[i]:g}; sort the rows and keep one of each time"
         )
     if not slow:

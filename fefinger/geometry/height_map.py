@@ -12,8 +12,8 @@ from fefinger.support.checks import InputError
 MARGIN = 1e-9
 """Barycentric coordinate by which a place may lie outside a triangle, for those on its edge."""
 
-MOST = 4e7
-"""Largest number of samples."""
+MOST = 1_000_000
+"""Largest number of heights: on all of the pad, a tenth of the edges of a mesh apart."""
 
 
 def height_map(file: Path, pitch: float) -> tuple[Array, Array, Array]:
@@ -37,9 +37,9 @@ def height_map(file: Path, pitch: float) -> tuple[Array, Array, Array]:
         raise InputError(f"indenter.file: expected triangles in {str(file)!r}, received none")
     low, high = corners[..., :2].min(axis=(0, 1)), corners[..., :2].max(axis=(0, 1))
     counts = np.floor((high - low) / pitch * (1 + MARGIN)).astype(int) + 1
-    if counts.prod() > MOST:
+    if counts.prod(dtype=float) > MOST:
         raise InputError(
-            f"indenter.pitch: expected at most {MOST:.0e} samples of {str(file)!r}, received "
+            f"indenter.pitch: expected at most {MOST} samples of {str(file)!r}, received "
             f"{counts[0]} x {counts[1]}; take a larger one"
         )
     x, y = (low[k] + pitch * np.arange(counts[k]) for k in (0, 1))

@@ -12,7 +12,7 @@ import numpy as np
 
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
-from fefinger.support.outputs import check_input
+from fefinger.support.inputs import check_input
 
 
 WIDTHS = (6.0, 40.0)
@@ -118,7 +118,6 @@ def _loaded(file: Path, field: str) -> Any:
     """Load the triangles of a file; raise InputError if it has none."""
     import trimesh
 
-    check_input(field, file, "a surface file")
     try:
         if file.suffix.lower() in VTK:
             import pyvista as pv
@@ -146,6 +145,7 @@ def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
 
     Raises InputError for a file that is no such surface and cannot safely be repaired.
     """
+    check_input(field, path, "a surface file")
     file, notes = Path(path), []
     mesh = _loaded(file, field)
     mesh.merge_vertices(merge_tex=True, merge_norm=True)

@@ -1,7 +1,7 @@
 """Series of displacement or strain that drive afferent units: read from CSV or given as arrays."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from os import PathLike
 
@@ -59,8 +59,6 @@ def read(path: str | PathLike[str]) -> Signals:
     """
     table = read_table(str(path), path)
     header = table.header
-    if len(table.rows) < 2:
-        raise InputError(f"{path}: expected two rows of numbers or more, received one")
     at = [i for i, name in enumerate(header) if factor(name, "time", "s") is not None]
     if len(at) != 1:
         msg = f"{path}: expected one column named {', '.join(TIME)}, received {', '.join(header)}"
@@ -76,6 +74,8 @@ def read(path: str | PathLike[str]) -> Signals:
         raise InputError(f"{path}: expected a column of a signal beside the time, received none")
     lengths = tuple(_length(path, header[i]) for i in columns)
     values = table.numbers(range(len(header)))
+    if len(values) < 2:
+        raise InputError(f"{path}: expected two rows of numbers or more, received one")
     check_times(table.source, header[at[0]], values[:, at[0]])
     signals = Signals(
         time=(factor(header[at[0]], "time", "s") or 1.0) * values[:, at[0]],
@@ -83,7 +83,7 @@ def read(path: str | PathLike[str]) -> Signals:
         lengths=lengths,
         headers=tuple(header[i] for i in columns),
     )
-    _check(signals, table.source, [f"line {line}" for line, _ in table.rows])
+    _check(signals, table.source, lambda row: f"line {table.line(row)}")
     return signals
 
 
@@ -107,7 +107,7 @@ def given(time: ArrayLike, displacement: ArrayLike | Mapping[str, ArrayLike]) ->
         lengths=tuple(_length("displacement", name) for name in named),
         headers=tuple(named),
     )
-    _check(signals, "time, displacement", [f"sample {i}" for i in range(len(at))])
+    _check(signals, "time, displacement", lambda row: f"sample {row}")
     return signals
 
 
@@ -142,16 +142,16 @@ def _length(path: str | PathLike[str], header: str) -> float | None:
     raise InputError(msg + suggestion(header, USUAL))
 
 
-def _check(signals: Signals, source: str, rows: Sequence[str]) -> None:
+def _check(signals: Signals, source: str, place: Callable[[int], str]) -> None:
     """Raise InputError for times that are not sorted and for signals beyond the limits.
 
-    source, rows (n_t,): what to call the series and its samples.
+    source, place: what to call the series and its samples.
     """
     back = np.flatnonzero(np.diff(signals.time) < 0)
     if len(back):
         i = int(back[0])
         raise InputError(
-            f"{source}: {rows[i + 1]}: expected times that never decrease, "
+            f"{source}: {place(i + 1)}: expected times that never decrease, "
             f"received {signals.time[i + 1]:g} s after {signals.time[i]:g} s; sort the rows"
         )
     if not signals.time[-1] > signals.time[0]:

@@ -15,7 +15,7 @@ from fefinger.results.harmonic import Harmonic
 from fefinger.results.labels import LAYOUT
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
-from fefinger.support.outputs import unreadable
+from fefinger.support.inputs import unreadable
 
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from fefinger.scene import library, pawluk1997
 from fefinger.scene.key import Key, check
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.inputs import check_input
 from fefinger.support.likely_units import FINGER, MESHED
-from fefinger.support.outputs import check_input
 from fefinger.theory.relaxation import Prony
 
 
@@ -173,9 +173,6 @@ class Finger:
         given: Any = getattr(self, name)
         if given is None:
             return
-        if not isinstance(given, str | Path):
-            msg = f"finger.{name}: expected the path of a surface file, received {given!r}"
-            raise InputError(msg)
         check_input(f"finger.{name}", given, "a surface file")
         object.__setattr__(self, name, str(given))
 

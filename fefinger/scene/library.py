@@ -9,14 +9,13 @@ import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cache, partial
-from pathlib import Path
 from typing import Literal
 
 from fefinger.scene import pawluk1997
 from fefinger.scene.pawluk1997 import MEANS
 from fefinger.scene.tissue import Tissue
 from fefinger.support.checks import InputError, choice, reject_unknown
-from fefinger.support.outputs import check_input, unreadable
+from fefinger.support.inputs import parse_toml, read_text, unreadable
 from fefinger.theory.relaxation import Prony
 
 
@@ -294,12 +293,11 @@ def gone(name: str) -> bool:
 
 def _tissue_file(name: str) -> TissueSet:
     """Read the tissue set of a file that `fefinger calibrate` wrote."""
-    check_input("finger.tissue", name, "a TOML file with a tissue set")
+    expects = "a TOML file with a tissue set"
     try:
-        table = tomllib.loads(Path(name).read_text(encoding="utf-8"))
-    except ValueError as error:
-        why = "no text" if isinstance(error, UnicodeDecodeError) else f"no TOML: {error}"
-        msg = f"finger.tissue: expected a TOML file with a tissue set, received {name!r}, {why}"
+        table = parse_toml("finger.tissue", read_text("finger.tissue", name, expects))
+    except tomllib.TOMLDecodeError as error:
+        msg = f"finger.tissue: expected {expects}, received {name!r}, no TOML: {error}"
         raise InputError(msg) from None
     expected = [field.name for field in fields(TissueSet)]
     reject_unknown(f"finger.tissue ({name})", table, expected)

@@ -5,10 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from fefinger.geometry.height_map import MOST, height_map
+from fefinger.support import cache
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 from fefinger.support.csv_columns import is_numeric, read_columns, read_matrix, read_table
-from fefinger.support.outputs import check_input
+from fefinger.support.inputs import check_input
 
 
 MEANING = {
@@ -17,6 +19,8 @@ MEANING = {
     "height": "the height in mm of white over black in a PNG, as 0.5",
 }
 COLUMNS = ("x", "y", "height")
+LARGEST = 16
+"""Bytes of the longest number, that of a long double."""
 
 
 def read_relief(file: Path, pitch: float | None, height: float | None) -> tuple[Any, Any, Any]:
@@ -51,11 +55,9 @@ def read_relief(file: Path, pitch: float | None, height: float | None) -> tuple[
         if kind == ".png":
             values = _picture(file) * number("indenter.height", height, above=0, unit="mm")
         else:
-            values = _turned(read_matrix(f"indenter.file: {str(file)!r}", file))
+            values = _turned(read_matrix(f"indenter.file: {str(file)!r}", file, MOST))
         x, y = (step * (np.arange(n) - (n - 1) / 2) for n in values.shape)
     elif kind == ".stl":
-        from fefinger.geometry.height_map import height_map
-
         x, y, values = height_map(file, number("indenter.pitch", pitch, above=0, unit="mm"))
     else:
         x, y, values = _archive(file) if kind == ".npz" else _table(file)
@@ -63,6 +65,11 @@ def read_relief(file: Path, pitch: float | None, height: float | None) -> tuple[
         raise InputError(
             f"indenter.file: expected heights of shape (x, y) = ({len(x)}, {len(y)}) in "
             f"{str(file)!r}, received {values.shape}"
+        )
+    if values.size > MOST:
+        raise InputError(
+            f"indenter.file: expected at most {MOST} heights in {str(file)!r}, received "
+            f"{len(x)} x {len(y)}; take a coarser grid, or the part that the finger meets"
         )
     return x.tolist(), y.tolist(), values.tolist()
 
@@ -88,11 +95,21 @@ def _archive(file: Path) -> tuple[Array, ...]:
     """Read x, y and heights from an NPZ archive."""
     try:
         with np.load(file, allow_pickle=False) as archive:
-            x, y, height = (np.asarray(archive[name], dtype=np.float64) for name in COLUMNS)
-    except (OSError, ValueError, KeyError, EOFError) as error:
+            x, y, height = (_numbers(archive, name) for name in COLUMNS)
+    except cache.DAMAGED as error:
         msg = f"indenter.file: expected arrays x, y and height in {str(file)!r}: {error}"
         raise InputError(msg) from None
     return x.ravel(), y.ravel(), height
+
+
+def _numbers(archive: Any, name: str) -> Array:
+    """Read an array of real numbers; zeros of any number are a small file."""
+    if archive.zip.getinfo(f"{name}.npy").file_size > LARGEST * MOST:
+        raise ValueError(f"{name} has more than {MOST} numbers")
+    values = archive[name]
+    if values.dtype.kind not in "fiu":
+        raise ValueError(f"{name} has other values than real numbers: {values.dtype}")
+    return np.asarray(values, dtype=np.float64)
 
 
 def _table(file: Path) -> tuple[Array, ...]:
@@ -106,11 +123,14 @@ def _table(file: Path) -> tuple[Array, ...]:
     across, along, heights = map(np.array, read_columns("indenter.file", file, COLUMNS))
     x, i = np.unique(across, return_inverse=True)
     y, j = np.unique(along, return_inverse=True)
-    grid = np.full((len(x), len(y)), np.nan)
-    grid[i, j] = heights
-    if np.isnan(grid).any() or len(heights) != grid.size:
+    places = np.zeros(len(heights), bool)
+    if len(heights) == len(x) * len(y):
+        places[i * len(y) + j] = True
+    if not places.all():
         raise InputError(
             f"indenter.file: expected one row for each place of a grid in {str(file)!r}, received "
             f"{len(heights)} rows for {len(x)} x {len(y)} places"
         )
+    grid = np.empty((len(x), len(y)))
+    grid[i, j] = heights
     return x, y, grid

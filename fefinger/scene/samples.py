@@ -154,7 +154,7 @@ class SampledMotion(Motion):
             return np.zeros_like(values)
         return about_mean(values, 1 / (self._band * float(np.diff(time).mean())))
 
-    @property
+    @cached_property
     def steady_level(self) -> float:
         """Median of the samples above 0, the preload."""
         values = np.array(getattr(self, self.control))

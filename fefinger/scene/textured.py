@@ -10,6 +10,7 @@ from typing import Annotated, Any, Self, final
 import numpy as np
 
 from fefinger.geometry import profiles
+from fefinger.geometry.height_map import MOST
 from fefinger.scene.indenter import (
     FLANK_SAMPLES,
     Crest,
@@ -237,6 +238,11 @@ class Relief(PlateLike):
                     f"indenter.{name}: expected at least {SAMPLES} rising numbers, "
                     f"received {len(lines)}: {list(lines[:5])} ..."
                 )
+        if len(self.x) * len(self.y) > MOST:
+            raise InputError(
+                f"indenter.heights: expected at most {MOST} heights, received {len(self.x)} x "
+                f"{len(self.y)}; take a coarser grid, or the part that the finger meets"
+            )
         if len(self.heights) != len(self.x):
             raise InputError(
                 f"indenter.heights: expected one row for each of the {len(self.x)} values of x, "

@@ -19,7 +19,7 @@ from fefinger.scene.samples import WAVE_OPTIONS
 from fefinger.scene.textured import Relief
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, reject_unknown
-from fefinger.support.outputs import unreadable
+from fefinger.support.inputs import parse_toml, read_text
 from fefinger.theory.relaxation import Prony
 
 
@@ -108,14 +108,7 @@ MOVEMENTS = {
 
 def read(file: str | Path) -> dict[str, Any]:
     """Read the tables of a TOML file; InputError names the invalid line."""
-    if reason := unreadable(file):
-        msg = f"{file}: expected a TOML file with a scene, received a path that {reason}"
-        raise InputError(msg)
-    try:
-        text = Path(file).read_text(encoding="utf-8-sig")  # editors on Windows put a mark first
-    except UnicodeDecodeError as error:
-        msg = f"{file}: expected a TOML file (UTF-8 text), received other bytes at {error.start}"
-        raise InputError(msg) from None
+    text = read_text("scene", file, "a TOML file with a scene")
     return parse(text, name=str(file))
 
 
@@ -125,7 +118,7 @@ def parse(text: str, *, name: str = "scene") -> dict[str, Any]:
         msg = f"{name}: empty; expected a scene with at least the tables [finger] and [motion]"
         raise InputError(msg)
     try:
-        return tomllib.loads(text)
+        return parse_toml(name, text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{name}: not TOML: {error}") from None
 

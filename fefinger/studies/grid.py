@@ -8,6 +8,7 @@ from typing import Any
 
 from fefinger.studies.columns import MISSED
 from fefinger.support.checks import InputError, number
+from fefinger.support.inputs import parse_toml
 from fefinger.support.text import plain
 
 
@@ -43,7 +44,7 @@ def parse_over(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
             raise InputError(f"--over {text!r}: {OVER}")
         if field in values:
             raise InputError(f"--over {text!r}: expected every field once, received {field} again")
-        values[field] = _range(text, listed) if ":" in listed else _list(text, listed)
+        values[field] = _range(text, listed) if ":" in listed else _list(text, field, listed)
     return checked(values)
 
 
@@ -84,10 +85,10 @@ def _range(text: str, listed: str) -> tuple[float, ...]:
     return tuple(float(f"{start + i * step:.{DIGITS}g}") for i in range(count))
 
 
-def _list(text: str, listed: str) -> tuple[Any, ...]:
+def _list(text: str, field: str, listed: str) -> tuple[Any, ...]:
     """Parse a list: TOML, or else numbers and unquoted texts."""
     try:
-        return tuple(tomllib.loads(f"values = [{listed}]")["values"])
+        return tuple(parse_toml(f"--over {field}", f"values = [{listed}]")["values"])
     except tomllib.TOMLDecodeError:
         values = [part.strip() for part in listed.split(",")]
     if not all(values):

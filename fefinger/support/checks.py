@@ -2,6 +2,7 @@
 
 import difflib
 import math
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
@@ -12,8 +13,30 @@ PRESS_LESS = "press less deep, more slowly, or on another mesh (finger.resolutio
 """Advice of an error that a scene causes where a contact or an equilibrium is not found."""
 
 
+LONGEST = 2000
+"""Characters of a line of a message; the middle of a longer one, a value, is left out."""
+
+TINY, HUGE = 1e-30, 1e30
+"""Least number above 0, and largest size of a number: powers and quotients of several such numbers
+are numbers too."""
+
+FIELD = re.compile(r"((?:--)?[\w.\[\]-]+):(?:\s|$)")
+"""Beginning of a message that names its field."""
+
+
 class InputError(ValueError):
-    """Invalid input; the message names the field, the expected and the received value."""
+    """Invalid input; the message names the field, the expected and the received value.
+
+    `field` is the name that the message begins with, as it is written in a scene file or on the
+    command line, such as "motion.depth", "indenter.heights[2]" or "--at"; "" where it names none.
+    A message on an unknown key is given it, with the table. Values may be long or hold characters
+    that move a cursor: the message is printable, and its lines are at most LONGEST characters long.
+    """
+
+    def __init__(self, message: str, *, field: str | None = None) -> None:
+        super().__init__(_sentence(message))
+        begins = FIELD.match(message)
+        self.field = field if field is not None else begins[1] if begins else ""
 
 
 class ConvergenceError(RuntimeError):
@@ -28,6 +51,26 @@ class Stopped(ConvergenceError):
         self.reached = reached
 
 
+def _sentence(message: str) -> str:
+    """Return a message with its lines shortened, and what cannot be printed escaped."""
+    lines = []
+    for line in message.split("\n"):
+        if len(line) > LONGEST:
+            line = f"{line[: 2 * LONGEST // 3]} [...] {line[-LONGEST // 4 :]}"
+        if not line.isprintable():
+            line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)
+        lines.append(line)
+    return "\n".join(lines)
+
+
+def shown(value: Any) -> str:
+    """Return a value as text, in messages: its type where it is too long or deep to print."""
+    try:
+        return repr(value)
+    except (ValueError, RecursionError):  # ValueError: a whole number of thousands of digits
+        return f"a {type(value).__name__} that is too long to print"
+
+
 def number(
     name: str,
     value: Any,
@@ -38,25 +81,30 @@ def number(
     at_most: float | None = None,
     unit: str = "",
 ) -> float:
-    """Return `value` as a finite float inside the given limits, or raise InputError."""
-    limits = [
-        (above, "above", lambda v, x: v > x),
-        (at_least, "at least", lambda v, x: v >= x),
-        (below, "below", lambda v, x: v < x),
-        (at_most, "at most", lambda v, x: v <= x),
-    ]
-    suffix = f" in {unit}" if unit else ""
-    wanted = " and ".join(f"{word} {limit:g}" for limit, word, _ in limits if limit is not None)
-    expected = f"expected a finite number{suffix}" + (f" {wanted}" if wanted else "")
-    message = f"{name}: {expected}, received {value!r}"
+    """Return `value` as a finite float inside the given limits, or raise InputError.
+
+    Its size is at most HUGE and, if it is above a limit of 0, at least TINY.
+    """
     result = math.nan
     if hasattr(value, "__float__") and not isinstance(value, bool | str | bytes):
         with suppress(OverflowError, TypeError):
             result = float(value)
-    inside = all(holds(result, limit) for limit, _, holds in limits if limit is not None)
-    if not (math.isfinite(result) and inside):
-        raise InputError(message)
-    return result
+    inside = (
+        math.isfinite(result)
+        and (above is None or result > above)
+        and (at_least is None or result >= at_least)
+        and (below is None or result < below)
+        and (at_most is None or result <= at_most)
+    )
+    if inside and abs(result) <= HUGE and (above != 0 or result >= TINY):
+        return result
+    if inside:
+        above, at_least, below, at_most = None, -HUGE if above != 0 else TINY, None, HUGE
+    limits = {"above": above, "at least": at_least, "below": below, "at most": at_most}
+    suffix = f" in {unit}" if unit else ""
+    wanted = " and ".join(f"{word} {x:g}" for word, x in limits.items() if x is not None)
+    expected = f"expected a finite number{suffix}" + (f" {wanted}" if wanted else "")
+    raise InputError(f"{name}: {expected}, received {shown(value)}")
 
 
 def set_number(record: object, field: str, **limits: Any) -> None:
@@ -71,18 +119,21 @@ def set_number(record: object, field: str, **limits: Any) -> None:
 def integer(name: str, value: Any, *, at_least: int = 0) -> int:
     """Return `value` if it is a whole number of `at_least` or more, or raise InputError."""
     if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
-        msg = f"{name}: expected a whole number of {at_least} or more, received {value!r}"
+        msg = f"{name}: expected a whole number of {at_least} or more, received {shown(value)}"
         raise InputError(msg)
     return value
 
 
-def suggestion(name: str, options: Iterable[str], synonyms: Mapping[str, str] | None = None) -> str:
+def suggestion(
+    name: object, options: Iterable[str], synonyms: Mapping[str, str] | None = None
+) -> str:
     """Return the sentence " Did you mean 'x'?" for the closest option, or an empty string.
 
     `synonyms`: other words for some of the options.
     """
     meant = {option.lower(): option for option in options} | dict(synonyms or {})
-    close = difflib.get_close_matches(str(name).lower(), list(meant), n=1, cutoff=0.5)
+    text = name if isinstance(name, str) else shown(name)
+    close = difflib.get_close_matches(text.lower(), list(meant), n=1, cutoff=0.5)
     return f" Did you mean {meant[close[0]]!r}?" if close else ""
 
 
@@ -97,7 +148,7 @@ def choice(
     if value not in allowed:
         listed = ", ".join(repr(option) for option in allowed)
         advice = suggestion(value, allowed, synonyms)
-        message = f"{name}: expected one of {listed}, received {value!r}.{advice}"
+        message = f"{name}: expected one of {listed}, received {shown(value)}.{advice}"
         raise InputError(message)
     return str(value)
 
@@ -123,7 +174,7 @@ def names(field: str, values: Iterable[str]) -> tuple[str, ...]:
 def boolean(name: str, value: Any) -> bool:
     """Return `value` if it is true or false, or raise InputError."""
     if not isinstance(value, bool):
-        raise InputError(f"{name}: expected true or false, received {value!r}")
+        raise InputError(f"{name}: expected true or false, received {shown(value)}")
     return value
 
 
@@ -135,7 +186,7 @@ def reject_unknown(table: str, keys: Mapping[str, Any], options: Iterable[str]) 
             where = f" in [{table}]" if table else ""
             listed = ", ".join(allowed)
             message = f"{key}: unknown key{where}.{suggestion(key, allowed)} Known keys: {listed}"
-            raise InputError(message)
+            raise InputError(message, field=f"{table}.{key}" if table else key)
 
 
 def numbers(
@@ -144,11 +195,19 @@ def numbers(
     """Return `values` as a tuple of `count` floats inside the limits that `checks.number` takes."""
     wanted = "a list of numbers" if count is None else f"a list of {count} numbers"
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
-        raise InputError(f"{name}: expected {wanted}, received {values!r}")
-    result = tuple(number(f"{name}[{i}]", value, **limits) for i, value in enumerate(values))
+        raise InputError(f"{name}: expected {wanted}, received {shown(values)}")
+    result = tuple(values)
+    # A file may hold a million, which are of this kind already.
+    if limits.keys() - {"unit"} or set(map(type, result)) != {float} or not _sized(result):
+        result = tuple(number(f"{name}[{i}]", value, **limits) for i, value in enumerate(result))
     if count is not None and len(result) != count:
         raise InputError(f"{name}: expected {wanted}, received {len(result)}: {list(result)}")
     return result
+
+
+def _sized(values: Iterable[float]) -> bool:
+    """Whether all numbers have sizes of at most HUGE: none of them is nan."""
+    return all(-HUGE <= value <= HUGE for value in values)
 
 
 def choices(

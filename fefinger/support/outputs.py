@@ -1,4 +1,4 @@
-"""Checks of input files, and of output files and folders, before a computation starts."""
+"""Checks of output files and folders before a computation starts."""
 
 import os
 import tempfile
@@ -9,23 +9,6 @@ from pathlib import Path
 
 from fefinger.support.checks import InputError
 from fefinger.support.interrupt import on_end
-
-
-def unreadable(path: str | PathLike[str]) -> str:
-    """Why no file can be read at `path`, as "does not exist"; empty where one can."""
-    if os.path.isdir(path):
-        return "is a folder"
-    if not os.path.exists(path):
-        return "does not exist"
-    return "" if os.access(path, os.R_OK) else "may not be read"
-
-
-def check_input(field: str, path: str | PathLike[str], expected: str) -> None:
-    """Raise InputError of `field`, which expects `expected`, unless a file can be read there."""
-    reason = unreadable(path)
-    if reason:
-        message = f"{field}: expected {expected}, received {os.fspath(path)!r}, which {reason}"
-        raise InputError(message)
 
 
 def check_ending(path: str | PathLike[str], option: str, ending: str) -> None:
@@ -39,7 +22,7 @@ def output_file(path: str | PathLike[str], option: str, ending: str = "") -> Pat
     """Check the file given as `option` and create its folder; InputError where it is unusable."""
     if ending:
         check_ending(path, option, ending)
-    if Path(path).is_dir():
+    if os.path.isdir(path):
         message = f"{option}: expected a file, received the folder {str(path)!r}; choose another"
         raise InputError(message)
     output_folder(Path(path).parent)
@@ -54,20 +37,26 @@ def output_folder(folder: str | PathLike[str]) -> Path:
         )
     path = Path(folder)
     advice = "choose another"
-    if path.exists() and not path.is_dir():
+    if os.path.exists(path) and not os.path.isdir(path):
         message = f"output folder: expected a folder, received the file {str(path)!r}; {advice}"
         raise InputError(message)
     try:
-        path.mkdir(parents=True, exist_ok=True)
+        for each in reversed(_missing(path)):  # mkdir(parents=True) recurses
+            each.mkdir(exist_ok=True)
         with tempfile.TemporaryFile(dir=path):
             pass
-    except OSError as error:
-        reason = error.strerror or str(error)
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        reason = getattr(error, "strerror", None) or str(error)
         raise InputError(
             f"output folder: expected a folder that can be written, received {str(path)!r} "
             f"({reason}); {advice}"
         ) from None
     return path
+
+
+def _missing(path: Path) -> list[Path]:
+    """List a folder and those around it that do not exist, the innermost first."""
+    return [each for each in (path, *path.parents) if not os.path.lexists(each)]
 
 
 def keep(foreign: Sequence[str], folder: str | PathLike[str], ours: str) -> None:
@@ -89,7 +78,7 @@ def output(folder: str | PathLike[str] | None) -> Iterator[Path | None]:
     if folder is None:
         yield None
         return
-    made = [path for path in (Path(folder), *Path(folder).parents) if not path.exists()]
+    made = _missing(Path(folder))
 
     def remove_empty() -> None:
         for path in made:

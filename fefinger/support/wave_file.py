@@ -8,7 +8,7 @@ import numpy as np
 
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
-from fefinger.support.outputs import check_input
+from fefinger.support.inputs import check_input
 
 
 def read_wave(name: str, file: Path) -> tuple[int, Array]:

@@ -1,6 +1,8 @@
 """What the command line refuses, with which words and exit status."""
 
+import os
 import re
+import stat
 
 import pytest
 
@@ -184,13 +186,19 @@ FILES = {
 
 
 @pytest.mark.parametrize("arguments", FILES.values(), ids=FILES)
-@pytest.mark.parametrize("what", ["does not exist", "is a folder", "other bytes"])
+@pytest.mark.parametrize(
+    "what", ["does not exist", "is a folder", "is a pipe", "is a socket", "other bytes"]
+)
 def test_an_input_file_that_cannot_be_read_is_named(capsys, monkeypatch, tmp_path, arguments, what):
     monkeypatch.chdir(tmp_path)
     words = [word.replace("PATH", "none") for word in arguments]
     name = next(word.rpartition("=")[2] for word in words if "none." in word)
     if what == "is a folder":
         (tmp_path / name).mkdir()
+    if what == "is a pipe":
+        os.mkfifo(name)
+    if what == "is a socket":
+        os.mknod(name, stat.S_IFSOCK)
     if what == "other bytes":
         (tmp_path / name).write_bytes(b"\x00\xff\xa0" * 40)
     if what == "does not exist" and words[0] == "run":

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
+from fefinger.geometry.height_map import MOST
 from fefinger.mechanics import hertz, layered, linear, lumped
 from fefinger.mechanics.situation import Situation
 from fefinger.pages.report import _touch
@@ -322,3 +323,39 @@ def test_an_object_with_a_place_moves_and_a_plate_does_not():
     assert pin.moved((2.0, -1.0)) == ff.Pin(1.0, at=(2.0, -1.0))
     with pytest.raises(InputError, match=r"indenter\.kind: expected an object with a place"):
         ff.Flat(30).moved((0.0, 0.0))
+
+
+def test_more_heights_than_a_finger_needs_are_refused_before_they_are_read(tmp_path: Path) -> None:
+    """A small file holds many zeros; a grid of scattered places would have their square."""
+    size = MOST // 1000 + 1
+    np.savez_compressed(
+        tmp_path / "many.npz", x=np.arange(size), y=np.arange(1000), height=np.zeros((size, 1000))
+    )
+    np.savez_compressed(tmp_path / "huge.npz", x=[0], y=[0], height=np.zeros(2 * MOST, complex))
+    (tmp_path / "many.csv").write_text((",".join("0" * 1000) + "\n") * size)
+    for name, pitch in (("many.npz", None), ("huge.npz", None), ("many.csv", 0.1)):
+        with pytest.raises(InputError, match=r"(at most|more than) 1000+ ") as refused:
+            ff.Relief.from_file(tmp_path / name, pitch=pitch)
+        assert refused.value.field == "indenter.file"
+    with pytest.raises(InputError) as refused:
+        ff.Relief(range(size), range(1000), [])
+    assert refused.value.field == "indenter.heights"
+    places = "".join(f"{k},{k},0\n" for k in range(100_000))
+    (tmp_path / "scattered.csv").write_text(f"x,y,height\n{places}")
+    with pytest.raises(InputError, match="100000 rows for 100000 x 100000 places"):
+        ff.Relief.from_file(tmp_path / "scattered.csv")
+
+
+def test_an_archive_holds_real_numbers(tmp_path: Path) -> None:
+    lines, heights = np.arange(5), np.zeros((5, 5))
+    file = tmp_path / "relief.npz"
+    np.savez(file, x=lines, y=lines, height=heights)
+    assert ff.Relief.from_file(file).heights[4] == (0.0,) * 5
+    content = file.read_bytes()
+    file.write_bytes(content[:100] + bytes(200) + content[300:])
+    with pytest.raises(InputError, match="expected arrays x, y and height"):
+        ff.Relief.from_file(file)
+    for kind in (complex, str, bool):
+        np.savez(file, x=lines, y=lines, height=heights.astype(kind))
+        with pytest.raises(InputError, match="height has other values than real numbers"):
+            ff.Relief.from_file(file)

@@ -1,9 +1,12 @@
 """The sentences that unusable input gets."""
 
+import pickle
+
 import numpy as np
 import pytest
 
 from fefinger.support.checks import (
+    LONGEST,
     InputError,
     boolean,
     choice,
@@ -92,3 +95,57 @@ def test_lists_are_checked_entry_by_entry():
         choices("x", ["a"], ("b",))
     with pytest.raises(InputError, match=r"x: expected every name once"):
         choices("x", ["b", "b"], ("b",))
+
+
+FIELDS = {
+    "motion.depth": lambda: number("motion.depth", 0, above=0),
+    "indenter.at[1]": lambda: numbers("indenter.at", [0, "y"]),
+    "--type": lambda: choice("--type", "SA", ("SAI",)),
+    "motion.sped": lambda: reject_unknown("motion", {"sped": 1}, ("speed",)),
+    "nam": lambda: reject_unknown("", {"nam": 1}, ("name",)),
+    "ask.seed": lambda: integer("ask.seed", -1),
+    "ask.fields": lambda: boolean("ask.fields", 1),
+}
+
+
+@pytest.mark.parametrize(("field", "check"), FIELDS.items(), ids=FIELDS)
+def test_an_error_knows_its_field(field, check):
+    with pytest.raises(InputError) as refused:
+        check()
+    assert refused.value.field == field
+    assert pickle.loads(pickle.dumps(refused.value)).field == field
+
+
+def test_an_error_without_a_field_has_none():
+    assert InputError("output folder: expected a name").field == ""
+    assert InputError("nothing is known").field == ""
+
+
+def test_a_message_is_printable_and_its_lines_are_short():
+    error = InputError(f"x: received '{'y' * 100_000}'; take less\n\x1b[2J\u202e² é {'z' * 100}")
+    first, second = str(error).splitlines()
+    assert first.startswith("x: received 'yyy")
+    assert first.endswith("y'; take less")
+    assert len(first) <= LONGEST
+    assert second == "\\x1b[2J\\u202e² é " + "z" * 100
+
+
+def test_whole_numbers_of_thousands_of_digits_are_refused():
+    value = -(10**5000)
+    for check in (number, boolean, numbers, lambda name, value: choice(name, value, ("a",))):
+        with pytest.raises(InputError, match="a int that is too long to print"):
+            check("x", value)
+    with pytest.raises(InputError, match="a int that is too long to print"):
+        integer("x", value)
+
+
+def test_numbers_that_overflow_or_vanish_when_multiplied_are_refused():
+    assert number("x", 1e-300) == 1e-300  # a sample that decays
+    assert numbers("x", [1e-300, 1e30]) == (1e-300, 1e30)
+    for value, limits in ((1e-300, {"above": 0}), (-1e300, {}), (1e300, {"above": 0})):
+        with pytest.raises(InputError, match=r"at least \S*e.30 and at most 1e\+30, received"):
+            number("x", value, **limits)
+    with pytest.raises(InputError, match=r"x\[1\]"):
+        numbers("x", [1.0, 1e300])
+    with pytest.raises(InputError, match=r"at most 1, received 1e\+300"):
+        number("x", 1e300, at_most=1)

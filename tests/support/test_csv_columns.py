@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fefinger.support.checks import InputError
-from fefinger.support.csv_columns import read_columns, read_table
+from fefinger.support.csv_columns import CsvTable, read_columns, read_matrix, read_table
 
 
 TEXTS = {
@@ -59,5 +59,39 @@ def test_blank_lines_spaces_and_a_byte_order_mark_are_ignored(tmp_path):
     file.write_text("\ufefftime, depth (mm)\n\n0, 0\n1, 0.5\n\n", encoding="utf-8")
     assert read_columns("file", file, ("time", "depth")) == ((0.0, 1.0), (0.0, 0.5))
     table = read_table("file", file)
-    assert [line for line, _ in table.rows] == [3, 4]
+    assert [table.line(row) for row in (0, 1)] == [3, 4]
     np.testing.assert_array_equal(table.numbers([1]), [[0], [0.5]])
+
+
+ROWS = "0,0\n1e-3,0.5\n 0.002 ,+7.25e-1\n\n0.003,123456789.123456789\n"
+"""Rows that are read quickly."""
+
+
+def test_plain_numbers_are_read_quickly_and_the_same(tmp_path, monkeypatch):
+    file = tmp_path / "good.csv"
+    file.write_text(f"time,depth\n{ROWS}")
+    quick = read_columns("file", file, ("time", "depth"))
+    with monkeypatch.context() as patched:
+        patched.setattr(CsvTable, "_row", None)  # a million rows must not be read cell by cell
+        assert read_columns("file", file, ("time", "depth")) == quick
+    monkeypatch.setattr(CsvTable, "_quickly", lambda table, most: None)
+    assert read_columns("file", file, ("time", "depth")) == quick
+
+
+def test_what_is_not_read_quickly_is_read_too(tmp_path):
+    file = tmp_path / "odd.csv"
+    file.write_text('time,depth\n"0",1_0\n,\n1,"2"\n')
+    assert read_columns("file", file, ("time", "depth")) == ((0.0, 1.0), (10.0, 2.0))
+
+
+@pytest.mark.parametrize("rows", ["0,0\n1,1\n2,2\n3,3\n", '"0",0\n1,1\n2,2\n3,3\n'])
+def test_a_table_that_is_too_long_is_refused(tmp_path, monkeypatch, rows):
+    file = tmp_path / "long.csv"
+    file.write_text(f"a,b\n{rows}")
+    assert len(read_table("file", file).numbers([0, 1], most=4)) == 4
+    with pytest.raises(InputError, match="at most 3 rows of 2 numbers, received more"):
+        read_table("file", file).numbers([0, 1], most=3)
+    file.write_text(rows)
+    assert read_matrix("file", file, most=8).shape == (4, 2)
+    with pytest.raises(InputError, match="at most 3 rows of 2 numbers, received more"):
+        read_matrix("file", file, most=7)

@@ -1,5 +1,6 @@
 """Built-in scenes, and loading of scenes by name or file with changed values."""
 
+import os
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fefinger.support.checks import InputError, suggestion
+from fefinger.support.inputs import bounded, parse_toml
 from fefinger.support.text import plain
 
 
@@ -105,7 +107,7 @@ def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene
         raise InputError(msg)
     if str(name) in names():
         tables, folder = parse(text(str(name)), name=str(name)), Path()
-    elif Path(name).exists():
+    elif os.path.exists(name):
         tables, folder = read(name), Path(name).parent
     else:
         raise InputError(_missing(str(name)))
@@ -157,6 +159,7 @@ def changed(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str
         if key in order and table.get(key) != overrides[path]:
             _forget_others(".".join(parents), table, key, overrides[path])
         table[key] = overrides[path]
+    bounded("scene", result)
     return result
 
 
@@ -168,7 +171,7 @@ def settings(texts: Iterable[str]) -> dict[str, Any]:
         if not equals or not path:
             raise InputError(f"--set {line!r}: expected FIELD=VALUE, as in motion.depth=2")
         try:
-            overrides[path] = tomllib.loads(f"value = {value}")["value"]
+            overrides[path] = parse_toml(f"--set {path}", f"value = {value}")["value"]
         except tomllib.TOMLDecodeError:
             # As a shell leaves it without quotes: a number, a text, or a list of them.
             listed = value.startswith("[") and value.endswith("]")
