@@ -16,11 +16,15 @@ from fefinger.support.atomic_write import FULL, write_error
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.compiled import notice
 from fefinger.support.interrupt import INTERRUPTED, MESSAGE
+from fefinger.support.processes import address_space
 from fefinger.support.version import VERSION
 
 
 LEAST_MEMORY = 800
 """MB of address space below which compiled libraries cannot be loaded: some end, some wait."""
+
+NO_ROOM = "failed to map segment"
+"""What the loader of glibc says of a library for which there is no memory."""
 
 
 def run(arguments: list[str]) -> int:
@@ -50,15 +54,11 @@ def run(arguments: list[str]) -> int:
 
 def _check_memory() -> None:
     """Raise InputError where the address space is limited to less than LEAST_MEMORY."""
-    with suppress(ImportError):  # on Windows
-        import resource
-
-        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-        if limit != resource.RLIM_INFINITY and limit < LEAST_MEMORY * 1e6:
-            raise InputError(
-                f"memory: expected an address space of at least {LEAST_MEMORY} MB, received a "
-                f"limit of {limit / 1e6:.0f} MB; raise it (ulimit -v)"
-            )
+    if address_space() < LEAST_MEMORY:
+        raise InputError(
+            f"memory: expected an address space of at least {LEAST_MEMORY} MB, received a limit "
+            f"of {address_space():.0f} MB; raise it (ulimit -v)"
+        )
 
 
 def _failure(error: Exception) -> tuple[int, str]:
@@ -69,7 +69,11 @@ def _failure(error: Exception) -> tuple[int, str]:
         return FAILED, f"failed: {error}"
     if isinstance(error, OSError) and error.errno in FULL:
         return UNUSABLE, f"error: {write_error(error, error.filename)}"
-    if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
+    if (
+        isinstance(error, MemoryError)
+        or getattr(error, "errno", None) == errno.ENOMEM
+        or (isinstance(error, ImportError) and NO_ROOM in str(error))
+    ):
         return FAILED, (
             "failed: memory ran out; close other programs, raise the limit (ulimit -v), or ask for "
             "a coarser mesh (finger.resolution)"

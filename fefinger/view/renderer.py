@@ -22,10 +22,18 @@ window.Render()
 """
 PATIENCE = 60  # s that the probe may take
 
+LEAST_MEMORY = 2000
+"""MB of address space below which VTK or the renderer of Mesa may end the process."""
+
 
 @functools.cache
 def renderer_lacking() -> str:
     """Return "" if VTK can draw off-screen here, else a sentence that says what is missing."""
+    if processes.address_space() < LEAST_MEMORY:
+        return (
+            f"The address space is limited to {processes.address_space():.0f} MB, of which "
+            f"three-dimensional pictures need {LEAST_MEMORY}; raise the limit (ulimit -v)."
+        )
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with suppress(OSError, subprocess.TimeoutExpired):
         with processes.running(processes.command("-c", PROBE), **quiet) as probe:

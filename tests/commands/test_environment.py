@@ -49,7 +49,12 @@ def test_too_little_address_space_is_refused_and_enough_is_enough() -> None:
 
 
 @pytest.mark.parametrize(
-    "error", [MemoryError("std::bad_alloc"), OSError(errno.ENOMEM, "Cannot allocate memory")]
+    "error",
+    [
+        MemoryError("std::bad_alloc"),
+        OSError(errno.ENOMEM, "Cannot allocate memory"),
+        ImportError("libvtkCommonCore.so: failed to map segment from shared object"),
+    ],
 )
 def test_memory_that_runs_out_is_a_sentence(
     error: Exception, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -15,6 +15,7 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.pages import viewer
 from fefinger.result import Result
 from fefinger.scene.indenters import Flat
+from fefinger.support import processes
 from fefinger.support.checks import InputError
 from fefinger.view import (
     figures,
@@ -418,3 +419,13 @@ def test_limits_on_one_side_of_zero_take_the_even_map() -> None:
     shown = quantities.span([np.array([-9.0, 9.0])], "strain zz", (2.0, 6.0))
     assert shown.colors == quantities.EVEN
     assert shown.beyond("%") == "first color: 2 % and less, last color: 6 % and more"
+
+
+def test_with_little_address_space_nothing_is_drawn_in_space(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """VTK and Mesa end the process where they run out of it."""
+    view.renderer_lacking.cache_clear()
+    monkeypatch.setattr(processes, "address_space", lambda: renderer.LEAST_MEMORY - 1.0)
+    assert view.renderer_lacking().startswith("The address space is limited to 1999 MB")
+    view.renderer_lacking.cache_clear()
