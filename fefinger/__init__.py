@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
     from fefinger.calibration.calibrate import calibrate as calibrate
     from fefinger.calibration.record import Calibration as Calibration
+    from fefinger.fem.hyperelastic.check import check_law as check_law
+    from fefinger.laws import Law as Law
     from fefinger.mechanics.realtime.condensed import Condensed as Condensed
     from fefinger.mechanics.realtime.modal import Modal as Modal
     from fefinger.mechanics.realtime.pressed import Pressed as Pressed
@@ -98,6 +100,8 @@ _HOMES = {
     "scene.ask": ("Ask",),
     "calibration.calibrate": ("calibrate",),
     "calibration.record": ("Calibration",),
+    "fem.hyperelastic.check": ("check_law",),
+    "laws": ("Law",),
     "support.checks": ("ConvergenceError", "InputError", "Stopped"),
     "support.registry": ("register",),
     "result": ("Result", "load"),

@@ -22,6 +22,7 @@ ROOMS = {
     "fefinger.theory": 1,
     "fefinger.geometry": 2,
     "fefinger.neural": 2,
+    "fefinger.laws": 2,
     "fefinger.scene": 3,
     "fefinger.fem": 3,
     "fefinger.mesh": 4,
@@ -44,8 +45,9 @@ ROOMS = {
 
 ALONE = {
     "fefinger.neural": ("fefinger.support",),
-    "fefinger.fem": ("fefinger.support", "fefinger.geometry"),
-    "fefinger.scene": ("fefinger.support", "fefinger.theory", "fefinger.geometry"),
+    "fefinger.laws": ("fefinger.support",),
+    "fefinger.fem": ("fefinger.support", "fefinger.geometry", "fefinger.laws"),
+    "fefinger.scene": ("fefinger.support", "fefinger.theory", "fefinger.geometry", "fefinger.laws"),
 }
 """Rooms that import these rooms alone."""
 

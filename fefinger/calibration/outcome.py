@@ -70,7 +70,7 @@ class FitResult:
 
 def layer(tissue: Tissue, exponent: float) -> Tissue:
     """Return a layer with Demiray's law."""
-    return replace(tissue, law=LAW, exponent=exponent, share=None)
+    return replace(tissue, law=LAW, exponent=exponent, share=None, parameters={})
 
 
 def stiffening(finger: Finger, exponent: float | None, factor: float = 1.0) -> Finger:

@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
+from fefinger.laws import LAWS
 from fefinger.mechanics import hertz, layered
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.measured_tissue import largest_exponents
@@ -116,6 +117,9 @@ def unmeasured(finger: Finger) -> Iterator[Reason]:
         )
         yield Reason("finger.skin.modulus", reason)
     for (name, most), layer in zip(largest_exponents().items(), layers, strict=True):
+        if layer.law not in LAWS.shipped:
+            reason = f"law of {name} = {layer.law!r}: errors are not measured for it"
+            yield Reason(f"finger.{name}.law", reason)
         if (layer.exponent or 0.0) > most:
             reason = (
                 f"exponent of {name} = {layer.exponent:.3g} > {most:.3g}: errors are not measured "

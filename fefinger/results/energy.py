@@ -13,11 +13,11 @@ import numpy as np
 
 from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS, volumes
 from fefinger.geometry.voigt import tensor_from_voigt
+from fefinger.laws import LAWS
 from fefinger.results.records import Fields
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
 from fefinger.support.arrays import Array
-from fefinger.support.vocabulary import SHARES
 
 
 INCOMPRESSIBLE = 0.49
@@ -49,9 +49,9 @@ def split(strain: Array, tissue: Tissue, *, finite: bool) -> tuple[Array, Array]
     """Return the energy density of distortion and of the change of volume (n,), relaxed, in kPa.
 
     Small strain (n, 6): mu e' : e' and K / 2 (tr e)². Finite: with the principal stretches exp(e),
-    mu / 2 [s (exp(b (I1 - 3)) - 1) / b + (1 - s) (I2 - 3)] of the isochoric invariants, and
-    K / 2 (J - 1)². The latter is left out above a Poisson's ratio of INCOMPRESSIBLE: it is small
-    there, and K times what the strain of the elements errs by in volume is not.
+    mu W of the tissue's law, and K / 2 (J - 1)². The latter is left out above a Poisson's ratio of
+    INCOMPRESSIBLE: it is small there, and K times what the strain of the elements errs by in volume
+    is not.
     """
     shear = tissue.modulus / (2 * (1 + tissue.poisson))
     bulk = 0.0
@@ -64,10 +64,7 @@ def split(strain: Array, tissue: Tissue, *, finite: bool) -> tuple[Array, Array]
         return shear * squares, bulk / 2 * trace**2
     logs = np.linalg.eigvalsh(tensor_from_voigt(deviator))
     first, second = (np.expm1(sign * 2 * logs).sum(axis=1) for sign in (1, -1))
-    share = SHARES[tissue.law] if tissue.share is None else tissue.share
-    if tissue.exponent is not None:
-        first = np.expm1(tissue.exponent * first) / tissue.exponent
-    distortion = shear / 2 * (share * first + (1 - share) * second)
+    distortion = shear * LAWS[tissue.law].at(first, second, tissue.law_values).w
     return distortion, bulk / 2 * np.expm1(trace) ** 2
 
 

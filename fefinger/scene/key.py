@@ -6,7 +6,7 @@ annotation leaves the default of the field to the dataclass, so that type checke
 a record needs. Keys that mean the same in every record of a table stand in its `common`, by name.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from types import NoneType, UnionType
@@ -22,6 +22,7 @@ from fefinger.support.checks import (
     numbers,
     reject_unknown,
 )
+from fefinger.support.registry import Registry
 from fefinger.support.vocabulary import TYPES
 
 
@@ -48,6 +49,8 @@ class Key:
     written
         Whether a scene writes it at its default: one that came later is left out there, so that
         the text of a scene and what is stored under it stay the same.
+    free
+        Whether a table has names of its own; otherwise it has afferent types.
     """
 
     text: str = ""
@@ -56,9 +59,10 @@ class Key:
     at_least: float | None = None
     below: float | None = None
     at_most: float | None = None
-    words: tuple[str, ...] = ()
+    words: Collection[str] = ()
     synonyms: Mapping[str, str] = field(default_factory=dict)
     written: bool = True
+    free: bool = False
 
     def unit_of(self, kind: str) -> str:
         """Return its unit in a motion of a kind: of "mm or N" the latter where it is of force."""
@@ -166,6 +170,8 @@ def _plain(name: str, value: Any, hint: Any, key: Key) -> Any:
     if hint is float:
         return number(name, value, **key.limits)
     if hint is str:
+        if isinstance(key.words, Registry):
+            return key.words.chosen(name, value)
         if key.words:
             return choice(name, value, key.words, key.synonyms)
         if not isinstance(value, str):
@@ -173,7 +179,7 @@ def _plain(name: str, value: Any, hint: Any, key: Key) -> Any:
         return value
     origin, parts = get_origin(hint), get_args(hint)
     if origin is Mapping:
-        items = by_type(name, value, "..." if key.words else "1.0")
+        items = table(name, value) if key.free else by_type(name, value, key)
         return FrozenDict({at: _plain(f"{name}.{at}", x, parts[1], key) for at, x in items.items()})
     if origin is tuple:
         return _listed(name, value, parts, key)
@@ -204,10 +210,16 @@ def _listed(name: str, value: Any, parts: tuple[Any, ...], key: Key) -> tuple[An
     return tuple(rows)
 
 
-def by_type(name: str, table: Any, example: str) -> Mapping[str, Any]:
+def by_type(name: str, given: Any, key: Key) -> Mapping[str, Any]:
     """Return a table by afferent type; InputError for other keys, or no table."""
-    if not isinstance(table, Mapping):
-        msg = f"{name}: expected a table such as {{SAI = {example}}}, received {table!r}"
+    found = table(name, given, "SAI = ..." if key.words else "SAI = 1.0")
+    reject_unknown(name, found, TYPES)
+    return found
+
+
+def table(name: str, given: Any, example: str = "name = 1.0") -> Mapping[str, Any]:
+    """Return a table; InputError for another value."""
+    if not isinstance(given, Mapping):
+        msg = f"{name}: expected a table such as {{{example}}}, received {given!r}"
         raise InputError(msg)
-    reject_unknown(name, table, TYPES)
-    return table
+    return given

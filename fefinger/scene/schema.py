@@ -139,7 +139,7 @@ def _of_type(hint: Any, key: Key) -> Schema:
     if origin is Mapping:
         return {
             "type": "object",
-            "propertyNames": {"enum": list(TYPES)},
+            **({} if key.free else {"propertyNames": {"enum": list(TYPES)}}),
             "additionalProperties": _of_type(arguments[1], key),
         }
     if one in (Tissue, Hard):

@@ -1,11 +1,12 @@
 """Material parameters of the finger: soft layers, and elastic bone and nail."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
+from fefinger.laws import LAWS
 from fefinger.scene.key import Key, check
 from fefinger.support.checks import InputError
-from fefinger.support.vocabulary import EXPONENTIAL, SHARES
 from fefinger.theory.relaxation import Prony
 
 
@@ -14,6 +15,10 @@ DENSITY = 1100.0
 
 Modulus = Annotated[float, Key(unit="kPa", above=0)]
 Poisson = Annotated[float, Key(at_least=0, at_most=0.5)]
+
+
+OF_LAWS = ("exponent", "share")
+"""Fields of a tissue that are parameters of the laws of the package."""
 
 
 @dataclass(frozen=True)
@@ -36,13 +41,16 @@ class Tissue:
         Relaxation of this layer, where it differs from that of the finger (`solid` only).
     share
         Fraction of the shear modulus that I1 carries in "mooney-rivlin"; by default 0.5.
+    parameters
+        Parameters of a law of your own, by name.
     density
         Mass in kg/m³, which `modal` alone has a use for.
 
     Raises
     ------
     InputError
-        A value that is not a finite number in its range, or a parameter of another law.
+        A value that is not a finite number in its range, a parameter of another law, or a law whose
+        derivatives do not fit its energy.
     """
 
     table: ClassVar[str] = "tissue"
@@ -50,25 +58,38 @@ class Tissue:
     modulus: Modulus
     poisson: Poisson
     thickness: Annotated[float | None, Key(unit="mm", above=0)] = None
-    law: Annotated[str, Key(words=tuple(SHARES))] = "neo-hookean"
+    law: Annotated[str, Key(words=LAWS)] = "neo-hookean"
     exponent: Annotated[float | None, Key(above=0)] = None
     share: Annotated[float | None, Key(at_least=0, at_most=1)] = None
     prony: Prony | None = None
     density: Annotated[float, Key(unit="kg/m³", above=0)] = DENSITY
+    parameters: Annotated[Mapping[str, float], Key(free=True)] = field(
+        default_factory=dict, hash=False
+    )
 
     def __post_init__(self) -> None:
         check(self)
-        exponential, mixed = self.law in EXPONENTIAL, self.law == "mooney-rivlin"
-        if exponential and self.exponent is None:
-            msg = f"tissue.exponent: missing; expected a number for the law {self.law!r}"
-            raise InputError(msg)
-        for name, value, fits in (
-            ("exponent", self.exponent, exponential),
-            ("share", self.share, mixed),
-        ):
-            if value is not None and not fits:
-                msg = f"tissue.{name}: expected none for the law {self.law!r}, received {value!r}"
-                raise InputError(msg)
+        try:
+            LAWS[self.law].check(self.law_values)
+        except InputError as error:
+            if str(error).startswith("tissue."):
+                raise
+            raise InputError(f"tissue.{error}") from error
+
+    @property
+    def law_values(self) -> tuple[float, ...]:
+        """Parameters of the law, in its order."""
+        own = {name: getattr(self, name) for name in OF_LAWS if getattr(self, name) is not None}
+        try:
+            return LAWS[self.law].values(own | dict(self.parameters))
+        except InputError as error:
+            table = "tissue" if str(error).partition(":")[0] in OF_LAWS else "tissue.parameters"
+            raise InputError(f"{table}.{error}") from None
+
+    @property
+    def stiffens(self) -> bool:
+        """Whether its law stiffens or softens with strain."""
+        return LAWS[self.law].stiffens(self.law_values)
 
 
 @dataclass(frozen=True)

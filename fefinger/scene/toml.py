@@ -190,7 +190,7 @@ def _finger(table: dict[str, Any], folder: Path | None) -> Finger:
             given = _subtable(name, table)
             base = bases.get(layer, {})
             if given.get("law", base.get("law")) != base.get("law"):  # it has other parameters
-                base = base | {"exponent": None, "share": None}
+                base = base | {"exponent": None, "share": None, "parameters": {}}
             table[layer] = _material(Tissue, name, base | given | _prony(name, given))
     for part in ("bone", "nail"):
         if isinstance(table.get(part), Mapping):

@@ -25,6 +25,12 @@ Thing = TypeVar("Thing")
 PLUGINS = "FEFINGER_PLUGINS"
 """Variable of the environment with names of modules to load, separated as those of PATH."""
 
+UNKNOWN = (
+    "One of your own is known when its module is loaded: import it, or name it in the variable "
+    f"{PLUGINS} of the environment"
+)
+"""What to do about a name that resembles none."""
+
 NAME = re.compile("[a-z][a-z0-9]*(-[a-z0-9]+)*")
 """Names that fit into a scene file, a command line and a table."""
 
@@ -70,7 +76,16 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
 
     def named(self, field: str, name: object) -> Thing:
         """Return the thing of a name, or raise InputError with the nearest one."""
-        return self[choice(field, name, self)]
+        return self[self.chosen(field, name)]
+
+    def chosen(self, field: str, name: object) -> str:
+        """Return the name if it is known, or raise InputError with the nearest one."""
+        try:
+            return choice(field, name, self)
+        except InputError as error:
+            if "Did you mean" in str(error):
+                raise
+            raise InputError(f"{error} {UNKNOWN}") from None
 
     def takes(self, thing: object) -> bool:
         """Whether a thing is of this kind."""
@@ -165,7 +180,19 @@ INDENTERS: Registry[Any] = Registry(
 )
 """Classes of objects, `fefinger.Indenter`."""
 
-REGISTRIES = (INDENTERS,)
+LAWS: Registry[Any] = Registry(
+    "law",
+    "density",
+    {
+        "neo-hookean": "fefinger.laws:NEO_HOOKEAN",
+        "mooney-rivlin": "fefinger.laws:MOONEY_RIVLIN",
+        "demiray": "fefinger.laws:DEMIRAY",
+        "veronda-westmann": "fefinger.laws:VERONDA_WESTMANN",
+    },
+)
+"""Hyperelastic laws, `fefinger.Law`."""
+
+REGISTRIES = (INDENTERS, LAWS)
 
 
 def register(thing: Thing) -> Thing:

@@ -1,7 +1,7 @@
-"""Names that a scene can choose from: afferent types, drives, generators, rules and tissue laws.
+"""Names that a scene can choose from: afferent types, drives, generators and rules.
 
-The implementations are in `neural/endorgans.py`, `neural/drives.py`, `neural/generators.py`,
-`neural/units.py` and `fem/hyperelastic/laws.py`.
+The implementations are in `neural/endorgans.py`, `neural/drives.py`, `neural/generators.py` and
+`neural/units.py`.
 """
 
 TYPES = ("SAI", "SAII", "FAI", "FAII")
@@ -47,10 +47,3 @@ largest of the end organs at every time, or their mean."""
 
 LONGEST_RUN = 3600.0
 """Longest run with spikes in s: an hour is 72 million steps of every membrane."""
-
-SHARES = {"neo-hookean": 1.0, "mooney-rivlin": 0.5, "demiray": 1.0, "veronda-westmann": 2.0}
-"""Hyperelastic laws, with the default fraction of the shear modulus that the first invariant I1
-carries."""
-
-EXPONENTIAL = ("demiray", "veronda-westmann")
-"""Laws that stiffen exponentially; they need an exponent."""

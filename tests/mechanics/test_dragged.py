@@ -10,7 +10,7 @@ import fefinger as ff
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.mechanics import linear, pressed, solid
 from fefinger.mechanics.press import finite_strain
-from fefinger.mechanics.press.materials import laws
+from fefinger.mechanics.press.materials import materials
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Response
@@ -73,7 +73,7 @@ def test_the_bone_bears_pressure_and_friction_and_their_moment():
     stages = Stages(None)
     press = Press.of(scene(), finite_strain.FINITE_STRAIN, stages, mechanics="solid", notes=())
     history = finite_strain.solve(press, stages)
-    elements = continuum(press.body.space, laws(FINGER), soft=(1, 2))
+    elements = continuum(press.body.space, materials(FINGER), soft=(1, 2))
     values = history.frames[max(history.frames)]
     assert max(history.frames) == len(history.depth) - 1
     inner, _ = elements.residual(values, elements.at_rest)

@@ -14,7 +14,7 @@ import fefinger as ff
 from fefinger.__main__ import main
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.hyperelastic.laws import neo_hookean
+from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.mechanics import linear, solid
@@ -256,7 +256,7 @@ def test_a_run_that_has_to_stop_keeps_and_saves_what_it_reached(
 
 
 def test_the_most_pressed_cell_of_a_squeezed_cube_has_the_stretch_of_the_cube():
-    block = cube(neo_hookean(Elastic(40.0, 0.5)), 1)
+    block = cube(material_of(Elastic(40.0, 0.5)), 1)
     state = State(np.zeros(block.body.space.n_unknowns), np.zeros(4), 0.0)
     for depth in (0.1, 0.2):
         target = Target("depth", depth, block.body.at_rest)

@@ -19,10 +19,12 @@ def energy(body: Continuum, values: Array, history: HistoryStress) -> float:
     trace, square = (np.trace(each, axis1=-2, axis2=-1) for each in (c, c @ c))
     one = trace * volume ** (-2 / 3) - 3
     two = (trace**2 - square) / 2 * volume ** (-4 / 3) - 3
-    mu, compressibility, share, exponent = (column[:, None] for column in body.laws.T)
-    steep = np.where(exponent > 0, exponent, 1.0)
-    rising = np.where(exponent > 0, np.expm1(steep * one) / steep, one)
-    work = history.gains[:, :1] * mu / 2 * (share * rising + (1 - share) * two)
+    mu, compressibility = body.materials[:, :1], body.materials[:, 1:2]
+    work = np.empty_like(one)
+    for law, cells in body.laws:
+        for e in cells:
+            values = body.materials[e, 2 : 2 + len(law.parameters)]
+            work[e] = history.gains[e, 0] * mu[e] * law.at(one[e], two[e], values).w
     work += history.gains[:, 1:] * (p * (volume - 1) - p * p * compressibility / 2)
     for row, (i, j) in enumerate(PAIRS):
         twice = 1.0 if i == j else 2.0

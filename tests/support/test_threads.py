@@ -8,7 +8,7 @@ from fefinger.validation.problems.grids import box
 
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.hyperelastic.continuum import continuum
-from fefinger.fem.hyperelastic.laws import neo_hookean
+from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.linalg import multifrontal_indefinite
 from fefinger.fem.linalg import system as solve
 from fefinger.support import processes, threads
@@ -98,7 +98,7 @@ def test_branches_are_disjoint_subtrees_and_the_fronts_above_them(body: solve.Sy
 def test_internal_forces_are_the_same(
     count: int, body: solve.System, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    cells = continuum(body.space, {1: neo_hookean(Elastic(5.0, 0.4999))})
+    cells = continuum(body.space, {1: material_of(Elastic(5.0, 0.4999))})
     values = 0.002 * np.random.default_rng(1).normal(size=body.space.n_unknowns)
     found, least = cells.residual(values, cells.at_rest)
     stresses = cells.stress(values)

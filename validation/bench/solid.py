@@ -11,7 +11,7 @@ from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.validation.bench.timing import timed
 
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.hyperelastic.laws import neo_hookean
+from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.support.threads import one_thread
 from fefinger.support.tolerances import PRESS_EQUILIBRIUM
@@ -26,7 +26,7 @@ def figures(progress: Progress) -> list[Figure]:
     from fefinger.validation.fem.solid import MODULUS, SERIES, SPEED, TIMES, WEIGHTS
     from fefinger.validation.problems.hemisphere import Hemisphere
 
-    law = neo_hookean(Elastic(MODULUS * WEIGHTS[0], 0.49))
+    law = material_of(Elastic(MODULUS * WEIGHTS[0], 0.49))
     for number, size in enumerate(SIZES):
         ball = Hemisphere(law, size, sectors=6)
         space = ball.space

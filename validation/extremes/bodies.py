@@ -16,7 +16,7 @@ from fefinger.fem.contact.step_compiled import check
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import HistoryStress, continuum
-from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
+from fefinger.fem.hyperelastic.material import Material, material_of
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.linalg.system import factor
 from fefinger.geometry.voigt import logarithmic
@@ -100,13 +100,13 @@ def _squeezed(
     return float(at_nodes[top, 2].sum()), answer
 
 
-def _laws(poisson: float) -> dict[str, Law]:
+def _laws(poisson: float) -> dict[str, Material]:
     soft = Elastic(30.0, poisson)
     return {
-        "neo-hookean": neo_hookean(soft),
-        "mooney-rivlin": law("mooney-rivlin", soft, share=0.3),
-        "demiray": law("demiray", soft, 3.0),
-        "veronda-westmann": law("veronda-westmann", soft, 2.0),
+        "neo-hookean": material_of(soft),
+        "mooney-rivlin": material_of(soft, "mooney-rivlin", share=0.3),
+        "demiray": material_of(soft, "demiray", exponent=3.0),
+        "veronda-westmann": material_of(soft, "veronda-westmann", exponent=2.0),
     }
 
 
@@ -119,7 +119,7 @@ def _points() -> Iterator[Row]:
                 yield "material point", case, partial(_point, material, size), ANSWERED
 
 
-def _point(law: Law, size: float) -> Findings:
+def _point(law: Material, size: float) -> Findings:
     """Return the stress against Hooke's at small strain, that it turns along, and its symmetry."""
     body = continuum(box(*3 * (np.array([0.0, 1.0]),)), {1: law})
     shape = np.array([[0.3, 0.2, -0.1], [0.1, -0.5, 0.2], [0.05, -0.2, 0.2]])  # no trace
@@ -158,7 +158,7 @@ def _cubes() -> Iterator[Row]:
                 yield "finite strain", case, partial(_cube, material, compression), None
 
 
-def _cube(law: Law, compression: float) -> Findings:
+def _cube(law: Material, compression: float) -> Findings:
     """Return the pressure of a cube under a plate against its closed form."""
     made = cube.cube(law, cells=1)
     rest = made.body.at_rest

@@ -16,8 +16,8 @@ from fefinger.validation.problems.cube import Cube, across, cube, nominal, stret
 from fefinger.validation.problems.hemisphere import DEPTH, SPEED, Hemisphere
 
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
 from fefinger.fem.hyperelastic.load_path import LoadPath, Series, StressHistory, follow
+from fefinger.fem.hyperelastic.material import Material, material_of
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony, hereditary_integral
@@ -25,11 +25,11 @@ from fefinger.theory.relaxation import Prony, hereditary_integral
 
 MODULUS = 100.0  # kPa
 RATIOS = (0.0, 0.3, 0.45, 0.49, 0.499, 0.5)
-LAWS: dict[str, Callable[[Elastic], Law]] = {
-    "neo-hookean": neo_hookean,
-    "mooney-rivlin": partial(law, "mooney-rivlin"),
-    "demiray, b = 2": partial(law, "demiray", exponent=2.0),
-    "veronda-westmann, b = 1": partial(law, "veronda-westmann", exponent=1.0),
+LAWS: dict[str, Callable[[Elastic], Material]] = {
+    "neo-hookean": material_of,
+    "mooney-rivlin": partial(material_of, law="mooney-rivlin"),
+    "demiray, b = 2": partial(material_of, law="demiray", exponent=2.0),
+    "veronda-westmann, b = 1": partial(material_of, law="veronda-westmann", exponent=1.0),
 }
 SQUEEZES = np.linspace(0.0, 0.5, 11)
 
@@ -92,7 +92,7 @@ def relaxation_error(steps: int) -> float:
     The sides are free, so that S along the axis relaxes alone: P = stretch times the hereditary
     integral of P_e / stretch.
     """
-    law, end = neo_hookean(Elastic(MODULUS, 0.49)), 0.025
+    law, end = material_of(Elastic(MODULUS, 0.49)), 0.025
 
     def depth(time: float) -> float:
         return 0.4 * min(time / end, 1.0)
@@ -109,7 +109,7 @@ def relaxation_error(steps: int) -> float:
 
 def cycle_work() -> float:
     """Return the work lost in three cycles of 0.3 mm, over that stored at their first peak."""
-    pressed = cube(neo_hookean(Elastic(MODULUS, 0.49)), 1)
+    pressed = cube(material_of(Elastic(MODULUS, 0.49)), 1)
     times = np.linspace(0.0, 0.24, 121)
 
     def depth(time: float) -> float:
@@ -123,13 +123,13 @@ def cycle_work() -> float:
 @cache
 def hemisphere_force(size: float, poisson: float) -> float:
     """Return the force in N on the neo-Hookean hemisphere at 1.5 mm."""
-    return Hemisphere(neo_hookean(Elastic(MODULUS, poisson)), size, sectors=6).force()
+    return Hemisphere(material_of(Elastic(MODULUS, poisson)), size, sectors=6).force()
 
 
 @cache
 def hemisphere_through_time(size: float) -> Array:
     """Return the force in N at TIMES; MODULUS is the instantaneous one."""
-    law = neo_hookean(Elastic(MODULUS * WEIGHTS[0], 0.49))
+    law = material_of(Elastic(MODULUS * WEIGHTS[0], 0.49))
     return Hemisphere(law, size, sectors=6).pressed(TIMES, SPEED, SERIES)[0]
 
 

@@ -16,7 +16,7 @@ from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.mechanics import solid
 from fefinger.mechanics.press import finite_strain, placement
-from fefinger.mechanics.press.materials import fixed_facets, laws, tissues
+from fefinger.mechanics.press.materials import fixed_facets, materials, tissues
 from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
@@ -68,7 +68,7 @@ def plate() -> PressedFinger:
     rigid = body(load_or_build(finger, half=True), tissues(finger), fixed_facets(finger))
     touch = placement.obstacle(Flat(30), rigid)
     contact = contact_surface(rigid.space, rigid.pad, rigid.normals, touch, REACH)
-    return PressedFinger(rigid, continuum(rigid.space, laws(finger)), touch, contact)
+    return PressedFinger(rigid, continuum(rigid.space, materials(finger)), touch, contact)
 
 
 @cache

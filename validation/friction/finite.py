@@ -12,7 +12,7 @@ from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.state import State
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain
-from fefinger.mechanics.press.materials import laws
+from fefinger.mechanics.press.materials import materials
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Response
 from fefinger.scene.indenters import Flat
@@ -79,7 +79,7 @@ def balance() -> tuple[float, float]:
     )
     with _iterated_far():
         history = finite_strain.solve(press, Stages(None))
-    elements = continuum(press.body.space, laws(press.finger), soft=(1, 2))
+    elements = continuum(press.body.space, materials(press.finger), soft=(1, 2))
     last = len(history.depth) - 1
     values = history.frames[last]
     inner, _ = elements.residual(values, elements.at_rest)

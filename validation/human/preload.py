@@ -13,10 +13,10 @@ import numpy as np
 from fefinger.validation.human.presses import finger
 
 from fefinger.fem.elements.recovery import recovered_gradient_at
-from fefinger.fem.hyperelastic.laws import Law
-from fefinger.fem.hyperelastic.stress_kernels import PAIRS, moduli_of, stresses
+from fefinger.fem.hyperelastic.material import Material
+from fefinger.fem.hyperelastic.stress_kernels import PAIRS, at_point
 from fefinger.mechanics.press import tabulated_press
-from fefinger.mechanics.press.materials import laws
+from fefinger.mechanics.press.materials import materials
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.tabulated_press import TabulatedPress, table_of
 from fefinger.scene.ask import Ask
@@ -33,17 +33,13 @@ DEEPEST = 1.5  # mm
 
 
 def shear_speed(
-    law: Law, gradient: Array, normal: Array, polarization: Array, fast: float
+    law: Material, gradient: Array, normal: Array, polarization: Array, fast: float
 ) -> float:
     """Speed in m/s of a shear wave in tissue of a displacement gradient (3, 3).
 
     normal, polarization (3,): unit vectors, perpendicular; fast: G over its long-time value.
     """
-    numbers = np.array([law.shear, law.compressibility, law.share, law.exponent])
-    isochoric, volumetric, moduli = np.empty(6), np.empty(6), np.empty((6, 6))
-    work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty((3, 3)))
-    state = stresses(np.array(gradient), 0.0, numbers, isochoric, volumetric, work)
-    moduli_of(0.0, numbers, np.ones(2), state, work, moduli)
+    isochoric, moduli = at_point(law, gradient)
     deformation = np.eye(3) + gradient
     back, moved = deformation.T @ normal, deformation.T @ polarization
     change = np.array([moved[i] * back[j] + moved[j] * back[i] for i, j in PAIRS])
@@ -75,7 +71,7 @@ def skin_speeds(name: str, force: float) -> tuple[float, float]:
     probe = recovered_gradient_at(body.space, body.folded(points), body.planes)
     amplitudes = weights @ table.modes.amplitudes[:count]
     gradients = (probe @ table.unknowns(amplitudes, probe.shape[1])).reshape(-1, 3, 3)
-    skin, fast = laws(subject)[1], 1 / subject.prony.long_time
+    skin, fast = materials(subject)[1], 1 / subject.prony.long_time
     loaded, rest = [], []
     for gradient, up in zip(gradients, normals, strict=True):
         along = np.cross(np.array([0.0, 1.0, 0.0]), up)

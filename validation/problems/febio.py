@@ -21,7 +21,7 @@ from fefinger.validation.problems.hemisphere import SPEED, Hemisphere
 from fefinger.validation.provenance import save, short
 
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.hyperelastic.laws import neo_hookean
+from fefinger.fem.hyperelastic.material import material_of
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.threads import one_thread
@@ -95,7 +95,7 @@ def run_ours(ball: Hemisphere) -> dict[str, Any]:
 
 def quarter(size: float) -> Hemisphere:
     """Hemisphere of `bench.solid` with cells of `size` mm at the pole, not yet solved."""
-    law = neo_hookean(Elastic(MODULUS * WEIGHTS[0], 0.49))
+    law = material_of(Elastic(MODULUS * WEIGHTS[0], 0.49))
     return Hemisphere(law, size, sectors=6)
 
 

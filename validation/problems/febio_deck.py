@@ -14,7 +14,7 @@ from fefinger.validation.fem.solid import SERIES, TIMES
 from fefinger.validation.problems.hemisphere import DEPTH, RADIUS, SPEED, Hemisphere
 
 from fefinger.fem.elements.spaces import Space
-from fefinger.fem.hyperelastic.laws import Law
+from fefinger.fem.hyperelastic.material import Material
 from fefinger.support.arrays import Array, Integers
 
 
@@ -85,13 +85,13 @@ def deck(ball: Hemisphere) -> ET.Element:
     return root
 
 
-def _materials(parent: ET.Element, law: Law) -> None:
+def _materials(parent: ET.Element, law: Material) -> None:
     tissue = _add(parent, "material", id=1, name="tissue", type="viscoelastic")
     ratios = SERIES.weights[1:] / SERIES.weights[0]
     for number, (ratio, rate) in enumerate(zip(ratios, SERIES.rates, strict=True), 1):
         _fill(tissue, {f"g{number}": ratio, f"t{number}": 1 / rate})
     elastic = _add(tissue, "elastic", type="Mooney-Rivlin")
-    _fill(elastic, {"c1": law.shear * law.share / 2, "c2": law.shear * (1 - law.share) / 2})
+    _fill(elastic, dict(zip(("c1", "c2"), law.at_rest, strict=True)))
     _fill(elastic, {"k": 1 / law.compressibility, "pressure_model": "Abaqus"})
     _fill(_add(parent, "material", id=2, name="plate", type="rigid body"), {"density": 1})
 

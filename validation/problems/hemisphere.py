@@ -14,8 +14,8 @@ from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
-from fefinger.fem.hyperelastic.laws import Law
 from fefinger.fem.hyperelastic.load_path import LoadPath, Series, StressHistory, follow
+from fefinger.fem.hyperelastic.material import Material
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.fem.linalg.system import System, factor
@@ -34,7 +34,7 @@ class Hemisphere:
     Away from the pole they grow with the distance, by `growth` mm per mm.
     """
 
-    law: Law
+    law: Material
     size: float
     growth: float = 0.35
     sectors: int = 8

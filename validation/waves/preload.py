@@ -24,7 +24,7 @@ from fefinger.fem.linalg.system import System
 from fefinger.mechanics.press import operator, tabulated_press
 from fefinger.mechanics.press.finite_strain import FINITE_STRAIN
 from fefinger.mechanics.press.harmonic import Vibrating, about
-from fefinger.mechanics.press.materials import laws
+from fefinger.mechanics.press.materials import materials
 from fefinger.mechanics.press.modal_body import PER_CUBIC_METER, finger_modes
 from fefinger.mechanics.press.modal_press import operator_of
 from fefinger.mechanics.press.modal_response import stiffening
@@ -71,7 +71,7 @@ class Preloaded:
         """Press a finger against the plate at 30 degrees."""
         press, table = _pressed(finger, depth)
         body = FINITE_STRAIN.body(finger, press.mesh, None, lambda fraction: None)
-        elements = continuum(body.space, laws(finger), soft=(1, 2))
+        elements = continuum(body.space, materials(finger), soft=(1, 2))
         contact = contact_surface(
             *(body.space, body.pad, body.normals, press.obstacle, table.table.reach),
             spreads=elements.nearly_incompressible,

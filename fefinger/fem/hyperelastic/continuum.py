@@ -18,9 +18,10 @@ from fefinger.fem.elements import assembly
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic import element_kernels
 from fefinger.fem.hyperelastic.element_kernels import Elements
-from fefinger.fem.hyperelastic.laws import Law
+from fefinger.fem.hyperelastic.material import CompiledLaw, Material, compiled
 from fefinger.geometry.voigt import VOIGT
-from fefinger.support.arrays import Array
+from fefinger.laws import Law
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.threads import together
 
@@ -57,12 +58,14 @@ class HistoryStress:
 class Continuum:
     """Element data of a body for the compiled loops.
 
-    laws, jacobians, weights, reference and shapes (times `scale` kPa) as in `Elements`; pattern:
-    the matrix with all of its places; slots (n_cells, 34, 34): where each entry of a cell goes.
+    laws, with the cells (n,) that have each; materials, jacobians, weights, reference and shapes
+    (times `scale` kPa) as in `Elements`; pattern: the matrix with all of its places; slots
+    (n_cells, 34, 34): where each entry of a cell goes.
     """
 
     space: Space
-    laws: Array
+    laws: tuple[tuple[Law, Integers], ...]
+    materials: Array
     jacobians: Array
     weights: Array
     reference: Array
@@ -80,30 +83,37 @@ class Continuum:
     @property
     def nearly_incompressible(self) -> bool:
         """Whether every tissue has a bulk modulus above INCOMPRESSIBLE times its shear modulus."""
-        return bool((self.laws[:, 0] * self.laws[:, 1] * INCOMPRESSIBLE < 1).all())
+        return bool((self.materials[:, 0] * self.materials[:, 1] * INCOMPRESSIBLE < 1).all())
 
     @cached_property
-    def _parts(self) -> list[slice]:
-        """Cells of the parts of a loop over all of them."""
-        ends = np.linspace(0, len(self.weights), PARTS + 1).astype(int)
-        return [slice(*each) for each in pairwise(ends.tolist())]
+    def _parts(self) -> list[tuple[Integers, CompiledLaw]]:
+        """Cells of the parts of a loop over all of them, each of one law."""
+        parts = []
+        for law, cells in self.laws:
+            ends = np.linspace(0, len(cells), PARTS + 1).astype(int)
+            parts += [(cells[slice(*each)], compiled(law)) for each in pairwise(ends.tolist())]
+        return parts
 
-    def _elements(self, cells: slice) -> Elements:
+    @property
+    def _elements(self) -> Elements:
         return Elements(
-            self.space.unknowns[cells],
-            self.jacobians[cells],
-            self.weights[cells],
+            self.space.unknowns,
+            self.jacobians,
+            self.weights,
             self.reference,
             self.shapes,
-            self.laws[cells],
+            self.materials,
         )
 
     def residual(self, values: Array, history: HistoryStress) -> tuple[Array, float]:
         """Return the derivative (n_unknowns,) of the potential, and the smallest J."""
+        elements = self._elements
 
-        def part(cells: slice) -> tuple[Array, float]:
-            out, gains, past = np.zeros_like(values), history.gains[cells], history.past[cells]
-            least = element_kernels.residual(values, self._elements(cells), gains, past, out)
+        def part(each: tuple[Integers, CompiledLaw]) -> tuple[Array, float]:
+            out = np.zeros_like(values)
+            least = element_kernels.residual(
+                values, elements, *each, history.gains, history.past, out
+            )
             return out, float(least)
 
         outs, least = zip(*together(part, self._parts), strict=True)
@@ -119,15 +129,18 @@ class Continuum:
         `element_kernels.tangent`).
         """
         data = np.zeros_like(self.pattern.data)
-        element_kernels.tangent(
-            values,
-            self._elements(slice(None)),
-            history.gains,
-            history.past,
-            self.slots,
-            consistent,
-            data,
-        )
+        for law, cells in self.laws:
+            element_kernels.tangent(
+                values,
+                self._elements,
+                cells,
+                compiled(law),
+                history.gains,
+                history.past,
+                self.slots,
+                consistent,
+                data,
+            )
         return sparse.csr_matrix(
             (data, self.pattern.indices, self.pattern.indptr), shape=self.pattern.shape
         )
@@ -137,9 +150,10 @@ class Continuum:
         isochoric = np.empty((*self.weights.shape, 6))
         volumetric = np.empty_like(isochoric)
 
-        def part(cells: slice) -> None:
-            elements = self._elements(cells)
-            element_kernels.stress(values, elements, isochoric[cells], volumetric[cells])
+        elements = self._elements
+
+        def part(each: tuple[Integers, CompiledLaw]) -> None:
+            element_kernels.stress(values, elements, *each, isochoric, volumetric)
 
         together(part, self._parts)
         return isochoric, volumetric
@@ -163,9 +177,9 @@ class Continuum:
 
 
 def continuum(
-    space: Space, tissues: Mapping[int, Law], soft: Collection[int] | None = None
+    space: Space, tissues: Mapping[int, Material], soft: Collection[int] | None = None
 ) -> Continuum:
-    """Return the elements of `space`, with the law of every label in `space.tissue`.
+    """Return the elements of `space`, with the material of every label in `space.tissue`.
 
     `soft` are the labels whose stiffness sets the scale, all by default.
 
@@ -181,15 +195,22 @@ def continuum(
     basis = space.scalar
     quadrature = basis.quadrature
     linear = Basis(basis.mesh, ElementTetP1(), quadrature=quadrature)
-    scale = max(law.shear for k, law in tissues.items() if soft is None or k in soft)
-    laws = {
-        k: (law.shear, law.compressibility, law.share, law.exponent) for k, law in tissues.items()
-    }
+    scale = max(each.shear for k, each in tissues.items() if soft is None or k in soft)
+    present = {int(k): tissues[int(k)] for k in np.unique(space.tissue)}
+    materials = np.zeros((len(space.cells), max(len(each.row) for each in present.values())))
+    for label, each in present.items():
+        materials[space.tissue == label, : len(each.row)] = each.row
+    by_law: dict[Law, list[int]] = {}
+    for label, each in present.items():
+        by_law.setdefault(each.law, []).append(label)
     n, members = space.n_unknowns, space.unknowns
     starts, columns = assembly.pattern(members, n)
     return Continuum(
         space=space,
-        laws=np.array([laws[int(k)] for k in space.tissue]),
+        laws=tuple(
+            (law, np.flatnonzero(np.isin(space.tissue, labels))) for law, labels in by_law.items()
+        ),
+        materials=materials,
         jacobians=np.ascontiguousarray(space.jacobians),
         weights=np.ascontiguousarray(basis.dx),
         reference=space.shape_gradients(quadrature[0]).transpose(2, 0, 1).copy(),

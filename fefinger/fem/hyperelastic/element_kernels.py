@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fefinger.fem.hyperelastic.material import CompiledLaw
 from fefinger.fem.hyperelastic.stress_kernels import (
     FAST,
     PAIRS,
@@ -27,8 +28,8 @@ class Elements(NamedTuple):
 
     unknowns (n_cells, 34); jacobians (n_cells, 3, 3): gradients of the reference coordinates;
     weights (n_cells, n_q) mm³; reference (n_q, 10, 3) and shapes (n_q, 4): gradients of the
-    quadratics and values of the linears (times the scale of the pressures in kPa); laws
-    (n_cells, 4): mu, 1 / K, share and exponent.
+    quadratics and values of the linears (times the scale of the pressures in kPa);
+    materials (n_cells, 2 + n_parameters): `Material.row` of each cell.
     """
 
     unknowns: Integers
@@ -36,7 +37,7 @@ class Elements(NamedTuple):
     weights: Array
     reference: Array
     shapes: Array
-    laws: Array
+    materials: Array
 
 
 @njit(cache=True, fastmath=FAST)
@@ -91,20 +92,27 @@ def _mean(shapes: Array, pressures: Array) -> float:
 def stress(
     values: Array,
     elements: Elements,
+    cells: Integers,
+    law: CompiledLaw,
     isochoric: Array,
     volumetric: Array,
 ) -> float:
-    """Fill the elastic stresses (n_cells, n_q, 6) in kPa; return the smallest J."""
-    unknowns, jacobians, weights, reference, shapes, laws = elements
+    """Fill the elastic stresses (n_cells, n_q, 6) of `cells` in kPa; return the smallest J.
+
+    cells (n,): numbers of cells that have the law; so in the other loops.
+    """
+    unknowns, jacobians, _, reference, shapes, materials = elements
     moved, pressures, gradient = np.empty((10, 3)), np.empty(4), np.empty((3, 3))
     work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty((3, 3)))
     least = np.inf
-    for e in range(len(unknowns)):
+    for e in cells:
         _gather(values, unknowns[e], moved, pressures)
-        for q in range(weights.shape[1]):
+        for q in range(len(reference)):
             _gradient(moved, reference[q], jacobians[e], gradient)
             p = _mean(shapes[q], pressures)
-            state = stresses(gradient, p, laws[e], isochoric[e, q], volumetric[e, q], work)
+            state = stresses(
+                gradient, p, law, materials[e], isochoric[e, q], volumetric[e, q], work
+            )
             least = min(least, 1 + state[0])
     return least
 
@@ -113,6 +121,8 @@ def stress(
 def residual(
     values: Array,
     elements: Elements,
+    cells: Integers,
+    law: CompiledLaw,
     gains: Array,
     past: Array,
     out: Array,
@@ -121,20 +131,20 @@ def residual(
 
     The cells after the first inverted one are left out: the sum is then of no use.
     """
-    unknowns, jacobians, weights, reference, shapes, laws = elements
+    unknowns, jacobians, weights, reference, shapes, materials = elements
     moved, pressures, gradient = np.empty((10, 3)), np.empty(4), np.empty((3, 3))
     isochoric, volumetric = np.empty(6), np.empty(6)
     work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty((3, 3)))
     total, nominal, pulled = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     local = np.empty(34)
     least = np.inf
-    for e in range(len(unknowns)):
+    for e in cells:
         _gather(values, unknowns[e], moved, pressures)
         local[:] = 0.0
         for q in range(len(reference)):
             _gradient(moved, reference[q], jacobians[e], gradient)
             p = _mean(shapes[q], pressures)
-            growth, _, _ = stresses(gradient, p, laws[e], isochoric, volumetric, work)
+            growth = stresses(gradient, p, law, materials[e], isochoric, volumetric, work)[0]
             least = min(least, 1 + growth)
             if growth <= -1.0:
                 return least
@@ -155,7 +165,7 @@ def residual(
                         + pulled[i, 1] * reference[q, node, 1]
                         + pulled[i, 2] * reference[q, node, 2]
                     )
-            share = weights[e, q] * gains[e, 1] * (growth - p * laws[e, 1])
+            share = weights[e, q] * gains[e, 1] * (growth - p * materials[e, 1])
             for a in range(4):
                 local[30 + a] += share * shapes[q, a]
         for k in range(34):
@@ -181,6 +191,8 @@ def _multiplied_by_transpose(a: Array, b: Array, out: Array) -> None:
 def tangent(
     values: Array,
     elements: Elements,
+    cells: Integers,
+    law: CompiledLaw,
     gains: Array,
     past: Array,
     slots: NDArray[np.int32],
@@ -194,7 +206,7 @@ def tangent(
     against changes of volume, and with the positive parts of the moduli and the stress only. Such a
     matrix is good to iterate with, and no derivative.
     """
-    unknowns, jacobians, weights, reference, shapes, laws = elements
+    unknowns, jacobians, weights, reference, shapes, materials = elements
     moved, pressures, gradient = np.empty((10, 3)), np.empty(4), np.empty((3, 3))
     isochoric, volumetric, total = np.empty(6), np.empty(6), np.empty(6)
     work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty((3, 3)))
@@ -202,17 +214,17 @@ def tangent(
     rows, stiff = np.empty((10, 6, 3)), np.empty((6, 3))
     local = np.empty((34, 34))
     least = np.inf
-    for e in range(len(unknowns)):
+    for e in cells:
         _gather(values, unknowns[e], moved, pressures)
         local[:] = 0.0
         for q in range(len(reference)):
             _gradient(moved, reference[q], jacobians[e], gradient)
             p = _mean(shapes[q], pressures)
-            state = stresses(gradient, p, laws[e], isochoric, volumetric, work)
+            state = stresses(gradient, p, law, materials[e], isochoric, volumetric, work)
             least = min(least, 1 + state[0])
             if state[0] <= -1.0:
                 return least
-            moduli_of(p if consistent else 0.0, laws[e], gains[e], state, work, moduli)
+            moduli_of(p if consistent else 0.0, gains[e], state, work, moduli)
             weight = weights[e, q]
             for row in range(6):
                 total[row] = weight * gains[e, 0] * isochoric[row]
@@ -220,7 +232,7 @@ def tangent(
                     total[row] += weight * (gains[e, 1] * volumetric[row] + past[e, q, row])
             if not consistent:
                 add_volumetric_stiffness(
-                    2 / 3 * gains[e, 0] * laws[e, 0], state[0], work[1], moduli
+                    2 / 3 * gains[e, 0] * materials[e, 0], state[0], work[1], moduli
                 )
                 project_to_semidefinite(moduli, total)
             for i in range(3):
@@ -235,7 +247,7 @@ def tangent(
                 _spread(nodal, rows[node], gradient, node)
             _fill(local, weight, moduli, total, nodal, rows, stiff)
             coupling = weight * gains[e, 1]
-            _couple(local, coupling, laws[e, 1], shapes[q], work[1], state[0], rows)
+            _couple(local, coupling, materials[e, 1], shapes[q], work[1], state[0], rows)
         for k in range(34):
             for m in range(k, 34):
                 data[slots[e, k, m]] += local[k, m]

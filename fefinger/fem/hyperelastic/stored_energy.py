@@ -15,7 +15,7 @@ from scipy.sparse.linalg import cg
 
 from fefinger.fem.elements.assembly import scattered
 from fefinger.fem.elements.spaces import Space
-from fefinger.fem.hyperelastic.laws import Law
+from fefinger.fem.hyperelastic.material import Material
 from fefinger.support.arrays import Array
 
 
@@ -26,14 +26,14 @@ PROJECTED = 1e-8
 class StoredEnergy:
     """Strain energy of some tissues of a body, from its displacement.
 
-    laws: of the tissues, by their labels in `space.tissue`; `finite`: with these laws at finite
-    strain; otherwise Hooke's law at small strain with the same moduli. tissue (n_cells,): the label
-    of each of their cells.
+    materials: of the tissues, by their labels in `space.tissue`; `finite`: with their laws at
+    finite strain; otherwise Hooke's law at small strain with the same moduli. tissue (n_cells,):
+    the label of each of their cells.
     """
 
-    def __init__(self, space: Space, laws: Mapping[int, Law], *, finite: bool) -> None:
-        self.finite = finite
-        chosen = np.isin(space.tissue, list(laws))
+    def __init__(self, space: Space, materials: Mapping[int, Material], *, finite: bool) -> None:
+        self.finite, self._materials = finite, materials
+        chosen = np.isin(space.tissue, list(materials))
         basis, self.tissue = space.scalar, space.tissue[chosen]
         x, y, z = basis.quadrature[0]
         self._linear = np.column_stack([1 - x - y - z, x, y, z])  # (n_q, 4)
@@ -42,11 +42,9 @@ class StoredEnergy:
         self._nodes, self._vertices = space.nodes[chosen], space.vertices[chosen]
         self._jacobians = space.jacobians[chosen]
         self._weights = np.asarray(basis.dx)[chosen]  # (n_cells, n_q) mm³
-        law = [laws[int(label)] for label in self.tissue]
-        self._shear, compressibility, self._share, self._exponent = (
-            np.array([getattr(each, name) for each in law])
-            for name in ("shear", "compressibility", "share", "exponent")
-        )
+        each = [materials[int(label)] for label in self.tissue]
+        self._shear = np.array([one.shear for one in each])
+        compressibility = np.array([one.compressibility for one in each])
         # Tissue that cannot change its volume has no energy of it.
         able = compressibility > 0
         self._bulk = np.where(able, 1 / np.where(able, compressibility, 1.0), 0.0)
@@ -67,15 +65,22 @@ class StoredEnergy:
         return of_shape, self._bulk / 2 * (mean * projected**2).sum(axis=1)
 
     def stiffening(self, displacement: Array) -> float:
-        """Return the mean of b (I1 - 3) over the tissues for a displacement (n_nodes, 3) in mm.
+        """Return the mean of `Law.stiffening` over the tissues.
+
+        displacement: (n_nodes, 3) mm.
 
         It is weighted by the energy of distortion without stiffening.
         """
         first, second, _ = self._invariants(self._gradient(displacement))
-        softly = self._share * first + (1 - self._share) * second
-        energy = self._weights.T * self._shear * np.maximum(softly, 0.0)  # rounding may be below
-        whole = float(energy.sum())
-        return float((energy * self._exponent * first).sum()) / whole if whole > 0 else 0.0
+        whole = stiffer = 0.0
+        for label, material in self._materials.items():
+            cells = self.tissue == label
+            one, two, (w1, w2) = first[:, cells], second[:, cells], material.at_rest
+            softly = np.maximum(w1 * one + w2 * two, 0.0)  # rounding may be below
+            energy = self._weights[cells].T * softly
+            whole += float(energy.sum())
+            stiffer += float((energy * material.law.stiffening(one, two, material.values)).sum())
+        return stiffer / whole if whole > 0 else 0.0
 
     def at_vertices(self, density: Array) -> Array:
         """Return the mean (n_points,) of a density (n_cells,) over the cells at each vertex.
@@ -104,9 +109,11 @@ class StoredEnergy:
     def _finite(self, h: Array) -> tuple[Array, Array]:
         """Return the energy of the isochoric invariants for a shear modulus of 1, and J - 1."""
         first, second, growth = self._invariants(h)
-        exponent = np.where(self._exponent > 0, self._exponent, 1.0)
-        rising = np.where(self._exponent > 0, np.expm1(exponent * first) / exponent, first)
-        return (self._share * rising + (1 - self._share) * second) / 2, growth
+        energy = np.empty_like(first)
+        for label, each in self._materials.items():
+            cells = self.tissue == label
+            energy[:, cells] = each.law.at(first[:, cells], second[:, cells], each.values).w
+        return energy, growth
 
     def _invariants(self, h: Array) -> tuple[Array, Array, Array]:
         """Return the isochoric I1 - 3 and I2 - 3, and J - 1, of a gradient (3, 3, n_q, n_cells).

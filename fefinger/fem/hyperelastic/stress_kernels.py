@@ -6,6 +6,7 @@ digits at the smallest strains. Symmetric tensors have the components xx yy zz x
 
 import numpy as np
 
+from fefinger.fem.hyperelastic.material import CompiledLaw, Material, compiled
 from fefinger.support.arrays import Array
 from fefinger.support.compiled import njit
 
@@ -15,6 +16,9 @@ PAIRS = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]])
 
 Work = tuple[Array, Array, Array, Array, Array]
 """E, the inverse of C, the derivatives (6,) of the two invariants by C, and scratch (3, 3)."""
+
+State = tuple[float, float, float, float, float, float, float]
+"""J - 1, J^(-2/3), and the derivatives of the energy in kPa by I1, I2, twice I1, both, twice I2."""
 
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 """LLVM fast-math flags without "nnan" and "ninf": a diverged iterate must stay inf or nan."""
@@ -70,51 +74,59 @@ def _product(inverse: Array, other: Array, factor: float, out: Array) -> None:
 
 @njit(cache=True, fastmath=FAST)
 def _invariants(
-    strain: Array, inverse: Array, volume: float, first: Array, second: Array, scratch: Array
-) -> None:
-    """Fill the derivatives (6,) of the isochoric I1 and I2 by C; volume is J^(-2/3)."""
+    strain: Array, inverse: Array, logarithm: float, first: Array, second: Array, scratch: Array
+) -> tuple[float, float, float]:
+    """Fill the derivatives (6,) of the isochoric I1 and I2 by C.
+
+    logarithm: of J^(-2/3). Return I1 - 3, I2 - 3 and J^(-2/3).
+    """
     trace = strain[0, 0] + strain[1, 1] + strain[2, 2]
+    shrunk = np.expm1(logarithm)
+    volume = 1.0 + shrunk
     _product(inverse, strain, 2 * volume, first)
+    square = 0.0
     for i in range(3):
         for j in range(3):
             total = (2 + 4 * trace) * strain[i, j]
             for k in range(3):
                 total -= 4 * strain[i, k] * strain[k, j]
             scratch[i, j] = total
+            square += strain[i, j] * strain[i, j]
     _product(inverse, scratch, volume * volume, second)
+    minors = (trace * trace - square) / 2
+    one = 3 * shrunk + 2 * trace * volume
+    two = 3 * shrunk * (2 + shrunk) + 4 * (trace + minors) * volume * volume
+    return one, two, volume
 
 
 @njit(cache=True, fastmath=FAST)
 def stresses(
     gradient: Array,
     pressure: float,
-    law: Array,
+    law: CompiledLaw,
+    row: Array,
     isochoric: Array,
     volumetric: Array,
     work: Work,
-) -> tuple[float, float, float]:
-    """Fill the elastic stresses (6,) of the displacement gradient.
+) -> State:
+    """Fill the elastic stresses (6,) of the displacement gradient; row: as `Material.row`.
 
-    Return J - 1, J^(-2/3) and the rise exp(b (I1 - 3)) of the stiffness.
+    Return J - 1, J^(-2/3) and the derivatives of the energy of the law, times mu.
     """
     strain, inverse, first, second, scratch = work
     growth = _kinematics(gradient, strain, inverse)
     if growth <= -1.0:
-        return growth, 1.0, 1.0
-    logarithm = -2 / 3 * np.log1p(growth)
-    volume = np.exp(logarithm)
-    _invariants(strain, inverse, volume, first, second, scratch)
-    rise = 1.0
-    if law[3] > 0:
-        trace = strain[0, 0] + strain[1, 1] + strain[2, 2]
-        rise = np.exp(law[3] * (3 * np.expm1(logarithm) + 2 * trace * volume))
-    one = law[0] * law[2] * rise
-    two = law[0] * (1 - law[2])
-    for row in range(6):
-        i, j = PAIRS[row]
-        isochoric[row] = one * first[row] + two * second[row]
-        volumetric[row] = pressure * (1 + growth) * inverse[i, j]
-    return growth, volume, rise
+        return growth, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    one, two, volume = _invariants(
+        strain, inverse, -2 / 3 * np.log1p(growth), first, second, scratch
+    )
+    _, w1, w2, w11, w12, w22 = law(one, two, row[2:])
+    mu = row[0]
+    for k in range(6):
+        i, j = PAIRS[k]
+        isochoric[k] = 2 * mu * (w1 * first[k] + w2 * second[k])
+        volumetric[k] = pressure * (1 + growth) * inverse[i, j]
+    return growth, volume, mu * w1, mu * w2, mu * w11, mu * w12, mu * w22
 
 
 @njit(cache=True, fastmath=FAST)
@@ -132,9 +144,8 @@ def _right(strain: Array, c: Array) -> tuple[float, float]:
 @njit(cache=True, fastmath=FAST)
 def moduli_of(
     pressure: float,
-    law: Array,
     gains: Array,
-    state: tuple[float, float, float],
+    state: State,
     work: Work,
     moduli: Array,
 ) -> None:
@@ -142,13 +153,13 @@ def moduli_of(
 
     `state` is what `stresses` returned, with what it left in `work`.
     """
-    growth, volume, rise = state
-    strain, inverse, first, _, c = work
+    growth, volume, w1, w2, w11, w12, w22 = state
+    strain, inverse, first, second, c = work
     trace, minors = _right(strain, c)
-    one = 2 * gains[0] * law[0] * law[2] * rise
-    two = 2 * gains[0] * law[0] * (1 - law[2])
+    four = 4 * gains[0]
     p = gains[1] * pressure * (1 + growth)
-    v1, v2 = one * volume, two * volume * volume
+    v1, v2 = four * w1 * volume, four * w2 * volume * volume
+    a11, a12, a22 = four * w11, four * w12, four * w22
     for row in range(6):
         i, j = PAIRS[row]
         unit_r = 1.0 if i == j else 0.0
@@ -157,13 +168,15 @@ def moduli_of(
             unit_c = 1.0 if k == m else 0.0
             outer = inverse[i, j] * inverse[k, m]
             mixed = (inverse[i, k] * inverse[j, m] + inverse[i, m] * inverse[j, k]) / 2
-            total = one * law[3] * first[row] * first[column] + p * (outer - 2 * mixed)
+            total = a11 * first[row] * first[column] + p * (outer - 2 * mixed)
+            total += a12 * (first[row] * second[column] + second[row] * first[column])
+            total += a22 * second[row] * second[column]
             total += v1 * (
                 -(unit_r * inverse[k, m] + inverse[i, j] * unit_c) / 3
                 + trace / 9 * outer
                 + trace / 3 * mixed
             )
-            if two != 0.0:
+            if v2 != 0.0:
                 identity = 0.0
                 if row == column:
                     identity = 1.0 if i == j else 0.5
@@ -177,6 +190,21 @@ def moduli_of(
                 )
             moduli[row, column] = total
             moduli[column, row] = total
+
+
+def at_point(material: Material, gradient: Array) -> tuple[Array, Array]:
+    """Return the isochoric stress (6,) and its moduli (6, 6) in kPa of a displacement gradient.
+
+    Both are relaxed, of the second Piola-Kirchhoff stress and the Green-Lagrange strain, whose
+    shears count twice.
+    """
+    isochoric, volumetric, moduli = np.empty(6), np.empty(6), np.empty((6, 6))
+    work = (np.empty((3, 3)), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty((3, 3)))
+    law, row = compiled(material.law), material.row
+    given = np.ascontiguousarray(gradient, float)
+    state = stresses(given, 0.0, law, row, isochoric, volumetric, work)
+    moduli_of(0.0, np.ones(2), state, work, moduli)
+    return isochoric, moduli
 
 
 @njit(cache=True, fastmath=FAST)

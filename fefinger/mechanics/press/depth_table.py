@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.laws import LAWS
 from fefinger.mechanics.press.discretization import continued, refinement_location
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.mesh.shipped import data_folder
@@ -235,6 +236,8 @@ def key(finger: Finger, indenter: Indenter, mesh_sha256: str, *, half: bool = Tr
     ]
     if not half:
         parts.append("whole")
+    own = [layer for layer in layers if layer.law not in LAWS.shipped]
+    parts += [LAWS[layer.law].fingerprint(layer.law_values) for layer in own]
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 

@@ -19,7 +19,7 @@ from fefinger.mechanics.press.depth_table import DepthTable, DisplacementBasis
 from fefinger.mechanics.press.fields import stiffening
 from fefinger.mechanics.press.finite_strain import BUDGET, FINITE_STRAIN, Course, follow_course
 from fefinger.mechanics.press.load_steps import LoadSteps
-from fefinger.mechanics.press.materials import laws
+from fefinger.mechanics.press.materials import materials
 from fefinger.mechanics.press.placement import whole_pad
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.reference import reference_unknowns
@@ -100,7 +100,7 @@ def _solved(
     """Solve the table at the `wanted` depths (n,) in mm; `enough` as of `Course`."""
     with stages.stage("factor") as report:
         body = FINITE_STRAIN.body(press.finger, press.mesh, None, report)
-        elements = continuum(body.space, laws(press.finger), soft=(1, 2))
+        elements = continuum(body.space, materials(press.finger), soft=(1, 2))
     whole = replace(
         press,
         method=FINITE_STRAIN,

@@ -14,7 +14,7 @@ from fefinger.fem.hyperelastic.stored_energy import StoredEnergy
 from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS, FingerMesh
 from fefinger.geometry.locate import inside_weights
 from fefinger.geometry.voigt import VOIGT, logarithmic
-from fefinger.mechanics.press.materials import laws
+from fefinger.mechanics.press.materials import materials
 from fefinger.mechanics.press.problem import Press, frames_of
 from fefinger.results.records import Fields
 from fefinger.support.arrays import Array, Integers
@@ -81,7 +81,7 @@ def _energies(press: Press, *, finite: bool) -> Callable[[Array], Array]:
 
 def _stored_energy(press: Press, *, finite: bool) -> StoredEnergy:
     """Energy of skin and subcutaneous tissue, relaxed."""
-    relaxed = laws(press.finger)
+    relaxed = materials(press.finger)
     soft = {label: relaxed[label] for label in (SKIN, SUBCUTANEOUS)}
     return StoredEnergy(press.body.space, soft, finite=finite)
 

@@ -23,7 +23,7 @@ from fefinger.mechanics.press.load_steps import (
     peak_steps,
     tissue_relaxations,
 )
-from fefinger.mechanics.press.materials import NAIL, laws, relaxations
+from fefinger.mechanics.press.materials import NAIL, materials, relaxations
 from fefinger.mechanics.press.problem import FiniteStrainHistory, Press, frames_of
 from fefinger.mechanics.press.reference import reference_strain, reference_unknowns
 from fefinger.mechanics.press.response import finite_strain_response
@@ -134,7 +134,7 @@ def solve(
     """
     motion, finger = press.motion, press.finger
     with stages.stage("factor"):
-        elements = continuum(press.body.space, laws(finger), soft=(1, 2))
+        elements = continuum(press.body.space, materials(finger), soft=(1, 2))
     relaxing = tissue_relaxations(finger)
     steps = load_steps(motion, press.time, relaxing, refine, friction=press.indenter.kinetic)
     frames = set(frames_of(steps.value, int(np.argmax(steps.value))).tolist())

@@ -9,9 +9,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
 from fefinger.fem.hyperelastic.load_path import Series
+from fefinger.fem.hyperelastic.material import Material, material_of
 from fefinger.geometry.finger_mesh import BONE, SKIN, FingerMesh
+from fefinger.laws import LAWS
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard
 
@@ -56,15 +57,12 @@ def tissues(finger: Finger) -> dict[int, Elastic]:
     return soft | elastic(finger)
 
 
-def laws(finger: Finger) -> dict[int, Law]:
-    """Return the relaxed hyperelastic laws of the regions that deform."""
-    layers = {1: finger.skin, 2: finger.subcutaneous}
-    small_strain = tissues(finger)
-    by_region = {
-        region: neo_hookean(small_strain[region]) for region in small_strain.keys() - layers.keys()
-    }
-    for region, layer in layers.items():
-        by_region[region] = law(layer.law, small_strain[region], layer.exponent, layer.share)
+def materials(finger: Finger) -> dict[int, Material]:
+    """Return the relaxed materials at finite strain of the regions that deform."""
+    by_region = {region: material_of(each) for region, each in tissues(finger).items()}
+    for region, layer in ((1, finger.skin), (2, finger.subcutaneous)):
+        law, soft = LAWS[layer.law], by_region[region]
+        by_region[region] = replace(soft, law=law, values=layer.law_values)
     return by_region
 
 

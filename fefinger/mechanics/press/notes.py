@@ -10,7 +10,6 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.motion import Motion
 from fefinger.scene.tissue import Hard
-from fefinger.support.vocabulary import EXPONENTIAL
 from fefinger.theory.relaxation import Prony
 
 
@@ -94,8 +93,8 @@ def finger_notes(finger: Finger) -> tuple[str, ...]:
 
 
 def stiffens(finger: Finger) -> bool:
-    """Return whether a tissue of a finger stiffens with strain by an exponential law."""
-    return any(layer.law in EXPONENTIAL for layer in (finger.skin, finger.subcutaneous))
+    """Return whether a tissue of a finger stiffens with strain by its law."""
+    return any(layer.stiffens for layer in (finger.skin, finger.subcutaneous))
 
 
 def elastic_hard_parts_reasons(finger: Finger) -> Iterator[Reason]:

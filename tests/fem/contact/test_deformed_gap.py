@@ -15,7 +15,7 @@ from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.probe import gradient_at, gradient_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
-from fefinger.fem.hyperelastic.laws import neo_hookean
+from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.profiles import FLANK, Bar, Ellipsoid, Plane, Profile, Relief
 from fefinger.geometry.voigt import logarithmic
@@ -148,7 +148,7 @@ def test_an_enclosed_incompressible_block_stays_stable_under_any_pressure(pressu
     spreading of facets, as with gaps that are weighted over the undeformed pad, it is lost.
     """
     space, contact, _ = surface(Plane(), -UP)
-    body = continuum(space, {1: neo_hookean(Elastic(3.0, 0.5))})
+    body = continuum(space, {1: material_of(Elastic(3.0, 0.5))})
     n, at = space.n_displacements, space.node_points
     held = np.stack([(at[:, 0] % 1 == 0), (at[:, 1] % 1 == 0), at[:, 2] == 0], axis=1).ravel()
     free = np.flatnonzero(~np.concatenate([held, np.zeros(space.n_unknowns - n, dtype=bool)]))

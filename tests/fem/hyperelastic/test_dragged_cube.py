@@ -7,7 +7,7 @@ from scipy.sparse.linalg import splu
 
 from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.hyperelastic.laws import neo_hookean
+from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.support.checks import ConvergenceError
 
@@ -19,7 +19,7 @@ def dragged(
     mu: float, depth: float, *, heading: float = 0.0, poisson: float = 0.49, steps: int = 4
 ):
     """Return a cube, its target and its state under a plate that slides along a heading in rad."""
-    block = cube(neo_hookean(Elastic(40.0, poisson)))
+    block = cube(material_of(Elastic(40.0, poisson)))
     state = State(
         np.zeros(block.body.space.n_unknowns), np.zeros(len(block.equilibrium.contact)), 0
     )
@@ -77,7 +77,7 @@ def test_the_same_pressures_follow_from_any_factor_and_any_steps():
 
 def test_the_matrix_of_the_contact_is_the_derivative_of_the_gaps():
     """Taylor, about rest: what B' K^-1 P misses of friction falls with the square of pressures."""
-    block = cube(neo_hookean(Elastic(40.0, 0.3)))
+    block = cube(material_of(Elastic(40.0, 0.3)))
     solver, count = block.equilibrium, len(block.equilibrium.contact)
     rest, free = np.zeros(block.body.space.n_unknowns), block.equilibrium.system.free
     inverse = splu(block.body.tangent(rest, block.body.at_rest).tocsc()[np.ix_(free, free)])

@@ -11,7 +11,6 @@ from scipy import sparse
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic import newton
 from fefinger.fem.hyperelastic.iterate import ASTRAY, Anderson, stagnant
-from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
 from fefinger.fem.hyperelastic.load_path import (
     FactorizationBudget,
     LoadPath,
@@ -19,6 +18,7 @@ from fefinger.fem.hyperelastic.load_path import (
     StressHistory,
     follow,
 )
+from fefinger.fem.hyperelastic.material import Material, material_of
 from fefinger.fem.hyperelastic.newton import LEAST, STUCK, TRUST, Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.hyperelastic.tangent import FactoredTangent
@@ -29,10 +29,10 @@ from fefinger.theory.relaxation import Prony, hereditary_integral
 
 RATIOS = (0.0, 0.3, 0.45, 0.49, 0.5)
 LAWS = {
-    "neo-hookean": neo_hookean,
-    "mooney-rivlin": lambda elastic: law("mooney-rivlin", elastic, share=0.4),
-    "demiray": lambda elastic: law("demiray", elastic, 1.5),
-    "veronda-westmann": lambda elastic: law("veronda-westmann", elastic, 1.0),
+    "neo-hookean": material_of,
+    "mooney-rivlin": lambda elastic: material_of(elastic, "mooney-rivlin", share=0.4),
+    "demiray": lambda elastic: material_of(elastic, "demiray", exponent=1.5),
+    "veronda-westmann": lambda elastic: material_of(elastic, "veronda-westmann", exponent=1.0),
 }
 PRONY = Prony((0.3, 0.4, 0.3), (60.0, 2.0))
 SERIES = {1: Series(np.array(PRONY.weights), np.array(PRONY.v))}
@@ -57,7 +57,7 @@ def pressed_to(pressed: Cube, *depths: float) -> tuple[Target, State]:
     return target, state
 
 
-def squeezed(material: Law, depths: list[float]) -> tuple[float, np.ndarray, State]:
+def squeezed(material: Material, depths: list[float]) -> tuple[float, np.ndarray, State]:
     """Return the force in mN and the stretches at the last of the depths, and the state."""
     pressed = cube(material)
     _, state = pressed_to(pressed, *depths)
@@ -82,13 +82,13 @@ def test_a_cube_squeezed_to_half_its_height_has_its_closed_form(name: str, poiss
 
 
 def test_a_cube_that_is_not_nearly_incompressible_does_not_fold_at_its_corner():
-    material = law("mooney-rivlin", Elastic(100.0, 0.45))
+    material = material_of(Elastic(100.0, 0.45), "mooney-rivlin")
     _, stretch, _ = squeezed(material, np.linspace(0.05, 0.5, 10).tolist())
     assert stretch == pytest.approx([across(material, 0.5)] * 2 + [0.5], rel=1e-6)
 
 
 def test_the_same_cube_in_other_units_gives_the_same_strains():
-    forces = [squeezed(neo_hookean(Elastic(e, 0.49)), [0.2])[0] / e for e in (1e-3, 40.0, 1e9)]
+    forces = [squeezed(material_of(Elastic(e, 0.49)), [0.2])[0] / e for e in (1e-3, 40.0, 1e9)]
     assert forces == pytest.approx([forces[0]] * 3, rel=1e-6)
 
 
@@ -107,7 +107,7 @@ def test_residuals_are_scaled_by_the_largest_load_of_an_equilibrium_not_of_an_it
 def test_factors_that_fail_in_single_precision_are_made_in_double(
     unsound: Callable[..., None],
 ):
-    material = law("demiray", Elastic(40.0, 0.49), 1.5)
+    material = material_of(Elastic(40.0, 0.49), "demiray", exponent=1.5)
     usual, _, _ = squeezed(material, [0.2, 0.4])
     unsound(np.float32)
     pressed = cube(material)
@@ -125,20 +125,20 @@ def test_factors_that_fail_in_single_precision_are_made_in_double(
 
 
 def test_all_nodes_of_the_plate_carry_the_same_pressure_and_none_pulls():
-    material = neo_hookean(Elastic(40.0, 0.5))
+    material = material_of(Elastic(40.0, 0.5))
     force, _, state = squeezed(material, [0.2])
     assert state.pressure == pytest.approx(np.full(len(state.pressure), force), rel=1e-5)
 
 
 def test_the_bed_under_a_contact_is_as_stiff_as_stability_asks(monkeypatch: pytest.MonkeyPatch):
-    pressed = cube(neo_hookean(Elastic(40.0, 0.49)))
+    pressed = cube(material_of(Elastic(40.0, 0.49)))
     solver = pressed.equilibrium
     target, state = pressed_to(pressed, 0.1, 0.3, 0.5)
     pressures = (solver.system.free >= pressed.body.space.n_displacements).sum()
     solver._renew(solver._evaluate(state, target), target)
     assert solver._factored.approximate_factor.negative == pressures
     monkeypatch.setattr(newton, "SUPPORTS", newton.SUPPORTS[:1])
-    soft = cube(neo_hookean(Elastic(40.0, 0.49))).equilibrium
+    soft = cube(material_of(Elastic(40.0, 0.49))).equilibrium
     soft._renew(soft._evaluate(state, target), target)
     assert soft._factored.approximate_factor.negative > pressures
     assert soft._factored.support.max() < solver._factored.support.max()
@@ -146,13 +146,13 @@ def test_the_bed_under_a_contact_is_as_stiff_as_stability_asks(monkeypatch: pyte
 
 def test_a_step_too_large_is_reported():
     with pytest.raises(ConvergenceError, match="press less deep"):
-        squeezed(neo_hookean(Elastic(40.0, 0.5)), [1.2])
+        squeezed(material_of(Elastic(40.0, 0.5)), [1.2])
 
 
 # Through time
 
 
-def passed(material: Law, times: np.ndarray, depth: object, **options: object) -> np.ndarray:
+def passed(material: Material, times: np.ndarray, depth: object, **options: object) -> np.ndarray:
     """Return the force in mN at the times, under depth control."""
     return forces_along(cube(material, 1), LoadPath("depth", times, depth), **options)
 
@@ -160,7 +160,7 @@ def passed(material: Law, times: np.ndarray, depth: object, **options: object) -
 @pytest.mark.parametrize("poisson", RATIOS)
 def test_a_body_without_memory_that_is_left_again_is_at_rest_at_once(poisson: float):
     """Nothing is left to which the errors of that last step could be relative."""
-    pressed, states = cube(neo_hookean(Elastic(40.0, poisson))), []
+    pressed, states = cube(material_of(Elastic(40.0, poisson))), []
     history = StressHistory(pressed.body, {1: Series(np.ones(1), np.empty(0))})
     times, depth = np.arange(9.0), lambda time: 0.1 * min(time, 8.0 - time)
     follow(
@@ -177,7 +177,7 @@ def ramp(time: float) -> float:
     return min(10.0 * time, 0.4)
 
 
-def relaxed(material: Law, times: np.ndarray) -> np.ndarray:
+def relaxed(material: Material, times: np.ndarray) -> np.ndarray:
     """Return the force of `ramp`: P = stretch times the hereditary integral of P_e / stretch.
 
     With free sides the lateral S stays zero, so that S along the axis relaxes alone.
@@ -192,7 +192,7 @@ def relaxed(material: Law, times: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("tiny", [1e-9, 1e-12, 1e-16])
 def test_forces_far_below_the_largest_one_of_a_path_are_met_as_closely_as_can_be(tiny: float):
-    pressed = cube(neo_hookean(Elastic(40.0, 0.49)), 1)
+    pressed = cube(material_of(Elastic(40.0, 0.49)), 1)
     times, forces = np.linspace(0, 1, 6), 10 * np.array([tiny, 1, tiny, 0, tiny**0.5, 1])
     path = LoadPath("force", times, lambda time: float(np.interp(time, times, forces)))
     close = EQUILIBRIUM * max(SMALL_FORCE * forces.max(), LEAST_FORCE)
@@ -205,9 +205,10 @@ def timed(steps: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    "material", [neo_hookean(Elastic(40.0, 0.5)), law("demiray", Elastic(40.0, 0.49), 2.0)]
+    "material",
+    [material_of(Elastic(40.0, 0.5)), material_of(Elastic(40.0, 0.49), "demiray", exponent=2.0)],
 )
-def test_a_ramp_and_hold_is_the_hereditary_integral_to_second_order(material: Law):
+def test_a_ramp_and_hold_is_the_hereditary_integral_to_second_order(material: Material):
     errors = []
     for steps in (5, 10):
         times = timed(steps)
@@ -218,7 +219,7 @@ def test_a_ramp_and_hold_is_the_hereditary_integral_to_second_order(material: La
 
 
 def test_a_jump_starts_stiff_by_one_over_c0_and_ends_relaxed():
-    material = neo_hookean(Elastic(40.0, 0.5))
+    material = material_of(Elastic(40.0, 0.5))
     forces = passed(material, np.array([0.0, 1e3]), lambda t: 0.3)
     assert forces[0] == pytest.approx(nominal(material, 0.7) / PRONY.long_time, rel=1e-5)
     assert forces[1] == pytest.approx(nominal(material, 0.7), rel=1e-3)
@@ -226,7 +227,7 @@ def test_a_jump_starts_stiff_by_one_over_c0_and_ends_relaxed():
 
 def test_pressure_that_does_not_relax_changes_a_compressible_cube_only():
     times = np.array([0.0, 0.05])
-    soft, tight = (neo_hookean(Elastic(40.0, nu)) for nu in (0.3, 0.4999))
+    soft, tight = (material_of(Elastic(40.0, nu)) for nu in (0.3, 0.4999))
     whole, part = (
         [passed(law, times, lambda t: 0.2, deviatoric=flag) for law in (soft, tight)]
         for flag in (False, True)
@@ -236,7 +237,7 @@ def test_pressure_that_does_not_relax_changes_a_compressible_cube_only():
 
 
 def test_retraction_leaves_the_plate_without_pull_and_work_is_lost_in_the_cycle():
-    material = neo_hookean(Elastic(40.0, 0.49))
+    material = material_of(Elastic(40.0, 0.49))
     times = np.linspace(0.0, 0.08, 41)
 
     def depth(t: float) -> float:
@@ -251,14 +252,14 @@ def test_retraction_leaves_the_plate_without_pull_and_work_is_lost_in_the_cycle(
 
 @pytest.mark.parametrize("step", [1e-6, 1e3])
 def test_steps_from_a_microsecond_to_a_thousand_seconds_are_stable(step: float):
-    material = neo_hookean(Elastic(40.0, 0.49))
+    material = material_of(Elastic(40.0, 0.49))
     forces = passed(material, step * np.arange(4.0), lambda t: min(0.1 * t / step, 0.2))
     bounds = np.array([nominal(material, 0.8), nominal(material, 0.8) / PRONY.long_time])
     assert forces[-1] == pytest.approx(bounds[0 if step > 1 else 1], rel=1e-3)
 
 
 def test_a_held_force_creeps_to_the_depth_of_the_relaxed_cube():
-    material = neo_hookean(Elastic(40.0, 0.5))
+    material = material_of(Elastic(40.0, 0.5))
     pressed = cube(material, 1)
     target, depths = nominal(material, 0.8), []
     history = StressHistory(pressed.body, SERIES)
@@ -279,8 +280,8 @@ def test_one_iteration_with_a_fresh_tangent_finds_the_depth_of_a_slightly_larger
     poisson: float,
 ):
     # The stiffness of the contact travels with the plate: it does not resist the travel itself.
-    force, _, state = squeezed(neo_hookean(Elastic(40.0, poisson)), [0.15, 0.3])
-    pressed = cube(neo_hookean(Elastic(40.0, poisson)))
+    force, _, state = squeezed(material_of(Elastic(40.0, poisson)), [0.15, 0.3])
+    pressed = cube(material_of(Elastic(40.0, poisson)))
     solver = pressed.equilibrium
     more = Target("force", 1.0001 * force, pressed.body.at_rest, force)
     iterate = solver._evaluate(state, more)
@@ -293,7 +294,7 @@ def test_one_iteration_with_a_fresh_tangent_finds_the_depth_of_a_slightly_larger
 @pytest.mark.parametrize("poisson", [0.3, 0.49])
 def test_a_path_under_force_control_takes_few_iterations(poisson: float):
     """Some 70 in 13 steps; three times as many if the depth is not accelerated with the rest."""
-    material = neo_hookean(Elastic(40.0, poisson))
+    material = material_of(Elastic(40.0, poisson))
     force, _, _ = squeezed(material, [0.1, 0.2, 0.3])
     pressed = cube(material)
     path = LoadPath("force", np.linspace(0, 1, 13), lambda time: force * min(2 * time, 1.0))
@@ -322,7 +323,7 @@ def test_a_step_of_a_hold_starts_where_creep_as_in_the_step_before_it_would_lead
 ):
     """Not so the first one, before which the plate moved."""
     path = LoadPath("force", np.array([0.0, 0.01, 0.02, 0.04, 0.08]), lambda t: 1000 * min(t, 0.01))
-    solver = cube(neo_hookean(Elastic(40.0, 0.3)), 1).equilibrium
+    solver = cube(material_of(Elastic(40.0, 0.3)), 1).equilibrium
     starts, ends = starts_and_ends(solver, path, monkeypatch)
     assert starts[2].depth == ends[1].depth
     for start, last, before in zip(starts[3:], ends[2:], ends[1:], strict=False):
@@ -335,7 +336,7 @@ def test_a_step_of_a_hold_starts_where_creep_as_in_the_step_before_it_would_lead
 def test_no_step_starts_with_tension(monkeypatch: pytest.MonkeyPatch):
     depths = [0.0, 0.1, 0.3, 0.01]
     path = LoadPath("depth", np.arange(4) / 10, lambda t: depths[round(10 * t)])
-    solver = cube(law("demiray", Elastic(40.0, 0.3), 2.0), 1).equilibrium
+    solver = cube(material_of(Elastic(40.0, 0.3), "demiray", exponent=2.0), 1).equilibrium
     starts, ends = starts_and_ends(solver, path, monkeypatch)
     on = ends[1].toward(ends[2], 1 + (0.01 - 0.3) / 0.2).pressure
     assert on.min() < 0
@@ -343,7 +344,7 @@ def test_no_step_starts_with_tension(monkeypatch: pytest.MonkeyPatch):
 
 
 def test_the_flexibility_of_columns_that_come_later_is_that_of_all_at_once():
-    material = neo_hookean(Elastic(40.0, 0.3))
+    material = material_of(Elastic(40.0, 0.3))
     _, _, state = squeezed(material, [0.2])
     solver = cube(material).equilibrium
     target = Target("depth", 0.2, solver.body.at_rest)
@@ -363,7 +364,7 @@ def test_the_flexibility_of_columns_that_come_later_is_that_of_all_at_once():
 
 def test_nothing_follows_an_obstacle_where_gaps_would_open_by_it():
     """As in a body that would buckle without the obstacle: slower, but it converges."""
-    material = neo_hookean(Elastic(40.0, 0.49))
+    material = material_of(Elastic(40.0, 0.49))
     force, _, state = squeezed(material, [0.15, 0.3])
     pressed = cube(material)
     solver, projected = pressed.equilibrium, pressed.equilibrium.contact.projected
@@ -393,7 +394,7 @@ def test_an_iteration_that_comes_no_nearer_is_given_up(
     """Sooner where more is out of balance than presses."""
     monkeypatch.setattr(newton, "relative_error", lambda *_: error)
     with pytest.raises(ConvergenceError, match=f"after {iterations} iterations"):
-        squeezed(neo_hookean(Elastic(40.0, 0.3)), [0.2])
+        squeezed(material_of(Elastic(40.0, 0.3)), [0.2])
 
 
 def test_large_errors_that_fall_are_not_stagnant():
@@ -406,7 +407,7 @@ def test_large_errors_that_fall_are_not_stagnant():
 
 def test_a_step_that_takes_more_than_its_allowance_is_given_up_with_all_its_parts():
     """It was split again and again, each time at the price of a whole search and descent."""
-    pressed = cube(neo_hookean(Elastic(40.0, 0.5)), 1)
+    pressed = cube(material_of(Elastic(40.0, 0.5)), 1)
     solver, seen = pressed.equilibrium, []
     path = LoadPath("depth", np.arange(4.0), lambda t: (0.0, 0.1, 0.2, 1.2)[int(np.ceil(t))])
     history = StressHistory(pressed.body, SERIES)
@@ -430,7 +431,7 @@ def test_what_a_step_spends_beyond_the_usual_is_gone_for_all_later_ones():
 def test_a_factor_with_which_the_error_no_longer_falls_is_renewed_before_patience_ends(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    pressed = cube(neo_hookean(Elastic(40.0, 0.49)))
+    pressed = cube(material_of(Elastic(40.0, 0.49)))
     solver, count = pressed.equilibrium, pressed.body.space.n_unknowns
     factored = solver._factored
     uneven = np.exp(0.5 * np.random.default_rng(0).standard_normal(count))
@@ -458,7 +459,7 @@ def test_a_search_that_takes_many_factors_is_left_for_the_way_downhill(
     monkeypatch.setattr(newton, "relative_error", lambda *_: 1.0)
     monkeypatch.setattr(newton, "SOON", 1)
     with pytest.raises(ConvergenceError):
-        squeezed(neo_hookean(Elastic(40.0, 0.3)), [0.2])
+        squeezed(material_of(Elastic(40.0, 0.3)), [0.2])
     assert spent == [newton.SEARCH + 1]
 
 
@@ -481,7 +482,7 @@ def test_the_way_downhill_ends_in_the_closed_form(
 
 
 def test_an_iterate_whose_forces_have_run_away_is_none_like_one_that_is_inside_out():
-    pressed = cube(law("demiray", Elastic(40.0, 0.49), 1e3))
+    pressed = cube(material_of(Elastic(40.0, 0.49), "demiray", exponent=1e3))
     solver, space = pressed.equilibrium, pressed.body.space
     height = space.node_points[:, 2]
     target, flat = Target("depth", 0.1, pressed.body.at_rest), np.zeros(len(solver.contact))
@@ -495,7 +496,7 @@ def test_an_iterate_whose_forces_have_run_away_is_none_like_one_that_is_inside_o
 
 
 def test_a_bed_under_the_weighted_gaps_is_that_of_the_matrix_and_takes_its_eigenvalues():
-    pressed = cube(neo_hookean(Elastic(40.0, 0.49)))
+    pressed = cube(material_of(Elastic(40.0, 0.49)))
     solver, space = pressed.equilibrium, pressed.body.space
     target, state = pressed_to(pressed, 0.1, 0.3, 0.5)
     tangent = pressed.body.tangent(state.values, target.history)
@@ -521,7 +522,7 @@ def test_a_bed_under_the_weighted_gaps_is_that_of_the_matrix_and_takes_its_eigen
 
 
 def test_a_blend_takes_as_much_of_the_definite_tangent_as_stability_asks():
-    pressed = cube(neo_hookean(Elastic(40.0, 0.49)))
+    pressed = cube(material_of(Elastic(40.0, 0.49)))
     solver = pressed.equilibrium
     state, shares = at_rest(pressed), []
     for depth in (0.1, 0.3, 0.5):
@@ -535,7 +536,7 @@ def test_a_blend_takes_as_much_of_the_definite_tangent_as_stability_asks():
 
 
 def test_no_node_goes_farther_downhill_in_an_iteration_than_it_is_trusted():
-    pressed = cube(neo_hookean(Elastic(40.0, 0.3)))
+    pressed = cube(material_of(Elastic(40.0, 0.3)))
     solver, space = pressed.equilibrium, pressed.body.space
     start = at_rest(pressed)
     far = State(np.full(space.n_unknowns, 10.0), np.ones(len(solver.contact)), 0.4)

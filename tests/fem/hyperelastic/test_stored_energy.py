@@ -8,15 +8,15 @@ from oracles.potential import energy
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
-from fefinger.fem.hyperelastic.laws import Law, law, neo_hookean
+from fefinger.fem.hyperelastic.material import Material, material_of
 from fefinger.fem.hyperelastic.stored_energy import StoredEnergy
 from fefinger.support.arrays import Array
 
 
-def tissues(poisson: float) -> dict[int, Law]:
+def tissues(poisson: float) -> dict[int, Material]:
     return {
-        1: law("veronda-westmann", Elastic(40.0, poisson), 2.0),
-        2: law("mooney-rivlin", Elastic(10.0, poisson), share=0.3),
+        1: material_of(Elastic(40.0, poisson), "veronda-westmann", exponent=2.0),
+        2: material_of(Elastic(10.0, poisson), "mooney-rivlin", share=0.3),
     }
 
 
@@ -60,7 +60,7 @@ def test_at_small_strain_it_is_half_the_displacement_times_the_force(poisson: fl
     matrix, n = stiffness(space, soft), moved.size
     pressures = np.linalg.solve(matrix[n:, n:].toarray(), -(matrix[n:, :n] @ moved.ravel()))
     force = matrix[:n] @ np.append(moved.ravel(), pressures)
-    laws = {k: neo_hookean(elastic) for k, elastic in soft.items()}
+    laws = {k: material_of(elastic) for k, elastic in soft.items()}
     found = sum(integral(space, StoredEnergy(space, laws, finite=False), moved))
     assert found == pytest.approx(moved.ravel() @ force / 2, rel=1e-6)
 
@@ -70,7 +70,9 @@ def test_stiffening_is_the_mean_exponent_of_the_energy():
     space, shear = body(0.49)[0], 0.3
     moved = np.zeros((space.n_nodes, 3))
     moved[:, 0] = shear * space.node_points[:, 2]
-    stored = StoredEnergy(space, {1: law("demiray", Elastic(40.0, 0.49), 2.0)}, finite=True)
+    stored = StoredEnergy(
+        space, {1: material_of(Elastic(40.0, 0.49), "demiray", exponent=2.0)}, finite=True
+    )
     assert stored.stiffening(moved) == pytest.approx(2.0 * shear**2, rel=1e-9)
     assert stored.stiffening(0 * moved) == 0.0
     both = StoredEnergy(space, tissues(0.49), finite=True)

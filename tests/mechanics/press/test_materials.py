@@ -12,7 +12,7 @@ from fefinger.validation.problems.grids import box
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
-from fefinger.fem.hyperelastic.laws import neo_hookean
+from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.linalg import system
 from fefinger.mechanics import Mechanics, condensed, get, linear, names, solid
 from fefinger.mechanics.press import finite_strain, materials
@@ -49,7 +49,7 @@ def force(solver: str | None = None, **parts: object) -> float:
 def test_the_most_pressed_cell_may_lie_in_the_nail() -> None:
     even = box(*3 * (np.linspace(0.0, 1.0, 2),))
     space = Space(even.points, even.cells, np.full_like(even.tissue, materials.NAIL))
-    elements = continuum(space, {materials.NAIL: neo_hookean(Elastic(2e6, 0.3))})
+    elements = continuum(space, {materials.NAIL: material_of(Elastic(2e6, 0.3))})
     stretch, _, tissue = finite_strain.most_compressed(elements, np.zeros(space.n_unknowns))
     assert (stretch, tissue) == (pytest.approx(1.0), "nail")
 
