@@ -25,6 +25,29 @@ def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     return compiled
 
 
+def callback(function: Callable[..., Any], numbers: int, results: int) -> Any:
+    """Compile a function that compiled loops take as an argument.
+
+    Its arguments are so many `numbers` and an array (n,), and it returns so many `results`.
+
+    Raises
+    ------
+    TypeError
+        A function that numba does not compile.
+    """
+    from numba import cfunc, float64, types
+    from numba.core.errors import NumbaError
+
+    signature = types.UniTuple(float64, results)(*[float64] * numbers, float64[::1])
+    try:
+        try:
+            return cfunc(signature, cache=True)(function)
+        except RuntimeError:  # no folder to keep it in, or no file, as in a console
+            return cfunc(signature)(function)
+    except NumbaError as error:
+        raise TypeError(str(error).strip().partition("\n")[0]) from error
+
+
 def notice() -> str:
     """Return a sentence where compiled functions cannot be kept, else ""."""
     if not _not_kept:

@@ -7,22 +7,18 @@ p = K (J - 1) as an unknown of its own, so that K may be infinite.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
-from numba import cfunc, types
-from numba.core.errors import NumbaError
 
 from fefinger.fem.elements.forms import Elastic
 from fefinger.laws import LAWS, NEO_HOOKEAN, Law
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
+from fefinger.support.compiled import callback
 
 
 CompiledLaw = Callable[[float, float, Array], tuple[float, float, float, float, float, float]]
 """Law for the loops over elements: I1 - 3, I2 - 3 and parameters give W and its derivatives."""
-
-SIGNATURE = types.UniTuple(types.float64, 6)(types.float64, types.float64, types.float64[::1])
 
 
 @dataclass(frozen=True)
@@ -73,18 +69,10 @@ def compiled(law: Law) -> CompiledLaw:
         A function that numba does not compile.
     """
     try:
-        try:
-            return _compiled(law.density, cache=True)
-        except RuntimeError:  # no file of a source that could be cached, as in a console
-            return _compiled(law.density, cache=False)
-    except NumbaError as error:
-        reason = str(error).strip().splitlines()
+        function: CompiledLaw = callback(law.density, numbers=2, results=6)
+    except TypeError as error:
         raise InputError(
             f"law {law.name!r}: expected a function that numba compiles, with numbers and "
-            f"functions of NumPy alone, received {law.density.__qualname__}: {reason[0]}"
+            f"functions of NumPy alone, received {law.density.__qualname__}: {error}"
         ) from error
-
-
-def _compiled(density: Callable[..., Any], *, cache: bool) -> CompiledLaw:
-    function: CompiledLaw = cfunc(SIGNATURE, cache=cache)(density)
     return function
