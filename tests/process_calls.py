@@ -31,3 +31,9 @@ def print_and_sleep(seconds: float) -> None:
     """Print where an answer would go, then sleep."""
     print("a print", flush=True)
     time.sleep(seconds)
+
+
+def read(file: str) -> int:
+    """Read a file or a pipe to its end, and return how long it is."""
+    with open(file) as opened:
+        return len(opened.read())

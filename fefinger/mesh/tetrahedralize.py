@@ -19,7 +19,6 @@ from fefinger.support import processes
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.atomic_write import temporary_folder
 from fefinger.support.checks import ConvergenceError
-from fefinger.support.interrupt import unblock
 
 
 LIMIT = 900.0
@@ -140,5 +139,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    unblock()
     main(Path(sys.argv[1]))

@@ -79,10 +79,20 @@ def watch(messages: dict[str, str] | None = None) -> None:
         threading.Thread(target=target, name="signals", daemon=True).start()
 
 
-def unblock() -> None:
-    """Let the signals through again, in a child process that inherited their block."""
-    if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, _signals())
+@contextmanager
+def unblocked() -> Iterator[None]:
+    """Let the signals through for a moment: a process that is started then does not block them.
+
+    A signal that comes meanwhile reaches the watcher by its handler.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_UNBLOCK, _signals())
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

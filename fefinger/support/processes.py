@@ -55,7 +55,8 @@ def running(words: Sequence[str], **options: Any) -> "Iterator[subprocess.Popen[
     """
     started: list[subprocess.Popen[Any]] = []
     with interrupt.on_end(lambda: end(*started)):
-        with interrupt.shielded():  # no child without an entry in the list
+        # No child without an entry in the list, and none that a signal does not end.
+        with interrupt.shielded(), interrupt.unblocked():
             started.append(subprocess.Popen(words, **options))
         try:
             yield started[0]

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import interrupts
 import pytest
@@ -121,6 +122,16 @@ def test_temporary_files_and_children_go_the_last_first(tmp_path):
         os.kill(int(done.stdout), 0)
 
 
+def test_a_child_is_ended_by_the_signals_that_its_parent_blocks():
+    """Also before it runs any code of its own: it would else be killed, with what it made left."""
+    work = (
+        "mask = 'import signal; print(len(signal.pthread_sigmask(signal.SIG_BLOCK, [])))'\n"
+        "    with processes.running(processes.command('-c', mask)) as child: child.wait()\n"
+        "    print(len(signal.pthread_sigmask(signal.SIG_BLOCK, [])))"
+    )
+    assert run(work).stdout.split() == ["0", "3"]
+
+
 def test_advice_takes_the_place_of_the_ordinary_sentence():
     done = run("with interrupt.advice('go on'):\n        press(); time.sleep(30)")
     assert done.stderr == "interrupted; go on\n"
@@ -171,15 +182,15 @@ def test_a_command_that_is_interrupted_leaves_nothing_behind(name):
     assert not outcome.wrong
 
 
-CALIBRATE = """
+READ = """
 import sys
-from fefinger.calibration import jobs
-from fefinger.scene.finger import Finger
+sys.path.insert(0, sys.argv[1])
+import process_calls
+from fefinger.support import processes
 from fefinger.support.interrupt import interruptible
 
 def work():
-    finger = Finger.subject("a.h.")
-    jobs.run([{"source": file, "finger": finger} for file in sys.argv[1:]], workers=2)
+    list(processes.each(process_calls.read, sys.argv[2:], workers=2))
     return 0
 
 sys.exit(interruptible(work))
@@ -213,13 +224,13 @@ def gone(line):
 
 
 @pytest.mark.parametrize("end", ["SIGINT", "SIGKILL"])
-def test_the_processes_of_a_calibration_end_with_it(end, tmp_path):
-    """Each reads a record from a pipe that never ends."""
+def test_the_workers_of_a_process_end_with_it(end, tmp_path):
+    """Each reads from a pipe that never ends."""
     files = [tmp_path / name for name in ("one.csv", "two.csv")]
     for file in files:
         os.mkfifo(file)
     with subprocess.Popen(
-        [sys.executable, "-c", CALIBRATE, *map(str, files)],
+        [sys.executable, "-c", READ, str(Path(__file__).parents[1]), *map(str, files)],
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,  # so that the signal is for one alone
