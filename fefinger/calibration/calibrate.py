@@ -7,6 +7,7 @@ which the thesis's fit of simulated frames must agree with that of the measured 
 """
 
 import math
+import os
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -139,7 +140,7 @@ def _named(source: str | Path) -> str:
         f"{source}: expected the size of the finger with a record, received none; give width and "
         "thickness in mm, or the subject whose size it has"
     )
-    if not Path(source).exists():
+    if not os.path.exists(source):
         listed = ", ".join(names)
         msg = f"calibrate: expected a subject ({listed}) or a CSV file, received {str(source)!r}"
     raise InputError(msg)

@@ -108,6 +108,7 @@ def solve(
 
     margin = 1e-9 * (high - low)
 
+    @np.errstate(over="ignore")  # of steps too far, which are rejected
     def search(numbers: Array, most: int, change: float) -> "OptimizeResult":
         begin = np.clip(numbers, low + margin, high - margin)
         return least_squares(

@@ -16,6 +16,7 @@ from fefinger.support import atomic_write
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.csv_columns import CsvTable, check_times, factor, read_table, shortened
+from fefinger.support.inputs import first_line
 from fefinger.support.likely_units import DURATION, FORCE, TRAVEL
 from fefinger.support.outputs import keep
 from fefinger.support.text import strict_json, table
@@ -206,10 +207,8 @@ HEADING = "time_s,position_mm,force_N,joint_N,thesis_N"
 def keep_others(folder: Path) -> None:
     """Raise InputError where `fit.csv` in a folder is another table, as the record itself."""
     name = "fit.csv"
-    if (folder / name).exists():
-        with open(folder / name, encoding="utf-8", errors="replace") as table:
-            first = table.readline().strip()
-        keep([name] * (first != HEADING), folder, "fit")
+    if (folder / name).exists() and first_line(folder / name) != HEADING:
+        keep([name], folder, "fit")
 
 
 def save(fit: LumpedFit, folder: Path) -> list[str]:

@@ -1,6 +1,7 @@
 """Record of a calibration: parameters with uncertainty and prior, misfits, and its files."""
 
 import json
+import os
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -16,6 +17,7 @@ from fefinger.scene.tissue import Tissue
 from fefinger.support import atomic_write
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+from fefinger.support.inputs import read_json
 from fefinger.support.outputs import keep
 from fefinger.support.text import table
 from fefinger.theory.relaxation import Prony
@@ -192,9 +194,9 @@ class Calibration:
             A file that is none.
         """
         path = Path(file)
-        path = path / FILE if path.is_dir() else path
+        path = path / FILE if os.path.isdir(path) else path
         try:
-            return cls.from_record(json.loads(path.read_text(encoding="utf-8")))
+            return cls.from_record(read_json(path))
         except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
             msg = f"{path}: expected a {FILE} that `fefinger calibrate -o` wrote ({error})"
             raise InputError(msg) from None

@@ -57,6 +57,11 @@ def parametric(recipe: Recipe) -> Shape:
             f"a finger {recipe.width:g} mm wide and {recipe.thickness:g} mm thick with pad radius "
             f"{recipe.pad_radius:g} mm, received {recipe.tip_radius:g} mm"
         )
+    if recipe.tip_radius is not None and recipe.tip_radius < recipe.skin_thickness:
+        raise InputError(
+            f"finger.tip_radius: expected at least {recipe.skin_thickness:g} mm, the thickness of "
+            f"the skin, which has no inner surface otherwise, received {recipe.tip_radius:g} mm"
+        )
     if wanted[0] < 0.6 * recipe.thickness:
         least = np.sqrt(0.6 * recipe.thickness * wanted[1])
         raise InputError(

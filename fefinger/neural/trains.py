@@ -3,6 +3,7 @@
 import csv
 import hashlib
 import math
+import os
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -21,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import InputError, choice, names
+from fefinger.support.inputs import check_input
 from fefinger.support.vocabulary import FAMILIES
 
 
@@ -405,6 +407,7 @@ class SpikeTrains:
 
 def _read_npz(path: str | PathLike[str]) -> dict[str, NDArray[Any]]:
     """Read the arrays of a file that `to_npz` wrote."""
+    check_input(str(path), path, "an NPZ file of spike trains")
     try:
         # Opened here: numpy leaves a damaged file open.
         with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
@@ -471,7 +474,7 @@ def _extra(module: str, extra: str) -> Any:
 def _in_place(path: str | PathLike[str]) -> Iterator[Path]:
     """Yield a temporary name next to `path`; move the file to `path` after the enclosed block."""
     path = Path(path)
-    if not path.parent.is_dir():
+    if not os.path.isdir(path.parent):
         raise InputError(f"{path}: expected a folder that exists, received {str(path.parent)!r}")
     try:
         with moved(path) as new:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import os
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -48,7 +49,7 @@ def read(path: str | PathLike[str]) -> result_record.ResultRecord:
     import xarray as xr
 
     file = Path(path)
-    if file.is_dir():
+    if os.path.isdir(file):
         file = file / "result.nc"
     if reason := unreadable(file):
         raise InputError(
@@ -81,6 +82,8 @@ def stored(file: Path) -> frozenset[str] | None:
     """Return the names of what a saved result of any version holds; None for another file."""
     import h5netcdf
 
+    if unreadable(file):
+        return None
     try:
         with h5netcdf.File(file, "r") as opened:
             ours = str(opened.attrs.get("format")).startswith(FAMILY)

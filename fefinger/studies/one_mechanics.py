@@ -1,7 +1,6 @@
 """One mechanics and one mesh for all scenes of a study, so that nothing else differs."""
 
 import hashlib
-import json
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -11,9 +10,9 @@ from fefinger.plan import choose
 from fefinger.results.result_record import Plan
 from fefinger.scene.finger import AUTO, RESOLUTIONS
 from fefinger.scene.scene import Scene
+from fefinger.studies import stored
 from fefinger.studies.grid import EACH
 from fefinger.studies.tasks import Task, key
-from fefinger.support import atomic_write
 from fefinger.support.checks import InputError
 
 
@@ -57,7 +56,7 @@ def agreed(
         named = next(iter(tasks.values()))["mechanics"]
         choice = _choice(tasks, over)
         if place is not None and (named is None or choice.mesh is not None):
-            atomic_write.write(place.parent, {place.name: json.dumps(choice)})
+            stored.write(place, choice._asdict())
     if choice.mechanics is None:
         return dict(tasks), choice.sentence
     planned = {"mechanics": choice.mechanics}
@@ -67,10 +66,8 @@ def agreed(
 
 def _stored(place: Path | None) -> Choice | None:
     """Read the choice from a file; None if it is missing or damaged."""
-    try:
-        return None if place is None else Choice(*json.loads(place.read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError):
-        return None
+    record = None if place is None else stored.read(place)
+    return None if record is None else Choice(**record)
 
 
 def _choice(tasks: Mapping[int, Task], over: Collection[str]) -> Choice:

@@ -9,7 +9,6 @@ its motion are those of the scene.
 
 import re
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -30,6 +29,7 @@ from fefinger.scene.scene import Scene
 from fefinger.support import atomic_write
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, choices, number
+from fefinger.support.inputs import first_line
 from fefinger.support.outputs import keep, output_folder
 from fefinger.support.progress import Progress
 from fefinger.support.text import outline
@@ -124,9 +124,8 @@ def keep_others(folder: Path) -> None:
     """Raise InputError where FILES in a folder are not those of an earlier field."""
     present = [name for name in FILES if (folder / name).exists()]
     header = rf"{','.join(PLACE)}(,\w+_impulses)+"
-    with suppress(OSError, UnicodeDecodeError), open(folder / FILES[0], encoding="utf-8") as table:
-        if re.fullmatch(header, table.readline().strip()):
-            present = []
+    if re.fullmatch(header, first_line(folder / FILES[0])):
+        present = []
     keep(present, folder, "receptive field")
 
 

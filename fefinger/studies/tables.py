@@ -3,7 +3,6 @@
 CSV holds the numbers only; Parquet and netCDF also hold the inputs of the study.
 """
 
-import json
 import os
 from contextlib import suppress
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from fefinger.scene.field_units import split
 from fefinger.studies.columns import MEASURES, MISSED, READINGS, meaning
 from fefinger.support.atomic_write import in_place, netcdf
 from fefinger.support.checks import InputError
+from fefinger.support.inputs import read_json
 
 
 if TYPE_CHECKING:
@@ -75,11 +75,11 @@ def check(path: str | PathLike[str], option: str) -> None:
         listed = ", ".join(ENDINGS)
         msg = f"{option}: expected a file that ends in one of {listed}, received {path.name!r}"
         raise InputError(msg)
-    if not path.parent.is_dir():
+    if not os.path.isdir(path.parent):
         msg = f"{option}: expected a file in a folder that exists, received {str(path)!r}"
         raise InputError(msg)
-    if path.is_dir() or not os.access(path.parent, os.W_OK):
-        what = "a folder" if path.is_dir() else "one in a folder that cannot be written to"
+    if os.path.isdir(path) or not os.access(path.parent, os.W_OK):
+        what = "a folder" if os.path.isdir(path) else "one in a folder that cannot be written to"
         msg = f"{option}: expected a file that can be written, received {what}: {str(path)!r}"
         raise InputError(msg)
     if path.suffix.lower() == ".parquet" and find_spec("pyarrow") is None:
@@ -187,7 +187,7 @@ def set_aside(study: StudyRows, folder: Path) -> list[str]:
     """
     moved = [name for name in NAMES if (folder / name).exists()]
     with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
-        before = json.loads((folder / "study.json").read_text(encoding="utf-8"))
+        before = read_json(folder / "study.json")
         scenes = {row.get("scene") for row in before["rows"]} - {None}
         if scenes <= {row.get("scene") for row in study.rows}:
             return []

@@ -12,15 +12,16 @@ from typing import Any
 
 from fefinger.scene.builtin import given
 from fefinger.scene.scene import Scene
+from fefinger.studies import stored
 from fefinger.studies.columns import MISSED
 from fefinger.studies.grid import EACH, parse_at, product
-from fefinger.support import atomic_write, processes
+from fefinger.support import processes
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.provenance import software
 from fefinger.support.version import VERSION
 
 
-FORMAT = 3
+FORMAT = 4
 """Version of the measures in the hash; increased when they change, to compute scenes again."""
 
 AT = "1N", "1mm"
@@ -100,17 +101,12 @@ def key(task: Task) -> str:
 
 def store(folder: Path, task: Task, answer: Answer) -> None:
     """Write the answer of a task into a folder."""
-    atomic_write.write(folder, {f"{key(task)}.json": json.dumps(answer, allow_nan=False)})
+    stored.write(folder / f"{key(task)}.json", answer)
 
 
 def load(folder: Path, task: Task) -> Answer | None:
     """Read the answer of a task from a folder; None if it is missing or damaged."""
-    try:
-        answer = json.loads((folder / f"{key(task)}.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None
-    complete = isinstance(answer, dict) and {"rows", "date", "commit"} <= answer.keys()
-    return answer if complete else None
+    return stored.read(folder / f"{key(task)}.json")
 
 
 def made() -> dict[str, str]:

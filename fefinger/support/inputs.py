@@ -22,6 +22,9 @@ DEEPEST = 32
 WIDEST = 64
 """Largest number of bits of a whole number, that of TOML."""
 
+LINE = 10_000
+"""Characters of a first line that are read."""
+
 BOUNDS = (
     f"expected values inside at most {DEEPEST} tables or lists, and whole numbers of at most "
     f"{WIDEST} bits, received deeper or longer ones"
@@ -67,6 +70,14 @@ def read_text(field: str, path: str | PathLike[str], expected: str) -> str:
     except OSError as error:
         received = f"which cannot be read: {error.strerror}"
     raise InputError(f"{field}: expected {expected}, received {os.fspath(path)!r}, {received}")
+
+
+def first_line(path: str | PathLike[str]) -> str:
+    """Return the first line of a text file; "" where none can be read."""
+    if unreadable(path):
+        return ""
+    with open(path, encoding="utf-8", errors="replace") as file:
+        return file.readline(LINE).strip()
 
 
 def parse_toml(field: str, text: str) -> dict[str, Any]:

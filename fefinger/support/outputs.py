@@ -82,7 +82,7 @@ def output(folder: str | PathLike[str] | None) -> Iterator[Path | None]:
 
     def remove_empty() -> None:
         for path in made:
-            with suppress(OSError):  # something is in it
+            with suppress(OSError, ValueError):  # something is in it, or it has no name
                 path.rmdir()
 
     try:

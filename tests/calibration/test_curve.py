@@ -33,9 +33,11 @@ def test_beyond_the_press_the_logarithm_goes_on_straight(formula):
 
 
 def test_a_growing_curve_is_t_times_the_linear_one(linear, formula):
-    x = np.array([0.3, 1.0, 1.7])
-    found, plain = linear.at(0.8, 14.0), curve(formula(0.0, count=400))[0]
-    np.testing.assert_allclose(found.force(x), np.expm1(0.8 * x) / 0.8 * plain.force(x), rtol=1e-6)
+    x, plain = np.array([0.3, 1.0, 1.7]), curve(formula(0.0, count=400))[0]
+    for growth in (0.8, -1e-4):  # the differences about a growth of 0 go below it
+        found = linear.at(growth, 14.0)
+        grown = np.expm1(growth * x) / growth * plain.force(x)
+        np.testing.assert_allclose(found.force(x), grown, rtol=1e-6)
     slope = (found.force(x + 1e-5) - found.force(x - 1e-5)) / 2e-5
     np.testing.assert_allclose(found.stiffness(x), slope, rtol=1e-5)
 

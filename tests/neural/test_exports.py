@@ -223,7 +223,7 @@ def test_files_that_are_no_spike_trains_are_refused(tmp_path):
     for name, message in (
         ("other.npz", "expected the format 'fefinger spike trains 1', received None"),
         ("text.npz", "which cannot be read: it is none, or damaged$"),
-        ("missing.npz", "which cannot be read"),
+        ("missing.npz", "which does not exist"),
     ):
         with pytest.raises(InputError, match=message):
             SpikeTrains.from_npz(tmp_path / name)

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -18,7 +19,7 @@ from fefinger.commands import console
 from fefinger.mechanics.hertz import tissue
 from fefinger.pipeline import run
 from fefinger.scene.field_units import column
-from fefinger.studies import tasks
+from fefinger.studies import stored, tasks
 from fefinger.studies.columns import READINGS, meaning
 from fefinger.studies.grid import parse_at, parse_over, product
 from fefinger.studies.measures import rows
@@ -368,14 +369,35 @@ def test_it_goes_on_after_it_was_killed(tmp_path):
     assert same(resumed.rows, ff.study("flat-press", over, **options).rows)
 
 
+DAMAGES = {
+    "cut": lambda text: text[:100],
+    "empty": lambda _: "",
+    "deep": lambda _: "[" * 100_000,
+    "another type": lambda text: json.dumps({**json.loads(text), "rows": 5}),
+    "another value": lambda text: re.sub(r'("force_N": \d\.\d*)\d', r"\g<1>0", text, count=1),
+    "no number": lambda text: text.replace('"force_N": ', '"force_N": NaN, "x": ', 1),
+    "many digits": lambda text: text.replace('"force_N": ', f'"force_N": {"1" * 5000}, "x": ', 1),
+    "a list for a number": lambda text: text.replace('"mesh": ""', '"seed": [1]', 1),
+    "no checksum": lambda text: json.dumps({"rows": json.loads(text)["rows"]}),
+}
+
+
 def test_a_damaged_file_is_answered_again(tmp_path):
     options = {"changes": QUICK, "mechanics": "hertz", "folder": tmp_path}
     first = ff.study("flat-press", {"indenter.angle": (30,)}, **options)
     (file,) = (tmp_path / "scenes").glob("*.json")
-    file.write_text(file.read_text()[:100])
+    text = file.read_text()
+    assert ff.study("flat-press", {"indenter.angle": (30,)}, **options).reused == 1
+    for name, damage in DAMAGES.items():
+        file.write_text(damage(text))
+        assert file.read_text() != text, name
+        assert stored.read(file) is None, name
     again = ff.study("flat-press", {"indenter.angle": (30,)}, **options)
     assert again.reused == 0
     assert same(first.rows, again.rows)
+    file.unlink()
+    os.mkfifo(file)  # which nothing writes to
+    assert stored.read(file) is None
 
 
 def test_a_scene_on_which_its_process_dies_is_a_failure_with_advice(monkeypatch):

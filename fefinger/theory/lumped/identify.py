@@ -247,6 +247,7 @@ def _spaced(terms: int, seconds: float) -> Prony:
     )
 
 
+@np.errstate(over="ignore")  # of steps too far, which are rejected
 def _best(record: RampHold, starts: list[Array]) -> "OptimizeResult":
     """Return the fit, of those from `starts`, with the smallest misfit under common weights.
 
@@ -338,6 +339,7 @@ def _relaxation(
     return prony, spread, vaf, () if fit.success else (warning,)
 
 
+@np.errstate(over="ignore")  # of steps too far, which are rejected
 def _exponentials(t: Array, f: Array, root: Array, terms: int, seconds: float) -> "OptimizeResult":
     """Fit a constant and `terms` exponentials to a hold of `seconds` by least squares.
 
