@@ -58,10 +58,7 @@ def parametric(recipe: Recipe) -> Shape:
             f"{recipe.pad_radius:g} mm, received {recipe.tip_radius:g} mm"
         )
     if recipe.tip_radius is not None and recipe.tip_radius < recipe.skin_thickness:
-        raise InputError(
-            f"finger.tip_radius: expected at least {recipe.skin_thickness:g} mm, the thickness of "
-            f"the skin, which has no inner surface otherwise, received {recipe.tip_radius:g} mm"
-        )
+        raise _thick(recipe)  # before a profile of that radius is sampled
     if wanted[0] < 0.6 * recipe.thickness:
         least = np.sqrt(0.6 * recipe.thickness * wanted[1])
         raise InputError(
@@ -127,12 +124,17 @@ def _check_round(under: Shell, recipe: Recipe) -> None:
     """Raise InputError where the skin is thicker than its tip is round: it has no inner surface."""
     x = under.tip - (under.tip - under.cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
     if min(under.palmar_ratio(x).min(), under.dorsal_ratio(x).min()) < FLATTEST:
-        tip = recipe.tip_radius or TIP_RADIUS * recipe.thickness
-        raise InputError(
-            f"finger.skin.thickness: expected less than some {THICK_SKIN * tip:.2g} mm, "
-            f"{THICK_SKIN:g} of the radius of the tip of a finger {recipe.thickness:g} mm thick, "
-            f"received {recipe.skin_thickness:g} mm; use a thinner skin or a thicker finger"
-        )
+        raise _thick(recipe)
+
+
+def _thick(recipe: Recipe) -> InputError:
+    """Return the error of a skin that is too thick for its tip."""
+    tip = recipe.tip_radius or TIP_RADIUS * recipe.thickness
+    return InputError(
+        f"finger.skin.thickness: expected less than some {THICK_SKIN * tip:.2g} mm, "
+        f"{THICK_SKIN:g} of the radius of the tip of a finger {recipe.thickness:g} mm thick, "
+        f"received {recipe.skin_thickness:g} mm; use a thinner skin or a thicker finger"
+    )
 
 
 def _skin(recipe: Recipe, *, along: float, across: float) -> tuple[float, dict[str, Table]]:

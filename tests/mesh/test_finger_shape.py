@@ -123,6 +123,7 @@ def test_the_tip_has_the_radius_that_is_given(radius: float) -> None:
 @pytest.mark.parametrize(
     ("radius", "message"),
     [
+        (1e-9, r"finger\.skin\.thickness: expected less than some 7e-10 mm"),
         (21.0, r"finger\.tip_radius: expected at most 20 mm, the radius of the pad along"),
         (6.0, r"finger\.pad_radius: .*, or a smaller finger\.tip_radius"),
         (0.5, r"finger\.skin\.thickness: expected less than some 0\.35 mm"),
