@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from fefinger.calibration.record import Calibration as Calibration
     from fefinger.fem.hyperelastic.check import check_law as check_law
     from fefinger.laws import Law as Law
+    from fefinger.mechanics import Mechanics as Mechanics
     from fefinger.mechanics.realtime.condensed import Condensed as Condensed
     from fefinger.mechanics.realtime.modal import Modal as Modal
     from fefinger.mechanics.realtime.pressed import Pressed as Pressed
@@ -102,6 +103,7 @@ _HOMES = {
     "calibration.record": ("Calibration",),
     "fem.hyperelastic.check": ("check_law",),
     "laws": ("Law",),
+    "mechanics": ("Mechanics",),
     "support.checks": ("ConvergenceError", "InputError", "Stopped"),
     "support.registry": ("register",),
     "result": ("Result", "load"),

@@ -67,6 +67,7 @@ def run(
     """
     # Imported here, so that `import fefinger` and its command line stay quick.
     from fefinger.afferents import fire, mesh_check
+    from fefinger.mechanics import checked as fitting
     from fefinger.mechanics import get
     from fefinger.plan import choose, settled
     from fefinger.result import Result
@@ -79,7 +80,7 @@ def run(
     chosen, planned, stages = get(plan.mechanics), settled(scene, plan), Stages(progress)
     with mesh_check(chosen, planned, plan.chosen.seconds) as checked:
         try:
-            response = chosen.respond(planned, progress)
+            response = fitting(chosen.respond(planned, progress), plan.mechanics)
         except Stopped as stop:  # without spikes: their trains need the whole motion
             raise Stopped(str(stop), Result.of(scene, plan, stop.reached)) from stop
         with stages.stage("neural"):

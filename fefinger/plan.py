@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from fefinger.mechanics import QUICKEST, get, names
+from fefinger.mechanics import QUICKEST, Mechanics, get, names
 from fefinger.mechanics.evidence import costs, machine, stated_errors, vibration
 from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.situation import Situation
-from fefinger.results.candidate import MECHANICS, MESHED, Candidate
+from fefinger.results.candidate import MECHANICS, Candidate, meshed
 from fefinger.results.plan_text import ladder as written
 from fefinger.results.plan_text import trust
 from fefinger.results.records import Refusal, Rung
@@ -24,6 +24,15 @@ from fefinger.support.checks import InputError, choice
 from fefinger.support.likely_units import FORCE
 from fefinger.support.text import duration, format_excess
 
+
+if TYPE_CHECKING:
+    # mypy holds the modules of the package against the protocol.
+    from fefinger.mechanics import condensed, hertz, layered, linear, lumped, modal, pressed, solid
+
+    _LADDER: tuple[Mechanics, ...] = (
+        *(lumped, hertz, layered),
+        *(condensed, pressed, modal, linear, solid),
+    )
 
 ERROR, SECONDS = "ask.rel_error", "ask.seconds"
 """Fields of the scene that limit the error and the time of an answer."""
@@ -181,9 +190,10 @@ def _rung(
     name = candidate.mechanics
     mechanics, ask = get(name), case.ask
     seconds, (static, evidence) = mechanics.cost(case), mechanics.error(case)
-    left_out = () if name == MODAL else inertia.refusals(name)
+    with_inertia = MECHANICS[name].inertia
+    left_out = () if with_inertia else inertia.refusals(name)
     whole = static
-    if name != MODAL:
+    if not with_inertia:
         whole, evidence = math.hypot(static, inertia.error), evidence + inertia.evidence
     # Inertia that no mechanics can solve is warned of; but a slide may always be slower.
     counts = static <= ask.rel_error < whole and (case.motion.slides or inertia.avoidable)
@@ -247,7 +257,7 @@ def _check_meshable(rungs: tuple[Rung, ...]) -> None:
         for refusal in rung.refusals
         if refusal.field == "finger"
     }
-    if len(faults) == 1 and all(faults <= set(unable[name]) for name in MESHED if name in unable):
+    if len(faults) == 1 and all(faults <= set(unable[name]) for name in meshed() if name in unable):
         raise InputError(
             f"{faults.pop()}. No mesh can be made of this finger, and no mechanics without one "
             "answers this scene"
@@ -309,7 +319,9 @@ def _unchecked(case: Situation) -> str:
         return ""
     coarse = case.on(RESOLUTIONS[0])
     inertia = _Inertia(coarse)
-    able = [rung for name in MESHED for rung in _rungs(name, coarse, inertia) if not rung.refusals]
+    able = [
+        rung for name in meshed() for rung in _rungs(name, coarse, inertia) if not rung.refusals
+    ]
     if not able:
         return ""
     best = min(able, key=lambda rung: rung.seconds)

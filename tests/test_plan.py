@@ -19,7 +19,7 @@ from fefinger.mechanics import get
 from fefinger.mechanics.evidence import costs, machine
 from fefinger.mechanics.situation import Situation
 from fefinger.results import plan_text
-from fefinger.results.candidate import MESHED
+from fefinger.results.candidate import meshed
 from fefinger.results.records import Refusal, Rung
 from fefinger.results.result_record import Settings
 from fefinger.scene import builtin
@@ -404,7 +404,7 @@ def test_no_mesh_is_asked_after_where_a_force_law_will_do():
         in found.sentence
     )
     shortest = asked(resolution="coarse")
-    for name in MESHED:
+    for name in meshed():
         assert get(name).cost(Situation.of(shortest)) > mechanics.QUICKEST
 
 

@@ -13,6 +13,7 @@ from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.stated_errors import error_of
 from fefinger.mechanics.press.notes import RIGID_BONE, Reason, elastic_hard_parts_reasons, refusals
 from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
@@ -20,6 +21,7 @@ from fefinger.support.progress import Progress
 
 
 name = "condensed"
+traits = Traits(meshed=True, finite=False)
 
 SOLVER = "multifrontal"
 

@@ -16,7 +16,7 @@ from fefinger.mechanics.evidence.stated_errors import measured
 from fefinger.mechanics.press import axisymmetric, notes
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.situation import Situation
-from fefinger.results.candidate import Candidate
+from fefinger.results.candidate import Candidate, Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
@@ -29,6 +29,7 @@ from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 name = "hertz"
+traits = Traits(meshed=False, finite=False)
 
 THIN = 0.1
 """Contact radius over the thickness of the tissue, beyond which the bone matters."""

@@ -18,6 +18,7 @@ from fefinger.mechanics.press import axisymmetric, notes
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import BONE, Finger
 from fefinger.scene.scene import Scene
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 
 name = "layered"
+traits = Traits(meshed=False, finite=False)
 
 PLATE_LEVELS = 8
 

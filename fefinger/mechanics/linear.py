@@ -18,6 +18,7 @@ from fefinger.mechanics.press import notes
 from fefinger.mechanics.press.discretization import ALONG, NEAR, gap, refinement_location
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
@@ -26,6 +27,7 @@ from fefinger.support.progress import Progress
 
 
 name = "linear"
+traits = Traits(meshed=True, finite=False)
 
 NOTES = (
     "Small strain: the geometry, the surface areas and the tissue stiffness are those of the "

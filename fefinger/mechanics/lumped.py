@@ -22,6 +22,7 @@ from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene import pawluk1997
 from fefinger.scene.finger import Finger
@@ -34,6 +35,7 @@ from fefinger.theory.relaxation import Prony
 
 
 name = "lumped"
+traits = Traits(meshed=False, finite=False)
 
 ANGLES = (20.0, 40.0)
 """Angles of the plate in degrees at which Pawluk (1997) measured (section 2.2.1)."""

@@ -14,6 +14,7 @@ from fefinger.mechanics import condensed, pressed
 from fefinger.mechanics.evidence import costs, vibration
 from fefinger.mechanics.press.notes import QUASISTATIC, refusals, stiffens, tangential_reasons
 from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
@@ -21,6 +22,7 @@ from fefinger.support.progress import Progress
 
 
 name = "modal"
+traits = Traits(meshed=True, finite=False, inertia=True)
 
 INERTIA = (
     "Inertia of the tissue, about a bone that does not move; the indenter has its motion or its "

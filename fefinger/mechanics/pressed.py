@@ -18,12 +18,14 @@ from fefinger.mechanics.evidence import costs, tabulation_error
 from fefinger.mechanics.press import notes
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 
 
 name = "pressed"
+traits = Traits(meshed=True, finite=True)
 
 NOTES = (
     notes.LOGARITHMIC,

@@ -12,6 +12,7 @@ from fefinger.mechanics.evidence.stated_errors import error_of
 from fefinger.mechanics.press import notes
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 
 name = "solid"
+traits = Traits(meshed=True, finite=True)
 
 SOLVERS = ("single", "multifrontal")
 """Its factors: the first, and the second where that fails."""

@@ -1,7 +1,10 @@
 """Names and traits of the mechanics, and a candidate: a mechanics on one of its meshes."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple, Self
+from typing import NamedTuple, Self, cast
+
+from fefinger.support import registry
 
 
 class Traits(NamedTuple):
@@ -12,20 +15,31 @@ class Traits(NamedTuple):
     inertia: bool = False
 
 
-MECHANICS = {
-    "lumped": Traits(meshed=False, finite=False),
-    "hertz": Traits(meshed=False, finite=False),
-    "layered": Traits(meshed=False, finite=False),
-    "condensed": Traits(meshed=True, finite=False),
-    "pressed": Traits(meshed=True, finite=True),
-    "modal": Traits(meshed=True, finite=False, inertia=True),
-    "linear": Traits(meshed=True, finite=False),
-    "solid": Traits(meshed=True, finite=True),
-}
-"""The mechanics, cheapest first, with their traits."""
+class _TraitsByName(Mapping[str, Traits]):
+    """Traits of the mechanics, cheapest first, then those of the user.
 
-MESHED = tuple(name for name, traits in MECHANICS.items() if traits.meshed)
-"""Those with a mesh, whose resolution is the planner's to choose."""
+    A mechanics that is not registered here, as that of a saved result, has the simplest ones.
+    """
+
+    def __getitem__(self, name: str) -> Traits:
+        found = registry.MECHANICS[name].traits if name in registry.MECHANICS else SIMPLEST
+        return cast(Traits, found)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(registry.MECHANICS)
+
+    def __len__(self) -> int:
+        return len(registry.MECHANICS)
+
+
+SIMPLEST = Traits(meshed=False, finite=False)
+
+MECHANICS: Mapping[str, Traits] = _TraitsByName()
+
+
+def meshed() -> tuple[str, ...]:
+    """Return the names of the mechanics with a mesh; the planner chooses its resolution."""
+    return tuple(name for name, traits in MECHANICS.items() if traits.meshed)
 
 
 @dataclass(frozen=True, order=True)

@@ -192,7 +192,18 @@ LAWS: Registry[Any] = Registry(
 )
 """Hyperelastic laws, `fefinger.Law`."""
 
-REGISTRIES = (INDENTERS, LAWS)
+LADDER = ("lumped", "hertz", "layered", "condensed", "pressed", "modal", "linear", "solid")
+"""Modules of the contact models of the package, cheapest first."""
+
+MECHANICS: Registry[Any] = Registry(
+    "mechanics",
+    "respond",
+    {name: f"fefinger.mechanics.{name}" for name in LADDER},
+    plural="mechanics",
+)
+"""Contact models, `fefinger.Mechanics`."""
+
+REGISTRIES = (INDENTERS, LAWS, MECHANICS)
 
 
 def register(thing: Thing) -> Thing:

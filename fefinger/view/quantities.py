@@ -11,7 +11,7 @@ import numpy as np
 
 from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.results import energy
-from fefinger.results.candidate import MESHED
+from fefinger.results.candidate import meshed
 from fefinger.results.records import Fields
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array
@@ -124,7 +124,7 @@ def fields_of(result: ResultRecord) -> Fields:
         raise InputError(
             f"fields: expected a result with fields on the mesh, received one of "
             f"{result.plan.mechanics!r} without; run the scene again with `--set ask.fields=true` "
-            f"and a mechanics that has a mesh ({', '.join(MESHED)})"
+            f"and a mechanics that has a mesh ({', '.join(meshed())})"
         )
     return result.fields
 

@@ -3,7 +3,7 @@
 import pytest
 
 from fefinger import mechanics
-from fefinger.results.candidate import MECHANICS, MESHED, Candidate
+from fefinger.results.candidate import MECHANICS, Candidate, meshed
 from fefinger.results.records import Rung
 
 
@@ -24,5 +24,5 @@ def test_the_fine_mesh_has_the_scatter_and_spikes_of_the_standard_one() -> None:
 def test_every_mechanics_has_its_traits() -> None:
     assert mechanics.names() == tuple(MECHANICS)
     assert [mechanics.get(name).name for name in MECHANICS] == list(MECHANICS)
-    assert MESHED == ("condensed", "pressed", "modal", "linear", "solid")
+    assert meshed() == ("condensed", "pressed", "modal", "linear", "solid")
     assert [name for name, traits in MECHANICS.items() if traits.finite] == ["pressed", "solid"]
