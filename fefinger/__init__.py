@@ -49,12 +49,14 @@ if TYPE_CHECKING:
     from fefinger.results.result_record import Plan as Plan
     from fefinger.scene.ask import Ask as Ask
     from fefinger.scene.finger import Finger as Finger
+    from fefinger.scene.indenter import Indenter as Indenter
     from fefinger.scene.indenters import Bar as Bar
     from fefinger.scene.indenters import Cylinder as Cylinder
     from fefinger.scene.indenters import Ellipsoid as Ellipsoid
     from fefinger.scene.indenters import Flat as Flat
     from fefinger.scene.indenters import Pin as Pin
     from fefinger.scene.indenters import Sphere as Sphere
+    from fefinger.scene.key import Key as Key
     from fefinger.scene.motions import ForceRamp as ForceRamp
     from fefinger.scene.motions import ForceRampHold as ForceRampHold
     from fefinger.scene.motions import ForceRampSinusoid as ForceRampSinusoid
@@ -108,6 +110,8 @@ _HOMES = {
     "support.registry": ("register",),
     "result": ("Result", "load"),
     "scene.finger": ("Finger",),
+    "scene.indenter": ("Indenter",),
+    "scene.key": ("Key",),
     "scene.indenters": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Pin", "Sphere"),
     "scene.textured": ("Dots", "Grating", "Relief"),
     "scene.population": ("Grid", "Line", "Places", "Scatter"),

@@ -15,13 +15,16 @@ def scenes(name: str | None, schema: bool, as_json: bool) -> None:
     """List the built-in scenes, or print one.
 
     Prints the scene called NAME as TOML, to start a scene of your own from. With --schema it prints
-    the JSON Schema by which an editor completes and checks scene files.
+    the JSON Schema by which an editor completes and checks scene files; with NAME, a scene or its
+    file, the schema has the objects of its plugins too.
     """
     from fefinger.scene import builtin as library
 
     if schema:
         from fefinger.scene.schema import schema as scene_schema
 
+        if name is not None:
+            library.load(name)
         console.print_answer(scene_schema(), "", as_json=True)
         return
     if name is not None:

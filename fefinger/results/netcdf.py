@@ -30,6 +30,9 @@ FAMILY = FORMAT.rstrip("0123456789")
 DAMAGED = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
 """Errors of reading a file that is damaged or not netCDF."""
 
+OF_PLUGIN = ("plugins", "indenter")
+"""Beginnings of the fields of an error that the file of a plugin causes, not the result."""
+
 
 RECORDS = {"Result": result_record.ResultRecord} | {
     record.__name__: record
@@ -64,7 +67,9 @@ def read(path: str | PathLike[str]) -> result_record.ResultRecord:
                 if not isinstance(result, result_record.ResultRecord):
                     raise TypeError(type(result))
                 return result
-    except DAMAGED:
+    except DAMAGED as error:
+        if isinstance(error, InputError) and error.field.startswith(OF_PLUGIN):
+            raise
         raise InputError(
             f"result: expected a result of fefinger in {str(file)!r}, received a damaged or "
             "foreign file; run the scene again"

@@ -5,17 +5,21 @@ Sides of raised parts rise as the smooth step S (`profiles.smooth_step`): seen f
 has to fit on the part, and into the gap beside it. Sizes across are those at half of the height.
 """
 
+import hashlib
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any, ClassVar, NamedTuple, Self
+from functools import lru_cache
+from typing import Annotated, Any, ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.scene.key import Key, check
+from fefinger.geometry.surface import Surface
+from fefinger.scene.key import Key, check, keys_of
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+from fefinger.support.registry import hyphenated
 
 
 # Beyond 60 degrees the nail is in the way; the thesis has 20 to 40 (Pawluk 1997, section 2.2).
@@ -70,15 +74,26 @@ class Plate(NamedTuple):
 
 @dataclass(frozen=True)
 class Indenter(ABC):
-    """A rigid object; messages call its fields "indenter.angle" and so on.
+    """A rigid object. One of your own is a frozen dataclass with a `surface(x, y)`.
 
-    A plate-like one has `angle` and `tilt` and touches the pad wherever it meets it first; others
-    have `at`, (x, y) in mm in the contact frame, and move along the normal of the pad there (None:
-    the point that the 30 degree plate touches). `roll` turns an object about its travel, in
-    degrees: at 0 its ridge, edge or axis runs across the finger, at 90 along it.
+    Its fields are keys of [indenter]: `width: Annotated[float, Key("Width", unit="mm", above=0)]`,
+    or without facts `width: float`. Its `kind` is the name of the class in lower case, with hyphens
+    between words. Some fields mean the same in every object:
 
-    What depends on the kind of object is a property of the object: nothing outside `indenters.py`,
-    `textured.py` and `texts.py` needs to know the classes.
+    - `at`, (x, y) in mm in the contact frame: it moves along the normal of the pad there; None is
+      the point that the 30 degree plate touches, as without the field.
+    - `angle` and `tilt` in degrees: it lies as a plate, and touches the pad where it meets it
+      first.
+    - `roll` in degrees turns it about its travel: at 0 its own x runs along the finger.
+
+    What depends on the kind of object is a property of the object, which a class may replace:
+    nothing else needs to know the classes.
+
+    Raises
+    ------
+    InputError
+        A field out of its limits; heights that are not finite or not smooth, or grow away from the
+        middle.
     """
 
     table: ClassVar[str] = "indenter"
@@ -95,21 +110,62 @@ class Indenter(ABC):
 
     kind: ClassVar[str]
     sharp: ClassVar[bool] = False
-    """Whether it has edges or ridges that the skin folds around."""
+    """Whether it has edges or ridges that the skin folds around; a surface of your own has, unless
+    its class says that it is round, and errs as a ball of its least radius."""
+
+    def __init_subclass__(cls) -> None:
+        """Name the kind after the class, unless the class does."""
+        if "kind" not in cls.__dict__:
+            cls.kind = hyphenated(cls.__name__)
+        if "surface" in cls.__dict__ and "sharp" not in cls.__dict__:
+            cls.sharp = True
 
     def __post_init__(self) -> None:
-        """Check every field."""
+        """Check every field, and the heights."""
         check(self)
+        _ = self._surface
         if self.kinetic > self.friction:
             raise InputError(
                 "indenter.friction_kinetic: expected at most indenter.friction = "
                 f"{self.friction:g}, the coefficient of skin that sticks, received {self.kinetic:g}"
             )
 
+    def surface(self, x: Array, y: Array) -> Array:
+        """Return heights (...,) mm toward the finger at places x, y (...,) mm, before `roll`.
+
+        The highest place, near the middle, touches first. Edges are rounded: the slope has no jump.
+        """
+        raise NotImplementedError
+
+    def gradient(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Return the derivatives (...,) of the height along x and y; by default by differences."""
+        raise NotImplementedError
+
     @property
-    @abstractmethod
     def profile(self) -> profiles.Profile:
-        """Heights of the surface across the travel, before `roll`."""
+        """The surface across the travel, before `roll`; by default the one of the heights."""
+        assert self._surface is not None
+        return self._surface
+
+    @property
+    def _surface(self) -> Surface | None:
+        """The surface of the heights, checked; None where the class has another `profile`."""
+        own = type(self)
+        if own.profile is not Indenter.profile:
+            return None
+        if own.surface is Indenter.surface:
+            raise InputError(
+                f"indenter.kind: expected a class with a method surface(x, y), which returns its "
+                f"heights, received {own.__name__} without it"
+            )
+        return _checked_surface(self)
+
+    @property
+    def signature(self) -> str:
+        """Text by which results of the object are kept: its fields and, of a function, heights."""
+        if self._surface is None:
+            return repr(self)
+        return f"{self!r} {hashlib.sha256(self._surface.grid.tobytes()).hexdigest()}"
 
     @property
     def least_radius(self) -> float:
@@ -117,22 +173,36 @@ class Indenter(ABC):
 
         That of a ball is at its foremost point, that of a relief the one at its sharpest crest.
         """
-        assert self.hertzian is not None  # others have a property of their own
-        return min(self.hertzian)
+        if self.hertzian is not None:
+            return min(self.hertzian)
+        if self._surface is not None:
+            return self._surface.least_radius
+        raise NotImplementedError(f"{type(self).__name__}.least_radius, beside its own profile")
 
     @property
     def narrowest(self) -> float:
         """Smallest width in mm of what its edges leave to the pad, infinite without edges."""
         return float("inf")
 
-    @abstractmethod
     def describe(self) -> str:
         """Return the object in words, with its sizes: "a rigid sphere of radius 5 mm"."""
+        own = {
+            name: known.key.unit
+            for name, known in keys_of(type(self)).items()
+            if name not in keys_of(Indenter) and name not in PLACING
+        }
+        values = {name: getattr(self, name) for name in own}
+        sizes = (
+            f"{name} {x:g} {own[name]}".rstrip() if isinstance(x, float) else f"{name} {x}"
+            for name, x in values.items()
+        )
+        return f"a rigid {self.kind} ({', '.join(sizes)})".removesuffix(" ()")
 
     @property
     def plate(self) -> Plate | None:
         """Angle and tilt of a plate, smooth or not; None for an object that is placed."""
-        return None
+        angle = getattr(self, "angle", None)
+        return None if angle is None else Plate(angle, getattr(self, "tilt", 0.0))
 
     @property
     def flat(self) -> Plate | None:
@@ -141,15 +211,18 @@ class Indenter(ABC):
 
     @property
     def place(self) -> tuple[float, float] | None:
-        """Place (x, y) in mm of first touch; None: where a plate does."""
-        return None
+        """Place (x, y) in mm of first touch; None: where the 30 degree plate touches."""
+        return getattr(self, "at", None)
 
     def moved(self, place: tuple[float, float]) -> Self:
         """Return the object at another place (x, y) in mm; InputError for one without a place."""
-        raise InputError(
-            f"indenter.kind: expected an object with a place, such as a pin or a sphere, received "
-            f"{self.kind!r}"
-        )
+        if not hasattr(self, "at"):
+            raise InputError(
+                f"indenter.kind: expected an object with a place, such as a pin or a sphere, "
+                f"received {self.kind!r}"
+            )
+        changes: dict[str, Any] = {"at": place}
+        return replace(self, **changes)
 
     @property
     def turn(self) -> float:
@@ -189,7 +262,9 @@ class Indenter(ABC):
         """Whether the object, as placed, is its own mirror image in the medial plane."""
         upright = self.plate is None or self.plate.tilt == 0
         central = self.place is None or self.place[1] == 0
-        return upright and central and self.turn % 90 == 0
+        if not (upright and central and self.turn % 90 == 0):
+            return False
+        return self._surface is None or self._surface.mirrored(0 if self.turn % 180 else 1)
 
     @property
     def kinetic(self) -> float:
@@ -197,36 +272,25 @@ class Indenter(ABC):
         return self.friction if self.friction_kinetic is None else self.friction_kinetic
 
 
-class PlateLike(Indenter):
-    """An object with the angles of a plate, which touches the pad wherever it meets it first."""
-
-    angle: float
-    tilt: float
-
-    @property
-    def plate(self) -> Plate:
-        """Angle and tilt in degrees."""
-        return Plate(self.angle, self.tilt)
+@lru_cache(maxsize=64)
+def _checked_surface(indenter: Indenter) -> Surface:
+    """Return the surface of the heights of an object; objects of equal fields share it."""
+    stated = type(indenter).gradient is not Indenter.gradient
+    surface = Surface(indenter.surface, indenter.gradient if stated else None)
+    surface.check()
+    return surface
 
 
-class Placed(Indenter):
-    """An object that moves along the normal of the pad at a place."""
-
-    at: tuple[float, float] | None
+class Inclined(Protocol):
+    """Anything with the two angles of a plate, in degrees."""
 
     @property
-    def place(self) -> tuple[float, float] | None:
-        """Place (x, y) in mm of first touch; None: where the 30 degree plate touches."""
-        return self.at
+    def angle(self) -> float:
+        """Degrees about y."""
 
-    def moved(self, place: tuple[float, float]) -> Self:
-        """Return the object at another place (x, y) in mm."""
-        changes: dict[str, Any] = {"at": place}
-        return replace(self, **changes)
-
-
-Inclined = Plate | PlateLike
-"""Anything with the two angles of a plate, in degrees."""
+    @property
+    def tilt(self) -> float:
+        """Degrees about x."""
 
 
 def direction(plate: Inclined) -> Array:
@@ -269,7 +333,7 @@ def check_edge(edge: float, height: float, limit: FlankLimit, least: float = SHO
         )
 
 
-class Raised(PlateLike):
+class Raised(Indenter):
     """A plate with raised parts of one height, `edge` mm the radius of their crests.
 
     By default that is `usual_edge`, or less where only a sharper one fits.
@@ -297,9 +361,9 @@ class Raised(PlateLike):
             check_edge(self.edge, self.height, narrowest)
 
     @property
+    @abstractmethod
     def flank_limits(self) -> tuple[FlankLimit, ...]:
         """Widths that the sizes leave to the sides of raised parts."""
-        raise NotImplementedError
 
     @property
     def feature(self) -> float:

@@ -6,7 +6,7 @@ from typing import Annotated, final
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.scene.indenter import Indenter, Placed, Plate, PlateLike, turned
+from fefinger.scene.indenter import Indenter, Plate, turned
 from fefinger.scene.key import Key
 from fefinger.support import registry
 from fefinger.support.checks import set_number
@@ -21,13 +21,12 @@ Width = Annotated[float, Key("Width over all", unit="mm", above=0)]
 
 @final
 @dataclass(frozen=True)
-class Flat(PlateLike):
+class Flat(Indenter):
     """A rigid plate, large against the finger, at `angle` degrees about y and `tilt` about x.
 
     A tilt other than 0 breaks the symmetry of the finger.
     """
 
-    kind = "flat"
     hertzian = (np.inf, np.inf)
 
     angle: float = 30.0
@@ -41,7 +40,7 @@ class Flat(PlateLike):
     @property
     def flat(self) -> Plate:
         """Angle and tilt in degrees."""
-        return self.plate
+        return Plate(self.angle, self.tilt)
 
     def describe(self) -> str:
         """Return "a rigid flat plate", with its angles."""
@@ -55,10 +54,8 @@ STANDARD = Flat(angle=30.0)
 
 @final
 @dataclass(frozen=True)
-class Sphere(Placed):
+class Sphere(Indenter):
     """A rigid sphere of `radius` mm, placed at `at`."""
-
-    kind = "sphere"
 
     radius: Radius
     at: tuple[float, float] | None = None
@@ -85,10 +82,8 @@ class Sphere(Placed):
 
 @final
 @dataclass(frozen=True)
-class Ellipsoid(Placed):
+class Ellipsoid(Indenter):
     """A rigid ellipsoid with half axes `radii` in mm along x, y and the direction of travel."""
-
-    kind = "ellipsoid"
 
     radii: Annotated[
         tuple[float, float, float],
@@ -114,10 +109,8 @@ class Ellipsoid(Placed):
 
 @final
 @dataclass(frozen=True)
-class Cylinder(Placed):
+class Cylinder(Indenter):
     """A long rigid cylinder of `radius` mm, placed at `at` and turned by `roll`."""
-
-    kind = "cylinder"
 
     radius: Radius
     roll: float = 0.0
@@ -138,7 +131,7 @@ class Cylinder(Placed):
         return f"a rigid cylinder of radius {self.radius:g} mm{turned(self.roll)}"
 
 
-class Edged(Placed):
+class Edged(Indenter):
     """An object with a flat end `width` mm wide, whose edge is rounded to `corner` mm."""
 
     sharp = True
@@ -173,8 +166,6 @@ class Bar(Edged):
     A corner of half the width makes it a rounded edge. It is placed at `at` and turned by `roll`.
     """
 
-    kind = "bar"
-
     width: Width
     corner: Annotated[float, ROUNDING]
     roll: float = 0.0
@@ -198,8 +189,6 @@ class Pin(Edged):
 
     The probe of experiments on single afferents. By default the edge is a fifth of the width.
     """
-
-    kind = "pin"
 
     width: Width
     corner: Annotated[float | None, ROUNDING] = None

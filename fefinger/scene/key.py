@@ -6,6 +6,7 @@ annotation leaves the default of the field to the dataclass, so that type checke
 a record needs. Keys that mean the same in every record of a table stand in its `common`, by name.
 """
 
+import inspect
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
@@ -100,6 +101,12 @@ _KEYS: dict[type[Any], Mapping[str, KeyField]] = {}
 
 
 def _read_keys(record: type[Any]) -> Mapping[str, KeyField]:
+    unread = inspect.get_annotations(record).keys() - {each.name for each in fields(record)}
+    if unread and "__dataclass_fields__" not in record.__dict__:
+        raise InputError(
+            f"{record.__name__}: expected a dataclass, received a class with the field "
+            f"{min(unread)!r} and no decorator; write @dataclass(frozen=True) above it"
+        )
     hints, common = get_type_hints(record, include_extras=True), getattr(record, "common", {})
     found = {}
     for each in fields(record):

@@ -14,9 +14,13 @@ from fefinger.scene.indenters import Flat
 from fefinger.scene.motion import Motion
 from fefinger.scene.toml import parse, parts, read, tables
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, number
+from fefinger.support.checks import InputError, names, number
 from fefinger.support.vocabulary import LONGEST_RUN
 
+
+PACKAGE, SCRIPT = "fefinger.", "__main__"
+"""Of modules: the start of those of this package, and a script or notebook, which has no name that
+another process could load."""
 
 SHORT = 0.1
 """Distance in mm of a slide below which a shorter one is not suggested."""
@@ -26,10 +30,13 @@ SHORT = 0.1
 class Scene:
     """Complete description of a touch: finger, indenter, motion and requested outputs.
 
-    Equal scenes are equal; `Scene.from_toml(scene.to_toml()) == scene` holds exactly.
+    `plugins` are modules with an object or a model of one's own that the scene uses; the module of
+    the class of its indenter is added. Equal scenes are equal;
+    `Scene.from_toml(scene.to_toml()) == scene` holds exactly.
     """
 
     name: str = "scene"
+    plugins: tuple[str, ...] = ()
     finger: Finger
     indenter: Indenter = field(default_factory=Flat)
     motion: Motion
@@ -49,6 +56,11 @@ class Scene:
                     received = f"the class {value.__name__} itself; give it its values"
                 article = "an" if kind.__name__[0] in "AI" else "a"
                 raise InputError(f"{name}: expected {article} {kind.__name__}, received {received}")
+        plugins = names("plugins", self.plugins)
+        home = type(self.indenter).__module__
+        if home not in (*plugins, SCRIPT) and not home.startswith(PACKAGE):
+            plugins = (*plugins, home)
+        object.__setattr__(self, "plugins", plugins)
         self._check_places()
         self._check_path()
         if self.ask.spikes and self.motion.duration > LONGEST_RUN:
@@ -104,8 +116,10 @@ class Scene:
 
     def to_dict(self) -> dict[str, Any]:
         """Convert to nested tables of plain values, as in a TOML file."""
+        plugins = {"plugins": list(self.plugins)} if self.plugins else {}
         return {
             "name": self.name,
+            **plugins,
             **tables(self.finger, self.indenter, self.motion, self.ask),
         }
 

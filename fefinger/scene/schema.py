@@ -50,6 +50,12 @@ def schema() -> Schema:
     """Return the JSON Schema of a scene file."""
     parts = {
         "name": {"type": "string", "description": "Name of the scene; by default that of its file"},
+        "plugins": {
+            "type": "array",
+            "items": {"type": "string"},
+            "description": "Modules with objects or models of your own, beside the scene or on the "
+            "path of Python; their code is run when the scene is read",
+        },
         "finger": _finger(),
         "indenter": _kinds("indenter", Flat.kind),
         "motion": _kinds("motion"),

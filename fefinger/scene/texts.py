@@ -1,5 +1,6 @@
 """Rigid plates with a text in Braille or in embossed letters, which a finger reads."""
 
+from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -77,13 +78,13 @@ class Text(Raised):
             )
 
     @property
+    @abstractmethod
     def box(self) -> tuple[float, float]:
         """Length in mm of the text, and its height about y = 0."""
-        raise NotImplementedError
 
+    @abstractmethod
     def inside(self, x: Array, y: Array) -> Array:
         """Compute the signed distance (n_x, n_y) mm of grid nodes from the outline, inside > 0."""
-        raise NotImplementedError
 
     @property
     def extent(self) -> Extent:
@@ -113,7 +114,6 @@ class Braille(Text):
     every `cell` mm: by default those of printed books. `edge` is 0.25 mm where that fits.
     """
 
-    kind = "braille"
     usual_edge = 0.25
 
     text: Words
@@ -182,7 +182,6 @@ class Letters(Text):
     Their strokes are 0.135 of that wide. `edge` is 0.05 mm where that fits.
     """
 
-    kind = "letters"
     usual_edge = 0.05
 
     text: Words

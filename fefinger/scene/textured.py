@@ -15,7 +15,7 @@ from fefinger.scene.indenter import (
     FLANK_SAMPLES,
     Crest,
     FlankLimit,
-    PlateLike,
+    Indenter,
     Raised,
     check_edge,
     turned,
@@ -44,7 +44,7 @@ THROWS = 400
 
 @final
 @dataclass(frozen=True)
-class Grating(PlateLike):
+class Grating(Indenter):
     """A rigid plate with rounded ridges, `period` mm apart and `depth` mm high.
 
     `ridge` mm is the width of a ridge at half its height. The middle of a ridge passes through the
@@ -53,7 +53,6 @@ class Grating(PlateLike):
     default ridges are as round as their width, or that of the grooves, allows.
     """
 
-    kind = "grating"
     sharp = True
 
     period: Annotated[float, Key("Spacing of the ridges", unit="mm", above=0)]
@@ -122,7 +121,6 @@ class Dots(Raised):
     spacings. On a grid a dot lies at the point that the smooth plate would touch first.
     """
 
-    kind = "dots"
     usual_edge = 0.1
 
     spacing: Annotated[float, Key("Spacing of the dots", unit="mm", above=0)]
@@ -208,7 +206,7 @@ class Dots(Raised):
 
 @final
 @dataclass(frozen=True)
-class Relief(PlateLike):
+class Relief(Indenter):
     """A rigid plate with a relief of your own: `heights` mm toward the finger at x, y in mm.
 
     x (n_x,) and y (n_y,) are the grid lines on the plate, x toward the tip before `roll`, with the
@@ -216,7 +214,6 @@ class Relief(PlateLike):
     runs through the samples, and beyond the outermost ones the plate ends.
     """
 
-    kind = "relief"
     sharp = True
     mirrored = False  # whether the samples are symmetric is not looked at
 

@@ -18,7 +18,8 @@ from fefinger.scene.population import LAYOUTS, Layout, Scatter
 from fefinger.scene.samples import WAVE_OPTIONS
 from fefinger.scene.textured import Relief
 from fefinger.scene.tissue import Hard, Tissue
-from fefinger.support.checks import InputError, choice, reject_unknown
+from fefinger.support import registry
+from fefinger.support.checks import InputError, choice, names, reject_unknown
 from fefinger.support.inputs import parse_toml, read_text
 from fefinger.theory.relaxation import Prony
 
@@ -32,6 +33,9 @@ KINDS: dict[str, Mapping[str, type[Any]]] = {
 
 SUBJECT = "subject"
 PARTS = ("finger", "indenter", "motion", "ask")
+
+PLUGINS = "plugins"
+"""Key of the names of modules with objects and models of the user's own."""
 
 
 class FileReader(NamedTuple):
@@ -129,7 +133,8 @@ def parts(table: Mapping[str, Any], folder: Path | None) -> dict[str, Any]:
     Files are looked up relative to `folder`. None reads tables that `tables` wrote, which hold
     every value, without the files.
     """
-    _reject("", table, ("name", *PARTS))
+    _reject("", table, ("name", PLUGINS, *PARTS))
+    load_plugins(table, folder)
     sub = {name: _subtable(name, table) for name in PARTS}
     for name, example in (("finger", 'subject = "a.h."'), ("motion", 'kind = "ramp-hold"')):
         if name not in table:
@@ -142,7 +147,7 @@ def parts(table: Mapping[str, Any], folder: Path | None) -> dict[str, Any]:
         # A stored scene without a family is older than the choice: it was of the thesis.
         "ask": _ask(({"afferents": "thesis"} if folder is None else {}) | sub["ask"]),
     }
-    return arguments | {key: table[key] for key in ("name",) if key in table}
+    return arguments | {key: table[key] for key in ("name", PLUGINS) if key in table}
 
 
 def tables(finger: Finger, indenter: Indenter, motion: Motion, ask: Ask) -> dict[str, Any]:
@@ -156,6 +161,17 @@ def tables(finger: Finger, indenter: Indenter, motion: Motion, ask: Ask) -> dict
         "motion": {"kind": motion.kind, **_plain(motion)},
         "ask": _plain(ask),
     }
+
+
+def load_plugins(table: Mapping[str, Any], folder: Path | None) -> None:
+    """Load the plugins that a scene names: their code is run.
+
+    They are looked up beside the scene, and then on the path of Python; those of a stored scene,
+    unless they are loaded, in the working folder.
+    """
+    for module in names(PLUGINS, table.get(PLUGINS, ())):
+        if folder is not None or module not in registry.modules():
+            registry.load_plugin(module, folder or Path())
 
 
 def _subtable(name: str, table: Mapping[str, Any]) -> dict[str, Any]:
@@ -283,7 +299,13 @@ def _ask(table: dict[str, Any]) -> Ask:
 
 
 def _indenter(table: dict[str, Any], folder: Path) -> Indenter:
-    kind = choice("indenter.kind", table.pop("kind", Flat.kind), INDENTERS, OBJECTS)
+    kind = table.pop("kind", Flat.kind)
+    try:
+        choice("indenter.kind", kind, INDENTERS, OBJECTS)
+    except InputError as error:
+        raise InputError(
+            f'{error} An object of your own needs plugins = ["its_module"] at the top of the scene.'
+        ) from None
     return cast(Indenter, _of_kind("indenter", INDENTERS[kind], table, folder))
 
 

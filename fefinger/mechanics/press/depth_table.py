@@ -232,7 +232,7 @@ def key(finger: Finger, indenter: Indenter, mesh_sha256: str, *, half: bool = Tr
         mesh_sha256,
         finger.subcutaneous.modulus / finger.skin.modulus,
         [[layer.poisson, layer.law, layer.exponent, layer.share] for layer in layers],
-        [repr(part) for part in (finger.bone, finger.nail, finger.cut, indenter)],
+        [*map(repr, (finger.bone, finger.nail, finger.cut)), indenter.signature],
     ]
     if not half:
         parts.append("whole")

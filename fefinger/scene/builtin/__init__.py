@@ -100,7 +100,7 @@ def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene
         No such scene or file, or invalid contents.
     """
     from fefinger.scene.scene import Scene
-    from fefinger.scene.toml import parse, read
+    from fefinger.scene.toml import load_plugins, parse, read
 
     if not str(name).strip():
         msg = f"scene: expected a TOML file or one of {', '.join(names())}, received no name"
@@ -112,6 +112,7 @@ def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene
     else:
         raise InputError(_missing(str(name)))
     tables.setdefault("name", Path(name).stem)
+    load_plugins(tables, folder)
     _check_tissue(tables, overrides or {})
     return Scene.from_dict(changed(tables, overrides or {}), folder=folder)
 
