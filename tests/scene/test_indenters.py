@@ -236,7 +236,7 @@ def test_every_kind_is_a_final_class_with_one_line_of_bases(kind: str) -> None:
 
 def test_nothing_outside_its_file_looks_at_the_class_of_an_indenter_or_a_motion() -> None:
     expected = {cls.__name__ for cls in (*INDENTERS.values(), *MOTIONS.values())}
-    expected |= {"Indenter", "PlateLike", "Placed", "Edged", "Raised", "Text"}
+    expected |= {"Indenter", "Edged", "Raised", "Text"}
     expected |= {"Motion", "SampledMotion", "SlideMotion", "SampledPathMotion"}
     seen = []
     for room in ("fefinger", "validation"):

@@ -6,18 +6,19 @@ from dataclasses import dataclass
 import pytest
 
 import fefinger as ff
-from fefinger.scene.indenters import INDENTERS, Placed
+from fefinger.scene.indenter import Indenter, Raised
+from fefinger.scene.indenters import INDENTERS
 from fefinger.support import processes, registry
 from fefinger.support.checks import InputError
 
 
 PLUGIN = """
 from dataclasses import dataclass
-from fefinger.scene.indenter import Placed
+from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Sphere
 
 @dataclass(frozen=True)
-class Marble(Placed):
+class Marble(Indenter):
     kind = "marble"
     at: None = None
     profile = None
@@ -36,9 +37,9 @@ def own_registry(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "modules", dict(sys.modules))
 
 
-def key_edge(kind: object = "key-edge") -> type[Placed]:
+def key_edge(kind: object = "key-edge") -> type[Indenter]:
     @dataclass(frozen=True)
-    class KeyEdge(Placed):
+    class KeyEdge(Indenter):
         at: tuple[float, float] | None = None
         profile = None
 
@@ -84,7 +85,7 @@ def test_a_name_that_is_taken_is_refused():
         ff.register(other)
 
 
-@pytest.mark.parametrize("thing", [3, "sphere", print, Placed])
+@pytest.mark.parametrize("thing", [3, "sphere", print, Raised])
 def test_what_is_of_no_kind_is_refused(thing):
     with pytest.raises(InputError, match="register: expected one of indenter"):
         ff.register(thing)
