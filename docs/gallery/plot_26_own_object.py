@@ -2,8 +2,7 @@
 An object of your own
 =====================
 
-The edge of a key, as a class with its heights: no file of the package changes. In a file of its own, a scene names it
-by ``plugins = ["my_objects"]`` and ``kind = "key-edge"`` (:doc:`/extend`).
+The edge of a key, as a class with its heights. A scene reads it as a plugin (:doc:`/extend`).
 """
 
 from dataclasses import dataclass
@@ -17,18 +16,19 @@ import fefinger as ff
 
 @dataclass(frozen=True)
 class KeyEdge(ff.Indenter):
-    """A wedge of two sides that fall by `slope` degrees, between which its edge is rounded."""
+    """A wedge of two sides that fall by `slope` degrees, and a rounded edge."""
 
     radius: Annotated[float, ff.Key("Radius of the edge", unit="mm", above=0)]
     slope: Annotated[float, ff.Key("Slope of the sides", unit="degrees", above=0, below=75)] = 45
     roll: float = 0.0
 
     def surface(self, x, y):
+        """Heights in mm toward the finger: a hyperbola."""
         side = np.tan(np.radians(self.slope))
         return -side * (np.hypot(x, self.radius * side) - self.radius * side)
 
 
-fig, axis = plt.subplots(figsize=(5.5, 3.6), layout="constrained")
+fig, axis = plt.subplots(layout="constrained")
 finger = ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse")
 for radius in (0.3, 3.0):
     scene = ff.Scene(finger=finger, indenter=KeyEdge(radius), motion=ff.Ramp(20, 0.8))

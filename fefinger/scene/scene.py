@@ -7,6 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from fefinger.laws import LAWS
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
@@ -30,8 +31,8 @@ SHORT = 0.1
 class Scene:
     """Complete description of a touch: finger, indenter, motion and requested outputs.
 
-    `plugins` are modules with an object or a model of one's own that the scene uses; the module of
-    the class of its indenter is added. Equal scenes are equal;
+    `plugins` are modules with objects and models of one's own that the scene uses; those of the
+    class of its indenter and of its laws are added. Equal scenes are equal;
     `Scene.from_toml(scene.to_toml()) == scene` holds exactly.
     """
 
@@ -56,11 +57,7 @@ class Scene:
                     received = f"the class {value.__name__} itself; give it its values"
                 article = "an" if kind.__name__[0] in "AI" else "a"
                 raise InputError(f"{name}: expected {article} {kind.__name__}, received {received}")
-        plugins = names("plugins", self.plugins)
-        home = type(self.indenter).__module__
-        if home not in (*plugins, SCRIPT) and not home.startswith(PACKAGE):
-            plugins = (*plugins, home)
-        object.__setattr__(self, "plugins", plugins)
+        self._name_plugins()
         self._check_places()
         self._check_path()
         if self.ask.spikes and self.motion.duration > LONGEST_RUN:
@@ -68,6 +65,14 @@ class Scene:
                 f"motion: expected at most {LONGEST_RUN:g} s where ask.spikes asks for spikes, "
                 f"received {self.motion.duration:g} s; shorten the motion or ask for no spikes"
             )
+
+    def _name_plugins(self) -> None:
+        """Add the modules of the object and of the laws, where they are not of the package."""
+        laws = (LAWS[layer.law] for layer in (self.finger.skin, self.finger.subcutaneous))
+        homes = [type(self.indenter).__module__, *(LAWS.origin(law)[0] for law in laws)]
+        own = [each for each in homes if each != SCRIPT and not each.startswith(PACKAGE)]
+        plugins = dict.fromkeys((*names("plugins", self.plugins), *own))
+        object.__setattr__(self, "plugins", tuple(plugins))
 
     @property
     def mirrored(self) -> bool:

@@ -193,7 +193,7 @@ def test_every_mechanics_answers_as_under_the_object_of_the_package(
 
 
 def test_the_error_of_an_unknown_object_is_said_to_be_unknown() -> None:
-    with pytest.raises(InputError, match=r"name (pressed|solid) .*not known: no object of kind 'slab'"):
+    with pytest.raises(InputError, match=r"name (pressed|solid) .*error here is not known"):
         ff.explain(press(Slab(3.0, 0.6)))
     result = ff.run(press(Slab(3.0, 0.6)), mechanics="linear")
     assert "not known" in str(result)
