@@ -5,6 +5,7 @@ A task is stored under a hash of all its inputs; its answer has "rows", or "erro
 
 import hashlib
 import json
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -90,10 +91,14 @@ class StudyRequest:
 
 
 def key(task: Task) -> str:
-    """Hash of all inputs of a task, surface files and versions included."""
+    """Hash of all inputs of a task, surface files, code of plugins and versions included."""
     parts = {**task, "fefinger": VERSION, "format": FORMAT}
     for name in ("surface", "bone_surface"):
         file = task["scene"]["finger"].get(name)
+        if file is not None:
+            parts[name] = hashlib.sha256(Path(file).read_bytes()).hexdigest()
+    for name in task["scene"].get("plugins", ()):
+        file = getattr(sys.modules.get(name), "__file__", None)
         if file is not None:
             parts[name] = hashlib.sha256(Path(file).read_bytes()).hexdigest()
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]

@@ -24,6 +24,7 @@ from fefinger.mechanics.press import depth_table
 from fefinger.scene.field_units import column
 from fefinger.scene.indenters import INDENTERS
 from fefinger.scene.schema import schema
+from fefinger.studies import tasks
 from fefinger.support.checks import InputError
 
 
@@ -213,6 +214,17 @@ def test_a_table_of_presses_knows_the_heights() -> None:
         return depth_table.key(ff.Finger.subject("a.h."), Same(), "")
 
     assert table(0.1) == table(0.1) != table(0.2)
+
+
+def test_a_stored_answer_of_a_study_knows_the_code_of_a_plugin(folder: Path) -> None:
+    def key() -> str:
+        task = {"scene": ff.Scene.from_toml(folder / "mine.toml").to_dict()}
+        return tasks.key(task)
+
+    first = key()
+    assert key() == first
+    (folder / "my_objects.py").write_text(PLUGIN.replace("hypot(x", "hypot(2 * x"))
+    assert key() != first
 
 
 # Scene files
