@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from fefinger.mechanics.realtime.rolling import Rolling as Rolling
     from fefinger.mechanics.realtime.sliding import Sliding as Sliding
     from fefinger.mechanics.realtime.stiffening import Stiffening as Stiffening
+    from fefinger.neural.family import Family as Family
     from fefinger.neural.series import spikes as spikes
     from fefinger.neural.trains import SpikeTrains as SpikeTrains
     from fefinger.pipeline import run as run
@@ -122,6 +123,7 @@ _HOMES = {
         *("Slide", "ForceSlide", "SampledPath", "ForceSampledPath"),
     ),
     "scene.texts": ("Braille", "Letters"),
+    "neural.family": ("Family",),
     "neural.series": ("spikes",),
     "neural.trains": ("SpikeTrains",),
     "pipeline": ("run",),

@@ -18,6 +18,7 @@ from fefinger.scene.population import Grid, Layout
 from fefinger.support import processes
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.registry import AFFERENTS
 from fefinger.support.threads import one_thread
 from fefinger.support.vocabulary import TYPES
 
@@ -67,12 +68,14 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
     notes: tuple[str, ...] = ()
     if ask.population is not None:
         units, notes = _population(ask, ask.population, sites)
-    elif ask.afferents == "recorded":
+    elif ask.afferents != "thesis":
         units["variation"] = Variation(seed=0, noise=None, trial=ask.trial)
     if ask.afferents == "recorded":
         trains = _recorded(ask.population, response.time, strain, sites, units | options)
-    else:
+    elif ask.afferents == "thesis":
         trains = _thesis(ask, response.time, strain, sites, reference, units | options)
+    else:
+        trains = _own(ask, response.time, strain, sites, units | options)
     if since > response.time[0]:
         notes = (f"Spikes count from {since:.6g} s on; those before it are left out.", *notes)
     if ask.trial and not _noisy(ask):
@@ -82,7 +85,7 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
 
 def _noisy(ask: "Ask") -> bool:
     noise = None if ask.population is None else ask.population.noise
-    return ask.afferents == "recorded" if noise is None else noise > 0.0
+    return ask.afferents != "thesis" if noise is None else noise > 0.0
 
 
 def _recorded(
@@ -98,6 +101,19 @@ def _recorded(
     rule = "max" if layout is None or layout.rule is None else layout.rule
     trains = simulate_recorded(time, x_in, rule=rule, **options)
     return replace(trains, notes=(RECORDED, *trains.notes))
+
+
+def _own(
+    ask: "Ask", time: Array, strain: Array, sites: "Sites", options: dict[str, Any]
+) -> "SpikeTrains":
+    from fefinger.neural import family
+    from fefinger.neural.drives import driven_displacements
+
+    own = AFFERENTS[ask.afferents]
+    drives, lengths = {**own.drives, **ask.drives}, own.lengths
+    x_in = driven_displacements(strain, sites.normals, sites.types, drives, lengths)
+    rule = "max" if ask.population is None else ask.population.rule or "max"
+    return family.fire(own, time, x_in, rule=rule, **options)
 
 
 def _thesis(

@@ -21,9 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.atomic_write import moved
-from fefinger.support.checks import InputError, choice, names
+from fefinger.support.checks import InputError, names
 from fefinger.support.inputs import check_input
-from fefinger.support.vocabulary import FAMILIES
 
 
 if TYPE_CHECKING:
@@ -92,7 +91,7 @@ class SpikeTrains:
     peak_mV: (n_units,) highest potential above rest. block_seconds: (n_units,) time spent in
     depolarization block. stimulus_driven: (n_units,) crossings of the threshold that also occur
     with sodium activation frozen at rest, so that the current alone carries the potential over it.
-    notes: sentences on limits and peculiarities of the trains. family: of FAMILIES. For the units
+    notes: sentences on limits and peculiarities of the trains. family: its name. For the units
     of "recorded" the current counts in a nominal threshold of 6.2 µA/cm², the potential in one of
     40 mV, and there is no block.
 
@@ -123,7 +122,6 @@ class SpikeTrains:
 
     def __post_init__(self) -> None:
         """Check the family, that names are different, and that every field has all units."""
-        choice("family", self.family, FAMILIES)
         n = len(names("names", self.names))
         if np.ndim(self.delays) == 0:
             object.__setattr__(self, "delays", np.full(n, float(self.delays)))

@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar
 from fefinger.scene.key import Key, check
 from fefinger.scene.population import Layout
 from fefinger.support.checks import InputError
+from fefinger.support.registry import AFFERENTS
 from fefinger.support.vocabulary import (
     DRIVES,
     FAMILIES,
@@ -53,9 +54,9 @@ class Ask:
     generator
         Law from the output of an end organ to its current: "saturating", or "linear" (thesis).
     afferents
-        Family of the afferents: "thesis", the chain of the source with its squid membrane, or
-        "recorded", fitted to responses of single units. `drives` and `generator` are choices of
-        "thesis" alone.
+        Family of the afferents: "thesis", the chain of the source with its squid membrane,
+        "recorded", fitted to responses of single units, or one of your own (`fefinger.Family`).
+        `generator` is a choice of "thesis" alone; "recorded" has no choice of `drives` either.
     solver
         Linear solver of the finite elements; by default the fastest that fits in free memory.
     """
@@ -77,7 +78,7 @@ class Ask:
         default_factory=dict, hash=False
     )
     generator: Annotated[str, Key(words=GENERATORS)] = GENERATORS[0]
-    afferents: Annotated[str, Key(words=FAMILIES)] = FAMILIES[0]
+    afferents: Annotated[str, Key(words=AFFERENTS)] = FAMILIES[0]
     population: Layout | None = None
     trial: Annotated[int, Key(at_least=0, written=False)] = 0
     solver: Annotated[str | None, Key(words=SOLVERS)] = None

@@ -16,6 +16,7 @@ from fefinger.scene.motion import Motion
 from fefinger.scene.toml import parse, parts, read, tables
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, names, number
+from fefinger.support.registry import AFFERENTS
 from fefinger.support.vocabulary import LONGEST_RUN
 
 
@@ -32,7 +33,7 @@ class Scene:
     """Complete description of a touch: finger, indenter, motion and requested outputs.
 
     `plugins` are modules with objects and models of one's own that the scene uses; those of the
-    class of its indenter and of its laws are added. Equal scenes are equal;
+    class of its indenter, of its laws and of its afferents are added. Equal scenes are equal;
     `Scene.from_toml(scene.to_toml()) == scene` holds exactly.
     """
 
@@ -67,9 +68,11 @@ class Scene:
             )
 
     def _name_plugins(self) -> None:
-        """Add the modules of the object and of the laws, where they are not of the package."""
+        """Add the modules of object, laws and afferents, where they are not of the package."""
         laws = (LAWS[layer.law] for layer in (self.finger.skin, self.finger.subcutaneous))
         homes = [type(self.indenter).__module__, *(LAWS.origin(law)[0] for law in laws)]
+        if self.ask.afferents not in AFFERENTS.shipped:
+            homes.append(AFFERENTS.origin(AFFERENTS[self.ask.afferents])[0])
         own = [each for each in homes if each != SCRIPT and not each.startswith(PACKAGE)]
         plugins = dict.fromkeys((*names("plugins", self.plugins), *own))
         object.__setattr__(self, "plugins", tuple(plugins))

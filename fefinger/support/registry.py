@@ -26,8 +26,8 @@ PLUGINS = "FEFINGER_PLUGINS"
 """Variable of the environment with names of modules to load, separated as those of PATH."""
 
 UNKNOWN = (
-    "One of your own is known when its module is loaded: import it, or name it in the variable "
-    f"{PLUGINS} of the environment"
+    "One of your own is known when its module is loaded: import it, or name it in `plugins` of the "
+    f"scene or in the variable {PLUGINS} of the environment"
 )
 """What to do about a name that resembles none."""
 
@@ -203,7 +203,19 @@ MECHANICS: Registry[Any] = Registry(
 )
 """Contact models, `fefinger.Mechanics`."""
 
-REGISTRIES = (INDENTERS, LAWS, MECHANICS)
+AFFERENTS: Registry[Any] = Registry(
+    "family",
+    "simulate",
+    {
+        "recorded": "fefinger.neural.recorded:simulate_recorded",
+        "thesis": "fefinger.neural.units:simulate_units",
+    },
+    plural="afferents",
+)
+"""Families of afferents, `fefinger.Family`. The two of the package are functions: `recorded`, the
+default, fitted to recorded responses, and `thesis`, the chain of Pawluk (1997)."""
+
+REGISTRIES = (INDENTERS, LAWS, MECHANICS, AFFERENTS)
 
 
 def register(thing: Thing) -> Thing:
