@@ -89,8 +89,9 @@ def load(place: Path, read: Callable[[Path], Value]) -> Value | None:
     """
     if not os.path.lexists(place):
         return None
-    with suppress(*DAMAGED):
+    with suppress(OSError):  # a cache that may be read alone
         os.utime(place)
+    with suppress(*DAMAGED):
         known = place / CHECKSUMS
         if known.is_file() and known.read_text(encoding="utf-8") == _checksums(place):
             return read(place)

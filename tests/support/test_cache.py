@@ -111,6 +111,20 @@ def test_an_entry_whose_reader_expects_another_version_goes(root: Path) -> None:
     assert not place.exists()
 
 
+def test_a_cache_that_may_not_be_written_is_read(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*given: object, **options: object) -> None:
+        raise PermissionError
+
+    place = keep(root / "patches" / "a", days=0)
+    for name in ("utime", "rename", "unlink", "mkdir"):
+        monkeypatch.setattr(os, name, refuse)
+    assert cache.load(place, read)[-1] == 124_999
+    with pytest.raises(PermissionError), cache.appearing(place.with_name("b"), "b"):
+        pass
+
+
 def test_an_entry_that_is_there_stays_unless_it_is_replaced(root: Path) -> None:
     place = root / "elastic" / "a"
     for size, replacing in ((1, False), (2, False), (3, True)):
