@@ -6,6 +6,8 @@ output holds the answer alone; progress, warnings and errors go to standard erro
 
 import errno
 import os
+import sys
+from collections.abc import Callable
 from contextlib import suppress
 
 import click
@@ -13,10 +15,9 @@ import click
 from fefinger.commands import COMMANDS
 from fefinger.commands.options import DONE, FAILED, UNUSABLE
 from fefinger.support.atomic_write import FULL, write_error
-from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.checks import ConvergenceError, InputError, address_space
 from fefinger.support.compiled import notice
 from fefinger.support.interrupt import INTERRUPTED, MESSAGE
-from fefinger.support.processes import address_space
 from fefinger.support.version import VERSION
 
 
@@ -38,8 +39,7 @@ def run(arguments: list[str]) -> int:
         _say(MESSAGE)
         return INTERRUPTED
     except click.ClickException as error:
-        with suppress(OSError):
-            error.show()
+        _unless_full(error.show)
         return error.exit_code
     except Exception as error:
         status, sentence = _failure(error)
@@ -83,8 +83,21 @@ def _failure(error: Exception) -> tuple[int, str]:
 
 def _say(sentence: str) -> None:
     """Print a line on standard error, unless that is full or closed too."""
+    _unless_full(lambda: click.echo(sentence, err=True))
+
+
+def _unless_full(write: Callable[[], object]) -> None:
+    """Write to standard error, and drop streams that are full.
+
+    Python would else write to them at its end, and exit with 120.
+    """
     with suppress(OSError):
-        click.echo(sentence, err=True)
+        write()
+    for name in ("stdout", "stderr"):
+        try:
+            getattr(sys, name).flush()
+        except OSError:
+            setattr(sys, name, open(os.devnull, "w"))
 
 
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100, "show_default": True}

@@ -6,7 +6,6 @@ that exits at once.
 """
 
 import contextlib
-import math
 import os
 import pickle
 import signal
@@ -227,16 +226,6 @@ def each(
 def cores() -> int:
     """Count the processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def address_space() -> float:
-    """Return the limit in MB of the address space of this process, infinite without one."""
-    try:
-        import resource
-    except ImportError:  # on Windows
-        return math.inf
-    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-    return math.inf if limit == resource.RLIM_INFINITY else limit / 1e6
 
 
 def threads() -> int:

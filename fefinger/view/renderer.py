@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import Any
 
 from fefinger.support import processes
-from fefinger.support.checks import InputError
+from fefinger.support.checks import InputError, address_space
 
 
 PROBE = """
@@ -29,9 +29,9 @@ LEAST_MEMORY = 2000
 @functools.cache
 def renderer_lacking() -> str:
     """Return "" if VTK can draw off-screen here, else a sentence that says what is missing."""
-    if processes.address_space() < LEAST_MEMORY:
+    if address_space() < LEAST_MEMORY:
         return (
-            f"The address space is limited to {processes.address_space():.0f} MB, of which "
+            f"The address space is limited to {address_space():.0f} MB, of which "
             f"three-dimensional pictures need {LEAST_MEMORY}; raise the limit (ulimit -v)."
         )
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}

@@ -6,7 +6,6 @@ import os
 import subprocess
 import sys
 import tomllib
-from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -295,16 +294,17 @@ def test_validate_says_where_its_files_and_the_index_are(capsys, monkeypatch, tm
     ]
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt(), MemoryError()], ids=repr)
-def test_a_run_that_ends_early_leaves_no_empty_folder(monkeypatch, tmp_path, error):
+@pytest.mark.parametrize(
+    ("error", "status"), [(KeyboardInterrupt(), 130), (MemoryError(), 1)], ids=repr
+)
+def test_a_run_that_ends_early_leaves_no_empty_folder(monkeypatch, tmp_path, error, status):
     def end(*args, **options):
         raise error
 
     monkeypatch.setattr("fefinger.pipeline.run", end)
     (tmp_path / "mine").mkdir()
     for folder in ("new/deep", "mine"):
-        with suppress(MemoryError):
-            assert main(["run", "flat-press", "-o", str(tmp_path / folder)]) == 130
+        assert main(["run", "flat-press", "-o", str(tmp_path / folder)]) == status
     assert [path.name for path in tmp_path.iterdir()] == ["mine"]
 
 
@@ -390,7 +390,7 @@ def test_the_help_loads_the_commands_and_little_else():
     shared = {f"fefinger.commands.{name}" for name in ("cli", "console", "options")}
     support = {
         f"fefinger.support.{name}"
-        for name in ("atomic_write", "checks", "interrupt", "text", "version")
+        for name in ("atomic_write", "checks", "compiled", "interrupt", "text", "version")
     }
     rooms = {"fefinger", "fefinger.__main__", "fefinger.commands", "fefinger.support"}
     package = {name for name in loaded if name.partition(".")[0] == "fefinger"}

@@ -71,10 +71,12 @@ def test_memory_that_runs_out_is_a_sentence(
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
-@pytest.mark.parametrize("words", [["run", "nothing"], ["run", "--nothing"]])
+@pytest.mark.parametrize("words", [["run", "nothing"], ["run", "--nothing"], ["scenes"]])
 def test_an_error_keeps_its_status_where_it_cannot_be_told(words: list[str]) -> None:
     with open("/dev/full", "w") as full:
-        done = subprocess.run([*COMMAND, *words], stdout=full, stderr=full, check=False)
+        buffered = {**os.environ, "PYTHONUNBUFFERED": ""}  # what is left is written at the end
+        command = [*COMMAND, *words]
+        done = subprocess.run(command, stdout=full, stderr=full, env=buffered, check=False)
     assert done.returncode == 2
 
 

@@ -15,7 +15,6 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.pages import viewer
 from fefinger.result import Result
 from fefinger.scene.indenters import Flat
-from fefinger.support import processes
 from fefinger.support.checks import InputError
 from fefinger.view import (
     figures,
@@ -426,6 +425,6 @@ def test_with_little_address_space_nothing_is_drawn_in_space(
 ) -> None:
     """VTK and Mesa end the process where they run out of it."""
     view.renderer_lacking.cache_clear()
-    monkeypatch.setattr(processes, "address_space", lambda: renderer.LEAST_MEMORY - 1.0)
+    monkeypatch.setattr(renderer, "address_space", lambda: renderer.LEAST_MEMORY - 1.0)
     assert view.renderer_lacking().startswith("The address space is limited to 1999 MB")
     view.renderer_lacking.cache_clear()
