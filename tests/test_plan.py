@@ -292,7 +292,7 @@ def test_a_scene_may_name_its_mechanics_and_a_call_overrides_it():
     assert plan.choose(own, "solid").mechanics == "solid"
     with pytest.raises(InputError, match=r"ask.mechanics: .*Did you mean 'linear'\?"):
         plan.choose(scene(mechanics="liner"))
-    with pytest.raises(InputError, match=r"ask.mechanics: expected a name, received 1"):
+    with pytest.raises(InputError, match=r"ask.mechanics: expected a text, received 1"):
         scene(mechanics=1)
 
 
