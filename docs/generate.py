@@ -297,20 +297,24 @@ def percent(share):
 
 
 STEPS = {
-    "`Pressed`": ("pressed", "a step with 1000 end organs, {}", "99 % of them within"),
-    "`Condensed`": ("condensed", "strains in double precision: step, {}, wall", "99th percentile"),
-    "`Rolling`, half a finger": (
+    "`pressed`": ("pressed", "a step with 1000 end organs, {}", "99 % of them within"),
+    "`condensed`": ("condensed", "strains in double precision: step, {}, wall", "99th percentile"),
+    "`condensed`, a plate that rolls, half a finger": (
         *("condensed", "a plate that turns, half a finger, 1000 end organs: step, {}, processor"),
         "99th percentile",
     ),
-    "`Sliding`": ("sliding", "step: standard, plate, 292 vertices in contact, {}", WITHIN),
-    "`Sliding` with friction": (
+    "`condensed`, sliding": (
+        "sliding",
+        "step: standard, plate, 292 vertices in contact, {}",
+        WITHIN,
+    ),
+    "`condensed`, with friction": (
         *("sliding", "step: standard, plate with friction, 282 vertices in contact, {}", WITHIN),
     ),
-    "`Sliding` with friction, coarse mesh": (
+    "`condensed`, with friction, coarse mesh": (
         *("sliding", "step: coarse, plate with friction, 71 vertices in contact, {}", WITHIN),
     ),
-    "`Modal`": (
+    "`modal`, a step within": (
         *("modal", "step of 0.2 ms, 81 modes, 335 contact nodes, 1000 end organs: {}", "99 %"),
     ),
 }

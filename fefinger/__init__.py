@@ -33,13 +33,15 @@ if TYPE_CHECKING:
     from fefinger.fem.hyperelastic.check import check_law as check_law
     from fefinger.laws import Law as Law
     from fefinger.mechanics import Mechanics as Mechanics
-    from fefinger.mechanics.realtime.condensed import Condensed as Condensed
-    from fefinger.mechanics.realtime.modal import Modal as Modal
-    from fefinger.mechanics.realtime.pressed import Pressed as Pressed
-    from fefinger.mechanics.realtime.rolling import Rolling as Rolling
-    from fefinger.mechanics.realtime.sliding import Sliding as Sliding
-    from fefinger.mechanics.realtime.stiffening import Stiffening as Stiffening
     from fefinger.neural.family import Family as Family
+    from fefinger.mechanics.former_loops import Condensed as Condensed
+    from fefinger.mechanics.former_loops import Modal as Modal
+    from fefinger.mechanics.former_loops import Pressed as Pressed
+    from fefinger.mechanics.former_loops import Rolling as Rolling
+    from fefinger.mechanics.former_loops import Sliding as Sliding
+    from fefinger.mechanics.loop import Loop as Loop
+    from fefinger.mechanics.stiffening import Stiffening as Stiffening
+    from fefinger.mechanics.vibrations import Vibrations as Vibrations
     from fefinger.neural.series import spikes as spikes
     from fefinger.neural.trains import SpikeTrains as SpikeTrains
     from fefinger.pipeline import run as run
@@ -128,17 +130,15 @@ _HOMES = {
     "neural.trains": ("SpikeTrains",),
     "pipeline": ("run",),
     "plan": ("choose", "explain"),
-    "mechanics.realtime.condensed": ("Condensed",),
+    "mechanics.former_loops": ("Condensed", "Modal", "Pressed", "Rolling", "Sliding"),
+    "mechanics.loop": ("Loop",),
     "results.result_record": ("Plan",),
-    "mechanics.realtime.modal": ("Modal",),
-    "mechanics.realtime.pressed": ("Pressed",),
-    "mechanics.realtime.rolling": ("Rolling",),
-    "mechanics.realtime.sliding": ("Sliding",),
     "scene.scene": ("Scene",),
     "studies.receptive_field": ("ReceptiveField", "receptive_field"),
     "studies.study": ("study",),
     "theory.relaxation": ("Prony",),
-    "mechanics.realtime.stiffening": ("Stiffening",),
+    "mechanics.stiffening": ("Stiffening",),
+    "mechanics.vibrations": ("Vibrations",),
     "scene.tissue": ("Hard", "Tissue"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

@@ -6,11 +6,12 @@ mesh/store.py         the mesh: shipped, cached, or made by `mesh/build.py`
 mechanics/            `respond` of the chosen one: force, pressure, strain. All but the law `lumped`
                       go on to `mechanics/press/`, whose `__init__` lists the parts:
                       problem.Press (mesh, body, obstacle, end organs), small_strain, finite_strain
-fem/                  the contact: time steps in `fem/contact/step_compiled.py`, each solved in
-                      `lcp_compiled.py`, at small strain; equilibria in `fem/hyperelastic/newton.py`
-                      at finite strain. The displacement gradient at the end organs is a linear
-                      map of the displacements, made in `fem/elements/recovery.py` and applied in
-                      `mechanics/press/`: response.py, finite_strain.py and tabulated_press.py
+contact/              time steps at small strain: `frictionless.py`, each solved in `active_set.py`;
+                      `march.py` takes any kind of contact through a motion
+fem/                  elements; equilibria at finite strain in `fem/hyperelastic/newton.py`. The
+                      displacement gradient at the end organs is a linear map of the displacements,
+                      made in `fem/elements/recovery.py` and applied in `mechanics/press/`:
+                      response.py, finite_strain.py and tabulated_press.py
 afferents.fire        the spikes of that strain: `neural/recorded_compiled.py`, which
                       `neural/recorded.py` calls, or, of the family `thesis`,
                       `neural/membranes/vectorized.py`, which `neural/units.py` calls
@@ -19,7 +20,7 @@ result.Result         `save`, `load` and `show`; its page is written by `pages/r
 Where else to look:
 
 friction              `mechanics/press/sliding.py` at small strain (solved in
-                      `fem/contact/march.py`), `mechanics/press/dragged.py` at finite strain
+                      `contact/frictional.py`), `mechanics/press/dragged.py` at finite strain
 table of `pressed`    `mechanics/press/elastic_press.py`: `load_or_solve` reads it, or solves and
                       stores it; its files are written by `depth_table.write`
 stated error          `plan._rung`: `error` of the mechanics, and that of neglecting inertia

@@ -21,6 +21,7 @@ ROOMS = {
     "fefinger.support": 1,
     "fefinger.theory": 1,
     "fefinger.geometry": 2,
+    "fefinger.contact": 2,
     "fefinger.neural": 2,
     "fefinger.laws": 2,
     "fefinger.scene": 3,
@@ -46,7 +47,10 @@ ROOMS = {
 ALONE = {
     "fefinger.neural": ("fefinger.support",),
     "fefinger.laws": ("fefinger.support",),
-    "fefinger.fem": ("fefinger.support", "fefinger.geometry", "fefinger.laws"),
+    "fefinger.contact": ("fefinger.support",),
+    "fefinger.fem": (
+        *("fefinger.support", "fefinger.geometry", "fefinger.contact", "fefinger.laws"),
+    ),
     "fefinger.scene": ("fefinger.support", "fefinger.theory", "fefinger.geometry", "fefinger.laws"),
 }
 """Rooms that import these rooms alone."""

@@ -14,7 +14,7 @@ import numpy as np
 import fefinger as ff
 
 
-finger = ff.Pressed(ff.Finger.subject("a.h."), ff.Flat(30))
+finger = ff.Loop(ff.Finger.subject("a.h."), ff.Flat(30))
 units = finger.afferents()
 
 dt, n = 1e-3, 1500
@@ -23,7 +23,7 @@ depth = 0.8 * np.clip(t / 0.2, 0, 1) + 0.15 * np.sin(2 * np.pi * 8 * (t - 0.3)) 
 force, fired = np.empty(n), []
 began = time.perf_counter()
 for k in range(n):
-    step = finger.step(depth=max(depth[k], 0.0), dt=dt)
+    step = finger.step(dt, depth=max(depth[k], 0.0))
     units.step(step.strain, dt)
     force[k] = step.force
     fired += units.fired()  # (unit, time in s) of each spike

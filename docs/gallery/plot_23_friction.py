@@ -13,13 +13,14 @@ import fefinger as ff
 
 
 soft = ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse")
-finger = ff.Sliding(soft, ff.Flat(angle=30, friction=0.5), deepest=0.8)
+plate = ff.Flat(angle=30, friction=0.5)
+finger = ff.Loop(soft, plate, mechanics="condensed", deepest=0.8)
 dt, pulled, stuck = 2e-3, [], []
 for depth in np.linspace(0, 0.6, 60):
-    step = finger.step(depth=depth, shift=(0.0, 0.0), dt=dt)
+    step = finger.step(dt, depth=depth)
 way = np.linspace(0, 1.5, 150)
 for x in way:
-    step = finger.step(depth=0.6, shift=(x, 0.0), dt=dt)
+    step = finger.step(dt, depth=0.6, shift=(x, 0.0))
     pulled.append(np.hypot(*step.lateral_force) / step.force)
     stuck.append(step.stick_area)
 

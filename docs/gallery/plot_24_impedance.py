@@ -21,7 +21,8 @@ import fefinger as ff
 frequency = np.geomspace(5, 400, 60)
 fig, axes = plt.subplots(1, 3, figsize=(10, 3.2), layout="constrained")
 for tissue in ("maeno1998", "maeno1998_viscous"):
-    finger = ff.Modal(ff.Finger.subject("a.h.", tissue=tissue, resolution="coarse"), ff.Flat(30))
+    soft = ff.Finger.subject("a.h.", tissue=tissue, resolution="coarse")
+    finger = ff.Vibrations(soft, ff.Flat(30))
     answer = finger.harmonic(frequency, force=0.5)
     axes[0].loglog(frequency, np.abs(answer.impedance), label=tissue)
     axes[1].semilogx(frequency, answer.phase - 90)

@@ -16,12 +16,12 @@ def live(output: str | None, subject: str, resolution: str) -> None:
     so that the tissue is one that does not stiffen: that of Maeno et al. (1998). The first run
     builds the operator of the finger, which takes about a minute.
     """
-    from fefinger.mechanics.realtime import show
     from fefinger.scene.finger import Finger
     from fefinger.scene.library import PUBLISHED
     from fefinger.support.outputs import output_file
     from fefinger.view import film
     from fefinger.view import live as shows
+    from fefinger.view.show import DT
 
     finger = Finger.subject(subject, resolution=resolution, tissue=PUBLISHED)
     if output is None:
@@ -31,6 +31,6 @@ def live(output: str | None, subject: str, resolution: str) -> None:
         output_file(output, "-o")
         last = shows.record(finger, Path(output))
     click.echo(
-        f"{last.steps} steps of {1e3 * show.DT:g} ms at {last.rate:.0f} steps/s, "
+        f"{last.steps} steps of {1e3 * DT:g} ms at {last.rate:.0f} steps/s, "
         f"{len(last.spikes)} spikes" + (f": {output}" if output else "")
     )

@@ -1,7 +1,7 @@
 """Contact models of a finger, one file each, cheapest first: they turn a Scene into a Response.
 
 The files say when a model applies, how wrong and how slow it is; the finite-element solvers behind
-them are in `press/`, those for real-time loops in `realtime/`, the formulas in `theory/`.
+them are in `press/`, those for loops in real time in `loop.py`, the formulas in `theory/`.
 
 Each is a module with `name`, `traits`, the rules `refuse`, `cost`, `once` and `error` for a
 `Situation`, and `coarser(scene)` and `respond(scene, progress)`: the protocol `Mechanics`, which a

@@ -1,7 +1,7 @@
 """Small-strain finite elements, condensed once per finger to its pad and its end organs.
 
 The operator (`fem/condensation.py`) is built once per finger and cached; contact then runs in
-compiled steps (`fem/contact/step_compiled.py`). On the same mesh the answer is that of `linear` up
+compiled steps (`contact/frictionless.py`). On the same mesh the answer is that of `linear` up
 to rounding. One operator serves every indenter, so its mesh is that of the 30
 degree plate, where the mesh of `linear` follows the touch.
 """

@@ -2,7 +2,7 @@
 
 One real eigenproblem per finger serves every relaxation and every frequency, because all tissue
 relaxes with one function. Through time each mode is an oscillator with the memory of the tissue,
-and contact opens and closes as in `condensed` (`fem/contact/modal_step.py`). At finite strain the
+and contact opens and closes as in `condensed` (`contact/inertial.py`). At finite strain the
 answer without inertia is that of `pressed` (`press/modal_response.py`).
 """
 

@@ -5,5 +5,6 @@ from numpy.typing import NDArray
 
 
 Array = NDArray[np.float64]
+Floats = NDArray[np.floating]  # in single or double precision
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.mechanics.realtime.show import FRAME, Frame, Show, compressive, status_line
 from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Integers
 from fefinger.support.checks import InputError
 from fefinger.view import film, renderer
+from fefinger.view.show import FRAME, Frame, Show, compressive, status_line
 
 
 COLORS = {"SAI": "#1b6ca8", "SAII": "#5aa469", "FAI": "#d35d6e", "FAII": "#8d6cab"}
@@ -61,7 +61,7 @@ class Window:
 
     def draw(self, frame: Frame) -> None:
         """Draw a frame, and process the mouse and keyboard."""
-        self.pad["pressure, kPa"][self.show.rolling.vertices] = frame.pressure
+        self.pad["pressure, kPa"][self.show.vertices] = frame.pressure
         self.section["compressive strain"][:] = compressive(frame.strain)
         for part in (self.pad, self.section):
             part.Modified()

@@ -123,7 +123,7 @@ def test_damaged_entries_are_made_anew(
     shutil.copytree(entry, place)
 
     def force() -> float:
-        return ff.Condensed(FINGER, ff.Flat(30), deepest=0.6).step(0.4, 0.0).force
+        return ff.Loop(FINGER, mechanics="condensed", deepest=0.6).step(0.0, depth=0.4).force
 
     sound, built = force(), []
     made, reduce = operator.build, operator.reduction.reduce

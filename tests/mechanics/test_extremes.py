@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import fefinger as ff
+from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.body import Body, body, reduce
-from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.forms import Elastic

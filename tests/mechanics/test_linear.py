@@ -8,8 +8,8 @@ import pytest
 
 import fefinger as ff
 from fefinger.afferents import fire
+from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.body import Body, body, reduce
-from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import linear

@@ -38,10 +38,17 @@ def scene(motion: ff.FrequencySweep | ff.RampHold | ff.Sampled, **ask: object) -
 pytestmark = pytest.mark.usefixtures("operators")
 
 
+FINGER = ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse")
+
+
 @pytest.fixture
-def loop(operators: Path) -> ff.Modal:
-    finger = ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse")
-    return ff.Modal(finger, ff.Flat(30), deepest=1.2)
+def loop(operators: Path) -> ff.Loop:
+    return ff.Loop(FINGER, ff.Flat(30), mechanics="modal", deepest=1.2)
+
+
+@pytest.fixture
+def vibrations(operators: Path) -> ff.Vibrations:
+    return ff.Vibrations(FINGER, ff.Flat(30), deepest=1.2)
 
 
 @pytest.mark.parametrize("control", ["depth", "force"])
@@ -87,7 +94,7 @@ def test_the_fields_of_a_slow_press_are_those_without_inertia(
 
 
 def test_damaged_modes_are_computed_again(
-    loop: ff.Modal, operators: Path, monkeypatch: pytest.MonkeyPatch
+    vibrations: ff.Vibrations, operators: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     used = max((operators.parent / "modes").iterdir(), key=lambda place: place.stat().st_mtime)
     computed, compute = [], modal_body.modes_of
@@ -98,32 +105,34 @@ def test_damaged_modes_are_computed_again(
 
     monkeypatch.setattr(modal_body, "modes_of", counted)
     flip(used / "squares.npy")
-    again = ff.Modal(loop.finger, ff.Flat(30), deepest=1.2)
-    assert again.frequencies == pytest.approx(loop.frequencies, rel=1e-9)
+    again = ff.Vibrations(vibrations.finger, ff.Flat(30), deepest=1.2)
+    assert again.frequencies == pytest.approx(vibrations.frequencies, rel=1e-9)
     assert len(computed) == 1
 
 
 def test_heavier_tissue_swings_more_slowly_with_the_modes_that_are_there(
-    loop: ff.Modal, operators: Path
+    vibrations: ff.Vibrations, operators: Path
 ) -> None:
     before = sorted((operators.parent / "modes").iterdir())
     heavy = dataclasses.replace(
-        loop.finger,
-        skin=dataclasses.replace(loop.finger.skin, density=4400),
-        subcutaneous=dataclasses.replace(loop.finger.subcutaneous, density=4400),
+        vibrations.finger,
+        skin=dataclasses.replace(vibrations.finger.skin, density=4400),
+        subcutaneous=dataclasses.replace(vibrations.finger.subcutaneous, density=4400),
     )
-    slow = ff.Modal(heavy, ff.Flat(30), deepest=1.2)
-    assert slow.frequencies == pytest.approx(loop.frequencies / 2, rel=1e-9)
+    slow = ff.Vibrations(heavy, ff.Flat(30), deepest=1.2)
+    assert slow.frequencies == pytest.approx(vibrations.frequencies / 2, rel=1e-9)
     assert sorted((operators.parent / "modes").iterdir()) == before
     skin = ff.Tissue(100, 0.48, 1.0, density=1000)
-    other = ff.Modal(dataclasses.replace(loop.finger, skin=skin), ff.Flat(30), deepest=1.2)
-    assert (other.frequencies != loop.frequencies).all()
+    other = ff.Vibrations(
+        dataclasses.replace(vibrations.finger, skin=skin), ff.Flat(30), deepest=1.2
+    )
+    assert (other.frequencies != vibrations.frequencies).all()
 
 
-def test_a_rest_in_the_loop_is_that_of_condensed(loop: ff.Modal) -> None:
-    still = ff.Condensed(loop.finger, loop.indenter, deepest=1.2, sites=loop.sites)
+def test_a_rest_in_the_loop_is_that_of_condensed(loop: ff.Loop) -> None:
+    still = ff.Loop(FINGER, ff.Flat(30), mechanics="condensed", deepest=1.2, sites=loop.sites)
     loop.reset()
-    one, other = still.step(0.7, 2.0), loop.rest(0.7, 2.0)
+    one, other = still.step(2.0, depth=0.7), loop.rest(2.0, depth=0.7)
     assert other.force == pytest.approx(one.force, rel=1e-9)
     for name in ("strain", "pressure"):
         expected = getattr(one, name)
@@ -131,14 +140,14 @@ def test_a_rest_in_the_loop_is_that_of_condensed(loop: ff.Modal) -> None:
         assert getattr(other, name) == pytest.approx(expected, abs=1e-9 * scale), name
 
 
-def test_it_is_built_with_progress(loop: ff.Modal) -> None:
+def test_it_is_built_with_progress(loop: ff.Loop) -> None:
     seen: list[tuple[str, float]] = []
-    ff.Modal(loop.finger, loop.indenter, progress=lambda stage, done: seen.append((stage, done)))
+    ff.Vibrations(FINGER, progress=lambda stage, done: seen.append((stage, done)))
     assert [stage for stage, done in seen if done == 0.0] == ["factor", "modes"]
 
 
-def test_a_harmonic_answer_is_a_dataset_with_units(loop: ff.Modal) -> None:
-    answer = loop.harmonic([20.0, 200.0], depth=0.8)
+def test_a_harmonic_answer_is_a_dataset_with_units(vibrations: ff.Vibrations) -> None:
+    answer = vibrations.harmonic([20.0, 200.0], depth=0.8)
     table = answer.to_xarray()
     stiffness = table["dynamic_stiffness"]
     assert stiffness.attrs["units"] == "N/mm"
@@ -148,42 +157,66 @@ def test_a_harmonic_answer_is_a_dataset_with_units(loop: ff.Modal) -> None:
     assert table.attrs["preload_depth_mm"] == 0.8
 
 
-def test_units_fire_in_the_loop(loop: ff.Modal) -> None:
+def test_units_fire_in_the_loop(loop: ff.Loop) -> None:
     units, fired = loop.afferents(), np.zeros(len(loop.sites.types))
-    loop.rest(0.5, 10.0)
+    loop.rest(10.0, depth=0.5)
     for k in range(3000):
-        step = loop.step(0.5 + 0.1 * np.sin(2 * np.pi * 200 * k * 1e-4), 1e-4)
+        step = loop.step(1e-4, depth=0.5 + 0.1 * np.sin(2 * np.pi * 200 * k * 1e-4))
         units.step(step.strain, 1e-4)
         fired[[unit for unit, _ in units.fired()]] += 1
     assert fired[loop.sites.types.index("FAII")] > 20
 
 
-def test_in_a_loop_and_as_a_scene_it_is_the_same(loop: ff.Modal) -> None:
+def test_in_a_loop_and_as_a_scene_it_is_the_same(loop: ff.Loop) -> None:
     motion = ff.RampHold(40.0, 0.8, hold=0.02)
     whole = modal.respond(scene(motion))
     steps = modal_grid(motion, fast=False)
     loop.reset()
     forces = [0.0]
     for dt, t in zip(np.diff(steps.time), steps.time[1:], strict=True):
-        forces.append(loop.step(float(motion.value(t)), float(dt)).force)
+        forces.append(loop.step(float(dt), depth=float(motion.value(t))).force)
     assert np.array(forces)[steps.stored] == pytest.approx(whole.force, abs=5e-3)
 
 
-def test_a_force_is_reached_and_contact_opens_and_closes(loop: ff.Modal) -> None:
+def test_a_long_step_is_divided_so_that_all_modes_follow(loop: ff.Loop) -> None:
+    """A press at 120 mm/s in steps of 1 ms is that in steps of 0.1 ms, and not that of statics."""
+    whole, still = [], ff.Loop(FINGER, ff.Flat(30), mechanics="condensed", deepest=1.2)
+    for dt, finger in ((1e-4, loop), (1e-3, loop), (1e-3, still)):
+        finger.reset()
+        depths = 120.0 * dt * np.arange(1, round(8e-3 / dt) + 1)
+        whole.append([finger.step(dt, depth=depth).force for depth in depths.tolist()])
+    fine, coarse, static = whole
+    assert coarse == pytest.approx(fine[9::10], rel=1e-9)
+    assert np.abs(np.subtract(coarse, static)).max() > 0.02 * static[-1]
+    assert len(loop.prepared.body.oscillators.omega_squared) == len(loop.prepared.modes.frequencies)
+
+
+def test_a_long_step_that_is_refused_midway_leaves_the_finger_as_it_was(loop: ff.Loop) -> None:
+    loop.reset()
+    loop.step(1e-3, depth=0.4)
+    before = loop.now.depth, loop.now.force
+    with pytest.raises(InputError, match="contact at their rim"):
+        loop.step(1e-3, depth=3.0)
+    again = loop.restore(loop.state())
+    assert (again.depth, again.force) == pytest.approx(before, rel=1e-12)
+
+
+def test_a_force_is_reached_and_contact_opens_and_closes(loop: ff.Loop) -> None:
     loop.reset()
     for force in (0.1, 0.3, 0.0, 0.0, 0.2):
-        assert loop.step_force(force, 1e-4).force == pytest.approx(force, rel=1e-6, abs=1e-12)
+        assert loop.step(1e-4, force=force).force == pytest.approx(force, rel=1e-6, abs=1e-12)
     loop.reset()
     forces = [
-        loop.step(0.2 + 0.5 * np.sin(2 * np.pi * 100 * k * 1e-4), 1e-4).force for k in range(300)
+        loop.step(1e-4, depth=0.2 + 0.5 * np.sin(2 * np.pi * 100 * k * 1e-4)).force
+        for k in range(300)
     ]
     assert min(forces) == 0.0 < max(forces)
 
 
-def test_a_preload_is_the_same_by_depth_and_by_force(loop: ff.Modal) -> None:
+def test_a_preload_is_the_same_by_depth_and_by_force(vibrations: ff.Vibrations) -> None:
     frequency = [20.0, 200.0]
-    by_depth = loop.harmonic(frequency, depth=0.8)
-    by_force = loop.harmonic(frequency, force=by_depth.preload_force)
+    by_depth = vibrations.harmonic(frequency, depth=0.8)
+    by_force = vibrations.harmonic(frequency, force=by_depth.preload_force)
     assert by_force.preload_depth == pytest.approx(0.8, rel=1e-6)
     assert by_force.stiffness == pytest.approx(by_depth.stiffness, rel=1e-6)
     angle, amplitude = np.linspace(0, 2 * np.pi, 2001)[:, None], 0.02
@@ -196,32 +229,32 @@ def test_a_preload_is_the_same_by_depth_and_by_force(loop: ff.Modal) -> None:
 
 
 def test_a_slow_oscillation_strains_as_the_relaxed_finger_does_between_two_depths(
-    loop: ff.Modal,
+    vibrations: ff.Vibrations,
 ) -> None:
-    still = ff.Condensed(loop.finger, loop.indenter, deepest=1.2, sites=loop.sites)
+    still = ff.Loop(FINGER, ff.Flat(30), mechanics="condensed", deepest=1.2, sites=vibrations.sites)
     middle, apart, relaxed = 0.8, 1e-5, []  # mm; too close for a vertex to come into contact
     for depth in (middle - apart, middle + apart):
         still.reset()
-        relaxed.append(tensor_from_voigt(still.step(depth, 1e6).strain))
+        relaxed.append(tensor_from_voigt(still.step(1e6, depth=depth).strain))
     slope = (relaxed[1] - relaxed[0]) / (2 * apart)
-    strain = loop.harmonic([1e-4], depth=middle).strain[0]
+    strain = vibrations.harmonic([1e-4], depth=middle).strain[0]
     assert strain.real == pytest.approx(slope, abs=2e-3 * np.abs(slope).max())
     assert np.abs(strain.imag).max() < 2e-3 * np.abs(slope).max()
 
 
-def test_the_skin_under_the_plate_moves_with_it(loop: ff.Modal) -> None:
-    axis = obstacle(loop.indenter, loop.vibrating.solid).axis
-    found = loop.harmonic([0.1, 100.0], depth=0.8)
+def test_the_skin_under_the_plate_moves_with_it(vibrations: ff.Vibrations) -> None:
+    axis = obstacle(ff.Flat(30), vibrations.vibrating.solid).axis
+    found = vibrations.harmonic([0.1, 100.0], depth=0.8)
     middle = np.argmin(np.linalg.norm(found.skin_points, axis=1))
     assert found.skin[:, middle] @ axis == pytest.approx([1.0, 1.0], abs=0.02)
 
 
-def test_a_preload_is_answered_alike_after_any_other(loop: ff.Modal) -> None:
+def test_a_preload_is_answered_alike_after_any_other(vibrations: ff.Vibrations) -> None:
     frequency, depths = [20.0, 200.0], (0.4, 1.0, 0.7)  # alone, of more nodes, of fewer again
-    before = [loop.harmonic(frequency, depth=depth) for depth in depths]
+    before = [vibrations.harmonic(frequency, depth=depth) for depth in depths]
     for found, depth in zip(before, depths, strict=True):
-        loop.__dict__.pop("vibrating")
-        alone = loop.harmonic(frequency, depth=depth)
+        vibrations.__dict__.pop("vibrating")
+        alone = vibrations.harmonic(frequency, depth=depth)
         for name in ("stiffness", "strain", "skin", "error"):
             one, other = getattr(found, name), getattr(alone, name)
             assert np.abs(one - other).max() < 1e-9 * np.abs(other).max(), name
@@ -261,25 +294,27 @@ def test_stiffening_tissue_bears_no_force_without_contact(motion: ff.Sampled) ->
     ],
 )
 def test_a_harmonic_answer_that_cannot_be_given_is_a_sentence(
-    loop: ff.Modal, frequency: Any, preload: dict[str, float], sentence: str
+    vibrations: ff.Vibrations, frequency: Any, preload: dict[str, float], sentence: str
 ) -> None:
     with pytest.raises(InputError, match=sentence):
-        loop.harmonic(frequency, **preload)
+        vibrations.harmonic(frequency, **preload)
 
 
-def test_a_mode_is_one_cycle_of_its_frequency_on_the_mesh(loop: ff.Modal, tmp_path: Path) -> None:
-    fields = loop.shape(2, frames=8)
-    assert fields.times[-1] == pytest.approx(7 / 8 / loop.frequencies[2])
+def test_a_mode_is_one_cycle_of_its_frequency_on_the_mesh(
+    vibrations: ff.Vibrations, tmp_path: Path
+) -> None:
+    fields = vibrations.shape(2, frames=8)
+    assert fields.times[-1] == pytest.approx(7 / 8 / vibrations.frequencies[2])
     assert np.linalg.norm(fields.displacement[0], axis=1).max() <= 1.0
     np.testing.assert_allclose(fields.displacement[4], -fields.displacement[0], atol=1e-12)
-    loop.save_shape(tmp_path / "mode.vtkhdf", 0)
+    vibrations.save_shape(tmp_path / "mode.vtkhdf", 0)
     assert (tmp_path / "mode.vtkhdf").stat().st_size > 1000
     with pytest.raises(InputError, match=f"expected a number from 0 to {MODES - 1}"):
-        loop.shape(MODES)
+        vibrations.shape(MODES)
 
 
-def test_delays_are_those_of_the_phase(loop: ff.Modal) -> None:
-    found = loop.harmonic(np.geomspace(1.0, 100.0, 60), depth=0.8)
+def test_delays_are_those_of_the_phase(vibrations: ff.Vibrations) -> None:
+    found = vibrations.harmonic(np.geomspace(1.0, 100.0, 60), depth=0.8)
     for site, delay in enumerate(found.site_delay().T):
         strain = found.strain[:, site].reshape(60, 9)
         largest = strain[:, np.abs(strain).sum(axis=0).argmax()]
@@ -292,9 +327,9 @@ def test_delays_are_those_of_the_phase(loop: ff.Modal) -> None:
     assert np.abs(np.angle(turned * np.sign(moved[0, largest].real))).max() < 1e-9
 
 
-def test_delays_do_not_depend_on_the_order_of_the_frequencies(loop: ff.Modal) -> None:
+def test_delays_do_not_depend_on_the_order_of_the_frequencies(vibrations: ff.Vibrations) -> None:
     rising = np.geomspace(5.0, 800.0, 60)
-    up, down = (loop.harmonic(each, depth=0.5) for each in (rising, rising[::-1]))
+    up, down = (vibrations.harmonic(each, depth=0.5) for each in (rising, rising[::-1]))
     for one, other in ((up.site_delay, down.site_delay), (up.skin_delay, down.skin_delay)):
         assert other()[::-1] == pytest.approx(one(), abs=1e-9)
 
@@ -319,12 +354,12 @@ def test_a_pin_has_its_harmonic_answer_of_a_loop_and_of_a_sweep() -> None:
     """Its edge leaves no gap around it that a larger reach would bridge."""
     sweep = ff.FrequencySweep(0.4, amplitude=0.001, start=20, stop=200, seconds=0.1, settle=0.05)
     scanned = dataclasses.replace(scene(sweep), indenter=ff.Pin(2.0))
-    loop = ff.Modal(scanned.finger, scanned.indenter, deepest=0.5)
-    found = loop.harmonic([1e-6, 20.0], depth=0.4)
+    vibrations = ff.Vibrations(scanned.finger, scanned.indenter, deepest=0.5)
+    found = vibrations.harmonic([1e-6, 20.0], depth=0.4)
     assert modal.respond(scanned).harmonic.stiffness[0] == pytest.approx(found.stiffness[1])
-    still = ff.Condensed(scanned.finger, scanned.indenter, deepest=0.5)
+    still = ff.Loop(FINGER, scanned.indenter, mechanics="condensed", deepest=0.5)
     for _ in range(2):  # at rest
-        less, more = (still.step(depth, 1e9).force for depth in (0.399, 0.401))
+        less, more = (still.step(1e9, depth=depth).force for depth in (0.399, 0.401))
     assert found.stiffness[0].real == pytest.approx((more - less) / 0.002, rel=1e-3)
 
 
@@ -382,12 +417,14 @@ def test_suddenness_is_the_change_of_speed_in_an_eighth_of_a_cycle(
 
 @pytest.mark.parametrize("corner", [0.0, 0.001], ids=["sharp", "rounded"])
 def test_the_error_of_a_press_by_few_modes_is_within_what_is_stated(
-    loop: ff.Modal, corner: float
+    loop: ff.Loop, corner: float
 ) -> None:
-    ball = ff.Modal(loop.finger, ff.Sphere(4), deepest=0.9, dt=2e-5)  # no measured object
-    few = ball.body.only(np.arange(60))
+    ball = ff.Sphere(4)  # no measured object
+    made = ff.Loop(loop.finger, ball, mechanics="modal", deepest=0.9, substep=2e-5)
+    all_modes = made.prepared.body
+    few = all_modes.only(np.arange(60))
     motion = ff.RampHold(120.0, 0.8, hold=0.01, corner=corner)
-    whole, rough = (pressed_force(body, motion, 2e-5) for body in (ball.body, few))
+    whole, rough = (pressed_force(body, motion, 2e-5) for body in (all_modes, few))
     sudden = vibration.suddenness(
         motion, float(2 * np.pi / few.oscillators.omega_squared[-1] ** 0.5)
     )

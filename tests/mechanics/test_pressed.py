@@ -13,10 +13,10 @@ from fefinger.geometry.mirror import whole
 from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.evidence import tabulation_error
 from fefinger.mechanics.evidence.table import TABULATION, table
+from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press import depth_table, elastic_press
 from fefinger.mechanics.press.depth_table import SHALLOWEST, STEP, DepthTable, DisplacementBasis
 from fefinger.mechanics.press.elastic_press import FEWEST, depths
-from fefinger.mechanics.realtime.pressed import Pressed
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
 from fefinger.results.candidate import Candidate
@@ -160,11 +160,11 @@ def test_at_no_force_the_indenter_bears_no_contact() -> None:
     assert (response.contact_area[rest] == 0).all()
     assert (response.pressure[rest] == 0).all()
     assert np.isnan(response.centroid[rest]).all()
-    finger = Pressed(FINGER, deepest=1.0)
+    finger = Loop(FINGER, deepest=1.0)
     for force in (0.1, 0.05):
-        assert finger.step_force(force, 0.05).contact_area > 0
+        assert finger.step(0.05, force=force).contact_area > 0
     for _ in range(20):
-        now = finger.step_force(0.0, 0.007)
+        now = finger.step(0.007, force=0.0)
         assert (now.force, now.contact_area, now.pressure.max()) == (0.0, 0.0, 0.0)
 
 
@@ -179,11 +179,11 @@ def test_in_a_loop_it_gives_what_the_scene_gives() -> None:
     time = np.linspace(0, 0.2, 101)
     motion = Sampled(tuple(time.tolist()), tuple((0.4 - 0.4 * np.cos(40 * time)).tolist()))
     response = pressed.respond(scene(motion, strain=True))
-    finger = Pressed(FINGER, deepest=1.2)
+    finger = Loop(FINGER, deepest=1.2)
     steps = np.diff(response.time, prepend=0.0)
     forces, areas = [], []
     for depth, dt in zip(motion.value(response.time), steps, strict=True):
-        now = finger.step(float(depth), float(dt))
+        now = finger.step(float(dt), depth=float(depth))
         forces.append(now.force)
         areas.append(now.contact_area)
     assert np.allclose(forces, response.force, rtol=0, atol=1e-12)
@@ -192,13 +192,13 @@ def test_in_a_loop_it_gives_what_the_scene_gives() -> None:
     assert np.allclose(now.strain, six, rtol=0, atol=1e-12)
     finger.reset()
     assert finger.now.force == 0.0
-    assert finger.step_force(0.2, 0.1).force == pytest.approx(0.2, abs=1e-9)
+    assert finger.step(0.1, force=0.2).force == pytest.approx(0.2, abs=1e-9)
     with pytest.raises(InputError, match="depth: expected"):
-        finger.step(1.3, 1e-3)
+        finger.step(1e-3, depth=1.3)
     before = finger.now.depth, finger.now.force
     for force in (1e3, 2.0):  # the table goes deeper than 1.2 mm, the finger does not
-        with pytest.raises(InputError, match=r"force: expected at most .* 1\.2 mm, received"):
-            finger.step_force(force, 1e-3)
+        with pytest.raises(InputError, match="at most the `deepest` = 1.2 mm"):
+            finger.step(1e-3, force=force)
         assert (finger.now.depth, finger.now.force) == before
 
 

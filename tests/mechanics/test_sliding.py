@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.fem.contact import friction_compiled, friction_state
-from fefinger.fem.contact.lcp_compiled import DONE
+from fefinger.contact import coulomb, coulomb_state
+from fefinger.contact.active_set import DONE
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics import condensed, linear
+from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press.limits import check_reached
-from fefinger.mechanics.realtime.sliding import Sliding
 from fefinger.mechanics.situation import Situation
 from fefinger.results import netcdf
 from fefinger.support.checks import InputError
@@ -129,18 +129,19 @@ def test_a_kinetic_coefficient_lies_between_none_and_the_static_one(kinetic):
 
 
 def test_in_a_loop_skin_lets_go_as_in_a_scene_and_takes_hold_again():
-    finger = Sliding(FINGER, ff.Flat(30, friction=0.5, friction_kinetic=0.3), deepest=1.0)
-    finger.step(0.7, (0.0, 0.0), 0.1)
+    plate = ff.Flat(30, friction=0.5, friction_kinetic=0.3)
+    finger = Loop(FINGER, plate, mechanics="condensed", deepest=1.0)
+    finger.step(0.1, depth=0.7, shift=(0.0, 0.0))
     ratios, sticks = [], []
     for k in range(1, 61):
-        now = finger.step(0.7, (0.03 * k, 0.0), 1e-3)
+        now = finger.step(1e-3, depth=0.7, shift=(0.03 * k, 0.0))
         ratios.append(np.hypot(*now.lateral_force) / now.force)
         sticks.append(now.stick_area)
     assert ratios[-1] == pytest.approx(0.3, rel=1e-5)
     assert max(ratios) > 0.31
     assert sticks[0] > 0 == sticks[-1]
-    assert finger.step(0.7, (1.79, 0.0), 1e-3).stick_area > 0  # it turns back
-    assert finger.step(0.7, (1.79, 0.0), 1e-3).stick_area > 0
+    assert finger.step(1e-3, depth=0.7, shift=(1.79, 0.0)).stick_area > 0  # it turns back
+    assert finger.step(1e-3, depth=0.7, shift=(1.79, 0.0)).stick_area > 0
 
 
 def test_a_torque_is_that_of_the_traction_about_the_center_of_pressure():
@@ -246,23 +247,28 @@ def test_contact_that_reaches_the_end_of_the_object_is_a_sentence():
 
 
 @pytest.fixture(scope="module")
-def loops(kept: Path) -> dict[float, Sliding]:
+def loops(kept: Path) -> dict[float, Loop]:
     with pytest.MonkeyPatch.context() as patched:
         patched.setenv("XDG_CACHE_HOME", str(kept))
-        return {mu: Sliding(FINGER, ff.Dots(2.5, friction=mu), deepest=1.0) for mu in (0.0, 0.3)}
+        return {
+            mu: Loop(
+                FINGER, ff.Dots(2.5, friction=mu), mechanics="condensed", deepest=1.0, reach=0.0
+            )
+            for mu in (0.0, 0.3)
+        }
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 def test_a_loop_reaches_its_force_and_forgets_on_reset(loops, mu):
     finger = loops[mu]
     finger.reset()
-    first = [finger.step_force(0.2, (0.05 * k, 0.0), 5e-3).depth for k in range(5)]
+    first = [finger.step(5e-3, force=0.2, shift=(0.05 * k, 0.0)).depth for k in range(5)]
     assert finger.now.force == pytest.approx(0.2, rel=1e-6)
     finger.reset()
     assert (finger.now.force, finger.now.work, finger.now.stick_area) == (0.0, 0.0, 0.0)
-    again = [finger.step_force(0.2, (0.05 * k, 0.0), 5e-3).depth for k in range(5)]
+    again = [finger.step(5e-3, force=0.2, shift=(0.05 * k, 0.0)).depth for k in range(5)]
     assert again == pytest.approx(first, rel=1e-9)
-    assert finger.step(-1.0, (0.0, 0.0), 1e-3).force == 0.0
+    assert finger.step(1e-3, depth=-1.0, shift=(0.0, 0.0)).force == 0.0
 
 
 def test_friction_finds_the_law_for_every_coefficient_from_rest_and_from_before():
@@ -270,10 +276,10 @@ def test_friction_finds_the_law_for_every_coefficient_from_rest_and_from_before(
     basis = rng.normal(size=(60, 60))
     matrix = basis @ basis.T / 60 + 0.05 * np.eye(60)
     for mu in (0.0, 0.1, 0.5):
-        state = friction_state.friction_state(matrix, mu)
+        state = coulomb_state.coulomb_state(matrix, mu)
         for _ in range(5):
             offset = rng.normal(size=60)
-            assert friction_compiled.solve(state, offset, 1e-10) == DONE
+            assert coulomb.solve(state, offset, 1e-10) == DONE
             x, rest = state.x, matrix @ state.x + offset
             p, t, w, s = x[:20], x[20:].reshape(2, 20), rest[:20], rest[20:].reshape(2, 20)
             assert p.min() >= 0
@@ -287,7 +293,7 @@ def test_friction_finds_the_law_for_every_coefficient_from_rest_and_from_before(
 def test_a_flexibility_without_an_inverse_ends_in_a_failure_not_in_an_exception():
     flat = np.zeros((6, 6))
     flat[:2, :2] = 1.0  # two vertices that move as one, and not along the plane
-    state = friction_state.friction_state(flat, 0.3)
+    state = coulomb_state.coulomb_state(flat, 0.3)
     offset = np.array([-1.0, -2.0, 0.0, 0.0, 0.0, 0.0])
-    outcome = friction_compiled.solve(state, offset, 1e-10)
+    outcome = coulomb.solve(state, offset, 1e-10)
     assert outcome != DONE or (flat @ state.x + offset)[:2].min() > -1e-9

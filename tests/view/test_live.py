@@ -9,13 +9,13 @@ from PIL import Image
 
 from fefinger.__main__ import main
 from fefinger.fem.elements.probe import strain_at
-from fefinger.mechanics.realtime import show as shows
-from fefinger.mechanics.realtime.show import Show
 from fefinger.scene.finger import Finger
 from fefinger.scene.library import PUBLISHED
 from fefinger.support.checks import InputError
 from fefinger.view import live, renderer_lacking
+from fefinger.view import show as shows
 from fefinger.view.live import Window, watch
+from fefinger.view.show import Show
 
 
 FINGER = Finger.subject("a.h.", resolution="coarse", tissue=PUBLISHED)

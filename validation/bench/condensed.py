@@ -20,16 +20,16 @@ from fefinger.validation.bench.timing import load, of_each, quantiles, timed
 from fefinger.validation.oracles.march import march as plain
 from fefinger.validation.problems import published
 
+from fefinger.contact import active_set
+from fefinger.contact.frictionless import FrictionlessContact
+from fefinger.contact.march import History, Prescribed, march
+from fefinger.contact.prony_history import Relaxation
 from fefinger.fem.body import body
 from fefinger.fem.condensation import Compliance, palmar
-from fefinger.fem.contact import lcp_compiled
-from fefinger.fem.contact.march import march
-from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press import materials, operator, operator_cache
-from fefinger.mechanics.realtime.condensed import Condensed
-from fefinger.mechanics.realtime.rolling import Rolling
 from fefinger.mesh.store import load_or_build
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.results.records import Sites
@@ -59,7 +59,7 @@ def figures(progress: Progress) -> list[Figure]:
     finger = replace(published.load("flat-press").finger, resolution="standard")
     rows = [*_building(finger), *_loading(finger)]
     progress("condensed", 0.4)
-    sites = end_organs(Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE))
+    sites = end_organs(pressed(finger))
     placing = partial(timed, partial(placed, finger, sites, "double"), time.perf_counter)
     (_, first), (double, again) = placing(), placing()
     rows.append(Figure("1000 end organs under a plate: wall, kept", again, "s", first))
@@ -84,9 +84,21 @@ def motion() -> Array:
     return np.asarray(depth)
 
 
-def end_organs(finger: Condensed) -> Sites:
+def pressed(finger: Finger, **options: Any) -> Loop:
+    """Return a finger under PLATE, ready to be stepped."""
+    return Loop(finger, PLATE, mechanics="condensed", deepest=DEPTH + AMPLITUDE, **options)
+
+
+def frictionless(finger: Loop) -> FrictionlessContact:
+    """Return the contact of a finger that is only pressed."""
+    contact = finger.prepared.contact
+    assert isinstance(contact, FrictionlessContact)
+    return contact
+
+
+def end_organs(finger: Loop) -> Sites:
     """Return EACH sites of every type, under the vertices of the pad nearest to the plate."""
-    on_pad = finger.patch
+    on_pad = finger.prepared.on_pad.patch
     near = on_pad.vertices[np.argsort(on_pad.gap / on_pad.projected)[:EACH]]
     points, normals = finger.solid.space.points[near], finger.solid.normals[near]
     depths = np.repeat(list(TYPES.values()), EACH)
@@ -146,20 +158,21 @@ def _loading(finger: Finger) -> list[Figure]:
     ]
 
 
-def placed(finger: Finger, sites: Sites, precision: Precision) -> Condensed:
+def placed(finger: Finger, sites: Sites, precision: Precision) -> Loop:
     """Return the finger under PLATE with these end organs."""
-    return Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE, sites=sites, precision=precision)
+    return pressed(finger, sites=sites, precision=precision)
 
 
-def _stepping(name: str, finger: Condensed) -> list[Figure]:
+def _stepping(name: str, finger: Loop) -> list[Figure]:
     """Time the steps of the motion with everything that a step gives."""
     processor, wall, vertices = np.empty(STEPS), np.empty(STEPS), np.empty(STEPS)
     _warm(finger)
+    counts = frictionless(finger).lcp.counts
     for k, depth in enumerate(motion().tolist()):
         begun, started = time.thread_time(), time.perf_counter()
-        finger.step(depth, DT)
+        finger.step(DT, depth=depth)
         processor[k], wall[k] = time.thread_time() - begun, time.perf_counter() - started
-        vertices[k] = finger.counts[lcp_compiled.K]
+        vertices[k] = counts[active_set.K]
     return [
         Figure(f"{name}: vertices in contact, median", float(np.median(vertices)), "1"),
         *quantiles(name, 1e3 * processor),
@@ -167,17 +180,17 @@ def _stepping(name: str, finger: Condensed) -> list[Figure]:
     ]
 
 
-def spiking(finger: Condensed, label: str, **options: Any) -> list[Figure]:
-    """Time the steps with a unit behind every end organ; options as `Condensed.afferents`."""
+def spiking(finger: Loop, label: str, **options: Any) -> list[Figure]:
+    """Time the steps with a unit behind every end organ; options as `Loop.afferents`."""
     units, fired = finger.afferents(**options), 0
     _warm(finger)
-    units.step(finger.step(DEPTH / 2, DT).strain, DT)
+    units.step(finger.step(DT, depth=DEPTH / 2).strain, DT)
     finger.reset()
     units.reset()
 
     def step(depth: float) -> None:
         nonlocal fired
-        fired += units.step(finger.step(depth, DT).strain, DT)
+        fired += units.step(finger.step(DT, depth=depth).strain, DT)
 
     spent, name = of_each(step, motion().tolist()), f"with {len(units.types)} {label} units"
     return [*quantiles(name, spent), Figure(f"{name}: spikes", fired, "1")]
@@ -186,11 +199,11 @@ def spiking(finger: Condensed, label: str, **options: Any) -> list[Figure]:
 def _rolling(finger: Finger, sites: Sites) -> list[Figure]:
     """Time the steps of a plate that turns from one of ANGLES to the other and back."""
     folded = replace(sites, points=mirror.to_half(sites.points))
-    rolling = Rolling(finger, angles=ANGLES, deepest=1.1, sites=folded)
+    rolling = Loop(finger, mechanics="condensed", angles=ANGLES, deepest=1.1, sites=folded)
     angles = np.interp(np.arange(TURNS), [0, TURNS / 2, TURNS], [*ANGLES, ANGLES[0]]).tolist()
     for _ in range(2):  # compiles
         rolling.reset()
-        spent = of_each(lambda angle: rolling.step(1.0, angle, DT), angles)
+        spent = of_each(lambda angle: rolling.step(DT, depth=1.0, angle=angle), angles)
     vertices = float(np.count_nonzero(rolling.now.pressure))
     name = f"a plate that turns, half a finger, {len(sites.points)} end organs"
     return [
@@ -199,31 +212,38 @@ def _rolling(finger: Finger, sites: Sites) -> list[Figure]:
     ]
 
 
-def _contact(finger: Condensed) -> list[Figure]:
+def _contact(finger: Loop) -> list[Figure]:
     _warm(finger)
-    spent = of_each(lambda depth: finger.step_contact(depth, DT), motion().tolist())
-    exchanged = float(finger.counts[lcp_compiled.EXCHANGED])
+    counts = frictionless(finger).lcp.counts
+    spent = of_each(lambda depth: finger.step(DT, depth=depth, strain=False), motion().tolist())
+    exchanged = float(counts[active_set.EXCHANGED])
     return [
         Figure("contact only: candidate vertices", len(finger.now.pressure), "1"),
         *quantiles("contact only", spent),
         Figure("contact only: vertices exchanged per step", exchanged / STEPS, "1"),
-        Figure("contact only: inverses made anew", float(finger.counts[lcp_compiled.REBUILT]), "1"),
+        Figure("contact only: inverses made anew", float(counts[active_set.REBUILT]), "1"),
     ]
 
 
-def _agreement(finger: Condensed) -> list[Figure]:
+def _agreement(finger: Loop) -> list[Figure]:
     """Compare pressures and seconds with a plain loop over a short motion."""
-    on_pad, prony = finger.patch, finger.finger.prony
+    on_pad, prony = finger.prepared.on_pad.patch, finger.finger.prony
     depth = np.concatenate([motion()[:100], motion()[3000 : 3000 + COMPARED], motion()[9000:9100]])
     prescribed = Prescribed("depth", np.linspace(0, (len(depth) - 1) * DT, len(depth)), depth)
     answers, seconds = [], []
-    memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
     few = Prescribed("depth", prescribed.time[:2], depth[:2])
-    contact = finger.flexibility, on_pad.gap, on_pad.projected
-    march(*contact, memory, few)  # compiles
-    for method in (march, plain):
+    contact = finger.prepared.on_pad.flexibility, on_pad.gap, on_pad.projected
+
+    def compiled(prescribed: Prescribed) -> History:
+        return march(FrictionlessContact(*contact, prony.branches), prescribed)
+
+    def by_factors(prescribed: Prescribed) -> History:
         memory = Relaxation(np.array(prony.weights), np.array(prony.v), len(on_pad.vertices))
-        step = partial(method, *contact, memory, prescribed)
+        return plain(*contact, memory, prescribed)
+
+    compiled(few)
+    for method in (compiled, by_factors):
+        step = partial(method, prescribed)
         history, spent = timed(step, time.thread_time)
         seconds.append(spent / len(depth))
         answers.append(history.pressure)
@@ -237,26 +257,25 @@ def _agreement(finger: Condensed) -> list[Figure]:
     ]
 
 
-def _strain_error(single: Condensed, double: Condensed) -> list[Figure]:
+def _strain_error(single: Loop, double: Loop) -> list[Figure]:
     """Compare the strains of both precisions over a tenth of the motion."""
     worst = largest = 0.0
     for each in (single, double):
         each.reset()
     for depth in motion()[::10].tolist():
-        exact = double.step(depth, DT).strain
-        worst = max(worst, float(np.abs(single.step(depth, DT).strain - exact).max()))
+        exact = double.step(DT, depth=depth).strain
+        worst = max(worst, float(np.abs(single.step(DT, depth=depth).strain - exact).max()))
         largest = max(largest, float(np.abs(exact).max()))
     return [Figure("strain in single precision: error over the largest", worst / largest, "1")]
 
 
-def _tolerances(finger: Finger, exact: Condensed) -> list[Figure]:
+def _tolerances(finger: Finger, exact: Loop) -> list[Figure]:
     """Trade the tolerance of the contact against its error."""
     rows = []
     forces = _forces(exact)
     for tolerance in TOLERANCES:
-        rough = Condensed(
-            finger, PLATE, deepest=DEPTH + AMPLITUDE, sites=exact.sites, tolerance=tolerance
-        )
+        rough = pressed(finger, sites=exact.sites)
+        frictionless(rough).tolerance = tolerance
         name = f"contact tolerance {tolerance:g}"
         found, seconds = timed(partial(_forces, rough), time.thread_time)
         error = float(np.abs(found - forces).max() / forces.max())
@@ -269,12 +288,12 @@ def _tolerances(finger: Finger, exact: Condensed) -> list[Figure]:
 
 def _coarser(finger: Finger) -> list[Figure]:
     """Trade the mesh against the error: the coarse one against the standard one."""
-    exact = Condensed(finger, PLATE, deepest=DEPTH + AMPLITUDE)
+    exact = pressed(finger)
     coarse = replace(finger, resolution="coarse")
-    rough = Condensed(coarse, PLATE, deepest=DEPTH + AMPLITUDE, sites=exact.sites)
+    rough = pressed(coarse, sites=exact.sites)
     forces, seconds = timed(lambda: _forces(rough), time.thread_time)
     error = float(np.abs(forces - _forces(exact)).max() / forces.max())
-    strains = [each.step(DEPTH, DT).strain for each in (rough, exact)]
+    strains = [each.step(DT, depth=DEPTH).strain for each in (rough, exact)]
     worst = float(np.abs(strains[0] - strains[1]).max() / np.abs(strains[1]).max())
     name = "coarse mesh, against the standard one"
     return [
@@ -284,13 +303,15 @@ def _coarser(finger: Finger) -> list[Figure]:
     ]
 
 
-def _forces(finger: Condensed) -> Array:
+def _forces(finger: Loop) -> Array:
     """Return the forces (STEPS,) of the motion in N, contact only."""
     finger.reset()
-    return np.array([finger.step_contact(depth, DT).force for depth in motion().tolist()])
+    return np.array(
+        [finger.step(DT, depth=depth, strain=False).force for depth in motion().tolist()]
+    )
 
 
-def _warm(finger: Condensed) -> None:
-    finger.step(DEPTH / 2, DT)
-    finger.step_contact(DEPTH / 2, DT)
+def _warm(finger: Loop) -> None:
+    finger.step(DT, depth=DEPTH / 2)
+    finger.step(DT, depth=DEPTH / 2, strain=False)
     finger.reset()

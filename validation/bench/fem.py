@@ -14,10 +14,10 @@ from fefinger.validation.bench.timing import fastest, timed
 from fefinger.validation.fem import hertz
 from fefinger.validation.problems import published
 
+from fefinger.contact.frictionless import FrictionlessContact
+from fefinger.contact.march import Prescribed, march
 from fefinger.fem import body
-from fefinger.fem.contact.march import march
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.fem.elements.forms import stiffness
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.linalg import system as solve
@@ -92,12 +92,11 @@ def contact(solid: body.Body, finger: Finger) -> float:
     touch = placement.obstacle(STANDARD, solid)
     on_pad = patch(solid.space, solid.pad, solid.normals, touch, REACH)
     small = body.reduce(solid, on_pad, strain_at(solid.space, np.empty((0, 3))))
-    prony, size = finger.prony, len(on_pad.vertices)
     times = np.linspace(0.0, 1.0, STEPS)
     prescribed = Prescribed("depth", times, DEPTH * np.sin(np.pi * times))
 
     def pressed() -> Any:
-        memory = Relaxation(np.array(prony.weights), np.array(prony.v), size)
-        return march(small.flexibility, on_pad.gap, on_pad.projected, memory, prescribed)
+        pad = small.flexibility, on_pad.gap, on_pad.projected, finger.prony.branches
+        return march(FrictionlessContact(*pad), prescribed)
 
     return fastest(pressed, REPEATS)[1]

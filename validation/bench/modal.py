@@ -17,9 +17,10 @@ from fefinger.validation.bench.organs import COUNT, crowd
 from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.validation.bench.timing import of_each, timed
 
+from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press.modal_body import finger_modes
 from fefinger.mechanics.press.operator import operator
-from fefinger.mechanics.realtime.modal import Modal
+from fefinger.mechanics.vibrations import Vibrations
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
@@ -70,9 +71,9 @@ def _modes() -> list[Figure]:
 
 def _loop() -> list[Figure]:
     """Measure harmonic answers, and steps with many end organs."""
-    sites = crowd(Modal(_finger(), Flat(30), deepest=DEEPEST, dt=DT).sites)
+    sites = crowd(Vibrations(_finger(), Flat(30), deepest=DEEPEST).sites)
     measured = [row for dt in (DT, SHORT) for row in _steps(sites, dt)]
-    quick = Modal(_finger(), Flat(30), deepest=DEEPEST)
+    quick = Vibrations(_finger(), Flat(30), deepest=DEEPEST)
     frequency = np.geomspace(1.0, 400.0, POINTS)
     first, again = (
         timed(partial(quick.harmonic, frequency, depth=depth))[1] for depth in (1.0, 0.7)
@@ -86,11 +87,20 @@ def _loop() -> list[Figure]:
 
 def _steps(sites: Sites, dt: float) -> list[Figure]:
     """Measure steps of `dt` s with the modes that they resolve."""
-    loop = Modal(_finger(), Flat(30), deepest=DEEPEST, sites=sites, dt=dt, precision="single")
+    loop = Loop(
+        _finger(),
+        Flat(30),
+        mechanics="modal",
+        deepest=DEEPEST,
+        sites=sites,
+        substep=dt,
+        precision="single",
+    )
     at = dt * np.arange(STEPS)
     depths = np.minimum(1.0, 20 * at) + 0.05 * np.sin(2 * np.pi * 150 * at)
-    spent = of_each(lambda depth: loop.step(depth, dt), np.maximum(depths, 0.0).tolist())
-    modes, nodes = loop.body.participation.shape
+    spent = of_each(lambda depth: loop.step(dt, depth=depth), np.maximum(depths, 0.0).tolist())
+    assert loop.prepared.body is not None
+    modes, nodes = loop.prepared.body.participation.shape
     what = f"{1e3 * dt:g} ms, {modes} modes, {nodes} contact nodes, {COUNT} end organs"
     return [
         Figure(f"step of {what}: median", float(np.median(spent)), "ms", AIMS["step"]),

@@ -10,7 +10,7 @@ from fefinger.validation.bench.timing import of_each, timed
 from fefinger.validation.empty_cache import empty_cache
 
 from fefinger.mechanics import pressed, solid
-from fefinger.mechanics.realtime.pressed import Pressed
+from fefinger.mechanics.loop import Loop
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
 from fefinger.support.threads import one_thread
@@ -49,10 +49,10 @@ def _scene(mesh: str) -> list[Figure]:
 
 def _loop() -> list[Figure]:
     """Measure steps of a finger with many end organs."""
-    finger = Pressed(Finger.subject("a.h."))
-    finger = Pressed(replace(finger.finger), sites=crowd(finger.sites))
+    finger = Loop(Finger.subject("a.h."))
+    finger = Loop(replace(finger.finger), sites=crowd(finger.sites))
     depths = 0.7 - 0.7 * np.cos(10 * DT * np.arange(STEPS))
-    taken = of_each(lambda depth: finger.step(depth, DT), depths.tolist(), time.perf_counter)
+    taken = of_each(lambda depth: finger.step(DT, depth=depth), depths.tolist(), time.perf_counter)
     median, slow = np.quantile(taken, (0.5, 0.99)).tolist()
     return [
         Figure(f"a step with {COUNT} end organs, median", median, "ms"),

@@ -11,7 +11,6 @@ from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.validation.bench.timing import Clock, fastest, load, timed
 from fefinger.validation.problems import published
 
-from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.neural.recorded import fitted, simulate_recorded
 from fefinger.neural.streaming import RecordedAfferents
 from fefinger.neural.variation import Variation
@@ -77,8 +76,7 @@ def _stepped(types: tuple[str, ...], x: Array) -> float:
 def _loop() -> list[Figure]:
     """Time contact, strain at 1000 end organs and spikes in steps of 1 ms."""
     finger = replace(published.load("flat-press").finger, resolution="standard")
-    deepest = condensed.DEPTH + condensed.AMPLITUDE
-    sites = condensed.end_organs(Condensed(finger, condensed.PLATE, deepest=deepest))
+    sites = condensed.end_organs(condensed.pressed(finger))
     return condensed.spiking(
         condensed.placed(finger, sites, "single"), "recorded", family="recorded"
     )

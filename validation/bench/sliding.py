@@ -16,7 +16,7 @@ from fefinger.validation.empty_cache import empty_cache
 
 from fefinger import afferents
 from fefinger.mechanics import condensed
-from fefinger.mechanics.realtime.sliding import Sliding
+from fefinger.mechanics.loop import Loop
 from fefinger.results.records import Sites
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
@@ -67,7 +67,10 @@ def sites() -> Sites:
 
 def _operator() -> list[Figure]:
     """Measure a finger with friction in an empty cache, and again; the peak is of the process."""
-    make = partial(Sliding, finger("standard"), Flat(30, friction=MU), deepest=1.05, sites=sites())
+    plate = Flat(30, friction=MU)
+    make = partial(
+        *(Loop, finger("standard"), plate), mechanics="condensed", deepest=1.05, sites=sites()
+    )
     with empty_cache():
         (_, new), (_, again) = timed(make), timed(make)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
@@ -80,14 +83,20 @@ def _operator() -> list[Figure]:
 
 def _steps(mesh: str, name: str, indenter: Indenter, depth: float) -> list[Figure]:
     """Measure steps of an object that slides at a depth in mm."""
-    stepped = Sliding(
-        finger(mesh), indenter, deepest=1.05 * depth, sites=sites(), precision="single"
+    stepped = Loop(
+        finger(mesh),
+        indenter,
+        mechanics="condensed",
+        deepest=1.05 * depth,
+        reach=0.0,
+        sites=sites(),
+        precision="single",
     )
-    stepped.step(depth, (0.0, 0.0), 0.1)
+    stepped.step(0.1, depth=depth)
     taken, pressed = [], []
     for k in range(STEPS):
         started = time.perf_counter()
-        now = stepped.step(depth, (-SPEED * DT * k, 0.01 * k), DT)
+        now = stepped.step(DT, depth=depth, shift=(-SPEED * DT * k, 0.01 * k))
         taken.append(1e3 * (time.perf_counter() - started))
         pressed.append(int((now.pressure > 0).sum()))
     median, slow = np.quantile(taken, (0.5, 0.95)).tolist()

@@ -1,4 +1,4 @@
-"""Twins: fingers of known parameters, pressed by `Condensed`, measured with noise, calibrated.
+"""Twins: fingers of known parameters, pressed by `ff.Loop`, measured with noise, calibrated.
 
 The twin is stepped by the real-time finger with its own memory; the calibration knows elastic
 presses and integrals of G only.
@@ -16,10 +16,10 @@ from fefinger.calibration import slow_press
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.outcome import FREQUENCIES, errors
 from fefinger.calibration.record import Calibration
+from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press.placement import on_neighborhood, whole_pad
 from fefinger.mechanics.press.time_steps import time_grid
-from fefinger.mechanics.realtime.condensed import Condensed
-from fefinger.mechanics.realtime.stiffening import Stiffening
+from fefinger.mechanics.stiffening import Stiffening
 from fefinger.results.records import Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.motions import Ramp, RampSinusoid
@@ -73,10 +73,16 @@ def start() -> Finger:
     return Finger.subject("a.h.", resolution=COARSE, prony=slow_press.RELAXED, tissue="maeno1998")
 
 
+def stiffened(mesh: str = COARSE) -> Loop:
+    """Return the finger of the twin with LAW, ready to be stepped."""
+    plate = slow_press.PLATE
+    return Loop(finger(mesh), plate, mechanics="condensed", deepest=PRESS, stiffening=LAW)
+
+
 @cache
 def twin(mesh: str = COARSE) -> Twin:
     """Return the twin on a mesh, without noise."""
-    condensed = Condensed(finger(mesh), slow_press.PLATE, deepest=PRESS, stiffening=LAW)
+    condensed = stiffened(mesh)
     end = (TOUCH + DEPTH) / SPEED
     rest = np.concatenate([np.arange(1, 2000) / RATE, np.geomspace(0.2, HOLD, 600)])
     steps = np.concatenate([np.arange(0.0, end, 1 / RATE), end + rest])
@@ -97,23 +103,25 @@ def twin(mesh: str = COARSE) -> Twin:
     )
 
 
-def stepped(condensed: Condensed, time: Array, depth: Array) -> Array:
+def stepped(condensed: Loop, time: Array, depth: Array) -> Array:
     """Return the force in N of a finger that is stepped through depths in mm."""
     condensed.reset()
     lengths = np.diff(time, prepend=time[0])
     depths = np.maximum(depth, 0.0)
-    return np.array([condensed.step(d, dt).force for d, dt in zip(depths, lengths, strict=True)])
+    return np.array(
+        [condensed.step(dt, depth=d).force for d, dt in zip(depths, lengths, strict=True)]
+    )
 
 
-def slowly(condensed: Condensed) -> Response:
+def slowly(condensed: Loop) -> Response:
     """Return the pressure of a finger that is stepped through a slow press."""
     motion = Ramp(SLOW, PRESS, corner=0.0)
     time = time_grid(motion, fast=False)
     depth, lengths = motion.value(time), np.diff(time, prepend=0.0)
     condensed.reset()
-    steps = (condensed.step(d, dt) for d, dt in zip(depth, lengths, strict=True))
+    steps = (condensed.step(dt, depth=d) for d, dt in zip(depth, lengths, strict=True))
     force, pressure = zip(*((now.force, now.pressure.copy()) for now in steps), strict=True)
-    seen = condensed.patch.neighborhood
+    seen = condensed.prepared.on_pad.patch.neighborhood
     pad, column = whole_pad(condensed.solid, seen)
     return Response(
         mechanics="condensed",
@@ -179,7 +187,7 @@ def sinusoid(frequency: int) -> dict[str, float]:
     """Return the errors of the prediction of a sinusoid that was not fitted, first seed."""
     motion = RampSinusoid(20.0, 1.2, amplitude=0.3, frequency=frequency, cycles=5, corner=0.0)
     time = np.linspace(0.0, motion.duration, 2401)
-    condensed = Condensed(finger(), slow_press.PLATE, deepest=PRESS, stiffening=LAW)
+    condensed = stiffened()
     measured = stepped(condensed, time, motion.value(time))
     calibration = calibrated(0)
     model = calibration.predict(time, motion.value(time) + TOUCH - calibration["x0"].value)

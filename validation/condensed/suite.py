@@ -12,10 +12,11 @@ from fefinger.validation.oracles.layer import Sheet
 from fefinger.validation.problems import published
 from fefinger.validation.problems.half_space import HalfSpaceQuarter
 
-from fefinger.fem.contact import lcp_compiled
+from fefinger.contact import active_set
+from fefinger.contact.frictionless import FrictionlessContact
 from fefinger.mechanics import condensed, linear
+from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press import small_strain
-from fefinger.mechanics.realtime.condensed import Condensed
 from fefinger.results.records import Response
 from fefinger.scene import pawluk1997
 from fefinger.scene.ask import Ask
@@ -70,11 +71,25 @@ def pressed_finger(resolution: str, name: str) -> Finger:
 
 
 @cache
-def stepped(resolution: str, prony: Prony | None = None, tilt: float = 0.0) -> Condensed:
+def stepped(resolution: str, prony: Prony | None = None, tilt: float = 0.0) -> Loop:
     """Return that finger under a plate, ready to be stepped."""
     chosen = finger(resolution)
     chosen = chosen if prony is None else replace(chosen, prony=prony)
-    return Condensed(chosen, Flat(30, tilt), deepest=1.5)
+    return Loop(chosen, Flat(30, tilt), mechanics="condensed", deepest=1.5)
+
+
+def frictionless(pressed: Loop) -> FrictionlessContact:
+    """Return the contact of a finger that is only pressed."""
+    contact = pressed.prepared.contact
+    assert isinstance(contact, FrictionlessContact)
+    return contact
+
+
+def roughly(tolerance: float) -> Loop:
+    """Return the standard finger, with a tolerance of the contact."""
+    rough = Loop(finger("standard"), Flat(30, 10.0), mechanics="condensed", deepest=1.5)
+    frictionless(rough).tolerance = tolerance
+    return rough
 
 
 @cache
@@ -175,27 +190,29 @@ def swept(resolution: str) -> tuple[float, float, float]:
     largest difference of the pressures in a second run.
     """
     pressed = stepped(resolution, tilt=10.0)
-    on_pad, depths = pressed.patch, sweep()
+    on_pad, depths = pressed.prepared.on_pad.patch, sweep()
     lowest = deepest = 0.0
     runs: list[Array] = []
     for _ in range(2):
         pressed.reset()
         pressures = np.empty((STEPS, len(on_pad.vertices)))
         for k, depth in enumerate(depths.tolist()):
-            pressures[k] = pressed.step_contact(depth, DT).pressure
+            pressures[k] = pressed.step(DT, depth=depth, strain=False).pressure
             if not runs:
                 free = on_pad.gap - depth * on_pad.projected
-                gaps = free + pressed.flexibility @ pressed.elastic
+                gaps = free + pressed.prepared.on_pad.flexibility @ pressed.prepared.contact.elastic
                 deepest = max(deepest, float(-gaps.min() / np.abs(free).max()))
         runs.append(pressures)
     lowest = float(min(run.min() for run in runs))
     return lowest, deepest, float(np.abs(runs[0] - runs[1]).max())
 
 
-def forces(pressed: Condensed) -> Array:
+def forces(pressed: Loop) -> Array:
     """Return the forces (STEPS,) of the sweep."""
     pressed.reset()
-    return np.array([pressed.step_contact(depth, DT).force for depth in sweep().tolist()])
+    return np.array(
+        [pressed.step(DT, depth=depth, strain=False).force for depth in sweep().tolist()]
+    )
 
 
 @cache
@@ -204,7 +221,7 @@ def exact_forces() -> Array:
     return forces(stepped("standard", tilt=10.0))
 
 
-def traded(rough: Condensed) -> float:
+def traded(rough: Loop) -> float:
     """Return the largest error of the force of something cheaper in %, over the peak."""
     exact = exact_forces()
     return float(100 * np.abs(forces(rough) - exact).max() / exact.max())
@@ -218,14 +235,15 @@ def work(resolution: str, prony: Prony | None) -> float:
     the integral of v_k s_k F s_k / w_k.
     """
     pressed = stepped(resolution, prony)
+    contact = frictionless(pressed)
     time = np.linspace(0, 0.2, 4001)
     depth = 0.5 * (1 - np.cos(2 * np.pi * 12.5 * time)) * np.exp(-2 * time)
     force, stored, lost = np.empty_like(time), np.empty_like(time), np.empty_like(time)
     pressed.reset()
     for k, value in enumerate(depth.tolist()):
         step = float(time[k] - time[k - 1]) if k else 0.0
-        force[k] = pressed.step_contact(value, step).force / NEWTON_PER_MILLINEWTON
-        stored[k], lost[k] = pressed.energy()
+        force[k] = pressed.step(step, depth=value, strain=False).force / NEWTON_PER_MILLINEWTON
+        stored[k], lost[k] = (pressed.solid.sides * each for each in contact.energy())
     done = float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(depth)))
     turned = float(np.sum(np.abs(np.diff(depth)) * (force[1:] + force[:-1]) / 2))
     taken = float(np.sum((lost[1:] + lost[:-1]) / 2 * np.diff(time)))
@@ -239,17 +257,18 @@ def chance(resolution: str) -> tuple[float, float, float]:
     Depths jump anywhere from off the finger to 1.2 mm, over 0.1 ms to 10 s.
     """
     pressed, rng = stepped(resolution), np.random.default_rng(6)
+    counts = frictionless(pressed).lcp.counts
     failed, most, rounds = 0, 0, 0
     for _ in range(TRAJECTORIES):
         pressed.reset()
         depths, steps = rng.uniform(-0.3, 1.2, LENGTH), 10 ** rng.uniform(-4, 1, LENGTH)
         for depth, dt in zip(depths.tolist(), steps.tolist(), strict=True):
-            before = int(pressed.counts[lcp_compiled.ROUNDS])
+            before = int(counts[active_set.ROUNDS])
             try:
-                pressed.step_contact(depth, dt)
+                pressed.step(dt, depth=depth, strain=False)
             except ConvergenceError:
                 failed += 1
-            taken = int(pressed.counts[lcp_compiled.ROUNDS]) - before
+            taken = int(counts[active_set.ROUNDS]) - before
             most, rounds = max(most, taken), rounds + taken
     return float(failed), rounds / (TRAJECTORIES * LENGTH), float(most)
 
@@ -298,10 +317,9 @@ def _trades() -> Iterator[Case]:
         reason="what a step that is several times cheaper costs",
     )
     for tolerance in (1e-6, 1e-4):
-        rough = partial(Condensed, finger("standard"), Flat(30, 10.0), deepest=1.5)
         yield Case(
             f"force with a contact tolerance of {tolerance:g} {steps}",
-            lambda rough=rough, tolerance=tolerance: traded(rough(tolerance=tolerance)),
+            lambda tolerance=tolerance: traded(roughly(tolerance)),
             Expected(0.0, 1e3 * tolerance, "%"),
             source,
             reason="penetration over the largest gap that counts as none",

@@ -10,9 +10,8 @@ from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Row,
 from fefinger.validation.problems import cube
 from fefinger.validation.problems.grids import box
 
-from fefinger.fem.contact import lcp_compiled
-from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.step_compiled import check
+from fefinger.contact import active_set
+from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import HistoryStress, continuum
@@ -198,8 +197,11 @@ def _complementarity(spread: float, tie: bool) -> Findings:
     if tie:
         gap[::3] = 0.0
     one = Complementarity(flexibility).solve(gap)
-    state = lcp_compiled.lcp_state(flexibility)
-    check(lcp_compiled.solve(state, gap, 1e-10))
+    state = active_set.lcp_state(flexibility)
+    outcome = active_set.solve(state, gap, 1e-10)
+    if outcome != active_set.DONE:
+        message = f"contact: no solution, outcome {outcome}"
+        raise ArithmeticError(message)
     findings = {}
     for name, x in (("Cholesky", one), ("bordering", state.x)):
         w = (flexibility @ x + gap) / np.abs(gap).max()

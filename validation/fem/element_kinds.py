@@ -19,7 +19,7 @@ from fefinger.validation.problems.quarter import Exact, Pressed, Quarter, turned
 from fefinger.validation.provenance import save, saved
 from scipy import sparse
 
-from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.elements.spaces import Space

@@ -15,8 +15,8 @@ from fefinger.validation.oracles.layer import Sheet
 from fefinger.validation.problems.grids import quarter
 from fefinger.validation.problems.quarter import Quarter, outer
 
-from fefinger.fem.contact.march import march
-from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
+from fefinger.contact.frictionless import FrictionlessContact
+from fefinger.contact.march import History, Prescribed, march
 from fefinger.fem.elements.forms import Elastic
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
@@ -67,10 +67,10 @@ def pressed(relaxing: Prony, control: str, time: Array, value: Array) -> History
     """Return the finite elements' history under a depth in mm or a force in mN."""
     layer = body()
     patch = layer.patch
-    memory = Relaxation(np.array(relaxing.weights), np.array(relaxing.v), len(patch.vertices))
     share = 1.0 if control == "depth" else 0.25  # of the whole body's force
     prescribed = Prescribed(control, time, share * value)
-    return march(layer.flexibility, patch.gap, patch.projected, memory, prescribed)
+    pad = layer.flexibility, patch.gap, patch.projected, relaxing.branches
+    return march(FrictionlessContact(*pad), prescribed)
 
 
 def force(history: History) -> Array:

@@ -7,8 +7,8 @@ import numpy as np
 from fefinger.validation.case import Expected, Row
 from fefinger.validation.problems.chain import scene
 
+from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.body import Body, body
-from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum

@@ -9,8 +9,8 @@ from fefinger.validation.case import Case, Expected, Noted
 from fefinger.validation.problems import published
 from scipy import sparse
 
+from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.body import body, reduce
-from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.elements.recovery import recovered_strain_at

@@ -13,8 +13,8 @@ from fefinger.validation.finger import solid as finger_solid
 from fefinger.validation.problems import published
 
 from fefinger.afferents import fire
+from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.body import body, reduce
-from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import linear, solid

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from fefinger.fem.contact.march import SlidingPath, march_with_friction
-from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
+from fefinger.contact.frictional import FrictionalContact
+from fefinger.contact.march import History, Prescribed, march
 from fefinger.support.arrays import Array, Flags
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
@@ -27,7 +27,7 @@ RELAXING = Prony((0.4, 0.35, 0.25), (20.0, 1.5))
 
 @dataclass(frozen=True)
 class Plate:
-    """A plane over the vertex, as a `Travel`."""
+    """A plane over the vertex, as `Gaps`."""
 
     def gap(self, shift: Array, incline: Array | None) -> tuple[Array, Flags]:
         """Return the weighted gap (1,) at any place, and no rim."""
@@ -45,14 +45,9 @@ def dragged(prony: Prony, passes: int) -> tuple[Array, Array, History]:
     path = np.concatenate([[0.0], *legs])
     time = np.arange(len(path)) * FAR / SPEED / STEPS
     shift = np.stack([path, np.zeros_like(path)], axis=1)
-    history = march_with_friction(
-        np.diag([AREA**2 / 100.0, AREA**2 / STIFFNESS, AREA**2 / STIFFNESS]),
-        (STATIC, KINETIC),
-        SlidingPath(Plate(), shift),  # type: ignore[arg-type]  # it has the two methods that are called
-        np.array([AREA]),
-        Relaxation(np.array(prony.weights), np.array(prony.v), 3),
-        Prescribed("force", time, np.full(len(time), FORCE)),
-    )
+    spring = np.diag([AREA**2 / 100.0, AREA**2 / STIFFNESS, AREA**2 / STIFFNESS])
+    block = FrictionalContact(spring, (STATIC, KINETIC), Plate(), np.array([AREA]), prony.branches)
+    history = march(block, Prescribed("force", time, np.full(len(time), FORCE), shift))
     return time, path, history
 
 

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from fefinger.mechanics import condensed, linear
-from fefinger.mechanics.realtime.sliding import Sliding
+from fefinger.mechanics.loop import Loop
 from fefinger.results.records import Lateral, Response, Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -125,12 +125,13 @@ def loop_and_scene() -> float:
     dots = Dots(2.5, friction=MU)
     scene = respond(dots, motion)
     assert scene.sites is not None
-    stepped = Sliding(FINGER, dots, deepest=1.4 * float(scene.depth.max()), sites=scene.sites)
+    deepest = 1.4 * float(scene.depth.max())
+    stepped = Loop(FINGER, dots, mechanics="condensed", deepest=deepest, sites=scene.sites)
     rows = []
     for k, time in enumerate(scene.time.tolist()):
         x, y = motion.shift(time).tolist()
         dt = time - scene.time[k - 1] if k else 0.0
-        now = stepped.step_force(float(motion.value(time)), (x, y), float(dt))
+        now = stepped.step(float(dt), force=float(motion.value(time)), shift=(x, y))
         rows.append([now.force, now.depth, *now.lateral_force.tolist(), now.work, now.stick_area])
     found = np.array(rows).T
     one = lateral(scene)
@@ -230,10 +231,11 @@ def surface_strain(force: float, mu: float = 1.0) -> Array:
 
     0.1 mm below the surface on a line along the finger, once the whole contact slides.
     """
-    stepped = Sliding(FINGER, Flat(30, friction=mu), deepest=1.8, sites=_below(0.1))
-    stepped.step_force(force, (0.0, 0.0), 1.0)
+    plate = Flat(30, friction=mu)
+    stepped = Loop(FINGER, plate, mechanics="condensed", deepest=1.8, sites=_below(0.1))
+    stepped.step(1.0, force=force)
     for k in range(1, 81):
-        now = stepped.step_force(force, (-0.05 * k, 0.0), 0.02)
+        now = stepped.step(0.02, force=force, shift=(-0.05 * k, 0.0))
     a = now.strain
     tensors = np.empty((len(a), 3, 3))
     for k, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))):

@@ -14,9 +14,9 @@ from fefinger.validation.oracles import squares
 from fefinger.validation.oracles.mindlin import Mindlin
 from fefinger.validation.problems.half_space import ShearBlock
 
-from fefinger.fem.contact import friction_state, friction_step, step_compiled
-from fefinger.fem.contact.lcp_compiled import DONE
-from fefinger.fem.contact.march import sticks
+from fefinger.contact.active_set import DONE
+from fefinger.contact.frictional import FrictionalContact
+from fefinger.contact.stepper import Target
 from fefinger.support.arrays import Array, Flags
 
 
@@ -81,20 +81,17 @@ class Sheared:
 def sheared(body: Body, size: int, path: Array, mu: float = MU) -> Sheared:
     """Press to the depth of CONTACT and shear along a path (k,) mm."""
     on = contact(body, size)
-    count = len(on.areas)
-    state = friction_state.friction_state(on.flexibility, mu)
-    memory = step_compiled.pad_state(on.gap, on.areas, np.zeros(0), np.zeros(0), components=3)
-    history = friction_step.friction_history(count, mu, mu)
+    elastic = np.zeros(0), np.zeros(0)
+    body_contact = FrictionalContact(on.flexibility, (mu, mu), on.gap, on.areas, elastic)
     depth, rows, lost = CONTACT**2 / RADIUS, [], []
-    for moved in np.diff(path, prepend=0.0).tolist():
-        outcome = friction_step.step(state, memory, history, 0.0, moved, 0.0, depth, False)
+    for moved in path.tolist():
+        outcome = body_contact.advance(0.0, Target(depth, shift=(moved, 0.0)))
         if outcome != DONE:
-            message = f"friction: no solution, outcome {outcome}"
-            raise ArithmeticError(message)
-        rows.append(state.x.copy())
-        lost.append(float(history.lost[0]))
-    x = np.array(rows)
-    pressure, traction = x[:, :count], x[:, count:].reshape(-1, 2, count)
+            raise ArithmeticError(body_contact.failures[outcome])
+        traction = body_contact.traction.copy()
+        rows.append((body_contact.pressure.copy(), traction, body_contact.sticking))
+        lost.append(float(body_contact.lost[0]))
+    pressure, traction, sticking = (np.array(each) for each in zip(*rows, strict=True))
     force = on.sides * float(pressure[0] @ on.areas)
     radius = float(np.cbrt(3 * force * RADIUS * (1 - POISSON) / (8 * SHEAR)))
     return Sheared(
@@ -102,7 +99,7 @@ def sheared(body: Body, size: int, path: Array, mu: float = MU) -> Sheared:
         path,
         pressure,
         traction,
-        sticks(pressure, traction, mu),
+        sticking,
         on.sides * traction[:, 0] @ on.areas,
         on.sides * np.array(lost),
     )

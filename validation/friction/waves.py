@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.fem.contact.march import SlidingPath, march
-from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
+from fefinger.contact.frictionless import FrictionlessContact
+from fefinger.contact.march import Prescribed, march
 from fefinger.support.arrays import Array, Flags
 from fefinger.theory.relaxation import Prony
 
@@ -25,7 +25,7 @@ DEPTH = 8.0  # mm, with which the wave stays in contact
 
 @dataclass(frozen=True)
 class Wave:
-    """The wavy plate over nodes of one wavelength, as a `Travel`."""
+    """The wavy plate over nodes of one wavelength, as `Gaps`."""
 
     @property
     def places(self) -> Array:
@@ -72,13 +72,10 @@ def drag_ratio(speed: float) -> float:
     time = np.concatenate([[0.0, rest], rest + steps[1:]])
     shift = np.zeros((len(time), 2))
     shift[1:, 0] = speed * steps
+    weights = np.full(NODES, wave.share)
     history = march(
-        flexibility(wave),
-        # A wave has the distances and slopes that `march` reads of `Heights`, without a pad.
-        SlidingPath(wave, shift),  # type: ignore[arg-type]  # it has the two methods that are called
-        np.full(NODES, wave.share),
-        Relaxation(np.array(PRONY.weights), np.array(PRONY.v), NODES),
-        Prescribed("depth", time, np.full(len(time), DEPTH)),
+        FrictionlessContact(flexibility(wave), wave, weights, PRONY.branches),
+        Prescribed("depth", time, np.full(len(time), DEPTH), shift),
     )
     assert (history.pressure > 0).all()
     assert history.sliding is not None

@@ -1,6 +1,6 @@
 """Contact with friction by projected gradients: small steps along gap and slip, back to the cone.
 
-Another way to the solution of `fem/contact/friction_compiled.py`, which shares no code with it:
+Another way to the solution of `contact/coulomb.py`, which shares no code with it:
 slow, but each step is two lines. Source: De Saxcé and Feng, Math. Comput. Model. 28:225, 1998.
 """
 

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation, depth_at
+from fefinger.contact.complementarity import Complementarity, pressure_at_force
+from fefinger.contact.march import History, Prescribed
+from fefinger.contact.prony_history import Relaxation
 from fefinger.support.arrays import Array
 
 
@@ -14,7 +15,7 @@ def march(
     relaxation: Relaxation,
     prescribed: Prescribed,
 ) -> History:
-    """Compute the contact history of a body at rest, as `fem.contact.march` does."""
+    """Compute the contact history of a body at rest, as `contact.march` does."""
     solver = Complementarity(flexibility)
     time, value = prescribed.time, prescribed.value
     peak = float(value.max(initial=0.0))
@@ -29,7 +30,7 @@ def march(
             depth, pressure, count = float(target), g * solver.solve(free - target * projected), 1
         else:
             before = depth
-            depth, pressure, count = depth_at(
+            depth, pressure, count = pressure_at_force(
                 solver, g, free, projected, float(target), depth, peak
             )
             if target <= 0:  # the obstacle stays, or is pushed back

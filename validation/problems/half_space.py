@@ -15,11 +15,11 @@ from fefinger.validation.problems.grids import box
 from fefinger.validation.problems.quarter import Indenter, top
 from scipy import sparse
 
+from fefinger.contact.frictionless import FrictionlessContact
+from fefinger.contact.march import Prescribed, march
 from fefinger.fem import condensation
 from fefinger.fem.body import Solid
-from fefinger.fem.contact.march import march
 from fefinger.fem.contact.patch import Patch, directed, patch
-from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import factor
@@ -114,10 +114,8 @@ class HalfSpaceQuarter:
 
     def forces(self, prony: Prony, time: Array, depth: Array) -> Array:
         """Return the force (n_t,) in mN of the whole block, stepped as a condensed finger is."""
-        count = len(self.patch.vertices)
-        memory = Relaxation(np.array(prony.weights), np.array(prony.v), count)
-        prescribed = Prescribed("depth", time, depth)
-        history = march(self.flexibility, self.patch.gap, self.patch.projected, memory, prescribed)
+        pad = self.flexibility, self.patch.gap, self.patch.projected, prony.branches
+        history = march(FrictionlessContact(*pad), Prescribed("depth", time, depth))
         if (history.pressure[:, self.patch.border] > 0).any():
             message = "block: contact reached the rim of its candidates"
             raise AssertionError(message)

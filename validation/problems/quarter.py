@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from fefinger.validation.oracles.point_force import point_displacement
 
-from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.probe import strain_at

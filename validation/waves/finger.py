@@ -8,15 +8,16 @@ from fefinger.validation.case import Case, Expected, Noted
 from fefinger.validation.waves import lateral, loops, preload
 from scipy import sparse
 
-from fefinger.fem.contact.closed_contact import ClosedContact
+from fefinger.contact.closed_contact import ClosedContact
 from fefinger.fem.elements.forms import mass
 from fefinger.fem.modes import modes_of
 from fefinger.mechanics import modal, pressed, solid
 from fefinger.mechanics.evidence import vibration
+from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press.modal_body import PER_CUBIC_METER, finger_modes
 from fefinger.mechanics.press.operator import operator
-from fefinger.mechanics.realtime.modal import Modal
 from fefinger.mechanics.situation import Situation
+from fefinger.mechanics.vibrations import Vibrations
 from fefinger.results.harmonic import Complex, Harmonic
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -50,26 +51,29 @@ of the displacement."""
 def mirror_difference() -> float:
     """Return the largest relative difference of two fingers under balls that are mirror images."""
     balls = [Sphere(5, at=(0.0, side)) for side in (1.5, -1.5)]
-    fingers = [Modal(loops.finger(), ball, deepest=0.8) for ball in balls]
+    fingers = [Loop(loops.finger(), ball, mechanics="modal", deepest=0.8) for ball in balls]
     frequency = np.array([20.0, 100.0, 200.0, 300.0])
-    one, other = (each.harmonic(frequency, depth=0.5).stiffness for each in fingers)
+    one, other = (
+        Vibrations.of(each.prepared, 0.8).harmonic(frequency, depth=0.5).stiffness
+        for each in fingers
+    )
     worst = float(np.abs(one / other - 1).max())
     for k in range(1, 400):
         depth = 0.5 * min(1.0, k / 50) + 0.02 * np.sin(2 * np.pi * 200 * k * 1e-4)
-        forces = [each.step(depth, 1e-4).force for each in fingers]
+        forces = [each.step(1e-4, depth=depth).force for each in fingers]
         worst = max(worst, abs(forces[0] / forces[1] - 1) if forces[1] else 0.0)
     return worst
 
 
 def stated_errors_hold() -> float:
     """Return the share of frequencies at which the stated error of the modes holds."""
-    loop, depth = loops.loop(), loops.DEPTH
+    loop, depth = loops.vibrations(), loops.DEPTH
     stated, exact = loop.harmonic(BAND, depth=depth), _with_many(loop, depth)
     errors = np.abs(stated.stiffness / (2e-3 * exact.stiffness(BAND)) - 1)
     return float((errors <= stated.error + 1e-9).mean())
 
 
-def _with_many(loop: Modal, depth: float) -> ClosedContact:
+def _with_many(loop: Vibrations, depth: float) -> ClosedContact:
     """Return the finger held at a depth, with three times the modes."""
     prepared = loop.vibrating
     finger, solid, static = loop.finger, prepared.solid, prepared.body.static
@@ -185,10 +189,10 @@ def _stated(finger: Finger, depth: float, frequency: float) -> float:
 
 
 @cache
-def finger(tissue: str) -> Modal:
+def finger(tissue: str) -> Vibrations:
     """Return the standard finger of a.h. under the plate at 30 degrees."""
     made = Finger.subject(loops.SUBJECT, tissue=tissue, resolution=MESH)
-    return Modal(made, Flat(30), deepest=2.0)
+    return Vibrations(made, Flat(30), deepest=2.0)
 
 
 @cache

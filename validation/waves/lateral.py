@@ -14,13 +14,13 @@ from fefinger.validation.case import Noted
 from fefinger.validation.waves import loops
 from scipy import sparse
 
+from fefinger.contact.closed_contact import ClosedContact
 from fefinger.fem.condensation import displaced, reduce
-from fefinger.fem.contact.closed_contact import ClosedContact
 from fefinger.mechanics.press import placement
 from fefinger.mechanics.press.harmonic import RimError
 from fefinger.mechanics.press.modal_body import body_of_modes, residual_inertia
 from fefinger.mechanics.press.sliding import with_tractions
-from fefinger.mechanics.realtime.modal import Modal
+from fefinger.mechanics.vibrations import Vibrations
 from fefinger.results.harmonic import PER_METER, Complex
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
@@ -63,7 +63,7 @@ def impedance(tissue: str, preload: float) -> Complex:
     The plate vibrates along the finger. Its contact is that of the relaxed finger at the preload.
     """
     finger = Finger.subject(loops.SUBJECT, tissue=tissue, resolution="coarse")
-    loop = Modal(finger, Flat(30), deepest=2.0)
+    loop = Vibrations(finger, Flat(30), deepest=2.0)
     prepared = loop.vibrating
     solid, on = prepared.solid, prepared.body.static.patch
     pressed = prepared.preload(None, preload)[1] > 0

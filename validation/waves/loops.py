@@ -6,13 +6,15 @@ from functools import cache
 import numpy as np
 from fefinger.validation.waves.bodies import RATES, WEIGHTS
 
-from fefinger.fem.contact.closed_contact import ClosedContact
-from fefinger.fem.contact.modal_step import ModalContact
-from fefinger.fem.contact.oscillators import Complex, Oscillators
-from fefinger.fem.contact.step_compiled import check
+from fefinger.contact.active_set import DONE
+from fefinger.contact.closed_contact import ClosedContact
+from fefinger.contact.inertial import InertialContact
+from fefinger.contact.oscillators import Complex, Oscillators
+from fefinger.contact.stepper import Target
+from fefinger.mechanics.loop import Loop
+from fefinger.mechanics.press.modal_body import ModalBody
 from fefinger.mechanics.press.modal_press import contact_of
-from fefinger.mechanics.realtime.condensed import Condensed
-from fefinger.mechanics.realtime.modal import Modal
+from fefinger.mechanics.vibrations import Vibrations
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.support.arrays import Array
@@ -34,35 +36,55 @@ def finger(mesh: str = "coarse") -> Finger:
 
 
 @cache
-def loop(mesh: str = "coarse") -> Modal:
+def loop(mesh: str = "coarse") -> Loop:
     """Return a finger under the standard plate."""
-    return Modal(finger(mesh), Flat(30), deepest=1.2 * DEPTH, dt=2.5e-5)
+    plate = Flat(30)
+    return Loop(finger(mesh), plate, mechanics="modal", deepest=1.2 * DEPTH, substep=2.5e-5)
+
+
+def vibrations() -> Vibrations:
+    """Return its vibrations."""
+    return Vibrations.of(loop().prepared, 1.2 * DEPTH)
+
+
+def stepped_body() -> ModalBody:
+    """Return its body, of the modes that are stepped."""
+    body = loop().prepared.body
+    assert body is not None
+    return body
 
 
 def static_difference() -> float:
     """Return the largest relative difference from `condensed` in steps that are long."""
     moving = loop()
-    still = Condensed(moving.finger, Flat(30), deepest=1.2 * DEPTH)
+    still = Loop(moving.finger, Flat(30), mechanics="condensed", deepest=1.2 * DEPTH)
     moving.reset()
     worst = 0.0
     for depth, seconds in ((0.3, 0.1), (0.9, 0.5), (0.9, 2.0), (0.5, 1.0), (1.0, 300.0)):
-        one, other = still.step(depth, seconds), moving.rest(depth, seconds)
+        one, other = still.step(seconds, depth=depth), moving.rest(seconds, depth=depth)
         pairs = ((one.strain, other.strain), (one.pressure, other.pressure))
         worst = max([worst, abs(other.force / one.force - 1)])
         worst = max([worst, *(np.abs(b - a).max() / np.abs(a).max() for a, b in pairs)])
     return float(worst)
 
 
-def driven(body: ModalContact, dt: float, count: int, path: Callable[[Array], Array]) -> Array:
+def driven(body: InertialContact, dt: float, count: int, path: Callable[[Array], Array]) -> Array:
     """Return forces (count,) in mN along a path of depths from relaxed contact at its start."""
     at_rest = float(path(np.zeros(1))[0])
     for _ in range(3):
-        check(body.step(LONG, at_rest, by_force=False))
+        _step(body, LONG, at_rest)
     forces = np.empty(count)
     for k, depth in enumerate(path(dt * np.arange(1.0, count + 1)).tolist()):
-        check(body.step(dt, depth, by_force=False))
-        forces[k] = body.pad.projected @ body.lcp.x
+        _step(body, dt, depth)
+        forces[k] = body.projected @ body.pressure
     return forces
+
+
+def _step(body: InertialContact, dt: float, depth: float) -> None:
+    """Advance by `dt` s to a depth in mm."""
+    outcome = body.advance(dt, Target(depth))
+    if outcome != DONE:
+        raise ArithmeticError(body.failures[outcome])
 
 
 def amplitude(forces: Array, dt: float, frequency: float, cycles: int) -> complex:
@@ -84,7 +106,9 @@ def one_mode(steps: int) -> complex:
     oscillators = Oscillators.of(np.array([(2 * np.pi * 100.0) ** 2]), WEIGHTS, RATES)
     residual = np.array([[2e-6]])
     dt = 1 / (frequency * steps)
-    body = ModalContact(oscillators, participation, residual, np.zeros(1), np.ones(1), 1.001 * dt)
+    body = InertialContact(
+        oscillators, participation, residual, np.zeros(1), np.ones(1), 1.001 * dt
+    )
     small, cycles = 1e-6, 40
     forces = driven(
         body, dt, cycles * steps, lambda t: 1e-3 + small * np.sin(2 * np.pi * frequency * t)
@@ -105,15 +129,15 @@ def one_mode_difference() -> float:
 @cache
 def finger_error(steps: int, frequency: float = 200.0) -> float:
     """Return the relative error of the force on a finger, in `steps` per cycle."""
-    body, dt = loop(), 1 / (200.0 * steps)
+    dt = 1 / (200.0 * steps)
     small, cycles = 1e-6, 30
     forces = driven(
-        contact_of(body.body, 1.001 * dt),
+        contact_of(stepped_body(), 1.001 * dt),
         dt,
         cycles * steps,
         lambda t: DEPTH + small * np.sin(2 * np.pi * frequency * t),
     )
-    exact = _held(body).stiffness(np.array([frequency]))[0]
+    exact = _held().stiffness(np.array([frequency]))[0]
     return float(abs(amplitude(forces, dt, frequency, 4) / small / exact - 1))
 
 
@@ -122,10 +146,10 @@ def finger_order() -> float:
     return float(np.log2(finger_error(60) / finger_error(120)))
 
 
-def _held(body: Modal) -> ClosedContact:
+def _held() -> ClosedContact:
     """Return the finger held at the preload, with the first static term alone, as through time."""
-    parts = body.body
-    pressure = body.vibrating.preload(DEPTH, None)[1]
+    parts = stepped_body()
+    pressure = vibrations().vibrating.preload(DEPTH, None)[1]
     active = np.flatnonzero(pressure > 0)
     o = parts.oscillators
     return ClosedContact.of(
@@ -138,15 +162,15 @@ def _held(body: Modal) -> ClosedContact:
 def energy_difference() -> float:
     """Return work less stored, kinetic and lost energy of a fast press, over the work."""
     dt, speed = 2e-5, 200.0
-    body = contact_of(loop().body, 1.001 * dt)
-    o, residual = loop().body.oscillators, loop().body.residual_flexibility
+    body = contact_of(stepped_body(), 1.001 * dt)
+    o, residual = stepped_body().oscillators, stepped_body().residual_flexibility
     work = lost = last_force = last_loss = last_depth = 0.0
     top = DEPTH / speed
     for k in range(1, int(4 * top / dt) + 1):
         x = min(k * dt / top, 1.0)
         depth = DEPTH * x * x * (3 - 2 * x)
-        check(body.step(dt, depth, by_force=False))
-        force = float(body.pad.projected @ body.lcp.x)
+        _step(body, dt, depth)
+        force = float(body.projected @ body.pressure)
         work += (force + last_force) / 2 * (depth - last_depth)
         stored, kinetic, power = energies(o, body.modes.filtered)
         elastic, loss = _of_residual(body, residual)
@@ -171,9 +195,9 @@ def energies(modes: Oscillators, filtered: Complex) -> tuple[float, float, float
     return stored, float(speed @ speed) / 2, lost
 
 
-def _of_residual(body: ModalContact, residual: Array) -> tuple[float, float]:
+def _of_residual(body: InertialContact, residual: Array) -> tuple[float, float]:
     """Return stored energy in nJ and lost power in nW of the residual flexibility."""
-    pad, lost = body.pad, 0.0
+    pad, lost = body.history, 0.0
     stored = float(pad.elastic @ residual @ pad.elastic) / 2
     for weight, rate, term in zip(pad.weights, pad.rates, pad.terms, strict=True):
         held = float(term @ residual @ term) / weight
@@ -183,7 +207,7 @@ def _of_residual(body: ModalContact, residual: Array) -> tuple[float, float]:
 
 def largest_growth() -> float:
     """Return the largest real part over the modulus of all poles of a finger."""
-    poles = loop().body.oscillators.poles
+    poles = stepped_body().oscillators.poles
     return float((poles.real / np.abs(poles)).max())
 
 
@@ -195,7 +219,7 @@ def before_the_knock() -> float:
     """
     count, step = 2**14, 0.5
     frequency = np.asarray(step * np.arange(1.0, count), dtype=np.float64)
-    flexibility = np.append(0.0, 1 / _held(loop()).stiffness(frequency))
+    flexibility = np.append(0.0, 1 / _held().stiffness(frequency))
     flexibility[0] = flexibility[1].real
     window = np.exp(-((np.append(0.0, frequency) / (0.35 * frequency[-1])) ** 2) * 8)
     # A delay of a quarter of the period puts what comes before the knock in front of it.
@@ -211,7 +235,7 @@ def nonlinearity() -> float:
     frequency, dt = 150.0, 1 / (150.0 * 60)
 
     def force(small: float) -> complex:
-        body = contact_of(loop().body, 1.001 * dt)
+        body = contact_of(stepped_body(), 1.001 * dt)
         path = driven(body, dt, 900, lambda t: DEPTH + small * np.sin(2 * np.pi * frequency * t))
         return amplitude(path, dt, frequency, 3)
 

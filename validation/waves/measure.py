@@ -23,11 +23,14 @@ import numpy as np
 from fefinger.validation.provenance import save
 from fefinger.validation.waves.preload import Preloaded, modulus, viscous
 
+from fefinger.contact.stepper import Target
 from fefinger.mechanics.evidence.vibration import suddenness
+from fefinger.mechanics.loop import Loop
+from fefinger.mechanics.loop_setup import SUBSTEP
 from fefinger.mechanics.press.modal_body import FingerModes, ModalBody, finger_modes
 from fefinger.mechanics.press.modal_press import contact_of
 from fefinger.mechanics.press.operator import operator
-from fefinger.mechanics.realtime.modal import Modal
+from fefinger.mechanics.vibrations import Vibrations
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
@@ -80,7 +83,7 @@ def vibrations(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
     """Yield the change of the dynamic stiffness by inertia, per object and preload."""
     frequency = frequencies(finger, REDUCED)
     for name, indenter in OBJECTS.items():
-        loop = Modal(finger, indenter, deepest=max(PARTS) * finger.thickness)
+        loop = Vibrations(finger, indenter, deepest=max(PARTS) * finger.thickness)
         for part in PARTS:
             answer = loop.harmonic(frequency, depth=part * finger.thickness)
             slow = loop.harmonic([1e-3], depth=part * finger.thickness).stiffness[0]
@@ -96,7 +99,7 @@ def vibrations(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
 def ramps(finger: Finger) -> Iterator[dict[str, float]]:
     """Yield the largest change of the force of ramps by inertia, over their peak."""
     depth = 0.1 * finger.thickness
-    body = Modal(finger, Flat(30), deepest=1.1 * depth).body
+    body = _stepped(finger, 1.1 * depth, SUBSTEP)
     for speed in SPEEDS:
         motion = Ramp(speed, depth)
         dt = min(1e-4, motion.duration / 100)
@@ -111,9 +114,10 @@ def presses(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
     Each is a ramp and a rest in which the finger rings.
     """
     depth, dt = 0.1 * finger.thickness, 2e-5
-    loop = Modal(finger, Flat(30), deepest=1.1 * depth, dt=dt)
-    count = len(loop.body.oscillators.omega_squared)
-    bodies = [loop.body, *(loop.body.only(np.arange(int(p * count))) for p in PARTS_OF_MODES)]
+    whole_body = _stepped(finger, 1.1 * depth, dt)
+    count = len(whole_body.oscillators.omega_squared)
+    parts = (whole_body.only(np.arange(int(p * count))) for p in PARTS_OF_MODES)
+    bodies = [whole_body, *parts]
     for speed, corner in product(SUDDEN, ({}, {"corner": 0.0})):
         motion = RampHold(speed, depth, hold=0.01, **corner)
         whole, *others = (pressed_force(body, motion, dt) for body in bodies)
@@ -127,6 +131,13 @@ def presses(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
             }
 
 
+def _stepped(finger: Finger, deepest: float, dt: float) -> ModalBody:
+    """Return the body of a finger, of the modes that steps of `dt` s resolve."""
+    loop = Loop(finger, Flat(30), mechanics="modal", deepest=deepest, substep=dt)
+    assert loop.prepared.body is not None
+    return loop.prepared.body
+
+
 def pressed_force(
     body: ModalBody, motion: Motion, dt: float, longest: float | None = None
 ) -> Array:
@@ -136,8 +147,8 @@ def pressed_force(
     """
     contact, force = contact_of(body, dt * (1 + 1e-6) if longest is None else longest), []
     for t in np.arange(1, int(motion.duration / dt) + 1) * dt:
-        assert contact.step(dt, float(motion.value(t)), by_force=False) == 0
-        force.append(float(body.static.patch.projected @ contact.lcp.x))
+        assert contact.advance(dt, Target(float(motion.value(t)))) == 0
+        force.append(float(body.static.patch.projected @ contact.pressure))
     return np.array(force)
 
 
@@ -150,7 +161,9 @@ def between_meshes(relaxation: str, subject: str) -> dict[str, Any]:
     for mesh in ("coarse", "standard"):
         finger = Finger.subject(subject, tissue=RELAXATIONS[relaxation], resolution=mesh)
         frequency, depth = frequencies(finger, REDUCED), 0.1 * finger.thickness
-        answer = Modal(finger, Flat(30), deepest=depth).harmonic([1e-3, *frequency], depth=depth)
+        answer = Vibrations(finger, Flat(30), deepest=depth).harmonic(
+            [1e-3, *frequency], depth=depth
+        )
         factors = modulus(finger, answer.frequency)
         changes.append((answer.stiffness / answer.stiffness[0] * factors[0] / factors)[1:])
     difference = np.abs(changes[1] - changes[0])
@@ -194,7 +207,7 @@ def truncation(relaxation: str, finger: Finger) -> Iterator[dict[str, Any]]:
     Over the stiffness without inertia.
     """
     depth = 0.1 * finger.thickness
-    loop = Modal(finger, Flat(30), deepest=depth)
+    loop = Vibrations(finger, Flat(30), deepest=depth)
     vibrating = loop.vibrating
     full, solid = vibrating.body, vibrating.solid
     active = np.flatnonzero(vibrating.preload(depth, None)[1] > 0)
@@ -229,13 +242,13 @@ def seconds(subject: str, mesh: str) -> dict[str, float]:
     started = time.process_time()
     modes: FingerModes = finger_modes(finger, anonymous)
     build = time.process_time() - started
-    Modal(finger, Flat(30), deepest=1.5)  # puts what is kept into the cache
+    Loop(finger, Flat(30), mechanics="modal")  # puts what is kept into the cache
     started = time.process_time()
-    loop = Modal(finger, Flat(30), deepest=1.5)
+    loop = Loop(finger, Flat(30), mechanics="modal")
     setup = time.process_time() - started
     started = time.process_time()
     for k in range(1, 1001):
-        loop.step(0.001 * k, 1e-4)
+        loop.step(1e-4, depth=0.001 * k)
     step = (time.process_time() - started) / 1000
     return {"build": build, "setup": setup, "step": step, "complete_hz": modes.complete}
 

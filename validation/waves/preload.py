@@ -14,8 +14,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from fefinger.contact.oscillators import Complex, complex_modulus
 from fefinger.fem.contact.deformed_gap import DeformedGap, contact_surface
-from fefinger.fem.contact.oscillators import Complex, complex_modulus
 from fefinger.fem.elements.forms import mass
 from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress, continuum
 from fefinger.fem.hyperelastic.newton import Equilibrium

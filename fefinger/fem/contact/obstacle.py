@@ -8,14 +8,16 @@ axis itself, g = (x - origin) . axis + h - d, with its derivatives at the deform
 """
 
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from fefinger.geometry.profiles import Plane, Profile, frame
 from fefinger.support.arrays import Array, Flags
+from fefinger.support.checks import InputError
 
 
+UNIT = 1e-6  # by which the length of an axis may differ from 1
 FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of, where it has to be finite
 
 
@@ -75,3 +77,53 @@ class Obstacle:
         local = (points - self.origin) @ frame.T
         h, slope, _ = self.profile.height(local[..., :2])
         return local[..., 2] + h - depth, self.axis + slope @ frame[:2]
+
+
+@dataclass(frozen=True)
+class OwnObstacle:
+    """An obstacle of a user's own, with what it lacks filled in.
+
+    given: any object with an `axis` (3,) and `gap(points)` as of `Rigid`; perhaps `beyond(points)`
+    and an `origin` (3,) mm, the point of first touch.
+
+    Raises
+    ------
+    InputError
+        If it has no axis of three finite numbers, or no gap.
+    """
+
+    given: Any
+
+    def __post_init__(self) -> None:
+        """Check that there is an axis and a gap."""
+        if not callable(getattr(self.given, "gap", None)) or not hasattr(self.given, "axis"):
+            raise InputError(
+                "indenter: expected an ff.Indenter, such as ff.Flat(30), or an object with an "
+                f"`axis` and a `gap(points)`, received {self.given!r}"
+            )
+        axis = np.asarray(self.given.axis, dtype=np.float64)
+        if axis.shape != (3,) or not abs(np.linalg.norm(axis) - 1.0) < UNIT:
+            raise InputError(
+                f"indenter.axis: expected a unit vector (3,), received {self.given.axis!r}"
+            )
+
+    @property
+    def axis(self) -> Array:
+        """Unit direction of travel (3,), into the body."""
+        return np.asarray(self.given.axis, dtype=np.float64)
+
+    @property
+    def origin(self) -> Array:
+        """Point of first touch (3,) mm; the origin of the frame where it is not given."""
+        return np.asarray(getattr(self.given, "origin", np.zeros(3)), dtype=np.float64)
+
+    def gap(self, points: Array) -> tuple[Array, Array]:
+        """Return the distance along the axis (...,) mm and the obstacle's normals (..., 3)."""
+        distance, normals = self.given.gap(points)
+        return np.asarray(distance, dtype=np.float64), np.asarray(normals, dtype=np.float64)
+
+    def beyond(self, points: Array) -> Flags:
+        """Return whether points (..., 3) lie beyond the rim of its shape; nowhere if not given."""
+        if not hasattr(self.given, "beyond"):
+            return np.zeros(points.shape[:-1], dtype=bool)
+        return np.asarray(self.given.beyond(points), dtype=bool)

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fefinger.fem.contact.viscoelastic import Relaxation
+from fefinger.contact.prony_history import Relaxation
 from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress
 from fefinger.fem.hyperelastic.newton import Equilibrium, Exhausted
 from fefinger.fem.hyperelastic.state import State, Target

@@ -37,8 +37,8 @@ from dataclasses import replace
 import numpy as np
 from scipy import sparse
 
+from fefinger.contact.complementarity import pressure_at_force
 from fefinger.fem.contact.deformed_gap import ContactSurface, DeformedGap
-from fefinger.fem.contact.viscoelastic import depth_at
 from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.fem.hyperelastic.iterate import (
     Anderson,
@@ -378,7 +378,7 @@ class Equilibrium:
             if target.control == "depth":
                 pressure[near] = solver.solve(bare_gaps - depth * closing[near]) / gain_ratio
             else:
-                depth, pressure[near], _ = depth_at(
+                depth, pressure[near], _ = pressure_at_force(
                     solver,
                     1 / gain_ratio,
                     bare_gaps,

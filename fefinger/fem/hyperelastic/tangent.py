@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.contact.deformed_gap import DeformedGap
 from fefinger.fem.linalg.multifrontal_indefinite import ApproximateFactor
 from fefinger.support.arrays import Array, Flags, Integers

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 from scipy import sparse
 
+from fefinger.contact.march import History
 from fefinger.fem.contact.patch import Patch
-from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.elements.probe import gradient_at_vertices, strain_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.stored_energy import StoredEnergy

@@ -12,12 +12,11 @@ from typing import Self
 import numpy as np
 from scipy import sparse
 
+from fefinger.contact.closed_contact import ClosedContact
+from fefinger.contact.complementarity import Complementarity, pressure_at_force
 from fefinger.fem.condensation import Operator, displaced, reduce
-from fefinger.fem.contact.closed_contact import ClosedContact
-from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.obstacle import Rigid
 from fefinger.fem.contact.patch import Patch, patch
-from fefinger.fem.contact.viscoelastic import depth_at
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.geometry.voigt import tensor_from_voigt
@@ -178,7 +177,7 @@ class Vibrating:
         if depth is None:
             wanted = float(force or 0.0) / self._unit
             start = 0.3 * self.deepest
-            depth, pressure, _ = depth_at(solver, 1.0, gap, areas, wanted, start, wanted)
+            depth, pressure, _ = pressure_at_force(solver, 1.0, gap, areas, wanted, start, wanted)
         else:
             pressure = solver.solve(gap - depth * areas)
         if not (pressure > 0).any():

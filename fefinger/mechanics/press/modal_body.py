@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 from scipy import sparse
 
+from fefinger.contact.oscillators import Oscillators
 from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Operator
-from fefinger.fem.contact.oscillators import Oscillators
 from fefinger.fem.elements.assembly import numbering
 from fefinger.fem.elements.forms import mass
 from fefinger.fem.modes import Modes, modes_of

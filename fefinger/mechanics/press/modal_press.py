@@ -7,10 +7,10 @@ from functools import partial
 import numpy as np
 from scipy import sparse
 
+from fefinger.contact.inertial import InertialContact
+from fefinger.contact.march import History, Prescribed, march
 from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Operator, displaced
-from fefinger.fem.contact.modal_step import ModalContact, TimeGrid, march_modes
-from fefinger.fem.contact.viscoelastic import History, Prescribed
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.mechanics.press import modal_body
 from fefinger.mechanics.press.modal_body import FingerModes, ModalBody
@@ -21,6 +21,7 @@ from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Stages
+from fefinger.support.threads import one_thread
 
 
 STEPS_PER_CYCLE = 60
@@ -35,6 +36,18 @@ quasi-static."""
 
 RECORDED = 1e-3
 """Longest time in s between stored states while the finger rings; FAST_STEP for FAII."""
+
+
+@dataclass(frozen=True)
+class TimeGrid:
+    """Times (n_t,) s of the steps, and the numbers (n_out,) of those that are stored.
+
+    longest: length in s of the longest step in which the modes have inertia.
+    """
+
+    time: Array
+    stored: Integers
+    longest: float
 
 
 def modal_grid(motion: Motion, *, fast: bool) -> TimeGrid:
@@ -120,7 +133,9 @@ def solve_modal(
         made[:] = [body]
         value = press.load_unit * press.motion.value(grid.time)
         on_grid = Prescribed(press.motion.control, grid.time, value)
-        return march_modes(contact_of(body, grid.longest), grid, on_grid, report)
+        return one_thread(march)(
+            contact_of(body, grid.longest), on_grid, report, stored=grid.stored
+        )
 
     _, contact = solve_contact(press, stages, advance)
     return ModalHistory(modes, made[0], contact)
@@ -131,11 +146,11 @@ def probe_of(press: Press) -> sparse.csr_matrix:
     return recovered_strain_at(press.body.space, press.site_points, press.body.planes)
 
 
-def contact_of(body: ModalBody, longest: float, *limits: Integers) -> ModalContact:
-    """Return the contact of a body at rest; `limits` as of `ModalContact`."""
+def contact_of(body: ModalBody, longest: float, *limits: Integers) -> InertialContact:
+    """Return the contact of a body at rest; `limits` as of `InertialContact`."""
     on_pad = body.static.patch
     modes = body.oscillators, body.participation, body.residual_flexibility
-    return ModalContact(*modes, on_pad.gap, on_pad.projected, longest, *limits)
+    return InertialContact(*modes, on_pad.gap, on_pad.projected, longest, *limits)
 
 
 def operator_of(press: Press) -> Operator:

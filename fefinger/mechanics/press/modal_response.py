@@ -14,9 +14,8 @@ from functools import partial
 
 import numpy as np
 
-from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.modal_step import TimeGrid
-from fefinger.fem.contact.oscillators import Oscillators
+from fefinger.contact.complementarity import Complementarity
+from fefinger.contact.oscillators import Oscillators
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.geometry.voigt import tensor_from_voigt
@@ -24,7 +23,7 @@ from fefinger.mechanics.press import modal_press, operator, problem, tabulated_p
 from fefinger.mechanics.press.fields import interpolation, small_strain_fields
 from fefinger.mechanics.press.harmonic import Vibrating, about
 from fefinger.mechanics.press.modal_body import stiffened
-from fefinger.mechanics.press.modal_press import ModalHistory
+from fefinger.mechanics.press.modal_press import ModalHistory, TimeGrid
 from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.press.operator_cache import MESH_OF_INERTIA
 from fefinger.mechanics.press.problem import Press, SmallStrainHistory

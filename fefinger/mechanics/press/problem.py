@@ -7,10 +7,10 @@ from typing import Any, Self
 
 import numpy as np
 
+from fefinger.contact.march import History
 from fefinger.fem.body import Body, Reduced, Solid
 from fefinger.fem.contact.deformed_gap import ContactSurface
 from fefinger.fem.contact.obstacle import Obstacle
-from fefinger.fem.contact.viscoelastic import History
 from fefinger.fem.linalg.system import System
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import placement

@@ -5,8 +5,8 @@ At small strain, and at finite strain with the measure of `solid`.
 
 import numpy as np
 
+from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.body import Reduced, Solid
-from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.deformed_gap import contact_surface
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.recovery import recovered_gradient_at, recovered_strain_at

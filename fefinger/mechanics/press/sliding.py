@@ -8,11 +8,9 @@ from scipy import sparse
 
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.condensation import Operator
-from fefinger.fem.contact.march import SlidingPath, march, march_with_friction
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import Patch, directed, patch
-from fefinger.fem.contact.travel import Heights, Travel, envelope
-from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
+from fefinger.fem.contact.travel import Heights, envelope
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press import operator, problem
 from fefinger.mechanics.press.placement import on_neighborhood
@@ -92,27 +90,6 @@ def reduce_to_patch(
     else:
         made = press.method.reduce(press.body, three, probe, report)
     return replace(made, patch=replace(on, loads=three.loads))
-
-
-def solve_sliding_contact(
-    press: Press,
-    reduced: Reduced,
-    relaxation: Relaxation,
-    prescribed: Prescribed,
-    report: Callable[[float], None],
-) -> History:
-    """Solve the contact along the path of the motion, with or without friction.
-
-    InputError if contact reaches the end of the object; ConvergenceError as `small_strain.respond`.
-    """
-    on = reduced.patch
-    travel = Travel.of(press.body.space, press.body.normals, on, press.obstacle)
-    path = SlidingPath(travel, press.motion.shift(press.time), press.inclines)
-    rest = path, on.projected, relaxation, prescribed, report
-    if press.indenter.friction:
-        mu = press.indenter.friction, press.indenter.kinetic
-        return march_with_friction(reduced.flexibility, mu, *rest)
-    return march(reduced.flexibility, *rest)
 
 
 def distances(press: Press, on: Patch) -> Array:

@@ -4,17 +4,22 @@ Shared by `linear` and `condensed`, which differ in the `SolutionMethod` alone.
 """
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
+from fefinger.contact.frictional import FrictionalContact
+from fefinger.contact.frictionless import FrictionlessContact
+from fefinger.contact.march import History, Prescribed, march
+from fefinger.contact.stepper import Gaps, Stepper
 from fefinger.fem.body import Body, Reduced, body, reduce
 from fefinger.fem.condensation import OutsideError
-from fefinger.fem.contact.march import march
 from fefinger.fem.contact.patch import Patch, patch
-from fefinger.fem.contact.viscoelastic import History, Prescribed, Relaxation
+from fefinger.fem.contact.travel import Travel
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement, problem, sliding
+from fefinger.mechanics.press.candidates import on_enough_candidates
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.materials import fixed_facets, tissues, with_nail
 from fefinger.mechanics.press.problem import Press, SmallStrainHistory, SolutionMethod
@@ -23,7 +28,8 @@ from fefinger.mechanics.press.response import small_strain_response
 from fefinger.results.records import Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
-from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.arrays import Array, Flags
+from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 
 
@@ -80,36 +86,32 @@ def solve(press: Press, stages: Stages) -> SmallStrainHistory:
 def solve_contact(
     press: Press, stages: Stages, advance: Advance | None = None
 ) -> tuple[Reduced, History]:
-    """Solve the contact, with more candidate vertices as long as it reaches their rim.
+    """Solve the contact, on enough candidate vertices.
 
-    Next to an edge the gap grows within a facet to any reach: so each attempt has one more ring.
     `advance` solves a body on its candidates through time; by default without inertia.
 
     Errors as `respond`; OutsideError where contact leaves the loadable part of the pad.
     """
-    reach = problem.REACH * press.expected_depth
-    for rings in range(problem.ATTEMPTS):
-        candidates = _candidates(press, reach, rings)
+
+    def attempt(on_pad: Patch, rings: int) -> tuple[tuple[Reduced, History], Flags]:
         try:
-            reduced, history = _on_candidates(press, candidates, stages, advance or quasistatic)
-            pressed = (history.pressure > 0).any(axis=0)
-            reached = candidates.border & pressed
-            spread = bool(reached.any())
-            if not spread or rings == problem.ATTEMPTS - 1:
+            reduced, history = _on_candidates(press, on_pad, stages, advance or quasistatic)
+            pressed: Flags = np.any(history.pressure > 0, axis=0)
+            if not (on_pad.border & pressed).any() or rings == problem.ATTEMPTS - 1:
                 # Not before: with too few candidates a prescribed force presses too deep.
                 deepest = float(history.depth.max())
                 limits.check_reached(press.motion, press.finger.pulp, deepest)
-                placement.check_inside(press.body, candidates.vertices[pressed], deepest)
-            if not spread:
-                return reduced, history
+                placement.check_inside(press.body, on_pad.vertices[pressed], deepest)
         except InputError:
+            reach = problem.REACH * press.expected_depth * problem.GROW**rings
             if _touches_outside(press, reach):  # without that skin the press is another
                 raise OutsideError(limits.OUTSIDE) from None
             raise
-        if press.body.cut_off(candidates.vertices[reached]):
-            raise OutsideError(limits.OUTSIDE)
-        reach *= problem.GROW
-    raise ConvergenceError(limits.spread_beyond(reach))
+        return (reduced, history), pressed
+
+    return on_enough_candidates(
+        press.body, press.expected_depth, partial(_candidates, press), attempt
+    )
 
 
 def _on_candidates(
@@ -124,7 +126,9 @@ def _on_candidates(
         reduced = sliding.reduce_to_patch(press, candidates, where, probe, report)
     with stages.stage("contact") as report:
         value = press.load_unit * motion.value(press.time)
-        history = advance(press, reduced, Prescribed(motion.control, press.time, value), report)
+        shift = motion.shift(press.time) if press.tangential else None
+        prescribed = Prescribed(motion.control, press.time, value, shift, press.inclines)
+        history = advance(press, reduced, prescribed, report)
     pressed = (history.pressure > 0).any(axis=0)
     if not pressed.any():
         raise InputError(limits.untouched(obstacle, body, float(history.depth.max())))
@@ -156,8 +160,17 @@ def quasistatic(
     press: Press, reduced: Reduced, prescribed: Prescribed, report: Callable[[float], None]
 ) -> History:
     """Solve the contact of a reduced body at all times, without inertia."""
-    prony, on = press.finger.prony, reduced.patch
-    relaxation = Relaxation(np.array(prony.weights), np.array(prony.v), len(on.vertices))
+    return march(contact_of(press, reduced), prescribed, report)
+
+
+def contact_of(press: Press, reduced: Reduced) -> Stepper:
+    """Return the contact of a reduced body with the object of a press, at rest."""
+    on, indenter, branches = reduced.patch, press.indenter, press.finger.prony.branches
+    gap: Array | Gaps = on.gap
     if press.tangential:
-        return sliding.solve_sliding_contact(press, reduced, relaxation, prescribed, report)
-    return march(reduced.flexibility, on.gap, on.projected, relaxation, prescribed, report)
+        gap = Travel.of(press.body.space, press.body.normals, on, press.obstacle)
+    turns = press.inclines is not None
+    if not indenter.friction:
+        return FrictionlessContact(reduced.flexibility, gap, on.projected, branches, turns=turns)
+    mu = indenter.friction, indenter.kinetic
+    return FrictionalContact(reduced.flexibility, mu, gap, on.projected, branches, turns=turns)

@@ -29,6 +29,7 @@ import math
 from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -120,6 +121,15 @@ class NestedContact:
         self._terms, self._share = np.zeros((len(self._rates), count)), np.zeros(count)
         self.stressed, self.strained = np.zeros(count), np.zeros(count)
         self.depth = self.edge = 0.0
+
+    def state(self) -> tuple[Any, ...]:
+        """Return what the next step depends on; no copies, as a step makes new arrays."""
+        arrays = self._terms, self._share, self.stressed, self.strained
+        return (*arrays, self.depth, self.edge)
+
+    def restore(self, state: tuple[Any, ...]) -> None:
+        """Return to a state of this contact."""
+        self._terms, self._share, self.stressed, self.strained, self.depth, self.edge = state
 
     def advance(self, dt: float, depth: float) -> None:
         """Move the indenter to a depth in mm within dt >= 0 s, at a constant rate.

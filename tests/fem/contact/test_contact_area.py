@@ -5,8 +5,8 @@ import pytest
 from fefinger.validation.problems.grids import box
 from scipy.spatial import Delaunay
 
+from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.contact import contact_area as areas
-from fefinger.fem.contact.complementarity import Complementarity
 from fefinger.fem.contact.contact_area import CandidateSurface, fit_rims
 from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import patch

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from fefinger.validation.fem import hertz
 
-from fefinger.fem.contact.complementarity import Complementarity
-from fefinger.fem.contact.march import march
-from fefinger.fem.contact.viscoelastic import Prescribed, Relaxation
+from fefinger.contact.complementarity import Complementarity
+from fefinger.contact.frictionless import FrictionlessContact
+from fefinger.contact.march import Prescribed
+from fefinger.contact.march import march as march_contact
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
@@ -68,14 +69,14 @@ def pad() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return matrix, weights * x**2 / 2, weights
 
 
-def memory(weights: list[float] | np.ndarray, rates: list[float] | np.ndarray) -> Relaxation:
-    return Relaxation(np.asarray(weights, float), np.asarray(rates, float), 21)
+def march(matrix, gap, projected, prony: Prony, asked: Prescribed):
+    return march_contact(FrictionlessContact(matrix, gap, projected, prony.branches), asked)
 
 
 def test_a_step_relaxes_as_the_relaxation_function(pad: tuple) -> None:
     time = np.concatenate([[0.0], np.geomspace(1e-6, 1e3, 60)])
     asked = Prescribed("depth", time, np.full_like(time, 0.3))
-    done = march(*pad, memory(PRONY.weights, PRONY.v), asked)
+    done = march(*pad, PRONY, asked)
     force = done.pressure @ pad[2]
     assert force / force[0] == pytest.approx(PRONY.relaxation(time), rel=1e-9)
     assert done.elastic_pressure == pytest.approx(np.tile(done.elastic_pressure[0], (len(time), 1)))
@@ -85,8 +86,8 @@ def test_ramp_and_hold_equal_the_hereditary_integral(pad: tuple) -> None:
     time = np.concatenate([np.linspace(0, 0.02, 400), 0.02 + np.geomspace(1e-4, 5, 60)])
     depth = np.minimum(time / 0.02, 1) * 0.4
     asked = Prescribed("depth", time, depth)
-    viscous = march(*pad, memory(PRONY.weights, PRONY.v), asked).pressure @ pad[2]
-    elastic = march(*pad, memory([1.0], []), asked).pressure @ pad[2]
+    viscous = march(*pad, PRONY, asked).pressure @ pad[2]
+    elastic = march(*pad, Prony((1.0,), ()), asked).pressure @ pad[2]
     expected = hereditary_integral(PRONY, time, elastic) / PRONY.long_time
     assert viscous == pytest.approx(expected, rel=1e-3, abs=1e-3 * expected.max())
 
@@ -94,7 +95,7 @@ def test_ramp_and_hold_equal_the_hereditary_integral(pad: tuple) -> None:
 def test_unloading_detaches_without_pull_and_recovers(pad: tuple) -> None:
     time = np.linspace(0, 1, 401)
     asked = Prescribed("depth", time, 0.3 * np.sin(np.pi * time))
-    done = march(*pad, memory(PRONY.weights, PRONY.v), asked)
+    done = march(*pad, PRONY, asked)
     assert done.pressure.min() >= 0
     left = 200 + int(np.argmax(done.pressure[200:].max(axis=1) == 0))
     assert done.depth[left] > 0.01  # the pad leaves the indenter before the indenter is back
@@ -106,9 +107,9 @@ def test_unloading_detaches_without_pull_and_recovers(pad: tuple) -> None:
 def test_force_control_inverts_depth_control(pad: tuple, repeat: int) -> None:
     time = np.linspace(0, 1, 101)
     depth = 0.3 * np.sin(np.pi * time / 2) ** 2
-    pressed = march(*pad, memory(PRONY.weights, PRONY.v), Prescribed("depth", time, depth))
+    pressed = march(*pad, PRONY, Prescribed("depth", time, depth))
     force = pressed.pressure @ pad[2]
-    back = march(*pad, memory(PRONY.weights, PRONY.v), Prescribed("force", time, force))
+    back = march(*pad, PRONY, Prescribed("force", time, force))
     assert back.depth[1:] == pytest.approx(depth[1:], rel=1e-6, abs=1e-9)
 
 
@@ -118,19 +119,19 @@ def test_a_path_of_forces_is_that_of_its_depths(pad: tuple) -> None:
     body, time = (matrix, gap + 0.004 * weights, weights), np.linspace(0, 1, 101)
     force = 0.5 * np.maximum(np.sin(3 * np.pi * time), 0.0)
     asked = Prescribed("force", time, force)
-    pushed = march(*body, memory(PRONY.weights, PRONY.v), asked)
+    pushed = march(*body, PRONY, asked)
     assert pushed.depth[0] == 0
     lifted = np.flatnonzero(force == 0)[1:]
     assert 0.004 < pushed.depth[lifted].min() < 0.05  # it goes back with the skin, not ahead of it
     again = Prescribed("depth", time, pushed.depth)
-    moved = march(*body, memory(PRONY.weights, PRONY.v), again).pressure @ weights
+    moved = march(*body, PRONY, again).pressure @ weights
     assert moved == pytest.approx(force, rel=1e-6, abs=1e-9)
 
 
 def test_a_held_force_creeps_to_the_relaxed_depth(pad: tuple) -> None:
     time = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 80)])
     asked = Prescribed("force", time, np.full_like(time, 0.5))
-    viscous = march(*pad, memory(PRONY.weights, PRONY.v), asked)
-    elastic = march(*pad, memory([1.0], []), asked)
+    viscous = march(*pad, PRONY, asked)
+    elastic = march(*pad, Prony((1.0,), ()), asked)
     assert (np.diff(viscous.depth) >= -1e-12).all()
     assert viscous.depth[-1] == pytest.approx(elastic.depth[-1], rel=1e-6)

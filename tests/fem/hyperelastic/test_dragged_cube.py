@@ -5,7 +5,7 @@ import pytest
 from fefinger.validation.problems.cube import cube
 from scipy.sparse.linalg import splu
 
-from fefinger.fem.contact.complementarity import Complementarity
+from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.hyperelastic.state import State, Target

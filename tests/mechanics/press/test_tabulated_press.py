@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.fem.contact.oscillators import complex_modulus
+from fefinger.contact.oscillators import complex_modulus
 from fefinger.mechanics.press.tabulated_press import (
     PreloadRelaxation,
     TabulatedPress,

@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.mechanics.realtime.condensed import Condensed
+from fefinger.mechanics.loop import Loop
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
@@ -62,10 +62,14 @@ class Stiffening:
 
         depth, force = np.asarray(depth, float), np.asarray(force, float)
         _check(depth, force)
-        elastic = Condensed(
-            replace(finger, prony=Prony((1.0,), ())), indenter, deepest=float(depth.max())
+        elastic = Loop(
+            replace(finger, prony=Prony((1.0,), ())),
+            indenter,
+            mechanics="condensed",
+            deepest=float(depth.max()),
         )
-        linear = np.array([elastic.step_contact(d, 0.0).force for d in depth.tolist()])
+        steps = (elastic.step(0.0, depth=d, strain=False) for d in depth.tolist())
+        linear = np.array([step.force for step in steps])
         into, largest = np.maximum(depth, 0.0), float(force.max())
         unit = largest / float((into * linear).max())
 

@@ -1,8 +1,8 @@
-"""Contact of a body of viscoelastic modes with residual flexibility: compiled step, whole motion.
+"""Contact of a body of viscoelastic modes with residual flexibility: one step, with inertia.
 
 The displacement of the pad is u = R y + sum of phi_k a_k: R is the residual flexibility (the static
 one less that of the modes, a static correction for the modes left out), y the elastic pressure as
-in `step_compiled`, a_k the amplitudes of `oscillators`. A step ends at u = F p + what the past
+in `frictionless`, a_k the amplitudes of `oscillators`. A step ends at u = F p + what the past
 left, with F = R / g + sum of phi_k b_k phi_k', b_k >= 0: contact is the complementarity problem of
 statics with another F. What touches has no mass of its own but that of the modes, so that contact
 opens and closes without chatter (Khenous, Laborde and Renard, Eur. J. Mech. A 27:918, 2008).
@@ -12,31 +12,25 @@ grow, however long the step.
 In a static step (a rest, too long for the modes) they deform as in statics; their own past goes on.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fefinger.fem.contact import lcp_compiled as contact
-from fefinger.fem.contact.lcp_compiled import DONE, Floats, LcpState
-from fefinger.fem.contact.oscillators import Complex, Oscillators
-from fefinger.fem.contact.step_compiled import (
-    Output,
-    PadState,
-    check,
+from fefinger.contact import active_set
+from fefinger.contact.active_set import DONE, LcpState
+from fefinger.contact.frictionless import press
+from fefinger.contact.oscillators import Complex, Oscillators
+from fefinger.contact.prony_history import (
+    PronyHistory,
+    increments,
     load_history,
-    pad_state,
-    reset,
-    solve_target,
+    prony_history,
     store_history,
 )
-from fefinger.fem.contact.viscoelastic import History, Prescribed, increments
+from fefinger.contact.stepper import Stepper, Target
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.checks import PRESS_LESS
 from fefinger.support.compiled import njit
-from fefinger.support.threads import one_thread
+from fefinger.support.tolerances import COMPLEMENTARITY
 
 
 DIGITS = 9  # significant ones of the length of a step: lengths that differ by rounding are the same
@@ -63,7 +57,7 @@ class ModalState(NamedTuple):
     amplitude: Array
     free_amplitude: Array
     moved: Array
-    pressed: NDArray[np.int64]
+    pressed: Integers
     factor: Array
 
 
@@ -126,63 +120,41 @@ def step_factors(
 
 
 @njit(cache=True)
-def modal_step(
+def _step(
     s: LcpState,
-    m: PadState,
+    m: PronyHistory,
     o: ModalState,
     f: StepFactors,
+    search: Array,
+    gap: Array,
+    projected: Array,
+    limits: Integers,
+    work: Array,
     dt: float,
-    target: float,
+    value: float,
     by_force: bool,
-    limits: NDArray[np.int64],
 ) -> int:
-    """Advance by `dt` s to a depth in mm or a force in mN; return DONE or a failure.
-
-    The contact pressure is then in s.x, the elastic one in m.elastic, the amplitudes in
-    o.amplitude. limits (n_pad,): outcome of contact at a vertex, as in `step_compiled`. A step that
-    fails leaves all as it was.
-    """
-    active, depth, peak = contact.save(s), m.depth[0], m.peak[0]
     g = load_history(m, dt)
     _free_amplitude(m, o, f, g)
-    gap, past = np.empty(len(m.gap)), np.zeros(len(m.gap))  # the gap takes the past into account
+    offset, free, nothing = work[0], work[1], work[2]  # the free gap takes the past into account
     for j in range(len(gap)):
-        gap[j] = m.gap[j] - m.moved_past[j] / g
+        free[j] = gap[j] - m.moved_past[j] / g
     for k in range(len(o.free_amplitude)):
         a = o.free_amplitude[k]
         row = o.participation[k]
         for j in range(len(gap)):
-            gap[j] += a * row[j]
-    failed = solve_target(s, m, gap, past, 1.0, target, by_force)
-    for j in range(len(s.x)):
-        if failed == DONE and s.x[j] > 0.0:
-            failed = limits[j]
+            free[j] += a * row[j]
+    failed = press(
+        *(s, search, free, nothing, 1.0, projected, limits, offset),
+        *(value, by_force, COMPLEMENTARITY),
+    )
     if failed == DONE:
         _store(s, m, o, f, dt, g)
-    else:
-        contact.restore(s, active)
-        m.depth[0], m.peak[0] = depth, peak
     return failed
 
 
 @njit(cache=True)
-def release(s: LcpState, m: PadState, o: ModalState) -> None:
-    """Reset pad and modes to rest: no contact and no history."""
-    reset(s, m)
-    o.filtered[:] = 0.0
-    for row in (o.force, o.earlier, o.amplitude):
-        row[:] = 0.0
-
-
-@njit(cache=True)
-def add_strain(out: Output, rows: Floats, amplitude: Floats) -> None:
-    """Add the strain of modes to that of the pressures in an output; rows (n, n_strains)."""
-    count = len(amplitude)
-    contact.accumulate(out.strain, rows, np.arange(count), amplitude, count)
-
-
-@njit(cache=True)
-def _free_amplitude(m: PadState, o: ModalState, f: StepFactors, g: float) -> None:
+def _free_amplitude(m: PronyHistory, o: ModalState, f: StepFactors, g: float) -> None:
     """Compute the amplitudes at the end of the step for zero pressure then (history terms)."""
     for k in range(len(o.free_amplitude)):
         if f.static:
@@ -200,9 +172,11 @@ def _free_amplitude(m: PadState, o: ModalState, f: StepFactors, g: float) -> Non
 
 
 @njit(cache=True)
-def _store(s: LcpState, m: PadState, o: ModalState, f: StepFactors, dt: float, g: float) -> None:
+def _store(
+    s: LcpState, m: PronyHistory, o: ModalState, f: StepFactors, dt: float, g: float
+) -> None:
     """Update the history of the pad and of the modes with the pressure at the end of a step."""
-    count = contact.combine(o.moved, o.residual_flexibility, s.x, o.pressed, o.factor)
+    count = active_set.combine(o.moved, o.residual_flexibility, s.x, o.pressed, o.factor)
     for k in range(len(o.force)):
         force = 0.0
         for i in range(count):
@@ -216,13 +190,17 @@ def _store(s: LcpState, m: PadState, o: ModalState, f: StepFactors, dt: float, g
     store_history(m, s.x, o.moved, dt, g)
 
 
-class ModalContact:
-    """A body of modes with a pad, stepped through time from rest.
+class InertialContact(Stepper):
+    """A body of modes with a pad, through time.
 
-    participation (n, n_pad) and residual_flexibility (n_pad, n_pad) as in `ModalState`; gap
-    (n_pad,) mm³ and projected (n_pad,) mm² of the patch; longest: length in s of a step beyond
-    which modes deform as in statics; limits (n_pad,): outcome of contact at a vertex, DONE by
-    default.
+    Parameters
+    ----------
+    oscillators, participation, residual_flexibility
+        The modes, and (n, n_pad), (n_pad, n_pad) as in `ModalState`.
+    gap, projected, limits
+        As of `FrictionlessContact`.
+    longest
+        Length in s of a step beyond which modes deform as in statics.
     """
 
     def __init__(
@@ -235,13 +213,25 @@ class ModalContact:
         longest: float,
         limits: Integers | None = None,
     ) -> None:
+        count, n_modes = len(gap), len(participation)
         self.oscillators, self.longest = oscillators, longest
-        self.limits = np.zeros(len(gap), dtype=np.int64) if limits is None else limits
-        self.lcp = contact.lcp_state(residual_flexibility)
-        self.pad: PadState = pad_state(gap, projected, oscillators.weights, oscillators.rates)
+        self._gap, self.projected = np.array(gap), np.array(projected)
+        self._work = np.zeros((3, count))
+        self.lcp = active_set.lcp_state(residual_flexibility)
         self.modes: ModalState = modal_state(oscillators, participation, residual_flexibility)
         self._factors: dict[float, StepFactors] = {}
         self._dt = -1.0
+        self._elastic = np.zeros(count + n_modes)
+        modes = self.modes
+        kept = modes.filtered, modes.force, modes.earlier, modes.amplitude, self._elastic
+        history = prony_history((oscillators.weights, oscillators.rates), count)
+        no_limits = np.full(count, DONE, dtype=np.int64) if limits is None else limits
+        super().__init__(self.lcp, history, no_limits, kept)
+
+    @property
+    def elastic(self) -> Array:
+        """Elastic pressures (n_pad,) kPa on the residual flexibility, then amplitudes (n,)."""
+        return self._elastic
 
     def factors(self, dt: float) -> StepFactors:
         """Return the factors of a step, computed once per length."""
@@ -258,58 +248,17 @@ class ModalContact:
             self._dt = key
         return self._factors[key]
 
-    def step(self, dt: float, target: float, *, by_force: bool) -> int:
-        """Advance by `dt` s to a depth in mm or a force in mN; return the outcome."""
-        factors = self.factors(dt)
-        lcp, pad, modes = self.lcp, self.pad, self.modes
-        return int(modal_step(lcp, pad, modes, factors, dt, target, by_force, self.limits))
+    def _advance(self, dt: float, target: Target) -> int:
+        arrays = self._gap, self.projected, self.limits, self._work
+        outcome = _step(
+            *(self.lcp, self.history, self.modes, self.factors(dt), self.search, *arrays),
+            *(dt, target.value, target.by_force),
+        )
+        if outcome == DONE:
+            count = len(self._gap)
+            self._elastic[:count] = self.history.elastic
+            self._elastic[count:] = self.modes.amplitude
+        return int(outcome)
 
-
-@dataclass(frozen=True)
-class TimeGrid:
-    """Times (n_t,) s of the steps, and the numbers (n_out,) of those that are stored.
-
-    longest: length in s of the longest step in which the modes have inertia.
-    """
-
-    time: Array
-    stored: Array
-    longest: float
-
-
-@one_thread
-def march_modes(
-    body: ModalContact,
-    grid: TimeGrid,
-    prescribed: Prescribed,
-    progress: Callable[[float], None] = lambda fraction: None,
-) -> History:
-    """Compute the contact history of a body at rest before the first time.
-
-    `prescribed` has the times of the grid. The `elastic_pressure` of the history holds those on the
-    residual flexibility, and after them the amplitudes of the modes.
-
-    Raises
-    ------
-    ConvergenceError
-        If the contact or the depth under force control does not converge.
-    """
-    time, by_force = prescribed.time, prescribed.control == "force"
-    body.pad.peak[0] = prescribed.value.max(initial=0.0)
-    n_pad, n_modes, count = len(body.pad.gap), len(body.modes.force), len(grid.stored)
-    depth, pressure = np.empty(count), np.empty((count, n_pad))
-    elastic = np.empty((count, n_pad + n_modes))
-    steps, row = np.diff(time, prepend=time[0]).tolist(), 0
-    for k, (dt, target) in enumerate(zip(steps, prescribed.value.tolist(), strict=True)):
-        check(body.step(dt, target, by_force=by_force), advice=PRESS_LESS)
-        if k == grid.stored[row]:
-            depth[row], pressure[row] = body.pad.depth[0], body.lcp.x
-            elastic[row, :n_pad] = body.pad.elastic
-            elastic[row, n_pad:] = body.modes.amplitude
-            row += 1
-            if k % 256 == 0:
-                progress((k + 1) / len(time))
-            if row == count:
-                break
-    progress(1.0)
-    return History(depth, pressure, elastic, int(body.lcp.counts[contact.SOLVED]))
+    def _rebuild(self) -> None:
+        active_set.rebuild(self.lcp)

@@ -9,8 +9,8 @@ import numpy as np
 from fefinger.fem.body import Solid
 from fefinger.fem.elements.probe import inside
 from fefinger.geometry.voigt import tensor_from_voigt
+from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press import operator
-from fefinger.mechanics.realtime.rolling import Rolling
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.innervation import innervation
@@ -65,8 +65,12 @@ class Show:
         self.section = np.flatnonzero(solid.space.points[:, 1] == 0)
         self.organs = end_organs(solid)
         angles = [angle for _, _, angle in SCRIPT]
-        self.rolling = Rolling(finger, angles=angles, deepest=DEEPEST, sites=self.organs)
-        self.drawn = self.rolling.strains(solid.space.points[self.section])
+        self.rolling = Loop(
+            finger, mechanics="condensed", angles=angles, deepest=DEEPEST, sites=self.organs
+        )
+        self.drawn = self.rolling.prepared.strains(solid.space.points[self.section])
+        both = self.rolling.prepared.on_pad.patch.vertices
+        self.vertices = both[: len(both) // 2]
         self.units = self.rolling.afferents()
 
     def frames(self) -> Iterator[Frame]:
@@ -81,7 +85,7 @@ class Show:
             depth = float(np.interp(at, times, depths))
             angle = float(np.interp(at, times, angles))
             started = time.perf_counter()
-            now = self.rolling.step(depth, angle, DT if k else 0.0)
+            now = self.rolling.step(DT if k else 0.0, depth=depth, angle=angle)
             self.units.step(now.strain, DT if k else 0.0)
             seconds += time.perf_counter() - started
             spikes += self.units.fired()
@@ -92,7 +96,7 @@ class Show:
                     angle=angle,
                     force=now.force,
                     pressure=now.pressure.copy(),
-                    strain=(self.drawn @ self.rolling.elastic).reshape(-1, 6),
+                    strain=(self.drawn @ self.rolling.prepared.contact.elastic).reshape(-1, 6),
                     spikes=tuple(spikes),
                     steps=k + 1,
                     seconds=seconds,

@@ -9,11 +9,11 @@ from fefinger.support.compiled import njit
 
 
 K, SOLVED, SWEPT, KEPT, INVERTED = 0, 1, 2, 3, 4
-"""Indices of `FrictionState.counts`: vertices in the block; Newton steps, and sweeps; unknowns of
+"""Indices of `CoulombState.counts`: vertices in the block; Newton steps, and sweeps; unknowns of
 the last matrix, and whether its inverse is at hand."""
 
 
-class FrictionState(NamedTuple):
+class CoulombState(NamedTuple):
     """State of the solver of contact with friction: pressures and tractions x, displacements F x.
 
     flexibility F (3n, 3n); mu (n,) of the vertices; x and moved = F x (3n,); block (3n, 3n): F
@@ -21,8 +21,7 @@ class FrictionState(NamedTuple):
     constant and rest (3n,): x, b and F x + b of the block; before and start (3n,): ends of a Newton
     step; vertex and extra (3n,), column and row (3n, 3), code and kept (3n,): its unknowns, and
     those of the last matrix, with its inverse (3n, 3n); counts (5,); residual (1,): of the last
-    solution; chosen and factor (3n,): work; saved (2, 3n) and saved_where (n + 1,): x, moved and
-    the vertices at the last `save`.
+    solution; chosen and factor (3n,): work.
     """
 
     flexibility: Array
@@ -48,14 +47,12 @@ class FrictionState(NamedTuple):
     residual: Array
     chosen: Integers
     factor: Array
-    saved: Array
-    saved_where: Integers
 
 
-def friction_state(flexibility: Array, mu: float) -> FrictionState:
+def coulomb_state(flexibility: Array, mu: float) -> CoulombState:
     """Allocate the state of a flexibility (3n, 3n) and a coefficient, without contact."""
     n = len(flexibility) // 3
-    return FrictionState(
+    return CoulombState(
         flexibility=np.array(flexibility, order="C"),
         mu=np.full(n, mu, dtype=np.float64),
         x=np.zeros(3 * n),
@@ -79,31 +76,21 @@ def friction_state(flexibility: Array, mu: float) -> FrictionState:
         residual=np.zeros(1),
         chosen=np.zeros(3 * n, dtype=np.int64),
         factor=np.zeros(3 * n),
-        saved=np.zeros((2, 3 * n)),
-        saved_where=np.zeros(n + 1, dtype=np.int64),
     )
 
 
 @njit(cache=True)
-def save(s: FrictionState) -> None:
-    """Save the present solution."""
-    s.saved[0], s.saved[1] = s.x, s.moved
-    s.saved_where[0] = s.counts[K]
-    s.saved_where[1:] = s.where
-
-
-@njit(cache=True)
-def restore(s: FrictionState) -> None:
-    """Restore the saved solution and its vertices."""
+def rebuild(s: CoulombState) -> None:
+    """Compress the vertices in `where` into the block anew; the last matrix is forgotten."""
+    count = s.counts[K]
+    s.counts[K], s.counts[KEPT], s.counts[INVERTED] = 0, 0, 0
     s.place[:] = -1
-    s.counts[K] = 0
-    for i in range(s.saved_where[0]):
-        join(s, s.saved_where[1 + i])
-    s.x[:], s.moved[:] = s.saved[0], s.saved[1]
+    for i in range(count):
+        join(s, s.where[i])
 
 
 @njit(cache=True)
-def join(s: FrictionState, vertex: int) -> None:
+def join(s: CoulombState, vertex: int) -> None:
     """Add a vertex to the block."""
     n, k, f = len(s.where), s.counts[K], s.flexibility
     s.where[k], s.place[vertex] = vertex, k
@@ -118,7 +105,7 @@ def join(s: FrictionState, vertex: int) -> None:
 
 
 @njit(cache=True)
-def leave(s: FrictionState, vertex: int) -> None:
+def leave(s: CoulombState, vertex: int) -> None:
     """Remove a vertex from the block: the last one takes its place."""
     last, at = s.counts[K] - 1, s.place[vertex]
     if at != last:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import linalg
 
-from fefinger.fem.contact.oscillators import Complex, complex_modulus
+from fefinger.contact.oscillators import Complex, complex_modulus
 from fefinger.support.arrays import Array
 
 

@@ -10,15 +10,11 @@ longer falls fast.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fefinger.fem.contact.complementarity import EXCHANGES, PATIENCE
-from fefinger.fem.contact.friction_state import FrictionState
-from fefinger.support.arrays import Array, Integers
+from fefinger.contact.complementarity import EXCHANGES, PATIENCE
+from fefinger.support.arrays import Array, Floats, Integers
 from fefinger.support.compiled import njit
 
-
-Floats = NDArray[np.floating]
 
 RESIDUAL = 1e-13  # over the largest offset: a solution with a larger residual is refined
 FALLING = 0.05  # a refinement that leaves a larger share of the residual rebuilds H
@@ -36,8 +32,7 @@ class LcpState(NamedTuple):
 
     flexibility F (n, n); inverse (n, n), the leading block of which is H; where (n,): the active
     vertices in the order of H; place (n,): the position of a vertex in that order, or -1; x and
-    moved = F x (n,); wrong (n,): vertices to exchange; work (2, n); counts (5,); saved and
-    saved_indices (2, n): x and moved, where and place at the last `save`.
+    moved = F x (n,); wrong (n,): vertices to exchange; work (2, n); counts (5,).
     """
 
     flexibility: Array
@@ -49,8 +44,6 @@ class LcpState(NamedTuple):
     wrong: Integers
     work: Array
     counts: Integers
-    saved: Array
-    saved_indices: Integers
 
 
 def lcp_state(flexibility: Array) -> LcpState:
@@ -67,18 +60,7 @@ def lcp_state(flexibility: Array) -> LcpState:
         wrong=np.zeros(n, dtype=np.int64),
         work=np.zeros((2, n)),
         counts=np.zeros(5, dtype=np.int64),
-        saved=np.zeros((2, n)),
-        saved_indices=np.zeros((2, n), dtype=np.int64),
     )
-
-
-@njit(cache=True)
-def release(s: LcpState | FrictionState) -> None:
-    """Reset to the state without contact."""
-    s.place[:] = -1
-    s.x[:] = 0.0
-    s.moved[:] = 0.0
-    s.counts[:] = 0
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -179,7 +161,7 @@ def _remove_vertex(s: LcpState, vertex: int) -> None:
 
 
 @njit(cache=True)
-def _rebuild(s: LcpState) -> bool:
+def rebuild(s: LcpState) -> bool:
     """Rebuild H vertex by vertex; False if F is not positive definite."""
     k = s.counts[K]
     s.counts[K] = 0
@@ -188,23 +170,6 @@ def _rebuild(s: LcpState) -> bool:
         if not _add_vertex(s, s.where[i]):
             return False
     return True
-
-
-@njit(cache=True)
-def save(s: LcpState) -> int:
-    """Save the present solution; return the number of active vertices."""
-    s.saved[0], s.saved[1] = s.x, s.moved
-    s.saved_indices[0], s.saved_indices[1] = s.where, s.place
-    return s.counts[K]
-
-
-@njit(cache=True)
-def restore(s: LcpState, active: int) -> None:
-    """Restore the saved solution; H is rebuilt, because its vertices may have changed."""
-    s.where[:], s.place[:] = s.saved_indices[0], s.saved_indices[1]
-    s.counts[K] = active
-    _rebuild(s)
-    s.x[:], s.moved[:] = s.saved[0], s.saved[1]
 
 
 @njit(cache=True)
@@ -238,10 +203,10 @@ def _solve_active(s: LcpState, offset: Array, scale: float) -> bool:
         if not largest <= FALLING * last:
             if fresh:
                 return largest <= REFINED * scale
-            if not _rebuild(s):
+            if not rebuild(s):
                 return False
             fresh = True
-            _residual(s, offset)  # `_rebuild` has overwritten `work`
+            _residual(s, offset)  # `rebuild` has overwritten `work`
         _times_inverse(s, s.work[0], s.work[1])
         for i in range(s.counts[K]):
             s.x[s.where[i]] += s.work[1, i]
@@ -297,7 +262,7 @@ def solve(s: LcpState, offset: Array, tolerance: float) -> int:
         for i in range(first, count):
             j = s.wrong[i]
             if s.place[j] < 0:
-                if not _add_vertex(s, j) and not (_rebuild(s) and _add_vertex(s, j)):
+                if not _add_vertex(s, j) and not (rebuild(s) and _add_vertex(s, j)):
                     return SINGULAR
             else:
                 _remove_vertex(s, j)

@@ -5,7 +5,7 @@ import pytest
 from fefinger.validation.waves.loops import energies
 from scipy.integrate import solve_ivp
 
-from fefinger.fem.contact.oscillators import Oscillators, complex_modulus
+from fefinger.contact.oscillators import Oscillators, complex_modulus
 from fefinger.support.checks import ConvergenceError
 
 

@@ -6,9 +6,10 @@ from functools import partial
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, lu_factor, lu_solve
 
+from fefinger.contact.force_control import CORRECTIONS, depth_of_force
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import PRESS_LESS, ConvergenceError
-from fefinger.support.tolerances import COMPLEMENTARITY
+from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH
 
 
 PATIENCE = 12  # block exchanges without fewer violations before single ones take over
@@ -88,3 +89,43 @@ class Complementarity:
             if not self.any_sign:
                 raise ConvergenceError(INDEFINITE) from error
         return partial(lu_solve, lu_factor(block, check_finite=False), check_finite=False)
+
+
+def pressure_at_force(
+    solver: Complementarity,
+    g: float,
+    free: Array,
+    projected: Array,
+    force: float,
+    guess: float,
+    peak: float,
+    closing: Array | None = None,
+) -> tuple[float, Array, int]:
+    """Solve for depth in mm and pressure (n,) kPa at a force in mN; also count the solutions.
+
+    The gaps `free` (n,) mm³ are those at a depth of 0 without pressure; they close by `closing`
+    (n,) mm² per mm of depth, by default `projected`; the pressure is g times the elastic one. Under
+    no force the depth is that of first touch. `guess` mm and `peak` mN as of `depth_of_force`.
+
+    Raises
+    ------
+    ConvergenceError
+        If the force is not reached, or as `Complementarity.solve`.
+    """
+    closing = projected if closing is None else closing
+    touch = float(np.min(free / closing))
+    pressure = np.zeros(len(free))
+    if force <= 0:
+        return touch, pressure, 0
+
+    def borne(depth: float) -> tuple[float, float]:
+        pressure[:] = g * solver.solve(free - depth * closing)
+        return float(projected @ pressure), g * float(projected @ solver.on_active(closing))
+
+    depth, count = depth_of_force(borne, touch, force, guess=guess, peak=peak, match=FORCE_MATCH)
+    if count > CORRECTIONS:
+        raise ConvergenceError(
+            f"force control: expected {force:.6g} mN, reached {projected @ pressure:.6g} mN after "
+            f"{CORRECTIONS} corrections; {PRESS_LESS}"
+        )
+    return depth, pressure, count

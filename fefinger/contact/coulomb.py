@@ -14,17 +14,17 @@ in question are compressed into a block with three rows for each of them.
 
 import numpy as np
 
-from fefinger.fem.contact.friction_state import (
+from fefinger.contact.active_set import DONE, ENDLESS, SINGULAR, combine
+from fefinger.contact.coulomb_state import (
     INVERTED,
     KEPT,
     SOLVED,
     SWEPT,
-    FrictionState,
+    CoulombState,
     K,
     join,
     leave,
 )
-from fefinger.fem.contact.lcp_compiled import DONE, ENDLESS, SINGULAR, combine
 from fefinger.support.arrays import Array
 from fefinger.support.compiled import njit
 
@@ -53,7 +53,7 @@ def _add_two(rest: Array, first: Array, a: float, second: Array, b: float, m: in
 
 
 @njit(cache=True)
-def _target(s: FrictionState, i: int) -> tuple[float, float, float, float]:
+def _target(s: CoulombState, i: int) -> tuple[float, float, float, float]:
     """Return pressure and traction before their projection, and the stiffness along the plane.
 
     A vertex that cannot move along a direction, as across a plane of symmetry, bears none there.
@@ -75,7 +75,7 @@ def _on_disc(u: float, v: float, bound: float) -> tuple[float, float]:
 
 
 @njit(cache=True)
-def _visit(s: FrictionState, i: int, m: int) -> None:
+def _visit(s: CoulombState, i: int, m: int) -> None:
     """Project pressure and traction of a vertex, and update the gaps and slips of all."""
     x, j = s.compressed, 3 * i
     step = max(0.0, x[j] - s.rest[j] / s.block[j, j]) - x[j]
@@ -91,7 +91,7 @@ def _visit(s: FrictionState, i: int, m: int) -> None:
 
 
 @njit(cache=True)
-def _sweep(s: FrictionState) -> None:
+def _sweep(s: CoulombState) -> None:
     """Visit all vertices of the block."""
     k = s.counts[K]
     s.counts[SWEPT] += 1
@@ -100,7 +100,7 @@ def _sweep(s: FrictionState) -> None:
 
 
 @njit(cache=True)
-def _residual(s: FrictionState) -> float:
+def _residual(s: CoulombState) -> float:
     """Largest distance of pressures and tractions from their projections, over the pressure."""
     x, largest, top = s.compressed, 0.0, 0.0
     for i in range(s.counts[K]):
@@ -113,7 +113,7 @@ def _residual(s: FrictionState) -> float:
 
 
 @njit(cache=True)
-def _unknowns(s: FrictionState) -> int:
+def _unknowns(s: CoulombState) -> int:
     """List the unknowns of a Newton step: their number.
 
     Pressures in contact, both tractions of what sticks, and of what slips the one across the slip,
@@ -150,7 +150,7 @@ def _unknowns(s: FrictionState) -> int:
 
 
 @njit(cache=True, fastmath={"contract"})
-def _matrix(s: FrictionState, q: int) -> Array:
+def _matrix(s: CoulombState, q: int) -> Array:
     """Assemble the matrix (q, q) of a Newton step."""
     matrix, m, line = np.empty((q, q)), 3 * s.counts[K], np.empty(3 * s.counts[K])
     for a in range(q):
@@ -186,7 +186,7 @@ def _inverted(matrix: Array, inverse: Array) -> bool:
 
 
 @njit(cache=True)
-def _newton(s: FrictionState) -> int:
+def _newton(s: CoulombState) -> int:
     """Solve for the iterate at which all projections are as at this one, into `start`.
 
     Return how many unknowns there are, 0 where they cannot be solved for. Where they are the same
@@ -229,7 +229,7 @@ def _newton(s: FrictionState) -> int:
 
 
 @njit(cache=True, fastmath={"contract", "reassoc"})
-def _correct(s: FrictionState, values: Array) -> None:
+def _correct(s: CoulombState, values: Array) -> None:
     """Set `values` (q,) to the unknowns, corrected by the inverse times their residual."""
     q = len(values)
     right = np.empty(q)
@@ -248,7 +248,7 @@ def _correct(s: FrictionState, values: Array) -> None:
 
 
 @njit(cache=True)
-def _go(s: FrictionState, part: float) -> None:
+def _go(s: CoulombState, part: float) -> None:
     """Move by a part of the way from `before` to `start`, and back into the cone."""
     for i in range(s.counts[K]):
         j = 3 * i
@@ -262,7 +262,7 @@ def _go(s: FrictionState, part: float) -> None:
 
 
 @njit(cache=True)
-def _settle(s: FrictionState, offset: Array) -> bool:
+def _settle(s: CoulombState, offset: Array) -> bool:
     """Find the iterate that no projection changes; False if that does not happen."""
     n, k = len(s.where), s.counts[K]
     for i in range(k):
@@ -307,7 +307,7 @@ def _settle(s: FrictionState, offset: Array) -> bool:
 
 
 @njit(cache=True)
-def _load(s: FrictionState) -> None:
+def _load(s: CoulombState) -> None:
     """Compute the rest F x + b of the block."""
     m = 3 * s.counts[K]
     s.rest[:m] = s.constant[:m]
@@ -317,13 +317,13 @@ def _load(s: FrictionState) -> None:
 
 
 @njit(cache=True)
-def product(s: FrictionState) -> None:
+def product(s: CoulombState) -> None:
     """Compute moved = F x."""
     combine(s.moved, s.flexibility, s.x, s.chosen, s.factor)
 
 
 @njit(cache=True)
-def solve(s: FrictionState, offset: Array, tolerance: float) -> int:
+def solve(s: CoulombState, offset: Array, tolerance: float) -> int:
     """Solve for x with b = `offset` (3n,), from the last x; return DONE or a failure."""
     n = len(s.where)
     scale = 0.0
@@ -350,7 +350,7 @@ def solve(s: FrictionState, offset: Array, tolerance: float) -> int:
 
 
 @njit(cache=True)
-def _unload(s: FrictionState) -> None:
+def _unload(s: CoulombState) -> None:
     """Write the block into x; vertices without pressure leave it."""
     n = len(s.where)
     s.x[:] = 0.0

@@ -7,8 +7,7 @@ import pytest
 from scipy import optimize
 
 import fefinger as ff
-from fefinger.mechanics.realtime.condensed import Condensed
-from fefinger.mechanics.realtime.stiffening import Stiffening
+from fefinger.mechanics.stiffening import Stiffening
 from fefinger.scene import pawluk1997
 from fefinger.support.checks import ConvergenceError, InputError
 
@@ -23,8 +22,8 @@ pytestmark = pytest.mark.usefixtures("operators")
 def test_it_finds_the_t_that_made_the_forces() -> None:
     given = Stiffening(b=0.8, m=1.3)
     elastic = replace(FINGER, prony=ff.Prony((1.0,), ()))
-    finger = Condensed(elastic, ff.Flat(30), deepest=1.4, stiffening=given)
-    forces = [finger.step(depth, 0.0).force for depth in DEPTHS.tolist()]
+    finger = ff.Loop(elastic, mechanics="condensed", deepest=1.4, stiffening=given)
+    forces = [finger.step(0.0, depth=depth).force for depth in DEPTHS.tolist()]
     found = Stiffening.fitted(FINGER, DEPTHS, forces)
     assert (found.b, found.m) == pytest.approx((given.b, given.m), rel=1e-5)
     assert found(-1.0) == 0.0
@@ -54,8 +53,8 @@ def test_it_fits_the_lumped_finger_of_the_same_subject() -> None:
     forces = lumped.prony.long_time * lumped.b / lumped.m * np.expm1(lumped.m * DEPTHS)
     fitted = Stiffening.fitted(FINGER, DEPTHS, forces)
     elastic = replace(FINGER, prony=ff.Prony((1.0,), ()))
-    finger = Condensed(elastic, ff.Flat(30), deepest=1.4, stiffening=fitted)
-    found = np.array([finger.step(depth, 0.0).force for depth in DEPTHS.tolist()])
+    finger = ff.Loop(elastic, ff.Flat(30), mechanics="condensed", deepest=1.4, stiffening=fitted)
+    found = np.array([finger.step(0.0, depth=depth).force for depth in DEPTHS.tolist()])
     error = np.abs(found - forces).max() / forces.max()
     assert fitted.misfit == pytest.approx(error, rel=1e-6)
     assert fitted.m < 0.5  # of 2.1 without a bone: the finger stiffens by itself

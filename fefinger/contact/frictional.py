@@ -1,0 +1,235 @@
+"""Contact with Coulomb friction of a linear viscoelastic body: one step, of depth or force.
+
+As `frictionless`, with history and elastic stress of three components per vertex: the pressure and
+the traction in two directions across the axis. With one relaxation function the displacement at the
+end of a step is F y of the elastic traction y = (x - h) / g, so that the slip of a step is
+(F x - F h) / g less the displacement before it and less what the object moved.
+
+Where the kinetic coefficient is less than the static one, a vertex has the kinetic one from the
+step after its first slip to the step in which it sticks again, or leaves contact.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from fefinger.contact import coulomb, coulomb_state, force_control
+from fefinger.contact.active_set import DONE, ENDLESS, MISSED, SINGULAR
+from fefinger.contact.coulomb_state import CoulombState
+from fefinger.contact.force_control import DEPTH, FOUND, LOST
+from fefinger.contact.frictionless import (
+    excess_force,
+    first_touch,
+    gaps_at,
+    lifted,
+    limit,
+    load_at_depth,
+    pushed,
+)
+from fefinger.contact.prony_history import (
+    PronyHistory,
+    load_history,
+    prony_history,
+    store_history,
+)
+from fefinger.contact.stepper import Gaps, Stepper, Target
+from fefinger.support.arrays import Array, Flags, Integers
+from fefinger.support.compiled import njit
+from fefinger.support.tolerances import COMPLEMENTARITY
+
+
+STUCK = 1e-6
+"""Traction short of mu times the pressure, over that, from which a vertex counts as sticking."""
+
+MATCH = 1e-7
+"""Relative error of the force under force control, above what the residual of the cone leaves."""
+
+UNSOLVED = (
+    "contact: expected pressures and tractions that obey Coulomb's law with indenter.friction = "
+    "{:g}, found none (a smaller coefficient may have some)"
+)
+
+
+@njit(cache=True)
+def _step(
+    s: CoulombState,
+    m: PronyHistory,
+    search: Array,
+    gap: Array,
+    projected: Array,
+    limits: Integers,
+    offset: Array,
+    dt: float,
+    x: float,
+    y: float,
+    value: float,
+    by_force: bool,
+) -> tuple[int, float]:
+    """Advance by `dt` s, with the object moved by (x, y) mm; return the outcome, and g."""
+    n = len(gap)
+    g = load_history(m, dt)
+    for j in range(n):
+        for a, moved in ((1, x), (2, y)):
+            k = a * n + j
+            offset[k] = -m.moved_past[k] - g * (m.moved_elastic[k] + projected[j] * moved)
+    failed = _press(s, search, gap, m.moved_past, g, projected, offset, value, by_force)
+    return limit(s.x, limits, failed), g
+
+
+@njit(cache=True)
+def _press(
+    s: CoulombState,
+    search: Array,
+    gap: Array,
+    past: Array,
+    g: float,
+    projected: Array,
+    offset: Array,
+    value: float,
+    by_force: bool,
+) -> int:
+    """Solve for pressure and traction at a depth in mm or a force in mN, as `frictionless.press`.
+
+    The slope of the force is not known: the search takes secants.
+    """
+    if not by_force:
+        search[DEPTH] = value
+    else:
+        touch = first_touch(gap, past, g, projected)
+        if value <= 0.0:
+            lifted(search, touch, s.x, s.moved)
+            return DONE
+        force_control.begin(search, touch, value, MATCH)
+    while True:
+        load_at_depth(search, offset, gap, past, g, projected)
+        failed = coulomb.solve(s, offset, COMPLEMENTARITY)
+        if failed != DONE or not by_force:
+            return failed
+        verdict = force_control.judge(search, excess_force(projected, s.x, value), 0.0)
+        if verdict == FOUND:
+            return DONE
+        if verdict == LOST:
+            return MISSED
+
+
+@njit(cache=True)
+def _finish(
+    s: CoulombState,
+    m: PronyHistory,
+    mu: Array,
+    slip: Array,
+    lost: Array,
+    offset: Array,
+    dt: float,
+    g: float,
+) -> None:
+    """Update slip, coefficients, lost work and history from the solution of a step.
+
+    The slip times g is F x + b: b, the history and the path, is still in `offset`. mu (2,): the
+    static and the kinetic coefficient.
+    """
+    n = len(s.mu)
+    for j in range(n):
+        pressed = s.x[j] > 0.0
+        slips = pressed and np.hypot(s.x[n + j], s.x[2 * n + j]) >= s.mu[j] * s.x[j] * (1 - STUCK)
+        s.mu[j] = mu[1] if slips else mu[0]
+        for a in range(2):
+            k = (a + 1) * n + j
+            slid = (s.moved[k] + offset[k]) / g if pressed else 0.0
+            slip[a * n + j] = slip[a * n + j] + slid if pressed else 0.0
+            lost[0] -= s.x[k] * slid
+    store_history(m, s.x, s.moved, dt, g)
+
+
+class FrictionalContact(Stepper):
+    """Contact with Coulomb friction of a body on its candidate vertices.
+
+    Parameters
+    ----------
+    flexibility
+        F (3n, 3n): pressures, then tractions along both directions across the axis.
+    mu
+        Static and kinetic coefficient.
+    gap, projected, branches, limits, turns
+        As of `FrictionlessContact`.
+
+    Attributes
+    ----------
+    bounds
+        (n,): the coefficient of each vertex in the last step.
+    lost
+        (1,) µJ: the work of friction so far.
+    """
+
+    def __init__(
+        self,
+        flexibility: Array,
+        mu: tuple[float, float],
+        gap: Array | Gaps,
+        projected: Array,
+        branches: tuple[Array, Array],
+        limits: Integers | None = None,
+        *,
+        turns: bool = False,
+    ) -> None:
+        count = len(projected)
+        self.gap = np.array(gap) if isinstance(gap, np.ndarray) else gap
+        self.turns, self.mu = turns, np.array(mu, dtype=np.float64)
+        self.projected = np.array(projected)
+        self.coulomb = coulomb_state.coulomb_state(flexibility, mu[0])
+        self.bounds = self.coulomb.mu.copy()
+        self.lost, self._slip, self._offset = np.zeros(1), np.zeros(2 * count), np.zeros(3 * count)
+        no_limits = np.full(count, DONE, dtype=np.int64) if limits is None else limits
+        kept = self.coulomb.mu, self.bounds, self._slip, self.lost
+        super().__init__(self.coulomb, prony_history(branches, 3 * count), no_limits, kept)
+        unsolved = UNSOLVED.format(mu[0])
+        self.failures = {**self.failures, ENDLESS: unsolved, SINGULAR: unsolved}
+
+    @property
+    def traction(self) -> Array:
+        """Traction (2, n) kPa on the skin in both directions across the axis."""
+        return self.coulomb.x[len(self.projected) :].reshape(2, -1)
+
+    @property
+    def slip(self) -> Array:
+        """Slip (2, n) mm of the skin over the object, summed since first contact."""
+        return self._slip.reshape(2, -1) / self.projected
+
+    @property
+    def sticking(self) -> Flags:
+        """Flag the vertices (n,) under pressure with less than the traction of slip."""
+        size = np.hypot(*self.traction)
+        stuck = size < self.bounds * self.pressure * (1 - STUCK)
+        return np.asarray((self.pressure > 0) & stuck)
+
+    def _advance(self, dt: float, target: Target) -> int:
+        gap, limits = gaps_at(self.gap, target, self.limits, turns=self.turns)
+        x, y = target.shift[0] - self.pose[0], target.shift[1] - self.pose[1]
+        solver, history = self.coulomb, self.history
+        arrays = gap, self.projected, limits, self._offset
+        outcome, g = _step(
+            *(solver, history, self.search, *arrays),
+            *(dt, float(x), float(y), target.value, target.by_force),
+        )
+        if outcome == DONE:
+            self.bounds[:] = solver.mu
+            _finish(solver, history, self.mu, self._slip, self.lost, self._offset, dt, g)
+        return int(outcome)
+
+    def _rebuild(self) -> None:
+        coulomb_state.rebuild(self.coulomb)
+
+    def reset(self) -> None:
+        """Return to rest: no contact and no history."""
+        super().reset()
+        self.coulomb.mu[:] = self.bounds[:] = self.mu[0]
+
+    def push(self) -> Array:
+        """Return the force (2,) mN of the pressure on inclined heights, across the axis."""
+        return pushed(self.gap, self.pose, self.pressure, turns=self.turns)
+
+    def record(self) -> dict[str, Any]:
+        """Return the present values that a history holds, by their names."""
+        friction = {"traction": self.traction, "slip": self.slip, "sticking": self.sticking}
+        work = {"lost": float(self.lost[0]), "cone": float(self.coulomb.residual[0])}
+        return super().record() | {"slopes": self.push()} | friction | work

@@ -1,1 +1,0 @@
-"""Fingers for real-time loops: each call advances them by one time step."""
