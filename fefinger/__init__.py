@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from fefinger.fem.hyperelastic.check import check_law as check_law
     from fefinger.laws import Law as Law
     from fefinger.mechanics import Mechanics as Mechanics
-    from fefinger.neural.family import Family as Family
     from fefinger.mechanics.former_loops import Condensed as Condensed
     from fefinger.mechanics.former_loops import Modal as Modal
     from fefinger.mechanics.former_loops import Pressed as Pressed
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
     from fefinger.mechanics.loop import Loop as Loop
     from fefinger.mechanics.stiffening import Stiffening as Stiffening
     from fefinger.mechanics.vibrations import Vibrations as Vibrations
+    from fefinger.neural.family import Family as Family
     from fefinger.neural.series import spikes as spikes
     from fefinger.neural.trains import SpikeTrains as SpikeTrains
     from fefinger.pipeline import run as run

@@ -67,10 +67,11 @@ def sites() -> Sites:
 
 def _operator() -> list[Figure]:
     """Measure a finger with friction in an empty cache, and again; the peak is of the process."""
-    plate = Flat(30, friction=MU)
-    make = partial(
-        *(Loop, finger("standard"), plate), mechanics="condensed", deepest=1.05, sites=sites()
-    )
+
+    def make() -> Loop:
+        plate = Flat(30, friction=MU)
+        return Loop(finger("standard"), plate, mechanics="condensed", deepest=1.05, sites=sites())
+
     with empty_cache():
         (_, new), (_, again) = timed(make), timed(make)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
