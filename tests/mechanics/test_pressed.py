@@ -193,7 +193,7 @@ def test_in_a_loop_it_gives_what_the_scene_gives() -> None:
     finger.reset()
     assert finger.now.force == 0.0
     assert finger.step(0.1, force=0.2).force == pytest.approx(0.2, abs=1e-9)
-    with pytest.raises(InputError, match="at most the `deepest` = 1.2 mm"):
+    with pytest.raises(InputError, match=r"at most the `deepest` = 1\.2 mm"):
         finger.step(1e-3, depth=1.3)
     before = finger.now.depth, finger.now.force
     for force in (1e3, 2.0):  # the table goes deeper than 1.2 mm, the finger does not
