@@ -11,7 +11,7 @@ finger      Finger.subject("a.h."), Finger(width=, thickness=), Finger.from_surf
 indenter    Flat, Sphere, Pin, Bar, Cylinder, Ellipsoid, Grating, Dots, Braille, Letters, Relief
 motion      RampHold, Vibration, FrequencySweep, Slide, Sampled, ...; ForceRampHold, ... by force
 ask         Ask(spikes=("SAI",), rel_error=0.05, population=Scatter(), Grid, Line or Places)
-loop        Pressed, Condensed, Sliding, Rolling, Modal: one step of your own at a time
+loop        Loop(finger, indenter): one step of your own at a time; Vibrations(finger, indenter)
 extension   register(thing): an indenter, a law, afferents or a mechanics of your own, by its name
 own tissue  calibrate("press.csv", finger=Finger(width=15, thickness=11))
 
@@ -144,8 +144,10 @@ _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = sorted(_HOME)
 
-for _former in ("Condensed", "Modal", "Pressed", "Rolling", "Sliding"):
-    _HOME[_former] = "mechanics.former_loops"  # for one version, and listed nowhere
+# For one version, and listed nowhere:
+_HOME |= dict.fromkeys(
+    ("Condensed", "Modal", "Pressed", "Rolling", "Sliding"), "mechanics.former_loops"
+)
 
 
 def __getattr__(name: str) -> "Any":
