@@ -3,6 +3,8 @@
 import json
 import os
 from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +19,7 @@ from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:
+    from fefinger.mesh.finger_shape import Shape
     from fefinger.scene.finger import Finger
 
 FILE = "mesh.vtu"
@@ -64,17 +67,24 @@ def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None 
     off the pad is a reason too.
     """
     from fefinger.mesh.finger_shape import touch_point
-    from fefinger.mesh.parametric import parametric
 
     try:
         if finger.surface is not None or (at is None and at_hand(finger, touch)):
             return ""
-        shape = parametric(Recipe.of(finger, touch))
+        # Every mechanics asks on every mesh, and the shape is the same on all of them.
+        shape = _shape(replace(Recipe.of(finger, touch), resolution="standard"))
         if at is not None:
             touch_point(shape, at)
     except InputError as error:
         return str(error)
     return ""
+
+
+@lru_cache(maxsize=4)
+def _shape(recipe: Recipe) -> "Shape":
+    from fefinger.mesh.parametric import parametric
+
+    return parametric(recipe)
 
 
 def sha256(finger: "Finger", touch: Touch = None, *, continued: bool = False) -> str | None:

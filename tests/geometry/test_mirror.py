@@ -28,8 +28,8 @@ def six(tensors):
 def test_an_image_of_an_image_is_the_point_itself():
     points = RNG.normal(size=(4, 5, 3))
     image = mirror.image(points)
-    assert np.array_equal(image[..., 1], -points[..., 1])
-    assert np.array_equal(mirror.image(image), points)
+    assert np.array_equal(image[..., 1], -points[..., 1])  # exact: a change of sign
+    assert np.array_equal(mirror.image(image), points)  # exact: two changes of sign
 
 
 def test_a_place_in_the_half_is_the_nearer_side_and_rounding_lies_on_the_plane():

@@ -332,7 +332,7 @@ def test_a_finger_takes_its_size_from_its_surface(tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text(given + motion)
     scene = ff.Scene.from_toml(tmp_path / "mine.toml")
     assert scene.finger == finger
-    assert ff.Scene.from_toml(scene.to_toml()) == scene
+    assert ff.Scene.from_toml(scene.to_toml()) == scene  # exact: TOML keeps every digit
 
 
 def test_missing_files_are_named(tmp_path: Path) -> None:

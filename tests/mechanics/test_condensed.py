@@ -105,10 +105,11 @@ def test_what_was_written_is_read_back_exactly(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["kept"]
     assert (tmp_path / "kept" / "what.txt").read_text() == "an operator"
     found = operator.read(tmp_path / "kept")
-    assert np.array_equal(found.matrix, built.matrix)
+    assert np.array_equal(found.matrix, built.matrix)  # exact: a file keeps every bit
     assert np.array_equal(found.order, built.order)
     for a, b in zip(found.fronts, built.fronts, strict=True):
         for name in ("lower", "below", "signs"):
+            # exact: a file keeps every bit
             assert np.array_equal(getattr(a, name), getattr(b, name))
         assert np.array_equal(a.front.rest, b.front.rest)
 

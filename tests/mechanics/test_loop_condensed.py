@@ -109,6 +109,7 @@ def test_a_place_that_was_made_once_is_read_again(operators: Path) -> None:
 
 def test_it_repeats_itself_bit_for_bit(finger: ff.Loop) -> None:
     first = trace(finger)  # the same code on the same arrays: exact
+    # exact: the same code on the same arrays
     assert np.array_equal(first, trace(finger), equal_nan=True)
     agree(trace(small_strain(FINGER, ff.Flat(30), deepest=1.2)), first)
 

@@ -23,10 +23,10 @@ def pair(request: pytest.FixtureRequest) -> tuple[FingerMesh, FingerMesh]:
 def test_the_mesh_is_inside_the_continued_one(pair: tuple[FingerMesh, FingerMesh]) -> None:
     mesh, longer = pair
     n, m = len(mesh.points), len(mesh.cells)
-    assert np.array_equal(longer.points[:n], mesh.points)
+    assert np.array_equal(longer.points[:n], mesh.points)  # exact: left as they were
     assert np.array_equal(longer.cells[:m], mesh.cells)
     assert np.array_equal(longer.region[:m], mesh.region)
-    assert np.array_equal(longer.pad_normals[:n], mesh.pad_normals)
+    assert np.array_equal(longer.pad_normals[:n], mesh.pad_normals)  # exact: left as they were
     for name in ("pad", "nail", "medial", "bone"):
         kept = mesh.facets[name]
         assert np.array_equal(longer.facets[name][: len(kept)], kept)
@@ -80,6 +80,7 @@ def test_the_palm_bends_away_along_an_arc(pair: tuple[FingerMesh, FingerMesh]) -
     mesh, longer = pair
     pad = np.unique(longer.facets["pad"])
     x = longer.points[pad, 0]
+    # exact: points of one mesh in the other
     low = [
         longer.points[pad[np.isclose(x, each)], 2].min()
         for each in sorted(set(x[x <= mesh.points[:, 0].min()]))

@@ -97,7 +97,8 @@ def test_shells_are_nested_with_room_for_an_element(shape: Shape) -> None:
 def test_the_bone_ends_where_it_is_told_to_and_stays_inside(recipe: Recipe, ahead: float) -> None:
     shape, plain = parametric(replace(recipe, tip_tissue=ahead)), parametric(recipe)
     assert shape.skin.tip - shape.bone.tip == pytest.approx(ahead, abs=1e-9)
-    assert (shape.skin.tip, shape.skin.cut) == (plain.skin.tip, plain.skin.cut)
+    expected = (plain.skin.tip, plain.skin.cut)
+    assert (shape.skin.tip, shape.skin.cut) == pytest.approx(expected, rel=1e-12)
     bone = shell_triangles.half(shape.bone, 0.5)[0]
     assert shape.subcutaneous.level(bone).max() < -0.2
     # A longer bone has more volume, taken from the subcutaneous tissue.
@@ -169,7 +170,7 @@ def test_projection_lands_on_the_surface_and_keeps_what_is_held(shape: Shape) ->
     there = shape.skin.project(moved)
     held = shape.skin.project(moved, free=free)
     assert np.abs(shape.skin.level(there)).max() < 1e-9
-    assert np.array_equal(held[:, 1], moved[:, 1])
+    assert np.array_equal(held[:, 1], moved[:, 1])  # exact: it is not free
     assert np.linalg.norm(there - moved, axis=1).max() < 0.25
 
 

@@ -43,6 +43,7 @@ def test_mirroring_the_whole_gives_the_same_vertices_and_normals(half: FingerMes
     both = whole(half)
     rows = np.column_stack([both.points, both.pad_normals])
     mirrored = rows * [1, -1, 1, 1, -1, 1] + 0.0
+    # exact: a change of sign
     assert np.array_equal(np.unique(rows + 0.0, axis=0), np.unique(mirrored, axis=0))
 
 

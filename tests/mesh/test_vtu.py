@@ -50,12 +50,13 @@ def test_round_trip_is_exact(mesh: FingerMesh, tmp_path: Path, make) -> None:
     given = make(mesh)
     back = vtu.read(vtu.write(given, tmp_path / "deep" / "finger.vtu"))
     for name in ("points", "cells", "region", "pad_normals"):
+        # exact: a file keeps every bit
         assert np.array_equal(getattr(back, name), getattr(given, name)), name
     assert set(back.facets) == set(given.facets)
     for name, facets in given.facets.items():
         assert np.array_equal(back.facets[name], facets), name
     assert (back.half, back.name, back.recipe) == (given.half, given.name, given.recipe)
-    assert back.quality == given.quality
+    assert back.quality == given.quality  # exact: a file keeps every bit
 
 
 def test_nothing_temporary_is_left_behind(mesh: FingerMesh, tmp_path: Path) -> None:
@@ -145,6 +146,7 @@ def test_new_mesh_is_built_once_and_cached(
     monkeypatch.setattr("fefinger.mesh.build.build", build)
     recipe = Recipe(15, 11, 14)
     for _ in range(2):
+        # exact: a file keeps every bit
         assert np.array_equal(store.load_or_build(recipe, half=True).points, mesh.points)
     assert calls == [recipe]
     (place,) = (no_cache / "meshes").iterdir()

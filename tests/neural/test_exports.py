@@ -46,9 +46,9 @@ def same(a, b):
         if field.name == "times":
             assert len(one) == len(other)
             for x, y in zip(one, other, strict=True):
-                np.testing.assert_array_equal(x, y)
+                np.testing.assert_array_equal(x, y)  # exact: a file keeps every bit
         elif isinstance(one, np.ndarray):
-            np.testing.assert_array_equal(one, other)
+            np.testing.assert_array_equal(one, other)  # exact: a file keeps every bit
             assert one.dtype == other.dtype
         else:
             assert one == other
@@ -104,6 +104,7 @@ def test_csv_has_one_row_per_spike_with_times_to_the_last_bit(tmp_path):
     assert tuple(rows[0]) == CSV_COLUMNS
     for i in (0, 2):
         mine = [row for row in rows if row["unit"] == TRAINS.names[i]]
+        # exact: csv has every digit
         np.testing.assert_array_equal([float(row["time_s"]) for row in mine], TIMES[i])
         assert {float(row["y_mm"]) for row in mine} == {TRAINS.positions[i, 1]}
     assert len(rows) == 10
@@ -115,7 +116,7 @@ def test_csv_has_one_row_per_spike_with_times_to_the_last_bit(tmp_path):
 def test_pandas_has_one_row_per_spike(trains):
     table = trains.to_pandas()
     assert list(table["unit"]) == ["SAI-1"] * 7 + ["SAI-2"] * 3
-    np.testing.assert_array_equal(table["time_s"], np.concatenate(TIMES))
+    np.testing.assert_array_equal(table["time_s"], np.concatenate(TIMES))  # exact: handed on
     np.testing.assert_array_equal(table["delay_s"], trains.delays[[0] * 7 + [2] * 3])
     expected = trains.depths is not None
     assert table["depth_mm"].notna().all() == expected
@@ -141,7 +142,7 @@ def test_the_table_of_units_has_silent_ones(trains, tmp_path):
     assert [row["count"] for row in rows] == ["7", "0", "3"]
     for name in ("x_mm", "depth_mm", "delay_s"):
         written = [float(row[name]) if row[name] else np.nan for row in rows]
-        np.testing.assert_array_equal(written, table[name])
+        np.testing.assert_array_equal(written, table[name])  # exact: csv has every digit
 
 
 @BOTH
@@ -149,7 +150,7 @@ def test_xarray_has_the_signals_and_the_spikes_of_each_unit(trains):
     data = trains.to_xarray()
     np.testing.assert_array_equal(data["x_in"].sel(unit="FAI"), trains.x_in[:, 1])
     of_last = data["spike_time"].values[data["spike_unit"].values == 2]
-    np.testing.assert_array_equal(of_last, TIMES[2])
+    np.testing.assert_array_equal(of_last, TIMES[2])  # exact: handed on
     assert data["current"].attrs["units"] == "uA/cm2"
     assert ("positions" in data) == (trains.positions is not None)
     assert data.attrs.get("seed") == trains.seed
@@ -164,13 +165,13 @@ def test_neo_has_a_train_per_unit_and_the_signals(trains):
     (segment,) = trains.to_neo().segments
     assert [train.name for train in segment.spiketrains] == list(trains.names)
     for i, train in enumerate(segment.spiketrains):
-        np.testing.assert_array_equal(train.rescale("s").magnitude, TIMES[i])
+        np.testing.assert_array_equal(train.rescale("s").magnitude, TIMES[i])  # exact: a unit of 1
         assert (float(train.t_start), float(train.t_stop)) == (0.0, 2.0)
         assert train.annotations["afferent_class"] == trains.types[i]
         assert train.annotations["delay_s"] == trains.delays[i]
         assert ("position_mm" in train.annotations) == (trains.positions is not None)
     x_in, current = segment.irregularlysampledsignals
-    np.testing.assert_array_equal(x_in.rescale("mm").magnitude, trains.x_in)
+    np.testing.assert_array_equal(x_in.rescale("mm").magnitude, trains.x_in)  # exact: a unit of 1
     np.testing.assert_array_equal(current.magnitude, trains.current)
     assert current.dimensionality.string == "(uA/cm**2)"
     assert "not linear between" in current.description
@@ -193,7 +194,7 @@ def test_nwb_passes_its_validator_and_holds_the_units(trains, tmp_path):
     assert list(table["unit_name"]) == list(trains.names)
     np.testing.assert_array_equal(table["delay_s"], trains.delays)
     for i in range(3):
-        np.testing.assert_array_equal(table["spike_times"].iloc[i], TIMES[i])
+        np.testing.assert_array_equal(table["spike_times"].iloc[i], TIMES[i])  # exact: handed on
     np.testing.assert_array_equal(table["depth_mm"].isna().all(), trains.depths is None)
 
 
@@ -214,7 +215,7 @@ def test_neo_reads_the_nwb_file(tmp_path):
     np.testing.assert_allclose(depths, TRAINS.x_in)
     assert len(actual) == 3
     for times, expected in zip(actual, TIMES, strict=True):
-        np.testing.assert_array_equal(times, expected)
+        np.testing.assert_array_equal(times, expected)  # exact: a file keeps every bit
 
 
 def test_files_that_are_no_spike_trains_are_refused(tmp_path):

@@ -80,9 +80,10 @@ def test_numbers_are_density_times_area_and_the_places_are_even():
 def test_a_seed_gives_the_same_places_and_types_do_not_move_each_other():
     both = {"SAI": 70.0, "FAI": 140.0}
     one = scatter(both, 5.0, UP, seed=3)
+    # exact: one call, made twice
     np.testing.assert_array_equal(one[1], scatter(both, 5.0, UP, seed=3)[1])
     alone = scatter({"FAI": 140.0}, 5.0, UP, seed=3)[1]
-    np.testing.assert_array_equal(one[1][np.array(one[0]) == "FAI"], alone)
+    np.testing.assert_allclose(one[1][np.array(one[0]) == "FAI"], alone, rtol=1e-12)
     assert not np.array_equal(alone, scatter({"FAI": 140.0}, 5.0, UP, seed=4)[1])
 
 
@@ -136,7 +137,7 @@ def test_branches_are_drawn_by_number_whichever_units_are_beside_the_skin():
     all_three = populate(FLAT, ("SAI",) * 3, np.zeros((3, 3)), **options)
     third = numbered(("SAI",) * 3)[2:]
     last = populate(FLAT, ("SAI",), np.zeros((1, 3)), numbers=third, **options)
-    np.testing.assert_array_equal(last.skin, all_three.skin[all_three.unit == 2])
+    np.testing.assert_allclose(last.skin, all_three.skin[all_three.unit == 2], rtol=1e-12)
 
 
 def test_end_organs_lie_at_their_depth_along_the_normal():
@@ -160,7 +161,7 @@ def test_branches_are_as_many_as_asked_and_within_the_field():
     # Even over a disc: the mean squared distance is half of the squared radius.
     assert np.mean(radius**2) == pytest.approx(1.5**2 / 2, rel=0.06)
     again = populate(FLAT, ("SAI",) * n, np.zeros((n, 3)), **options)
-    np.testing.assert_array_equal(population.skin, again.skin)
+    np.testing.assert_array_equal(population.skin, again.skin)  # exact: one call, made twice
 
 
 def test_branches_stay_on_the_skin_at_its_edge():

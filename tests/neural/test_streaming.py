@@ -69,6 +69,7 @@ def test_units_fire_as_those_that_are_solved_at_once(
         assert a == pytest.approx(b, abs=close)
     units.reset()
     again = streamed(units, voigt(tensors).astype(precision))
+    # exact: one code on one state, reset
     assert all(np.array_equal(a, b) for a, b in zip(trains, again, strict=True))
 
 
@@ -89,6 +90,7 @@ def test_hodgkin_huxley_units_fire_as_those_that_are_solved_at_once(
         assert a == pytest.approx(b, abs=1e-9)
     units.reset()
     again = streamed(units, rows)
+    # exact: one code on one state, reset
     assert all(np.array_equal(a, b) for a, b in zip(trains, again, strict=True))
 
 
@@ -159,7 +161,7 @@ def test_a_step_that_cannot_be_taken_gets_a_sentence_and_is_not_taken(
     with pytest.raises(InputError, match=words):
         units.step(strain, dt)
     for then, now in zip(before, (*units.state, units.membranes.units), strict=True):
-        assert np.array_equal(then, now)
+        assert np.array_equal(then, now)  # exact: left as it was
 
 
 def test_a_step_without_end_is_refused() -> None:

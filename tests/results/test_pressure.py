@@ -58,11 +58,10 @@ def test_a_linear_pressure_has_its_exact_moment(parts):
 def test_the_highest_pressure_is_that_of_a_convolution_with_1_mm2():
     """Gaussians convolve: 40 kPa of variance 1 mm² and one of 1 / (2 pi) mm²."""
     exact = 40 / (1 + pressures.SPREAD**2)
-    pads = [disk(seed, 3000) for seed in range(2)]
-    for pad in pads:
-        found, place = pressures.highest(pad, bump(pad)[None])
-        assert found == pytest.approx(exact, rel=0.015)
-        assert place == pytest.approx([0.3, -0.2, 0.0], abs=0.3)  # points are 0.13 mm apart
+    pad = disk(0, 3000)
+    found, place = pressures.highest(pad, bump(pad)[None])
+    assert found == pytest.approx(exact, rel=0.015)
+    assert place == pytest.approx([0.3, -0.2, 0.0], abs=0.3)  # points are 0.13 mm apart
 
 
 def test_a_pressure_at_one_point_counts_with_its_area():

@@ -58,7 +58,7 @@ def scene(indenter: Indenter, **requested: object) -> ff.Scene:
 def test_a_scene_survives_toml_exactly(indenter: Indenter) -> None:
     there = scene(indenter)
     again = ff.Scene.from_toml(there.to_toml())
-    assert again == there
+    assert again == there  # exact: TOML keeps every digit
     assert hash(again) == hash(there)
 
 
@@ -80,7 +80,7 @@ def test_a_relief_is_read_from_a_file_beside_its_scene(tmp_path: Path, name: str
     text = text.replace('kind = "flat"', f'kind = "relief"\nfile = "{name}"\nroll = 10.0')
     (tmp_path / "mine.toml").write_text(text)
     read = ff.Scene.from_toml(tmp_path / "mine.toml")
-    assert read.indenter == dataclasses.replace(RELIEF, roll=10)
+    assert read.indenter == dataclasses.replace(RELIEF, roll=10)  # exact: the file has every digit
 
 
 def test_a_matrix_of_heights_lies_as_the_pixels_of_a_picture(tmp_path: Path) -> None:
@@ -149,7 +149,8 @@ def test_an_archive_without_the_arrays_or_with_other_shapes_gets_a_sentence(tmp_
 
 
 def test_heights_may_be_an_array() -> None:
-    assert ff.Relief(LINE, LINE, np.array(RELIEF.heights)) == RELIEF
+    assert ff.Relief(LINE, LINE, np.array(RELIEF.heights)) == RELIEF  # exact: the same numbers
+    # exact: the same numbers
     assert ff.Relief(LINE, LINE, list(np.array(RELIEF.heights))) == RELIEF
 
 

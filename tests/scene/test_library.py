@@ -79,6 +79,7 @@ def test_the_skin_of_maeno_is_as_stiff_against_stretching_as_its_two_layers():
 def test_every_tissue_set_makes_a_finger_and_names_its_source_and_confidence(name):
     tissues = library.tissue_set(name)
     finger = Finger.subject("a.h.", tissue=name)
+    # exact: handed on
     assert (finger.skin, finger.subcutaneous) == (tissues.skin, tissues.subcutaneous)
     assert tissues.confidence in ("high", "medium", "low")
     assert any(year in tissues.source for year in ("1997", "1998", "2003", "2017"))

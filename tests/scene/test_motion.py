@@ -214,7 +214,7 @@ def test_depth_and_force_kinds_share_their_shape():
     t = np.linspace(0, 2, 777)
     depth = RampSinusoid(2, 1, settle=0.1, **SINE)
     force = ForceRampSinusoid(2, 1, settle=0.1, **SINE)
-    assert np.array_equal(depth.value(t), force.value(t))
+    assert np.array_equal(depth.value(t), force.value(t))  # exact: one function
     assert (depth.control, force.control) == ("depth", "force")
 
 

@@ -174,7 +174,7 @@ def test_what_cannot_be_made_gets_a_sentence(make, message):
     ],
 )
 def test_an_edge_that_nobody_states_is_the_usual_one_or_what_fits(pattern, crest):
-    assert pattern.crest == pattern.least_radius == pytest.approx(crest)
+    assert (pattern.crest, pattern.least_radius) == pytest.approx((crest, crest))
     flatter = replace(pattern, height=pattern.height * 2)
     assert flatter.crest <= crest
     assert flatter.edge == pattern.edge  # what was stated stays stated

@@ -74,17 +74,17 @@ def test_a_scene_survives_toml_exactly(kind, indenter):
         ),
     )
     again = Scene.from_toml(scene.to_toml())
-    assert again == scene
+    assert again == scene  # exact: TOML keeps every digit
     assert hash(again) == hash(scene)
-    assert again.to_toml() == scene.to_toml()
-    assert pickle.loads(pickle.dumps(scene)) == scene
+    assert again.to_toml() == scene.to_toml()  # exact: TOML keeps every digit
+    assert pickle.loads(pickle.dumps(scene)) == scene  # exact: pickle keeps every bit
 
 
 @pytest.mark.parametrize("name", builtin.names())
 def test_every_built_in_scene_loads_under_its_own_name_and_round_trips(name):
     scene = builtin.load(name)
     assert scene.name == name
-    assert Scene.from_toml(scene.to_toml()) == scene
+    assert Scene.from_toml(scene.to_toml()) == scene  # exact: TOML keeps every digit
     message = " ".join(builtin.text(name).replace("\n# ", " ").split())
     assert message.startswith(f"# {builtin.summary(name)}")
     assert builtin.summary(name).endswith(".")
@@ -426,7 +426,7 @@ def test_no_value_anywhere_gives_anything_but_a_scene_or_a_sentence(name, value)
             scene = builtin.load(name, {path: value})
         except InputError:
             continue
-        assert Scene.from_toml(scene.to_toml()) == scene
+        assert Scene.from_toml(scene.to_toml()) == scene  # exact: TOML keeps every digit
 
 
 def test_toml_written_out_has_every_value_in_plain_tables():
@@ -460,6 +460,7 @@ def test_spikes_of_more_than_an_hour_are_refused_before_anything_is_solved():
 def test_a_change_in_a_scene_is_that_change_in_its_file(name, changes):
     """What was filled in follows: the corner of a ramp, the rim of a pin, the lengths of a pad."""
     in_scene = builtin.given(builtin.load(name), changes)
+    # exact: one way to a scene, from the same numbers
     assert in_scene == builtin.load(name, changes)
 
 

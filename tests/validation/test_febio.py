@@ -61,6 +61,7 @@ def test_the_mesh_of_the_deck_is_that_of_the_space(ball, root):
         members(root, "Mesh/Elements[@type='tet10']/elem"),
     )
     assert len(points) == ball.n_nodes + 8
+    # exact: the text has every digit
     np.testing.assert_array_equal(points[:-8], ball.space.node_points)
     np.testing.assert_array_equal(np.sort(cells), np.sort(ball.space.nodes))
     corners = points[cells[:, :4]]
@@ -88,6 +89,7 @@ def test_the_deck_holds_the_nodes_and_reaches_the_times(ball, root):
     for axis, held in zip("xyz", ball.held.T, strict=True):
         numbers = root.find(f"Mesh/NodeSet[@name='{axis}']").text.split(",")
         np.testing.assert_array_equal(np.array(numbers, int) - 1, np.flatnonzero(held))
+    # exact: the text has every digit
     np.testing.assert_array_equal(rows(root, "LoadData/*[@id='2']/points/pt")[:, 0], TIMES)
     control = root.find("Control")
     end = int(control.find("time_steps").text) * float(control.find("step_size").text)

@@ -31,6 +31,15 @@ def on(indenter, depth, resolution="standard"):
     )
 
 
+def leaves(table, path=()):
+    """Yield the values in nested tables by their paths."""
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from leaves(value, (*path, key))
+        else:
+            yield (*path, key), value
+
+
 def test_what_a_mechanics_does_not_give_or_no_press_was_like_has_no_error():
     lumped, *_, solid = plan.rungs(on(Flat(30), 0.7))
     assert (lumped.mechanics, lumped.errors) == ("lumped", {})
@@ -41,14 +50,17 @@ def test_what_a_mechanics_does_not_give_or_no_press_was_like_has_no_error():
 
 def test_the_summary_is_that_of_the_held_out_scenes_of_the_report():
     held = read(HELD_OUT)
-    assert summary(held["scenes"]) == held["summary"]
+    found, kept = (dict(leaves(each)) for each in (summary(held["scenes"]), held["summary"]))
+    assert found == pytest.approx(
+        kept, rel=1e-9
+    )  # a mean of logarithms rounds as the processor does
     assert held["summary"]["scenes"] + held["development"]["scenes"] >= 60
 
 
 def test_the_planner_states_today_what_the_report_says_that_it_states():
     held, drawn = read(HELD_OUT)["scenes"], tradeoff_scenes.held_out()
     assert held.keys() <= drawn.keys()
-    for key in list(held)[::3]:
+    for key in list(held)[::6]:  # the suite states them for all
         stated = {rung.candidate.label: rung for rung in plan.rungs(drawn[key])}
         for name, row in held[key]["candidates"].items():
             told = {"force": stated[name].error, **stated[name].errors}
@@ -69,4 +81,5 @@ def _of_error(rung: Rung) -> list[str]:
 def test_the_quick_cases_are_read_from_the_report():
     values = {case.name: case.measure() for case in suite.cases(quick=True)}
     kept = read(HELD_OUT)["summary"]["stated_kept"]["force"]
+    # exact: handed on
     assert values["stated error kept by the planner's choices: force"] == kept

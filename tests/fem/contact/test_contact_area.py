@@ -54,10 +54,10 @@ def test_times_with_one_contact_are_fitted_together_and_as_each_alone(
     surface = CandidateSurface(points, triangles, UP)
     alone = [surface.area(p[None], g[None])[0] for p, g in zip(pressed, gap, strict=True)]
     monkeypatch.setattr(areas, "fit_rims", lambda *args: fits.append(0) or fit_rims(*args))
-    assert surface.area(pressed, gap).tolist() == alone
+    assert surface.area(pressed, gap).tolist() == pytest.approx(alone, rel=1e-12)
     assert len(fits) == 2  # one for each of the two contacts
     monkeypatch.setattr(areas, "ROWS", 1)
-    assert surface.area(pressed, gap).tolist() == alone
+    assert surface.area(pressed, gap).tolist() == pytest.approx(alone, rel=1e-12)
 
 
 def test_the_error_falls_with_the_mesh() -> None:
@@ -133,7 +133,8 @@ def test_no_contact_has_no_area_and_a_single_vertex_some() -> None:
     gap = np.tile(hertz_gap(r, 0.15), (3, 1))
     area = CandidateSurface(points, triangles, UP).area(pressed, gap)
     assert area[0] == 0
-    assert area[1] == area[2] == pytest.approx(np.pi * 0.15**2, abs=0.08)
+    assert area[1:] == pytest.approx(np.pi * 0.15**2, abs=0.08)
+    assert area[1] == pytest.approx(area[2], rel=1e-12)
 
 
 def test_the_area_is_the_same_in_any_position_and_unit() -> None:
@@ -168,7 +169,7 @@ def pressed_strip(profile: Profile, cells: int, shift: float) -> tuple[float, fl
     )
     places = space.node_points
     held = np.repeat((places[:, 2] == 3)[:, None], 3, axis=1)
-    held[:, 1] |= (places[:, 1] == 0) | (places[:, 1] == width)
+    held[:, 1] |= (places[:, 1] == 0) | np.isclose(places[:, 1], width)
     system = factor(space, stiffness(space, {1: Elastic(30.0, 0.45)}), np.flatnonzero(held.ravel()))
     facets = np.asarray(space.scalar.mesh.facets.T, dtype=np.int64)
     top = facets[(space.points[facets][:, :, 2] == 0).all(axis=1)]
@@ -217,4 +218,4 @@ def test_an_edge_cuts_the_corner_of_a_triangle_off(end: float, alone: bool) -> N
 )
 def test_what_turns_away_slowly_has_no_edges(profile: Profile) -> None:
     area, blind = pressed_strip(profile, 3, 0.1)
-    assert area == blind
+    assert area == pytest.approx(blind, rel=1e-12)

@@ -60,8 +60,8 @@ def test_depths_that_bear_nothing_have_a_measure_that_rises() -> None:
 
 def test_depths_of_a_table_are_nodes_and_keep_their_force() -> None:
     given = table()
-    assert np.array_equal(given.nodes[::PARTS], given.depth)
-    assert np.array_equal(given.force_at_nodes[::PARTS], given.force)
+    np.testing.assert_allclose(given.nodes[::PARTS], given.depth, rtol=1e-12)
+    np.testing.assert_allclose(given.force_at_nodes[::PARTS], given.force, rtol=1e-12)
     assert (np.diff(given.nodes) > 0).all()
     steps = np.diff(np.sqrt(given.nodes))[PARTS:]
     assert np.allclose(steps, steps[0])
@@ -92,8 +92,9 @@ def test_a_deeper_table_gives_the_same_values_at_lesser_depths() -> None:
     deep = table()
     short = cut(deep, 18)
     shared = len(short.nodes) - PARTS  # the slope at the last depth has one neighbor alone
-    assert np.array_equal(short.nodes, deep.nodes[: len(short.nodes)])
-    assert np.array_equal(short.force_at_nodes[:shared], deep.force_at_nodes[:shared])
+    np.testing.assert_allclose(short.nodes, deep.nodes[: len(short.nodes)], rtol=1e-12)
+    forces = (each.force_at_nodes[:shared] for each in (short, deep))
+    np.testing.assert_allclose(*forces, rtol=1e-12)
     for values in ("pressure", "area"):
         ours, theirs = (each.bounded(getattr(each, values)) for each in (short, deep))
         assert np.allclose(ours[:shared], theirs[:shared], rtol=1e-12, atol=1e-12)

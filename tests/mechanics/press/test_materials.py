@@ -147,7 +147,7 @@ def test_scenes_keep_hard_parts_and_others_are_written_as_before() -> None:
     hard = Scene.from_dict(given)
     assert hard.finger.bone == BONE
     assert hard.finger.nail == Hard(2e6, 0.4)
-    assert Scene.from_toml(hard.to_toml()) == hard
+    assert Scene.from_toml(hard.to_toml()) == hard  # exact: TOML keeps every digit
 
 
 @pytest.mark.parametrize(

@@ -131,7 +131,7 @@ def test_noise_is_seeded_and_as_large_as_told():
     points, areas, _ = grid(1.0)
     time, still = np.array([0.0, 1.0]), np.zeros((2, len(points)))
     first, same, other = (readings(time, points, areas, still, seed=s) for s in (1, 1, 2))
-    assert (first.pressure == same.pressure).all()
+    assert (first.pressure == same.pressure).all()  # exact: one call, made twice
     assert (first.pressure != other.pressure).any()
     assert first.pressure.std() == pytest.approx(0.5, rel=0.02)  # 12 736 readings
     assert not readings(time, points, areas, still).pressure.any()

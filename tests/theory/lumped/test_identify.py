@@ -90,7 +90,7 @@ def test_the_joint_fit_is_closer_than_the_thesis_to_b_and_c0():
 
 def test_the_same_seed_makes_the_same_trial_with_the_stated_noise():
     first, again, other = (synthetic.ramp_and_hold(*AH, seed=seed) for seed in (1, 1, 2))
-    np.testing.assert_array_equal(first.force, again.force)
+    np.testing.assert_array_equal(first.force, again.force)  # exact: one call, made twice
     assert np.any(first.force != other.force)
     exact = synthetic.ramp_and_hold(*AH, seed=None)
     assert np.std(first.force - exact.force) == pytest.approx(3e-3, rel=0.02)
