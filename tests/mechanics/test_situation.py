@@ -45,7 +45,7 @@ def test_the_meshes_are_those_that_the_scene_leaves_open() -> None:
 def test_a_situation_holds_the_times_and_the_presses_next_to_its_scene() -> None:
     scene = pressed(ask__spikes=["FAII"])
     case = Situation.of(scene)
-    assert np.array_equal(case.times, time_grid(scene.motion, fast=True))
+    np.testing.assert_allclose(case.times, time_grid(scene.motion, fast=True), rtol=1e-12)
     assert case.half == scene.indenter.mirrored
     assert [each.press for each in case.force_curves] == ["maeno1998/flat-30"]
     assert case.depth_over_thickness == scene.motion.peak / scene.finger.thickness

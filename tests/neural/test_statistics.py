@@ -111,8 +111,8 @@ def test_van_rossum_is_its_integral(a, b, tau):
     times = np.sort(np.concatenate([a, b]))
     total = 0.0
     for i, start in enumerate(times):
-        level = np.sum(np.exp(-(start - a[a <= start]) / tau))  # exact: `start` is one of the times
-        # exact: `start` is one of the times
+        level = np.sum(np.exp(-(start - a[a <= start]) / tau))  # exact: start is one of the times
+        # exact: start is one of the times
         level -= np.sum(np.exp(-(start - b[b <= start]) / tau))
         stop = times[i + 1] if i + 1 < len(times) else np.inf
         total += level**2 / 2 * -np.expm1(-2 * (stop - start) / tau)

@@ -40,7 +40,7 @@ def test_creep_starts_at_one_and_its_rates_interlace(prony):
     _, _, lam = prony.creep()
     assert compliance(prony, 0.0) == pytest.approx(1.0, abs=1e-12)
     merged = np.sort(np.concatenate([lam, prony.v]))
-    np.testing.assert_array_equal(merged[::2], lam)
+    np.testing.assert_array_equal(merged[::2], lam)  # exact: the same numbers, sorted
 
 
 @SETS

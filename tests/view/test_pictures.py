@@ -254,7 +254,7 @@ def test_the_slider_moves_the_finger_its_colors_and_the_indenter(
         controls.step(number)
         mesh = surface(controls, "subcutaneous tissue").mapper.dataset
         seen.append((mesh.points.copy(), mesh["field"].copy()))
-        assert controls.time == fields.times[number - 1]
+        assert controls.time == fields.times[number - 1]  # exact: handed on
         assert f"t = {controls.time:.4g} s" in controls.actors[0].words()
         assert surface(controls, "indenter").position == pytest.approx(depth * axis)
     piece = next(p for p in controls.actors[0].shown.surfaces if p.name == "subcutaneous tissue")

@@ -104,7 +104,9 @@ def between(
             errors = press["errors"]["solid standard"]["force"]
             for depth, error in zip(press["depth_mm"], errors, strict=True):
                 there = depth / press["thickness_mm"]
-                if part / 2 < there < part * 2 and there <= deep * (1 + 1e-12):
+                if (
+                    part / 2 < there < part * 2 and there <= deep
+                ):  # exact: divisions of the same numbers
                     before, after = (
                         in_press(f"{finger}/{name}", "solid standard", there)
                         for name in (low, high)
@@ -205,7 +207,9 @@ def on_other_fingers(candidate: str, quantity: str, part: float) -> list[float]:
         deepest = main["depth_mm"][-1] / main["thickness_mm"]
         parts = np.array(row["depth_mm"]) / row["thickness_mm"]
         for there, error in zip(parts, row["errors"][candidate][quantity], strict=True):
-            if part / 2 < there < part * 2 and there <= deepest * (1 + 1e-12):
+            if (
+                part / 2 < there < part * 2 and there <= deepest
+            ):  # exact: divisions of the same numbers
                 more.append(error / in_press(f"a.h./{object_}", candidate, there, quantity) - 1)
     return more
 
