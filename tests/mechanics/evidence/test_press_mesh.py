@@ -104,9 +104,8 @@ def between(
             errors = press["errors"]["solid standard"]["force"]
             for depth, error in zip(press["depth_mm"], errors, strict=True):
                 there = depth / press["thickness_mm"]
-                if (
-                    part / 2 < there < part * 2 and there <= deep
-                ):  # exact: divisions of the same numbers
+                # exact: divisions of the same numbers
+                if part / 2 < there < part * 2 and there <= deep:
                     before, after = (
                         in_press(f"{finger}/{name}", "solid standard", there)
                         for name in (low, high)
@@ -207,9 +206,8 @@ def on_other_fingers(candidate: str, quantity: str, part: float) -> list[float]:
         deepest = main["depth_mm"][-1] / main["thickness_mm"]
         parts = np.array(row["depth_mm"]) / row["thickness_mm"]
         for there, error in zip(parts, row["errors"][candidate][quantity], strict=True):
-            if (
-                part / 2 < there < part * 2 and there <= deepest
-            ):  # exact: divisions of the same numbers
+            # exact: divisions of the same numbers
+            if part / 2 < there < part * 2 and there <= deepest:
                 more.append(error / in_press(f"a.h./{object_}", candidate, there, quantity) - 1)
     return more
 
