@@ -135,7 +135,7 @@ COUPLED = Law("coupled", coupled, {"b": 1.5})
         (GENT, {"limit": 2.0}),
         (COUPLED, {}),
     ],
-    ids=str,
+    ids=lambda value: getattr(value, "name", str(value)),
 )
 def test_the_tangent_of_the_elements_passes_the_taylor_test(law, given):
     assert ff.check_law(law, **given) == pytest.approx(2.0, abs=0.02)

@@ -83,16 +83,30 @@ class Ellipsoid(Profile):
         """Return h = c (1 - sqrt(1 - s²)), and that of the cone beyond FLANK."""
         flat, deep = np.array(self.radii[:2]), self.radii[2]
         s = self._s(across)
-        on = np.minimum(s, self._end)
-        root = np.sqrt(1.0 - on**2)
-        h = deep * (1.0 - root + (s - on) * on / root)
-        # With h' over s, which has a limit at s = 0, slope and curvature need no division by s.
+        over, root = self._slope_over_s(s)
         gradient = across / flat**2
-        over = np.where(s > self._end, on / np.where(s > 0, s, 1.0), 1.0) / root
         change = np.where(s > self._end, -over / np.where(s > 0, s**2, 1.0), 1 / root**3)
         bend = over[..., None, None] * np.diag(flat**-2.0)
         bend = bend + change[..., None, None] * gradient[..., :, None] * gradient[..., None, :]
-        return h, deep * over[..., None] * gradient, deep * bend
+        return self.rise(across), deep * over[..., None] * gradient, deep * bend
+
+    def rise(self, across: Array) -> Array:
+        """Return h alone (...,) mm."""
+        s = self._s(across)
+        on = np.minimum(s, self._end)
+        root = np.sqrt(1.0 - on**2)
+        return np.asarray(self.radii[2] * (1.0 - root + (s - on) * on / root))
+
+    def incline(self, across: Array) -> Array:
+        """Return the slope of h (..., 2) alone."""
+        over, _ = self._slope_over_s(self._s(across))
+        return np.asarray(self.radii[2] * over[..., None] * across / np.array(self.radii[:2]) ** 2)
+
+    def _slope_over_s(self, s: Array) -> tuple[Array, Array]:
+        """Return h' / s, which has a limit at s = 0, over c, and the root in it."""
+        on = np.minimum(s, self._end)
+        root = np.sqrt(1.0 - on**2)
+        return np.where(s > self._end, on / np.where(s > 0, s, 1.0), 1.0) / root, root
 
     def beyond(self, across: Array) -> Flags:
         """Return whether places are on the cone."""
