@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from fefinger.geometry.height_map import MOST, height_map
-from fefinger.support import cache
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 from fefinger.support.csv_columns import is_numeric, read_columns, read_matrix, read_table
@@ -94,9 +93,10 @@ def _turned(rows: Array) -> Array:
 def _archive(file: Path) -> tuple[Array, ...]:
     """Read x, y and heights from an NPZ archive."""
     try:
-        with np.load(file, allow_pickle=False) as archive:
+        # Opened here: numpy leaves a damaged file open.
+        with open(file, "rb") as opened, np.load(opened, allow_pickle=False) as archive:
             x, y, height = (_numbers(archive, name) for name in COLUMNS)
-    except cache.DAMAGED as error:
+    except Exception as error:  # the readers raise whatever they meet
         msg = f"indenter.file: expected arrays x, y and height in {str(file)!r}: {error}"
         raise InputError(msg) from None
     return x.ravel(), y.ravel(), height

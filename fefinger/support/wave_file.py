@@ -1,6 +1,5 @@
 """Waveforms from WAV files."""
 
-import struct
 import warnings
 from pathlib import Path
 
@@ -26,7 +25,7 @@ def read_wave(name: str, file: Path) -> tuple[int, Array]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", wavfile.WavFileWarning)  # chunks that hold no sound
             rate, samples = wavfile.read(file)
-    except (ValueError, EOFError, struct.error) as error:
+    except Exception as error:  # the reader raises whatever it meets, as UnboundLocalError
         raise InputError(f"{name}: expected a WAV file, received {str(file)!r}: {error}") from None
     first = samples if samples.ndim == 1 else samples[:, 0]
     if len(first) < 2:
