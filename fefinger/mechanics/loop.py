@@ -141,7 +141,8 @@ class Loop:
         self.sites, self.solid = made.sites, made.solid
         self._contact, self._readout = made.contact, made.readout
         self._newton = made.solid.sides * NEWTON_PER_MILLINEWTON
-        plate = options.indenter.flat if isinstance(options.indenter, Indenter) else None
+        known = options.known
+        plate = None if known is None else known.flat
         self._plate, self._first = plate, (plate.angle, plate.tilt) if plate else (0.0, 0.0)
         if options.angles is not None:
             self._first = (float(np.mean(options.angles)), 0.0)
@@ -321,7 +322,7 @@ class Loop:
             at = _place(shift)
             if options.reach is None and at != (0.0, 0.0):
                 raise InputError(FIXED.format("shift", shift, "`reach`"))
-            level = isinstance(options.indenter, Indenter) and options.indenter.profile.level
+            level = options.known is not None and options.known.profile.level
             if options.reach is not None and not level:
                 if math.hypot(*at) > options.reach * (1 + 1e-9):
                     raise InputError(FAR.format(options.reach, *at))

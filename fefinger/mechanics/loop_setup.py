@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.fem.contact.obstacle import OwnObstacle, Rigid
+from fefinger.fem.contact.obstacle import OwnObstacle
 from fefinger.mechanics import condensed
 from fefinger.mechanics import pressed as finite_strain
 from fefinger.mechanics.press import elastic_press, prepared, tabulated_contact, tabulated_press
@@ -75,7 +75,7 @@ class LoopOptions:
         self._set("deepest", number("deepest", self.deepest, above=0, unit="mm"))
         self._set("substep", number("substep", self.substep, above=0, unit="s"))
         given: object = self.indenter
-        if not isinstance(given, Indenter | OwnObstacle):
+        if not (isinstance(given, OwnObstacle) or hasattr(given, "profile")):
             self._set("indenter", OwnObstacle(given))
         if self.angles is not None:
             self._set("angles", _range(self.angles))
@@ -90,16 +90,21 @@ class LoopOptions:
         object.__setattr__(self, name, value)
 
     @property
+    def known(self) -> Indenter | None:
+        """The object, unless it is a user's own obstacle."""
+        return None if isinstance(self.indenter, OwnObstacle) else self.indenter
+
+    @property
     def _friction(self) -> float:
-        return self.indenter.friction if isinstance(self.indenter, Indenter) else 0.0
+        return 0.0 if self.known is None else self.known.friction
 
     def _refusals(self) -> Iterator[str]:
         """Yield what the mechanics cannot do of what is asked."""
-        own = isinstance(self.indenter, OwnObstacle)
+        own = self.known is None
         moves = self.reach is not None or self.angles is not None
         if self.mechanics != CONDENSED:
-            if isinstance(self.indenter, Indenter):
-                for reason in friction_reasons(self.indenter):
+            if self.known is not None:
+                for reason in friction_reasons(self.known):
                     yield f"{reason.text}; use mechanics='condensed'"
             if moves:
                 name = "reach" if self.angles is None else "angles"
@@ -147,15 +152,15 @@ def prepare(options: LoopOptions, stages: Stages) -> Prepared:
         return prepared.inertial(finger, indenter, deepest, *how, options.substep)
     if options.angles is not None:
         return prepared.rolled(finger, options.angles, deepest, *how)
-    if options.reach is not None and isinstance(indenter, Indenter):
-        return prepared.slid(finger, indenter, deepest, options.reach, *how)
+    if options.reach is not None and options.known is not None:
+        return prepared.slid(finger, options.known, deepest, options.reach, *how)
     return prepared.pressed(finger, indenter, deepest, *how)
 
 
 def _tabulated(options: LoopOptions, stages: Stages) -> Prepared:
     """Prepare the tabulated press of `mechanics.pressed`: it is read, or solved once and kept."""
-    finger, indenter, deepest = options.finger, options.indenter, options.deepest
-    assert isinstance(indenter, Indenter)  # others are refused
+    finger, indenter, deepest = options.finger, options.known, options.deepest
+    assert indenter is not None  # a user's own obstacle is refused
     motion = Ramp(1.0, deepest, corner=0.0)
     scene = Scene(finger=finger, indenter=indenter, motion=motion, ask=Ask(spikes=TYPES))
     name, notes = finite_strain.name, finite_strain.NOTES
@@ -179,7 +184,7 @@ def _rolling_plate(options: LoopOptions) -> Flat | None:
     return None if options.angles is None else Flat(float(np.mean(options.angles)))
 
 
-def _warn_of_softness(finger: Finger, indenter: Indenter | Rigid, deepest: float) -> None:
+def _warn_of_softness(finger: Finger, indenter: Indenter | OwnObstacle, deepest: float) -> None:
     """Warn that tissue stiffens, which a finger at small strain leaves out, with the error of it.
 
     The error is that of the force in a press to `deepest` mm, where it is known.
@@ -187,7 +192,7 @@ def _warn_of_softness(finger: Finger, indenter: Indenter | Rigid, deepest: float
     if not stiffens(finger):
         return
     known = ""
-    if isinstance(indenter, Indenter):
+    if not isinstance(indenter, OwnObstacle):
         with suppress(InputError):  # a press that no scene can have has no known error
             scene = Scene(finger=finger, indenter=indenter, motion=Ramp(SPEED, deepest))
             error, source = condensed.error(Situation.of(scene))

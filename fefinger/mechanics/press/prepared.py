@@ -23,7 +23,7 @@ from fefinger.contact.rolling import RollingContact
 from fefinger.contact.stepper import Target
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.condensation import Operator, OutsideError
-from fefinger.fem.contact.obstacle import Obstacle, Rigid
+from fefinger.fem.contact.obstacle import Obstacle, OwnObstacle, Rigid
 from fefinger.fem.contact.patch import Patch, patch, smooth_places
 from fefinger.fem.contact.travel import Travel
 from fefinger.fem.elements.recovery import recovered_strain_at
@@ -141,7 +141,7 @@ class _Reduction:
 
 def pressed(
     finger: Finger,
-    indenter: Indenter | Rigid,
+    indenter: Indenter | OwnObstacle,
     deepest: float,
     sites: Sites | None,
     precision: Precision,
@@ -165,7 +165,7 @@ def pressed(
 
 def inertial(
     finger: Finger,
-    indenter: Indenter | Rigid,
+    indenter: Indenter | OwnObstacle,
     deepest: float,
     sites: Sites | None,
     precision: Precision,
@@ -302,20 +302,23 @@ def unfolded(solid: Solid, points: Array, strain: Array) -> Array:
 
 def _reduction(
     finger: Finger,
-    indenter: Indenter | Rigid,
+    indenter: Indenter | OwnObstacle,
     deepest: float,
     sites: Sites | None,
     stages: Stages,
 ) -> _Reduction:
     """Reduce a finger, or half of it where that is enough, to a press of `deepest` mm."""
     half = long = False
-    if isinstance(indenter, Indenter):
+    if not isinstance(indenter, OwnObstacle):
         half = indenter.mirrored
         long = continued(finger, indenter, Ramp(1.0, deepest, corner=0.0))
     with stages.stage("factor") as report:
         solid = operator.operator(finger, half=half, continued=long, progress=report)
     obstacle: Rigid
-    obstacle = placement.obstacle(indenter, solid) if isinstance(indenter, Indenter) else indenter
+    if isinstance(indenter, OwnObstacle):
+        obstacle = indenter
+    else:
+        obstacle = placement.obstacle(indenter, solid)
     chosen = sites or _central(finger, obstacle)
     where = solid.folded(chosen.points)
     probe = partial(recovered_strain_at, solid.space, where, solid.planes)
