@@ -73,7 +73,7 @@ class CandidateSurface:
             else:
                 measured[k] = edge_area
         for times in times_of.values():
-            measured[times] = self._rim_area(pressed[times[0]], gap[times])
+            measured[times] = self._rim_area(pressed[times[0]], closed[times], gap[times])
         return np.asarray(np.where(source >= 0, measured[source], 0.0))
 
     @cached_property
@@ -137,8 +137,11 @@ class CandidateSurface:
         chord = (1 - places) * distance[..., :1] + places * distance[..., -1:]
         return distance, chord - distance
 
-    def _rim_area(self, pressed: Flags, gap: Array) -> Array:
-        """Areas (n_t,) mm² at times with gaps (n_t, n) mm and the same pressed vertices (n,)."""
+    def _rim_area(self, pressed: Flags, closed: Flags, gap: Array) -> Array:
+        """Areas (n_t,) mm² at times with gaps (n_t, n) mm and the same pressed vertices (n,).
+
+        closed (n_t, n): the pressed vertices and those that the obstacle touches without pressure.
+        """
         count = pressed[self.triangles].sum(axis=1)
         edge = np.zeros(len(pressed), dtype=bool)
         edge[self.triangles[(count > 0) & (count < 3)]] = True
@@ -152,8 +155,11 @@ class CandidateSurface:
         parts = [self._cut(rim, crossed, pressed, part) for part in np.split(gap, list(few))]
         whole = count[crossed] / 3 * self._areas[crossed]
         fitted = inner + np.concatenate([np.where(k, c, whole).sum(axis=1) for c, k in parts])
-        vertices = float((count * self._areas).sum()) / 3
-        # Near an edge of the obstacle the power 3/2 of the gap does not hold, nor does the fit.
+        # Near an edge of the obstacle the power 3/2 of the gap does not hold, nor does the fit. The
+        # area is that of the vertices then, also of those whose pressure has oscillated to zero.
+        vertices = closed @ np.bincount(
+            self.triangles.ravel(), np.repeat(self._areas / 3, 3), minlength=len(pressed)
+        )
         plausible = (vertices < PLAUSIBLE * fitted) & (fitted < PLAUSIBLE * vertices)
         return np.asarray(np.where(plausible, fitted, vertices))
 

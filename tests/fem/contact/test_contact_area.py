@@ -155,6 +155,16 @@ def test_with_too_few_points_outside_whole_vertices_are_counted() -> None:
     assert surface.area(np.ones((1, 3), dtype=bool), np.zeros((1, 3))) == pytest.approx([0.5])
 
 
+def test_near_an_edge_a_vertex_that_is_touched_without_pressure_counts() -> None:
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    surface = CandidateSurface(points, np.array([[0, 1, 2]]), UP)
+    pressed = np.array([[True, True, True], [True, True, False]])
+    gap = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1e-6]])
+    assert surface.area(pressed, gap) == pytest.approx([0.5, 0.5])
+    gap[1, 2] = 0.1
+    assert surface.area(pressed, gap) == pytest.approx([0.5, 1 / 3])
+
+
 def pressed_strip(profile: Profile, cells: int, shift: float) -> tuple[float, float]:
     """Return the area under a profile pressed into a block in plane strain, and without edges.
 
