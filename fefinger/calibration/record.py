@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -276,5 +277,9 @@ def _weights(solution: Solution) -> tuple[Array, Array]:
 
 
 def tissue(law: Tissue) -> dict[str, Any]:
-    """Convert a layer to plain values, without fields that are None."""
-    return {name: value for name, value in asdict(law).items() if value is not None}
+    """Convert a layer to plain values, without fields that are None and empty tables."""
+    return {
+        name: dict(value) if isinstance(value, Mapping) else value
+        for name, value in asdict(law).items()
+        if value is not None and value != {}
+    }

@@ -21,7 +21,7 @@ def live(output: str | None, subject: str, resolution: str) -> None:
     from fefinger.support.outputs import output_file
     from fefinger.view import film
     from fefinger.view import live as shows
-    from fefinger.view.show import DT
+    from fefinger.view.live_demo import DT
 
     finger = Finger.subject(subject, resolution=resolution, tissue=PUBLISHED)
     if output is None:

@@ -14,7 +14,7 @@ from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Integers
 from fefinger.support.checks import InputError
 from fefinger.view import film, renderer
-from fefinger.view.show import FRAME, Frame, Show, compressive, status_line
+from fefinger.view.live_demo import FRAME, Frame, Show, compressive, status_line
 
 
 COLORS = {"SAI": "#1b6ca8", "SAII": "#5aa469", "FAI": "#d35d6e", "FAII": "#8d6cab"}

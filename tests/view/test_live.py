@@ -13,9 +13,9 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.library import PUBLISHED
 from fefinger.support.checks import InputError
 from fefinger.view import live, renderer_lacking
-from fefinger.view import show as shows
+from fefinger.view import live_demo as shows
 from fefinger.view.live import Window, watch
-from fefinger.view.show import Show
+from fefinger.view.live_demo import Show
 
 
 FINGER = Finger.subject("a.h.", resolution="coarse", tissue=PUBLISHED)
