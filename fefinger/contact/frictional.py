@@ -181,7 +181,8 @@ class FrictionalContact(Stepper):
         self.lost, self._slip, self._offset = np.zeros(1), np.zeros(2 * count), np.zeros(3 * count)
         no_limits = np.full(count, DONE, dtype=np.int64) if limits is None else limits
         kept = self.coulomb.mu, self.bounds, self._slip, self.lost
-        super().__init__(self.coulomb, prony_history(branches, 3 * count), no_limits, kept)
+        history = prony_history(branches, 3 * count)
+        super().__init__(self.coulomb, history, no_limits, kept, moves=True)
         unsolved = UNSOLVED.format(mu[0])
         self.failures = {**self.failures, ENDLESS: unsolved, SINGULAR: unsolved}
 

@@ -181,16 +181,25 @@ class FrictionlessContact(Stepper):
         self.lcp = active_set.lcp_state(flexibility)
         self._offset = np.zeros(count)
         no_limits = np.full(count, DONE, dtype=np.int64) if limits is None else limits
-        super().__init__(self.lcp, prony_history(branches, count), no_limits)
+        moves = not isinstance(gap, np.ndarray)
+        super().__init__(self.lcp, prony_history(branches, count), no_limits, moves=moves)
 
     def _advance(self, dt: float, target: Target) -> int:
         gap, limits = gaps_at(self.gap, target, self.limits, turns=self.turns)
-        arrays = gap, self.projected, limits, self._offset
-        value, by_force, stiffening = target.value, target.by_force, self.stiffening
         return int(
             _step(
-                *(self.lcp, self.history, self.search, *arrays),
-                *(dt, value, by_force, stiffening, self.tolerance),
+                self.lcp,
+                self.history,
+                self.search,
+                gap,
+                self.projected,
+                limits,
+                self._offset,
+                dt,
+                target.value,
+                target.by_force,
+                self.stiffening,
+                self.tolerance,
             )
         )
 

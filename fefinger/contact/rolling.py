@@ -123,7 +123,7 @@ class RollingContact(Stepper):
         self.lcp = active_set.lcp_state(np.zeros((n, n)))  # made when the plate has an angle
         limits = np.full(n, DONE, dtype=np.int64)
         limits[rim] = BEYOND
-        super().__init__(self.lcp, prony_history(branches, 2 * n), limits)
+        super().__init__(self.lcp, prony_history(branches, 2 * n), limits, moves=True)
 
     def _advance(self, dt: float, target: Target) -> int:
         x, z = float(target.turn[0]), float(target.turn[1])

@@ -61,7 +61,7 @@ class Stepper(ABC):
 
     solver: state of the contact solver, whose `x` begins with the pressures; history: of its
     stresses; limits (n,): outcome of contact at a vertex, DONE where there may be contact. `kept`:
-    further arrays that belong to the state.
+    further arrays that belong to the state; moves: whether the object is moved or turned.
     """
 
     failures: Mapping[int, str] = {
@@ -78,19 +78,21 @@ class Stepper(ABC):
         history: PronyHistory,
         limits: Integers,
         kept: State = (),
+        *,
+        moves: bool = False,
     ) -> None:
-        self.history, self.limits = history, limits
+        self.history, self.limits, self.moves = history, limits, moves
         self.search, self.pose = depth_search(), np.zeros(4)
         self.pressure: Array = solver.x[: len(limits)]
         self.solved: Integers = solver.counts[1:2]
         self._place = solver.place
-        self._volatile: State = (
-            *(self.search, self.pose),
-            *(solver.x, solver.moved, solver.where, solver.place, solver.counts),
+        volatile: State = (
+            *(self.search, solver.x, solver.moved),
+            *(solver.where, solver.place, solver.counts),
         )
         past = history.terms, history.moved_terms, history.elastic, history.moved_elastic
-        self._state: State = (*self._volatile, *past, *kept)
-        self._before = tuple(np.empty_like(each) for each in self._volatile)
+        self._state: State = (*volatile, self.pose, *past, *kept)
+        self._volatile = [(each, np.empty_like(each)) for each in volatile]
 
     @property
     def depth(self) -> float:
@@ -111,15 +113,15 @@ class Stepper(ABC):
 
     def advance(self, dt: float, target: Target) -> int:
         """Advance by `dt` s to a target; return DONE or a failure, which changes nothing."""
-        for before, now in zip(self._before, self._volatile, strict=True):
+        for now, before in self._volatile:
             before[:] = now
         outcome = self._advance(dt, target)
-        if outcome == DONE:
-            self.pose[:2], self.pose[2:] = target.shift, target.turn
-        else:
-            for before, now in zip(self._before, self._volatile, strict=True):
+        if outcome != DONE:
+            for now, before in self._volatile:
                 now[:] = before
             self._rebuild()
+        elif self.moves:
+            self.pose[:2], self.pose[2:] = target.shift, target.turn
         return outcome
 
     def reset(self) -> None:

@@ -67,6 +67,10 @@ BEYOND_TABLE = (
 )
 
 
+STILL = (0.0, 0.0), (0.0, 0.0)
+"""Place and turn of an object that only moves along its axis."""
+
+
 class Loop:
     """A finger under an object, stepped in real time.
 
@@ -147,6 +151,7 @@ class Loop:
         if options.angles is not None:
             self._first = (float(np.mean(options.angles)), 0.0)
         self._angles = self._first
+        self._fixed = options.reach is None and options.angles is None
         pressure, strain = self._contact.pressure, self._readout.strain.reshape(-1, 6)
         self.now = Step(pressure, strain, np.zeros(2), np.zeros(2))
         self.reset()
@@ -317,6 +322,8 @@ class Loop:
         self, shift: tuple[float, float] | None, angles: tuple[float, float]
     ) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return place in mm and turn of a target, as its contact reads them."""
+        if shift is None and self._fixed:
+            return STILL
         options, at, pose = self.options, (0.0, 0.0), self._contact.pose
         if shift is not None:
             at = _place(shift)
