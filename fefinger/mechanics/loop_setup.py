@@ -75,7 +75,7 @@ class LoopOptions:
         self._set("deepest", number("deepest", self.deepest, above=0, unit="mm"))
         self._set("substep", number("substep", self.substep, above=0, unit="s"))
         given: object = self.indenter
-        if not (isinstance(given, OwnObstacle) or hasattr(given, "profile")):
+        if not (isinstance(given, OwnObstacle) or hasattr(given, "mirrored")):
             self._set("indenter", OwnObstacle(given))
         if self.angles is not None:
             self._set("angles", _range(self.angles))
