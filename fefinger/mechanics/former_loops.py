@@ -18,6 +18,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
 from fefinger.support.arrays import Array
+from fefinger.support.tolerances import COMPLEMENTARITY
 
 
 class _Former(Loop):
@@ -55,8 +56,11 @@ class Condensed(_Former):
     instead = 'ff.Loop(finger, indenter, mechanics="condensed").step(dt, depth=...)'
 
     def __init__(self, finger: Finger, indenter: Any = STANDARD, **options: Any) -> None:
-        options.pop("tolerance", None)
+        tolerance = options.pop("tolerance", COMPLEMENTARITY)
         super().__init__(finger, indenter, mechanics=CONDENSED, **options)
+        contact = self.prepared.contact
+        if isinstance(contact, FrictionlessContact):  # one with friction has its own
+            contact.tolerance = tolerance
 
     def step(self, depth: float, dt: float) -> Step:  # type: ignore[override]  # as it was
         """Move the indenter to `depth` mm in `dt` s."""
