@@ -25,7 +25,7 @@ from fefinger.support.vocabulary import TYPES
 
 if TYPE_CHECKING:
     from fefinger.mechanics import Mechanics
-    from fefinger.neural.reference import Reference
+    from fefinger.neural.drives import Reference
     from fefinger.neural.trains import SpikeTrains
     from fefinger.results.records import Response, Sites
     from fefinger.scene.ask import Ask
@@ -124,7 +124,7 @@ def _thesis(
     reference: "Reference",
     options: dict[str, Any],
 ) -> "SpikeTrains":
-    from fefinger.neural.reference import equivalent_displacements
+    from fefinger.neural.drives import equivalent_displacements
     from fefinger.neural.units import simulate_units
 
     x_in = equivalent_displacements(

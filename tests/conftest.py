@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 from fefinger.fem.linalg import multifrontal_indefinite
 from fefinger.mechanics.evidence import machine
 from fefinger.mechanics.press import finite_strain, load_steps
-from fefinger.neural.reference import Reference
+from fefinger.neural.drives import Reference
 from fefinger.neural.trains import SpikeTrains
 from fefinger.result import Result
 from fefinger.results.plan_text import trust

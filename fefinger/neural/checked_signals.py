@@ -1,13 +1,16 @@
-"""Input checks, sampling times and notes that all simulations of afferents share."""
+"""Checked units and input of a simulation of afferents, its sampling times and its notes."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import count
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.membranes import Firing
+from fefinger.neural.trains import SpikeTrains
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice
 from fefinger.support.checks import names as different
@@ -21,6 +24,99 @@ that fires it."""
 
 MANY = 8
 """Number of units from which notes of one kind are merged into one sentence."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnitInput:
+    """Afferent units with the input of their end organs, checked.
+
+    types, names (n_units,); columns: end organs of each unit; time (n_t,) s; organs (n_t, n_organs)
+    mm, compression positive; delays (n_units,) s from a spike to its recording; positions
+    (n_units, 3) and depths (n_units,) mm, or None; since: time in s from which spikes count.
+    """
+
+    types: tuple[str, ...]
+    names: tuple[str, ...]
+    columns: tuple[NDArray[np.intp], ...]
+    time: Array
+    organs: Array
+    delays: Array
+    positions: Array | None
+    depths: Array | None
+    since: float
+
+    @classmethod
+    def of(
+        cls,
+        time: ArrayLike,
+        drive: ArrayLike,
+        lengths: ArrayLike,
+        types: Sequence[str],
+        *,
+        unit: ArrayLike | None,
+        names: Sequence[str] | None,
+        delays: ArrayLike,
+        positions: ArrayLike | None,
+        depths: ArrayLike | None,
+        since: float,
+    ) -> Self:
+        """Check the arguments of `units.simulate_units`; InputError for those that do not fit."""
+        types = checked_types(types)
+        n = len(types)
+        columns = organ_columns(np.arange(n) if unit is None else unit, n)
+        time, organs = checked_signals(time, drive, lengths, sum(map(len, columns)))
+        return cls(
+            types=types,
+            names=unit_names(types, names),
+            columns=columns,
+            time=time,
+            organs=organs,
+            delays=unit_delays(delays, n),
+            positions=unit_array("positions", positions, (n, 3)),
+            depths=unit_array("depths", depths, (n,)),
+            since=since,
+        )
+
+    def thinned(self, values: Array) -> tuple[Array, Array]:
+        """Every second sample, and the last, of the time and of values (n_t, ...)."""
+        some = np.unique(np.append(np.arange(0, len(self.time), 2), len(self.time) - 1))
+        return self.time[some], values[some]
+
+    def changes(
+        self, times: Sequence[Array], other: Callable[[], Sequence[Array]], change: str
+    ) -> tuple[str, ...]:
+        """Describe units whose spike count differs in another run, after a `change`."""
+        return count_changes(self.names, times, other(), change, self.since - self.delays)
+
+    def trains(
+        self,
+        times: Sequence[Array],
+        *,
+        x_in: Array,
+        notes: tuple[str, ...],
+        **fields: Any,
+    ) -> SpikeTrains:
+        """Spike trains of the units, recorded from `since` on, that left the end organs at `times`.
+
+        fields: others of SpikeTrains; potentials and counts are 0 where they are not given.
+        """
+        recorded = (each + late for each, late in zip(times, self.delays, strict=True))
+        zeros = np.zeros(len(self.types))
+        absent = {"peak_mV": zeros, "block_seconds": zeros, "stimulus_driven": zeros.astype(int)}
+        return SpikeTrains(
+            types=self.types,
+            names=self.names,
+            times=tuple(each[each >= self.since] for each in recorded),
+            t_start=max(float(self.time[0]), self.since),
+            t_stop=float(self.time[-1] + self.delays.max()),
+            time=self.time,
+            x_in=x_in,
+            delays=self.delays.copy(),
+            positions=self.positions,
+            depths=self.depths,
+            notes=notes,
+            **(absent | fields),
+        )
 
 
 def checked_signals(
@@ -68,18 +164,12 @@ def organ_columns(unit: ArrayLike, n_units: int) -> tuple[NDArray[np.intp], ...]
 
 
 def unit_delays(delays: ArrayLike, n_units: int) -> Array:
-    """Check the delays in s and give one to each unit, (n_units,)."""
+    """Check delays in s, one or (n_units,); return one for each unit."""
     later = np.asarray(delays, float)
     if later.shape not in ((), (n_units,)) or not np.all((later >= 0) & np.isfinite(later)):
         msg = f"delays: expected one or {n_units} times in s of 0 or more, received {later}"
         raise InputError(msg)
     return np.broadcast_to(later, (n_units,))
-
-
-def counted(times: Sequence[Array], later: Array, since: float) -> tuple[Array, ...]:
-    """Spike times of units at the recording, `later` (n_units,) s, from `since` s on."""
-    recorded = (each + late for each, late in zip(times, later, strict=True))
-    return tuple(each[each >= since] for each in recorded)
 
 
 def unit_array(name: str, values: ArrayLike | None, shape: tuple[int, ...]) -> Array | None:
@@ -130,10 +220,10 @@ def count_changes(
     change: str,
     since: ArrayLike = -np.inf,
 ) -> tuple[str, ...]:
-    """Describe units whose spike count differs between two runs; `change` is that of the second.
+    """Describe units whose spike count differs between two runs; `change`: what the second changes.
 
-    times, other: (n_units,) spike times of the same units; since: those from which on they count,
-    (n_units,) or one number. More than MANY units share one note.
+    times, other: spike times of the units in s; since: time in s from which they count, one or
+    (n_units,). More than MANY units share one note.
     """
     starts = np.broadcast_to(since, (len(names),))
     counts = [
@@ -169,19 +259,17 @@ def remarks(names: tuple[str, ...], firing: Firing) -> tuple[str, ...]:
     return (*_few(blocked), *_few(driven))
 
 
-def coarse_remarks(
-    time: Array, x_in: Array, types: tuple[str, ...], names: tuple[str, ...]
-) -> list[str]:
-    """Describe units of FAII whose input is sampled too coarsely."""
+def coarse_remarks(units: UnitInput, x_in: Array) -> list[str]:
+    """Describe units of FAII whose input (n_t, n_units) in mm is sampled too coarsely."""
     jumps = [
-        coarse_jump(time, x_in[:, i], FAII_STEP) if kind == "FAII" else 0.0
-        for i, kind in enumerate(types)
+        coarse_jump(units.time, x_in[:, i], FAII_STEP) if kind == "FAII" else 0.0
+        for i, kind in enumerate(units.types)
     ]
     coarse = [
         f"{name}: the velocity of its input jumps by {jump:.3g} mm/s at samples more "
         f"than {1e3 * FAII_STEP:g} ms apart; a second derivative treats them as sharp "
         "corners; sample the motion more finely, unless it has these corners"
-        for name, jump in zip(names, jumps, strict=True)
+        for name, jump in zip(units.names, jumps, strict=True)
         if jump > FAII_JUMP
     ]
     return _few(coarse)

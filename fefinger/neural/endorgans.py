@@ -187,11 +187,3 @@ END_ORGANS: dict[str, PoleZero] = {
 The FA filters are phenomenological: the spring and damper chain of Eq. B.27 interlaces its zeros
 and poles, so it cannot have both zeros at 0 Hz.
 """
-
-
-def rectify(x_out: Array) -> Array:
-    """Half-wave rectify the nerve displacement in mm (thesis Eq. B.19, after the filter).
-
-    The choice of thesis 4.2.1: no known coupling could pull the nerve ending.
-    """
-    return np.maximum(x_out, 0.0)

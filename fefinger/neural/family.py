@@ -6,15 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger.neural.checked_signals import (
-    checked_signals,
-    checked_types,
-    counted,
-    organ_columns,
-    unit_array,
-    unit_delays,
-    unit_names,
-)
+from fefinger.neural.checked_signals import UnitInput
 from fefinger.neural.recorded import combined
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.variation import Variation
@@ -73,42 +65,40 @@ def fire(
     InputError
         Spikes that are not finite, not ascending or outside of the times, or not of every unit.
     """
-    types = checked_types(types)
-    columns = organ_columns(np.arange(len(types)) if unit is None else unit, len(types))
-    time, organs = checked_signals(time, drive, 1.0, sum(map(len, columns)))
-    named, later = unit_names(types, names), unit_delays(delays, len(types))
-    x_in = combined(organs, columns, rule)
-    variation = (variation or Variation(seed=0, noise=None)).for_units(types)
-    numbers = range(len(types)) if variation.numbers is None else variation.numbers
+    given = UnitInput.of(
+        time,
+        drive,
+        1.0,
+        types,
+        unit=unit,
+        names=names,
+        delays=delays,
+        positions=positions,
+        depths=depths,
+        since=since,
+    )
+    x_in = combined(given.organs, given.columns, rule)
+    variation = (variation or Variation(seed=0, noise=None)).for_units(given.types)
+    numbers = range(len(given.types)) if variation.numbers is None else variation.numbers
     key = [variation.seed, variation.trial]
     random = tuple(np.random.default_rng([*key, int(number)]) for number in numbers)
-    times = _checked(family, family.simulate(time, x_in, Units(types, named, random)), named, time)
-    zeros = np.zeros(len(types))
-    return SpikeTrains(
-        family=family.name,
-        types=types,
-        names=named,
-        times=counted(times, later, since),
-        t_start=max(float(time[0]), since),
-        t_stop=float(time[-1] + later.max()),
-        time=time,
+    units = Units(given.types, given.names, random)
+    times = _checked(family, family.simulate(given.time, x_in, units), given)
+    return given.trains(
+        times,
         x_in=x_in,
+        notes=(f"Afferents: the family {family.name}, which is not of the package.",),
+        family=family.name,
         current=x_in,
-        peak_mV=zeros,
-        block_seconds=zeros,
-        stimulus_driven=np.zeros(len(types), np.int64),
-        delays=later.copy(),
-        positions=unit_array("positions", positions, (len(types), 3)),
-        depths=unit_array("depths", depths, (len(types),)),
         seed=variation.seed,
         trial=variation.trial,
-        notes=(f"Afferents: the family {family.name}, which is not of the package.",),
     )
 
 
-def _checked(family: Family, found: Any, names: tuple[str, ...], time: Array) -> list[Array]:
+def _checked(family: Family, found: Sequence[Array], units: UnitInput) -> list[Array]:
     """Return spike times as arrays; InputError where they are none, or of no unit."""
     who = f"family {family.name!r}"
+    names, time = units.names, units.time
     times = [np.asarray(each, float) for each in found]
     if len(times) != len(names):
         raise InputError(f"{who}: expected spikes of {len(names)} units, received {len(times)}")

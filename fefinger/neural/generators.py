@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.neural.endorgans import END_ORGANS, Organ, rectify
+from fefinger.neural.endorgans import END_ORGANS, Organ
 from fefinger.support.arrays import Array
 from fefinger.support.vocabulary import GENERATORS
 
@@ -18,6 +18,22 @@ In constant current the peaks of Hodgkin-Huxley spikes fall below the 40 mV rule
 there never drives its membrane into depolarization block.
 """
 
+GAINS: dict[str, float] = {"SAI": 319.9, "SAII": 101.0, "FAI": 127.0, "FAII": 13190.0}
+"""Generator gains in µA/cm² per mm, fitted by one rule to published thresholds.
+
+The rule: a unit just gives the defining response of its type when its skin is pressed at 4 mm/s to
+the published threshold of the type and held there (the one-dimensional case of the thesis: the
+whole displacement reaches the end organ). The response is sustained firing for SAI and SAII, one
+spike for FAI and FAII; membrane with rates / 6, saturating generator. Values are rounded up to four
+digits; `validation/neural/gains.py` has the thresholds with their sources, computes the gains again
+and compares the rates with published ones.
+
+Not fitted: the thesis filters pass a ramp ten times better than a hold, so an SA unit that fires in
+the hold from its threshold on gives its first spike to a ramp of a few um (SAI 4, SAII 13), where
+human units need about 60 and 300 um (Table 1 of doi:10.1152/jn.90990.2008), and its slowed membrane
+keeps its rates below 27 Hz. Gains from those thresholds would be 14 and 5 times lower and leave
+every SA unit silent in a hold of 1.5 mm.
+"""
 
 Gain = float | Array
 """Gain in µA/cm² per mm: one, or one per unit."""
@@ -32,7 +48,7 @@ def saturating(x_nerve: Array, gain: Gain) -> Array:
     """Return I = I_max (1 - exp(-A x / I_max)), which is A x for a small x.
 
     The saturation that thesis 4.4.3 asks for. The exponential is the law of a fixed number of
-    channels that each added displacement opens a fixed fraction of; its form is a choice.
+    channels of which each added displacement opens a fixed fraction; its form is a choice.
     """
     return -LARGEST_CURRENT * np.expm1(-gain * x_nerve / LARGEST_CURRENT)
 
@@ -52,11 +68,11 @@ def transduce(
     at: ArrayLike | None = None,
     organ: Organ | None = None,
 ) -> Array:
-    """Return the generator current in µA/cm² of a unit's type for a skin displacement in mm.
+    """Return the generator current in µA/cm² of an afferent type for a skin displacement in mm.
 
-    End-organ filter, rectification, generator; `time`, `x_in` and `at` as in `PoleZero.respond`,
-    `kind` an afferent type, `generator` one of GENERATORS, `organ` the filter where it is not that
-    of END_ORGANS.
+    End-organ filter, half-wave rectification (thesis Eq. B.19: no known coupling could pull the
+    nerve ending, 4.2.1), generator. `time`, `x_in` and `at` as in `PoleZero.respond`; `organ`: the
+    filter, by default the one of END_ORGANS.
     """
-    x_out = (organ or END_ORGANS[kind]).respond(time, x_in, at)
-    return GENERATOR_BY_NAME[generator](rectify(x_out), gain)
+    x_nerve = np.maximum((organ or END_ORGANS[kind]).respond(time, x_in, at), 0.0)
+    return GENERATOR_BY_NAME[generator](x_nerve, gain)

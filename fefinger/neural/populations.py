@@ -62,7 +62,7 @@ class Surface:
         return float(np.sqrt(self.areas.mean()))
 
     def project(self, places: ArrayLike) -> tuple[Array, Array, Flags]:
-        """Project places (n, 3) onto the skin: points, normals, and a flag that a place is over it.
+        """Project places (n, 3) mm onto the skin: points, normals, and flags of places over it.
 
         The flag is true within one spacing of the points. Between points the skin is interpolated:
         the chord to a neighbor is perpendicular to the sum of both normals, which is exact on a
@@ -245,16 +245,15 @@ def populate(
         Diameter in mm of the disc over which the end organs of a unit are spread uniformly, by
         type. A single end organ lies at the place of the unit.
     numbers
-        (n_units,) whole numbers that select the random stream of each unit; by default those of
-        `numbered`.
+        (n_units,) whole numbers that select the random stream of each unit; default `numbered`.
     seed
         Seed of the random draws; needed where there are any.
 
     Raises
     ------
     InputError
-        No units, an unknown type, a place beside the skin, a type without a depth, or a field that
-        the skin is too small for.
+        No units, an unknown type, a place beside the skin, a type without a depth, or a field
+        larger than the skin.
     """
     types = tuple(choice("types", kind, TYPES) for kind in types)
     centers, normals = _centers(surface, types, places)

@@ -17,17 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.neural.checked_signals import (
-    checked_signals,
-    checked_types,
-    coarse_remarks,
-    count_changes,
-    counted,
-    organ_columns,
-    unit_array,
-    unit_delays,
-    unit_names,
-)
+from fefinger.neural.checked_signals import UnitInput, coarse_remarks
 from fefinger.neural.endorgans import PoleZero, modes_of
 from fefinger.neural.membranes import IntegrateAndFire
 from fefinger.neural.trains import SpikeTrains
@@ -169,9 +159,9 @@ def fitted() -> dict[str, Recorded]:
 def parameters_of(
     types: Sequence[str], parameters: Mapping[str, Recorded] | None
 ) -> list[Recorded]:
-    """Parameters of units of these types: those given by type, else the fitted ones.
+    """Parameters of the units of these types: as given by type, else the fitted ones.
 
-    InputError for those of an unknown type, or that are none.
+    InputError for an unknown type, or a value that is no Recorded.
     """
     given = parameters or {}
     reject_unknown("parameters", given, TYPES)
@@ -191,11 +181,11 @@ def units_of(
     numbers: ArrayLike | None = None,
     trial: int = 0,
 ) -> "Units":
-    """Arrays of the parameters of units.
+    """Arrays of the parameters of n units, for the compiled steps.
 
-    factors (n,): on the gains; noise: of all units, where it is not that of their types, 0 without
-    jitter, but with the latency; seed, numbers (n,) and trial select the noise and the jitter of
-    each unit.
+    factors (n,): on the gains. noise: for all units, by default the fitted noise of their types; 0
+    leaves out the jitter too, but not the latency. seed, numbers (n,) and trial select the random
+    stream of each unit.
     """
     from fefinger.neural.recorded_compiled import Units, mixed
 
@@ -242,12 +232,11 @@ def simulate_recorded(
     exact: bool = False,
     since: float = -np.inf,
 ) -> SpikeTrains:
-    """Simulate the spikes of units that fire as recorded ones do.
+    """Simulate the spikes of units of the family `recorded`.
 
-    Impulses are recorded a latency after threshold (`Recorded`), so none comes before its cause;
-    those that it takes beyond the end of the series are left out.
-    Times may be negative: a series that is shifted in time fires the same spikes, shifted, with the
-    same noise.
+    Impulses are recorded a latency after threshold (`Recorded`), so none comes before its cause; an
+    impulse whose latency leads beyond the end of the series is left out. A series that is shifted
+    in time fires the same spikes, shifted, with the same noise.
 
     Parameters
     ----------
@@ -257,15 +246,14 @@ def simulate_recorded(
         (n_organs,) or one number: mm of x_in per unit of drive. x_in is the displacement of a round
         pin 1 mm wide that strains the end organ below it as much.
     rule
-        Input of a unit with several end organs: "max", the largest of theirs at every time, or
-        "mean".
+        Input of a unit with several end organs: "max", their largest at every time, or "mean".
     variation
-        Unequal gains and noise in µA/cm² of a threshold of THRESHOLD; None: equal gains, and the
+        Unequal gains, and noise in µA/cm² for a threshold of THRESHOLD; None: equal gains, and the
         fitted noise.
     parameters
-        Parameters by type, where they are not the fitted ones.
+        Parameters by type; default the fitted ones.
     step
-        Longest integration step in s; by default that of LONGEST.
+        Longest integration step in s; default LONGEST.
     check, exact, since
         As in `units.simulate_units`.
 
@@ -274,15 +262,22 @@ def simulate_recorded(
     InputError
         As in `units.simulate_units`.
     """
-    types = checked_types(types)
-    columns = organ_columns(np.arange(len(types)) if unit is None else unit, len(types))
-    time, organs = checked_signals(time, drive, lengths, sum(map(len, columns)))
-    names, later = unit_names(types, names), unit_delays(delays, len(types))
-    positions = unit_array("positions", positions, (len(types), 3))
-    depths = unit_array("depths", depths, (len(types),))
-    x_in = combined(organs, columns, rule)
-    variation = (variation or Variation(seed=0, noise=None)).for_units(types)
-    chosen, noise = parameters_of(types, parameters), variation.noise
+    given = UnitInput.of(
+        time,
+        drive,
+        lengths,
+        types,
+        unit=unit,
+        names=names,
+        delays=delays,
+        positions=positions,
+        depths=depths,
+        since=since,
+    )
+    n = len(given.types)
+    x_in = combined(given.organs, given.columns, rule)
+    variation = (variation or Variation(seed=0, noise=None)).for_units(given.types)
+    chosen, noise = parameters_of(given.types, parameters), variation.noise
     units = units_of(
         chosen,
         factors=np.array([variation.gain(i, each.spread) for i, each in enumerate(chosen)]),
@@ -291,39 +286,26 @@ def simulate_recorded(
         numbers=variation.numbers,
         trial=variation.trial,
     )
-    steps = np.array([LONGEST[kind] for kind in types])
+    steps = np.array([LONGEST[kind] for kind in given.types])
     if step is not None:
-        steps = np.full(len(types), number("step", step, above=0.0, at_most=1e-3, unit="s"))
-    times, peaks, current = _fire(units, time, x_in, steps)
-    notes = () if exact else tuple(coarse_remarks(time, x_in, types, names))
+        steps = np.full(n, number("step", step, above=0.0, at_most=1e-3, unit="s"))
+    times, peaks, current = _fire(units, given.time, x_in, steps)
+    notes = () if exact else tuple(coarse_remarks(given, x_in))
     if check:
-        half, *_ = _fire(units, time, x_in, steps / 2)
         change = "the step of the membrane is halved"
-        notes += count_changes(names, times, half, change, since - later)
+        notes += given.changes(times, lambda: _fire(units, given.time, x_in, steps / 2)[0], change)
     if check and not exact:
-        thin = np.unique(np.append(np.arange(0, len(time), 2), len(time) - 1))
-        coarse, *_ = _fire(units, time[thin], x_in[thin], steps)
         change = "only every second sample is used"
-        notes += count_changes(names, times, coarse, change, since - later)
-    return SpikeTrains(
-        family="recorded",
-        types=types,
-        names=names,
-        times=counted(times, later, since),
-        t_start=max(float(time[0]), since),
-        t_stop=float(time[-1] + later.max()),
-        time=time,
+        notes += given.changes(times, lambda: _fire(units, *given.thinned(x_in), steps)[0], change)
+    return given.trains(
+        times,
         x_in=x_in,
+        notes=notes,
+        family="recorded",
         current=THRESHOLD * current,
         peak_mV=SPIKE_MV * peaks,
-        block_seconds=np.zeros(len(types)),
-        stimulus_driven=np.zeros(len(types), np.int64),
-        delays=later.copy(),
-        positions=positions,
-        depths=depths,
         seed=variation.seed,
         trial=variation.trial,
-        notes=notes,
     )
 
 
@@ -342,8 +324,8 @@ def _fire(
 ) -> tuple[list[Array], Array, Array]:
     """Spike times of units from rest in s, highest potentials and currents over threshold.
 
-    Within, time counts from the first sample, as that of stepped units does, so that the noise does
-    not depend on where zero is.
+    The steps count time from the first sample, as real-time units do, so that the noise does not
+    depend on the origin of time.
     """
     from fefinger.neural.recorded_compiled import PEAK, fire, rested
 

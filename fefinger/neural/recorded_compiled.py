@@ -87,7 +87,7 @@ def generator(y: float, gain: float, negative: float, saturation: float) -> floa
 
 @njit(cache=True)
 def generate(units: Units, i: int, state: Array) -> None:
-    """Set the current of unit i to that of its input and filter modes."""
+    """Set the generator current of unit i from its input and filter modes."""
     y = units.at_rest[i] * state[X]
     y += units.share[i, 0] * state[MODE] + units.share[i, 1] * state[SLOW]
     state[CURRENT] = generator(y, units.gain[i], units.negative[i], 1.0 / units.largest[i])
@@ -217,7 +217,7 @@ def _refresh(units: Units, block: Integers, s: Array, h: float) -> None:
 
 @njit(cache=True)
 def _draw(units: Units, block: Integers, s: Array, knot: int, last: int) -> None:
-    """Draw the noise at a knot and the one after; that of the knot after the last is there."""
+    """Draw the noise at a knot and the one after, of which a knot drawn last time is kept."""
     for i in range(len(block)):
         stream = units.stream[block[i]]
         s[_LEFT + i] = s[_RIGHT + i] if knot == last + 1 else normal(stream, knot)

@@ -68,21 +68,21 @@ def spikes(
     time
         (n_t,) s, not decreasing; a repeated time is a jump.
     displacement
-        (n_t,) mm into the skin, that of a round pin 1 mm wide for the family "recorded"; drives a
-        unit of each of `types`. Several series are a dictionary by name, as the columns of a CSV
-        file: the end of a name says what it is (displacement_mm, displacement_um, displacement_m,
-        or strain, positive where it excites), and one that begins with a type, as
-        FAI_displacement_mm, drives a unit of that type alone.
+        (n_t,) mm into the skin (for the family "recorded": of a round pin 1 mm wide); drives a unit
+        of each of `types`. Several series are a dictionary by name, as the columns of a CSV file:
+        the end of a name says what it is (displacement_mm, displacement_um, displacement_m, or
+        strain, positive where it excites); a name that begins with a type, as FAI_displacement_mm,
+        drives a unit of this type alone.
     types
         Afferent types, by default all four for which the samples are not too coarse; the others are
         noted.
     length
         Skin displacement in mm per strain of 1: the depth of a small flat press over the strain at
-        the end organ that it causes; of "recorded" that of the fit by default.
+        the end organ that it causes; "recorded" has a default, from its fit.
     corners
-        Take straight lines between the samples as exact, corners included. Otherwise samples that
-        are too coarse for a type that is named are refused, and units whose spike count differs for
-        a smooth curve through the samples, or for every second of them, are noted.
+        Take straight lines between the samples as exact, corners included. Otherwise samples too
+        coarse for a type that is named are refused, and a note lists the units whose spike count
+        differs for a smooth curve through the samples, or for every second sample.
     tolerance
         Allowed error of spike times in ms, of the family "thesis", which sets integrator and step;
         by default Runge-Kutta at 50 µs.
@@ -91,8 +91,8 @@ def spikes(
     family
         "recorded" or "thesis".
     trial
-        Number of the trial, 0 or more: another one is other noise of the same units, which those of
-        "thesis" do not have.
+        Number of the trial, 0 or more: another trial has other noise, but the same units. The
+        family "thesis" has no noise here.
 
     Raises
     ------
@@ -133,10 +133,7 @@ def fire(
     family: str = FAMILIES[0],
     trial: int = 0,
 ) -> "SpikeTrains":
-    """Simulate the spikes of units that these signals, of `read` or `given`, drive.
-
-    Options and errors are those of `spikes`.
-    """
+    """Simulate the spikes of units that these signals, of `read` or `given`, drive; as `spikes`."""
     from fefinger.neural.checked_signals import count_changes
     from fefinger.neural.variation import Variation
 
@@ -182,9 +179,9 @@ def fire(
 def _family(
     family: str, tolerance: float | None, generator: str
 ) -> tuple[Callable[..., "SpikeTrains"], dict[str, float], dict[str, float]]:
-    """Choose a simulation, with the fastest pole of each type in Hz and its length of a strain.
+    """Choose a simulation, with the fastest pole in Hz and the mm per strain of each type.
 
-    The length in mm is that of the fit, so the family "thesis" has none.
+    The mm per strain come from the fit: the family "thesis" has none.
     """
     if choice("family", family, FAMILIES) == "recorded":
         from fefinger.neural.recorded import fitted, simulate_recorded
@@ -245,7 +242,7 @@ def _prefix(header: str) -> str:
 
 
 def keep_others(folder: Path) -> None:
-    """Raise InputError where FILES in a folder are not those of earlier spike trains."""
+    """Raise InputError where files named as FILES in a folder hold no earlier spike trains."""
     from fefinger.neural.trains import SpikeTrains
 
     present = [name for name in FILES if (folder / name).exists()]

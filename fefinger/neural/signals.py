@@ -172,7 +172,7 @@ def _check(signals: Signals, source: str, place: Callable[[int], str]) -> None:
 
 
 def likely_unit(column: Array, length: float | None) -> str:
-    """Words on the unit in which a column (n_t,) is likely, other than that of its header."""
+    """Words on the unit that a column (n_t,) is likely in, where its header states another."""
     size = float(np.abs(column).max())
     if length is None:
         return fitting(size, {"percent": 0.01}, 0.01, LARGEST_STRAIN)

@@ -1,6 +1,6 @@
 """Statistics of spike trains: rates, intervals, histograms, phase locking and distances.
 
-All take arrays of ascending spike times in s, such as those of `SpikeTrains.times`.
+All take arrays of ascending spike times in s, as in `SpikeTrains.times`.
 """
 
 from collections.abc import Sequence

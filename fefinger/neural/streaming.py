@@ -1,7 +1,7 @@
 """Afferent units in real time: strain in, spikes out, one time step at a time.
 
-Drives, end organs and generators are those of `units`; membranes are integrate-and-fire or
-Hodgkin-Huxley. The steps are compiled and allocate no array.
+Drives, end organs and generators as in `units`; membranes are integrate-and-fire or Hodgkin-Huxley.
+The steps are compiled and allocate no array.
 """
 
 import math
@@ -13,14 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural import streaming_step as compiled
 from fefinger.neural.checked_signals import checked_types, organ_columns
-from fefinger.neural.drives import DEFAULT_DRIVE, in_plane
+from fefinger.neural.drives import DEFAULT_DRIVE, Reference, in_plane
 from fefinger.neural.endorgans import END_ORGANS, modes_of
-from fefinger.neural.gains import GAINS
-from fefinger.neural.generators import LARGEST_CURRENT
+from fefinger.neural.generators import GAINS, LARGEST_CURRENT
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire, vectorized
 from fefinger.neural.recorded import LONGEST, Recorded, parameters_of, units_of
 from fefinger.neural.recorded_compiled import blocks_of, rested
-from fefinger.neural.reference import Reference
 from fefinger.neural.variation import numbered
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, integer, number
@@ -39,9 +37,9 @@ SUBSTEPS = 4  # samples of the generator current in one step
 class SteppedUnits:
     """Base class of stepped afferent units: input checks and the spikes of the last step.
 
-    shape: that of the strain. longest: s within which no unit has more than ROOM spikes. spikes
-    (n_units, ROOM), in units of `seconds`, and counts (n_units,): of the last step, or of the last
-    part of a longer one, kept up to date by `advance`.
+    shape: shape of the strain. longest: time in s within which no unit has more than ROOM spikes.
+    spikes (n_units, ROOM), in units of `seconds`, and counts (n_units,), which `advance` fills: the
+    last step, or the last part of a longer one.
     """
 
     family: str
@@ -180,7 +178,7 @@ class _Axons:
     """Hodgkin-Huxley membranes in blocks of LANES units, advanced step by step."""
 
     def __init__(self, membrane: HodgkinHuxley, n: int, method: str, dt: float | None) -> None:
-        choice("method", method, METHODS[:2])
+        choice("method", method, METHODS)
         self.how = (membrane.step_ms(dt), method == "splitting", membrane.speed, 1.0)
         self.rest, self.block = membrane.rest(), membrane.block
         self.longest = 1e-3 * (ROOM - 1) / (PER_MS * max(1.0, membrane.speed))

@@ -91,8 +91,8 @@ def _current(s: "State", i: int, x: float) -> float:
 def currents(s: "State", strain: NDArray[np.floating], dt: float, share: float) -> bool:
     """Advance x_in, end organs and generator currents by a step of dt ms.
 
-    x_in moves by a share of its way to that of the strain.
-    Returns False, with the state unchanged, for a strain beyond LARGEST_STRAIN or not finite.
+    x_in moves by a share of the way to its value at this strain. Returns False, with the state
+    unchanged, for a strain beyond LARGEST_STRAIN or not finite.
     """
     for i in range(len(s.x)):
         for k in range(6):

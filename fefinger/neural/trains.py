@@ -1,11 +1,9 @@
 """Spike trains of afferent units: their record, and its exports to files and tables."""
 
-import csv
 import hashlib
-import math
 import os
 import zlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
 from datetime import UTC, datetime
@@ -74,26 +72,25 @@ MEANINGS = {
 class SpikeTrains:
     """Spike trains of afferent units, with their input displacement and generator current.
 
-    What `Result.spikes`, `Result.fire` and `spikes` give.
+    What `Result.spikes`, `Result.fire` and `spikes` return.
 
     types, names: one per unit, no name twice. times: one ascending array of spike times in s per
-    unit, between t_start and t_stop; they are those of the recording, a conduction delay after the
-    spike left the end organ. delays: (n_units,) s of it, or one number; default 0. positions:
-    (n_units, 3) mm of the end organs, or None. depths: (n_units,) mm of the end organs under the
-    skin, or None. seed: of the random draws; None if nothing is random. trial: of the noise.
+    unit, from t_start to t_stop, as recorded: a conduction delay after the spike left the end
+    organ. delays: (n_units,) s, or one number; default 0. positions: (n_units, 3) mm of the end
+    organs, or None. depths: (n_units,) mm of the end organs under the skin, or None. seed: of the
+    random draws; None if nothing is random. trial: of the noise.
 
-    time: (n_t,) s, at which x_in (n_t, n_units) mm, signed, compression positive, is the input of
-    the end organ and current (n_t, n_units) µA/cm² the generator current. x_in is linear in
-    between. The current is not: it is the output of the filter at these times only, and the
-    membrane was given it at more times. Where x_in has few samples, straight lines between these
-    values of the current do not fire the same spikes.
+    time: (n_t,) s. x_in: (n_t, n_units) mm, input of the end organs, signed, compression positive,
+    linear between its times. current: (n_t, n_units) µA/cm², generator current at these times. It
+    is not linear in between, and the membrane was given it at more times: straight lines between
+    few values do not fire the same spikes.
 
     peak_mV: (n_units,) highest potential above rest. block_seconds: (n_units,) time spent in
     depolarization block. stimulus_driven: (n_units,) crossings of the threshold that also occur
     with sodium activation frozen at rest, so that the current alone carries the potential over it.
-    notes: sentences on limits and peculiarities of the trains. family: its name. For the units
-    of "recorded" the current counts in a nominal threshold of 6.2 µA/cm², the potential in one of
-    40 mV, and there is no block.
+    notes: sentences on limits and peculiarities of the trains. family: name of the model of the
+    units. The current of units of "recorded" is scaled to a nominal threshold of 6.2 µA/cm², their
+    potential to one of 40 mV; they have no block.
 
     Raises
     ------
@@ -121,7 +118,7 @@ class SpikeTrains:
     family: str = "thesis"
 
     def __post_init__(self) -> None:
-        """Check the family, that names are different, and that every field has all units."""
+        """Check that names are different, and that every field has all units."""
         n = len(names("names", self.names))
         if np.ndim(self.delays) == 0:
             object.__setattr__(self, "delays", np.full(n, float(self.delays)))
@@ -145,7 +142,7 @@ class SpikeTrains:
         )
 
     def __hash__(self) -> int:
-        """Return a hash of the units and the times at which their spikes begin and end to count."""
+        """Return a hash of the units and the recorded span of time."""
         return hash((self.types, self.names, self.t_start, self.t_stop))
 
     def __len__(self) -> int:
@@ -196,20 +193,20 @@ class SpikeTrains:
 
         Silent units have no row: `units_to_csv` writes all.
         """
-        units = zip(self._rows(CSV_COLUMNS[:-1]), self.times, strict=True)
-        rows = ((*unit, time) for unit, times in units for time in times.tolist())
-        _write_csv(path, CSV_COLUMNS, rows)
+        with _in_place(path) as new:
+            self.to_pandas().to_csv(new, columns=list(CSV_COLUMNS), index=False)
 
     def units_to_csv(self, path: str | PathLike[str]) -> None:
         """Write one row per unit in UNIT_COLUMNS, silent ones too; unknown places are empty."""
-        _write_csv(path, UNIT_COLUMNS, self._rows(UNIT_COLUMNS))
+        with _in_place(path) as new:
+            self.units_to_pandas().to_csv(new, index=False)
 
     def to_npz(self, path: str | PathLike[str]) -> None:
         """Write all fields to a compressed NPZ file, which `from_npz` reads back bit by bit.
 
-        `spikes` holds the times of all units, those of unit i from offsets[i] to offsets[i + 1];
-        `units_of_arrays` the unit of each array as "name unit", `meanings` the descriptions of
-        SIGNALS as "name: meaning".
+        `spikes` holds the times of all units (unit i: from offsets[i] to offsets[i + 1]),
+        `units_of_arrays` the unit of each array as "name unit", `meanings` descriptions of SIGNALS
+        as "name: meaning".
         """
         stored = ("time", *SIGNALS, *PER_UNIT, *LISTS, *OPTIONAL)
         given = {name: getattr(self, name) for name in stored}
@@ -249,42 +246,31 @@ class SpikeTrains:
         Columns unit, type, x_mm, y_mm, z_mm, depth_mm, time_s and delay_s, the conduction delay
         that time_s includes. Silent units have no row: means over units need `units_to_pandas`.
         """
-        import pandas as pd
-
-        owner, units = np.repeat(np.arange(len(self)), self.count()), self._units()
-        table = {name: units[name][owner] for name in (*CSV_COLUMNS[:-1], "depth_mm")}
-        table |= {"time_s": np.concatenate(self.times), "delay_s": self.delays[owner]}
-        return pd.DataFrame(table)
+        units = self.units_to_pandas()[[*CSV_COLUMNS[:-1], "depth_mm", "delay_s"]]
+        table = units.loc[np.repeat(np.arange(len(self)), self.count())].reset_index(drop=True)
+        table.insert(len(table.columns) - 1, "time_s", np.concatenate(self.times))
+        return table
 
     def units_to_pandas(self) -> "pd.DataFrame":
         """Convert to a table with one row per unit, silent ones too, in UNIT_COLUMNS.
 
-        `count` are its spikes from t_start_s to t_stop_s, so that count / (t_stop_s - t_start_s) is
-        its mean rate.
+        `count` spikes lie from t_start_s to t_stop_s, so that count / (t_stop_s - t_start_s) is the
+        mean rate of the unit in Hz. Unknown places and depths are nan.
         """
         import pandas as pd
 
-        return pd.DataFrame(self._units(), columns=list(UNIT_COLUMNS))
-
-    def _units(self) -> dict[str, NDArray[Any]]:
-        """Columns (n_units,) of the table of units; places are nan where unknown."""
-        n = len(self)
-        places = np.full((n, 3), np.nan) if self.positions is None else self.positions
-        table: dict[str, NDArray[Any]] = {
+        places = np.full((len(self), 3), np.nan) if self.positions is None else self.positions
+        table = {
             "unit": np.array(self.names, object),
             "type": np.array(self.types, object),
-            "depth_mm": np.full(n, np.nan) if self.depths is None else self.depths,
+            **{f"{axis}_mm": places[:, i] for i, axis in enumerate("xyz")},
+            "depth_mm": np.full(len(self), np.nan) if self.depths is None else self.depths,
             "delay_s": self.delays,
             "count": self.count(),
-            "t_start_s": np.full(n, self.t_start),
-            "t_stop_s": np.full(n, self.t_stop),
+            "t_start_s": self.t_start,
+            "t_stop_s": self.t_stop,
         }
-        return table | {f"{axis}_mm": places[:, i] for i, axis in enumerate("xyz")}
-
-    def _rows(self, columns: Sequence[str]) -> Iterator[tuple[Any, ...]]:
-        """Rows of the table of units."""
-        table = self._units()
-        return zip(*(table[name].tolist() for name in columns), strict=True)
+        return pd.DataFrame(table, columns=list(UNIT_COLUMNS))
 
     def to_xarray(self) -> "xr.Dataset":
         """Convert to a Dataset: signals over `time` and `unit`, spikes over `spike`.
@@ -383,8 +369,8 @@ class SpikeTrains:
         }
         for name, meaning in columns.items():
             file.add_unit_column(name, meaning)
-        rows = self._rows(UNIT_COLUMNS[: len(columns)])
-        for times, values in zip(self.times, rows, strict=True):
+        table = self.units_to_pandas()[list(UNIT_COLUMNS[: len(columns)])]
+        for times, values in zip(self.times, table.itertuples(index=False), strict=True):
             file.add_unit(
                 spike_times=times,
                 obs_intervals=[[self.t_start, self.t_stop]],
@@ -431,18 +417,6 @@ def _fields(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
     fields["times"] = tuple(np.split(data["spikes"], data["offsets"][1:-1]))
     fields["t_start"], fields["t_stop"] = data["span"].tolist()
     return fields
-
-
-def _write_csv(
-    path: str | PathLike[str], header: Sequence[str], rows: Iterable[tuple[Any, ...]]
-) -> None:
-    """Write a table; values that are nan are empty."""
-    with _in_place(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        for row in rows:
-            missing = (isinstance(value, float) and math.isnan(value) for value in row)
-            writer.writerow("" if m else value for value, m in zip(row, missing, strict=True))
 
 
 def _provenance(trains: SpikeTrains) -> dict[str, Any]:

@@ -7,22 +7,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fefinger.neural.checked_signals import (
-    checked_signals,
-    checked_types,
-    coarse_remarks,
-    count_changes,
-    counted,
-    dense_times,
-    organ_columns,
-    remarks,
-    unit_array,
-    unit_delays,
-    unit_names,
-)
+from fefinger.neural.checked_signals import UnitInput, coarse_remarks, dense_times, remarks
 from fefinger.neural.endorgans import END_ORGANS, Organ, PoleZero, chord_steps
-from fefinger.neural.gains import GAINS
-from fefinger.neural.generators import LARGEST_CURRENT, transduce
+from fefinger.neural.generators import GAINS, LARGEST_CURRENT, transduce
 from fefinger.neural.membranes import LARGEST_STEP, Firing, HodgkinHuxley, Membrane
 from fefinger.neural.membranes.firing import largest_step, trimmed
 from fefinger.neural.trains import SpikeTrains
@@ -53,11 +40,10 @@ class _Setup:
     x_in (n_t, n_organs) mm of the end organs at time (n_t,) s; dt: longest step in s.
     """
 
+    units: UnitInput
     time: Array
     x_in: Array
     dt: float
-    types: tuple[str, ...]
-    columns: tuple[NDArray[np.intp], ...]
     rule: str
     generator: str
     organs: Mapping[str, Organ]
@@ -79,8 +65,8 @@ class _Setup:
     def gains(self) -> Array:
         """Gains (n_units,) in µA/cm² per mm, with their random variation."""
         vary = self.variation
-        factors = [1.0 if vary is None else vary.gain(i) for i in range(len(self.types))]
-        return np.array([GAINS[kind] for kind in self.types]) * factors
+        factors = [1.0 if vary is None else vary.gain(i) for i in range(len(self.units.types))]
+        return np.array([GAINS[kind] for kind in self.units.types]) * factors
 
     def sampled(self, units: Sequence[int]) -> Array:
         """Choose the times at which the currents of units of one type are sampled.
@@ -92,12 +78,13 @@ class _Setup:
         wanted = 1.0 if self.tolerance is None else min(1.0, self.tolerance / LINES)
         straight = STRAIGHT * min(wanted, self.dt / LARGEST_STEP)
         dt = min(self.dt, LARGEST_STEP * wanted**0.5)
-        organ = self.organs.get(self.types[units[0]], END_ORGANS[self.types[units[0]]])
+        kind = self.units.types[units[0]]
+        organ = self.organs.get(kind, END_ORGANS[kind])
         steps: Array | float = dt
         if isinstance(organ, PoleZero):
             gain = float(np.max(self.gains[units]))
             bend = gain / LARGEST_CURRENT if self.generator == "saturating" else 0.0
-            columns = np.concatenate([self.columns[i] for i in units])
+            columns = np.concatenate([self.units.columns[i] for i in units])
             x_in = self.x_in[:, columns]
             steps = chord_steps(organ, self.time, x_in, straight / gain, bend=bend)
             steps = np.clip(steps, dt, LONGEST)
@@ -114,7 +101,7 @@ class _Setup:
 
     def branches(self, units: Sequence[int], at: Array | None = None) -> list[Array]:
         """Compute generator currents (n_at, n_branches) in µA/cm² of units of one type."""
-        kind, columns = self.types[units[0]], [self.columns[i] for i in units]
+        kind, columns = self.units.types[units[0]], [self.units.columns[i] for i in units]
         organs = [len(c) for c in columns]
         currents = transduce(
             kind,
@@ -134,12 +121,12 @@ class _Setup:
         """
         out = np.empty((len(self.time if at is None else at), len(units)))
         groups: list[list[int]] = []
-        room = 0
+        types, room = self.units.types, 0
         for k, i in enumerate(units):
-            room -= len(self.columns[i])
-            if room < 0 or self.types[i] != self.types[units[k - 1]]:
+            room -= len(self.units.columns[i])
+            if room < 0 or types[i] != types[units[k - 1]]:
                 groups.append([])
-                room = _DENSE // len(out) - len(self.columns[i])
+                room = _DENSE // len(out) - len(self.units.columns[i])
             groups[-1].append(k)
         for group in groups:
             currents = self.branches([units[k] for k in group], at)
@@ -197,8 +184,7 @@ def simulate_units(
     types
         (n_units,) afferent type of each unit.
     unit
-        (n_organs,) index of the unit that each end organ belongs to; every unit has one or more.
-        By default one each.
+        (n_organs,) index of the unit of each end organ; every unit has one or more. Default one.
     rule
         One of RULES.
     delays
@@ -206,7 +192,7 @@ def simulate_units(
     variation
         Membrane noise and unequal gains; None: neither.
     organs
-        Filters by type, where they are not those of END_ORGANS.
+        Filters by type; default END_ORGANS.
     names, positions, depths
         Of the units: names (default: types, numbered where they repeat), (n_units, 3) mm and
         (n_units,) mm.
@@ -223,7 +209,7 @@ def simulate_units(
         The straight lines between the samples are the signal, corners included: the sampling is
         neither checked nor remarked on, since fewer samples would be another signal.
     since
-        Time in s, at the recording, from which on spikes count; those before it are left out.
+        Time in s, at the recording, before which spikes are left out.
 
     Raises
     ------
@@ -231,56 +217,61 @@ def simulate_units(
         Arrays that do not fit, unknown names, values that are not finite, times that decrease, a
         unit without an end organ, or a rule that the membrane does not support.
     """
-    types = checked_types(types)
-    columns = organ_columns(np.arange(len(types)) if unit is None else unit, len(types))
-    time, x_in = checked_signals(time, drive, lengths, sum(map(len, columns)))
-    names, later = unit_names(types, names), unit_delays(delays, len(types))
-    positions = unit_array("positions", positions, (len(types), 3))
-    depths = unit_array("depths", depths, (len(types),))
+    given = UnitInput.of(
+        time,
+        drive,
+        lengths,
+        types,
+        unit=unit,
+        names=names,
+        delays=delays,
+        positions=positions,
+        depths=depths,
+        since=since,
+    )
     membrane = membrane or HodgkinHuxley()
-    method, dt = _integrator(membrane, rule, tolerance, float(time[-1] - time[0]), dt)
+    seconds = float(given.time[-1] - given.time[0])
+    method, dt = _integrator(membrane, rule, tolerance, seconds, dt)
     setup = _Setup(
-        time=time,
-        x_in=x_in,
+        units=given,
+        time=given.time,
+        x_in=given.organs,
         dt=dt,
-        types=types,
-        columns=columns,
         rule=rule,
         generator=generator,
         organs=organs or {},
         membrane=membrane,
-        variation=None if variation is None else variation.for_units(types),
+        variation=None if variation is None else variation.for_units(given.types),
         method=method,
         tolerance=tolerance,
     )
     firing = _fire(setup, driven=True)
-    mean_in = np.column_stack([x_in[:, c].mean(axis=1) for c in columns])
-    notes = remarks(names, firing)
+    mean_in = np.column_stack([given.organs[:, c].mean(axis=1) for c in given.columns])
+    notes = remarks(given.names, firing)
     if not exact:
-        notes += tuple(coarse_remarks(time, mean_in, types, names))
+        notes += tuple(coarse_remarks(given, mean_in))
     if check:
-        notes += _changes(setup, names, firing, since - later, exact=exact)
-    by_type = sorted(range(len(types)), key=types.__getitem__)
-    current = np.empty((len(time), len(types)))
+        half = replace(setup, dt=dt / 2)
+        change = "the step of the membrane is halved"
+        notes += given.changes(firing.times, lambda: _fire(half, driven=False).times, change)
+    if check and not exact:
+        time, x_in = given.thinned(given.organs)
+        fewer = replace(setup, time=time, x_in=x_in)
+        change = "only every second sample is used"
+        notes += given.changes(firing.times, lambda: _fire(fewer, driven=False).times, change)
+    by_type = sorted(range(len(given.types)), key=given.types.__getitem__)
+    current = np.empty((len(given.time), len(given.types)))
     current[:, by_type] = setup.combined(by_type)
-    return SpikeTrains(
-        types=types,
-        names=names,
-        times=counted(firing.times, later, since),
-        t_start=max(float(time[0]), since),
-        t_stop=float(time[-1] + later.max()),
-        time=time,
+    return given.trains(
+        firing.times,
         x_in=mean_in,
+        notes=notes,
         current=current,
         peak_mV=firing.peak_mV,
         block_seconds=firing.block_seconds,
         stimulus_driven=firing.stimulus_driven,
-        delays=later.copy(),
-        positions=positions,
-        depths=depths,
         seed=None if variation is None else variation.seed,
         trial=0 if variation is None else variation.trial,
-        notes=notes,
     )
 
 
@@ -303,29 +294,15 @@ def _squid(membrane: object, what: str) -> HodgkinHuxley:
     return membrane
 
 
-def _changes(
-    setup: _Setup, names: Sequence[str], firing: Firing, since: Array, *, exact: bool
-) -> tuple[str, ...]:
-    """Describe units whose spike count depends on the step or, unless exact, on the sampling."""
-    half = _fire(replace(setup, dt=setup.dt / 2), driven=False)
-    change = "the step of the membrane is halved"
-    notes = count_changes(names, firing.times, half.times, change, since)
-    if exact:
-        return notes
-    thin = np.unique(np.append(np.arange(0, len(setup.time), 2), len(setup.time) - 1))
-    fewer = replace(setup, time=setup.time[thin], x_in=setup.x_in[thin])
-    coarse, change = _fire(fewer, driven=False), "only every second sample is used"
-    return (*notes, *count_changes(names, firing.times, coarse.times, change, since))
-
-
 def _fire(setup: _Setup, *, driven: bool) -> Firing:
     """Simulate all units, by type and in groups whose currents fit in `_DENSE` values."""
     if setup.rule == "first":
-        races = [_race(setup, i, driven=driven) for i in range(len(setup.types))]
+        races = [_race(setup, i, driven=driven) for i in range(len(setup.units.types))]
         return _joined(races, np.arange(len(races)))
     runs, order = [], []
-    for kind in dict.fromkeys(setup.types):
-        units = [i for i, other in enumerate(setup.types) if other == kind]
+    types = setup.units.types
+    for kind in dict.fromkeys(types):
+        units = [i for i, other in enumerate(types) if other == kind]
         at = setup.sampled(units)
         step = LANES * max(1, _DENSE // (LANES * len(at)))
         for start in range(0, len(units), step):

@@ -18,7 +18,7 @@ near the open time of a channel and far below the time constants of the slowed m
 
 
 def numbered(types: Sequence[str], places: ArrayLike | None = None) -> Integers:
-    """Return numbers (n_units,) of units, by type and by place among those of their type.
+    """Return numbers (n_units,) of units, by type and by place among the units of their type.
 
     Numbers select random streams: units of other types, and the order of the types, change none.
     places (n_units,): whole numbers, by default 0, 1, ... in each type.
@@ -35,12 +35,11 @@ class Variation:
     """Random gains and membrane noise; the same seed gives a unit the same values.
 
     spread: standard deviation of the logarithm of a unit's gain (Fig. 4-2 shows that units of one
-    type differ; the amount is a choice of the user). noise: standard deviation in µA/cm² of
-    the independent values of membrane noise; of the noise through time, straight lines between
-    them, it is sqrt(2/3) of that. None: those of the unit's type. numbers: of the units, by default
-    those of `numbered`; a unit's draws depend on the seed, its number and the trial alone, not
-    on the other units or the length of the run. trial: another one is other noise of the same
-    units, whose gains stay.
+    type differ; the amount is a choice of the user). noise: standard deviation in µA/cm² of the
+    independent values of membrane noise; the noise through time, straight lines between them,
+    deviates by sqrt(2/3) as much. None: as fitted for the unit's type. numbers: default `numbered`;
+    a unit's draws depend on the seed, its number and the trial alone, not on the other units or the
+    length of the run. trial: another trial has other noise, but the same gains.
     """
 
     seed: int

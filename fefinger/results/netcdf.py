@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fefinger.neural.reference import Reference
+from fefinger.neural.drives import Reference
 from fefinger.neural.trains import SpikeTrains
 from fefinger.results import labels, records, result_record
 from fefinger.results.harmonic import Harmonic

@@ -18,7 +18,7 @@ from fefinger.support.text import outline
 
 
 if TYPE_CHECKING:
-    from fefinger.neural.reference import Reference
+    from fefinger.neural.drives import Reference
 
 
 @dataclass(frozen=True)

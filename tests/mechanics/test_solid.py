@@ -20,7 +20,7 @@ from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain
 from fefinger.mechanics.press.finite_strain import most_compressed
-from fefinger.neural.reference import equivalent_displacements
+from fefinger.neural.drives import equivalent_displacements
 from fefinger.results.records import Response
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene

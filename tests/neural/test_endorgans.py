@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fefinger.neural.checked_signals import dense_times
-from fefinger.neural.endorgans import END_ORGANS, PoleZero, chord_steps, rectify
+from fefinger.neural.endorgans import END_ORGANS, PoleZero, chord_steps
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 
@@ -86,10 +86,6 @@ def test_nothing_comes_out_before_something_goes_in(kind):
 
 def test_every_type_has_an_end_organ():
     assert tuple(END_ORGANS) == TYPES
-
-
-def test_rectification_comes_after_the_filter_and_keeps_the_positive_half():
-    np.testing.assert_array_equal(rectify(np.array([-1.0, 0.0, 2.0])), [0.0, 0.0, 2.0])
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,9 @@
 """The stored gains are what their rule computes."""
 
 import pytest
-from fefinger.validation.neural.gains import responds, threshold_gain
+from fefinger.validation.neural.gains import THRESHOLDS, responds, threshold_gain
 
-from fefinger.neural.gains import GAINS, THRESHOLDS
+from fefinger.neural.generators import GAINS
 from fefinger.support.vocabulary import TYPES
 
 

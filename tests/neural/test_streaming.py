@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from fefinger.validation.neural.connor_stevens import ConnorStevens
 
-from fefinger.neural.gains import GAINS
-from fefinger.neural.generators import transduce
+from fefinger.neural.drives import Reference, equivalent_displacements
+from fefinger.neural.generators import GAINS, transduce
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
-from fefinger.neural.reference import Reference, equivalent_displacements
 from fefinger.neural.streaming import ROOM, Afferents
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES

@@ -9,8 +9,7 @@ from fefinger.validation.oracles.chains import SpringDamper, fast_chain, slow_ch
 
 from fefinger.neural import units
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
-from fefinger.neural.gains import GAINS
-from fefinger.neural.generators import transduce
+from fefinger.neural.generators import GAINS, transduce
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.neural.units import simulate_units
 from fefinger.neural.variation import Variation

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.validation.bench.timing import fastest, load
+from fefinger.validation.oracles.membrane import exact
 
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.support.arrays import Array
@@ -231,8 +232,8 @@ def figures(progress: Progress) -> list[Figure]:
     slowed, current = HodgkinHuxley(DIVISOR), currents(UNITS)
     fine = list(slowed.fire(TIME, current, dt=5e-6, stimulus_driven=False).times)
     some = np.linspace(0, UNITS - 1, EXACT).astype(int)
-    exact = slowed.fire(TIME, current[:, some], method="adaptive", stimulus_driven=False).times
-    check = compare([fine[i] for i in some], list(exact))
+    order8 = [each.times for each in exact(slowed, TIME, current[:, some])]
+    check = compare([fine[i] for i in some], order8)
     memory = held(partial(slowed.fire, TIME, current, tolerance=TOLERANCE, stimulus_driven=False))
     progress("neural", 1.0)
     return [

@@ -10,8 +10,7 @@ from fefinger.validation.neural.sweep import MODELS, SLOWED, STANDARD, impulses,
 from fefinger.validation.panels import ticks_at
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
-from fefinger.neural.gains import GAINS
-from fefinger.neural.generators import saturating
+from fefinger.neural.generators import GAINS, saturating
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support.arrays import Array
 from fefinger.view.figures import COLORS, INK, STEEL, figure

@@ -19,8 +19,7 @@ from fefinger.validation.neural.sweep import (
 from fefinger.validation.oracles.chains import Resonant, realize, under_force
 
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
-from fefinger.neural.gains import GAINS
-from fefinger.neural.generators import saturating
+from fefinger.neural.generators import GAINS, saturating
 from fefinger.support.arrays import Array
 
 

@@ -1,6 +1,7 @@
 """The gains from strain to current: the rule against itself, and its rates in published bands."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache, partial
 
 import numpy as np
@@ -8,9 +9,52 @@ from fefinger.validation.case import Case, Expected
 from fefinger.validation.neural.sweep import SLOWED, current
 
 from fefinger.neural.endorgans import END_ORGANS
-from fefinger.neural.gains import GAINS, RAMP_SPEED, THRESHOLDS
-from fefinger.neural.generators import saturating, transduce
+from fefinger.neural.generators import GAINS, saturating, transduce
 from fefinger.neural.membranes import Firing, HodgkinHuxley
+
+
+RAMP_SPEED = 4.0
+"""mm/s. From 4 to 400 mm/s the gains change by up to 3 % (FAII: 30 %); slower ramps raise those of
+FAI (1 mm/s: by 23 %) and FAII (3.2 times)."""
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """Displacement in mm at which a type just gives its defining response, with its source."""
+
+    displacement: float
+    sustained: bool
+    source: str
+    confidence: str
+
+
+THRESHOLDS: dict[str, Threshold] = {
+    "SAI": Threshold(
+        0.2,
+        True,
+        "sustained SA1 firing in TouchSim (Saal et al. 2017, doi:10.1073/pnas.1704856114), "
+        "measured without noise: begins between 0.1 and 0.5 mm, by unit and pin radius",
+        "medium: models fitted to monkey units, small pins",
+    ),
+    "SAII": Threshold(
+        0.8,
+        True,
+        "four times less sensitive to indentation than SAI (Table 1 of doi:10.1152/jn.90990.2008)",
+        "low: the ratio of human thresholds to a first spike, applied to sustained firing",
+    ),
+    "FAI": Threshold(
+        0.0138,
+        False,
+        "median of human units, Johansson & Vallbo (1979), J Physiol 297:405, at 4 mm/s",
+        "low: quoted, not read; Knibestol (1973, PMC1350502) gives 0.05 to 1.65 mm",
+    ),
+    "FAII": Threshold(
+        0.0092,
+        False,
+        "median of human units, Johansson & Vallbo (1979), J Physiol 297:405, at 4 mm/s",
+        "medium: quoted; Table 1 of doi:10.1152/jn.90990.2008 also gives 0.01 mm",
+    ),
+}
 
 
 HOLD, SUSTAINED = 4.0, 0.5

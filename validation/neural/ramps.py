@@ -10,9 +10,8 @@ from fefinger.validation.case import Case, Expected
 from fefinger.validation.neural.preliminary import derivative
 from fefinger.validation.neural.sweep import SPRING
 
-from fefinger.neural.endorgans import END_ORGANS, Organ, rectify
-from fefinger.neural.gains import GAINS
-from fefinger.neural.generators import GENERATOR_BY_NAME
+from fefinger.neural.endorgans import END_ORGANS, Organ
+from fefinger.neural.generators import GAINS, GENERATOR_BY_NAME
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.scene.motions import Trapezoid
 from fefinger.support.arrays import Array
@@ -84,7 +83,7 @@ def course(
     bent = np.where(kinks <= end, motion.value(np.minimum(kinks, end)), 0.0)
     time = np.linspace(0.0, end + AFTER, int((end + AFTER) / STEP) + 1)
     depth = np.interp(time, kinks, bent)
-    current = GENERATOR_BY_NAME[generator](rectify(organ.respond(kinks, bent, time)), gain)
+    current = GENERATOR_BY_NAME[generator](np.maximum(organ.respond(kinks, bent, time), 0.0), gain)
     membrane = HodgkinHuxley(divisor)
     (spikes,) = membrane.fire(time, current, method=method, stimulus_driven=False).times
     breaks = motion.breakpoints

@@ -34,7 +34,7 @@ from fefinger.theory.relaxation import Prony
 
 
 if TYPE_CHECKING:
-    from fefinger.neural.reference import Reference
+    from fefinger.neural.drives import Reference
 
 
 RINGS, SECTORS = 16, 24  # of the pad on which the pressure is reported
@@ -217,7 +217,7 @@ def turned(components: Array, frames: Array) -> Array:
 
 def _reference(ask: Ask, pulp: float, plate: ElasticContact) -> "Reference":
     """Return the strain of the relaxed finger under the standard plate, at a small depth."""
-    from fefinger.neural.reference import Reference
+    from fefinger.neural.drives import Reference
 
     standard = Touch(np.zeros(3), direction(STANDARD))
     central = central_sites(ask, pulp, standard.origin, standard.axis)

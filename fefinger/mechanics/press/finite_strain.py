@@ -28,7 +28,7 @@ from fefinger.mechanics.press.problem import FiniteStrainHistory, Press, frames_
 from fefinger.mechanics.press.reference import reference_strain, reference_unknowns
 from fefinger.mechanics.press.response import finite_strain_response
 from fefinger.mechanics.press.small_strain import WHOLE_MESH, assembled
-from fefinger.neural.reference import Reference
+from fefinger.neural.drives import Reference
 from fefinger.results.records import Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene

@@ -44,7 +44,7 @@ from fefinger.mechanics.press.placement import first_moments, whole_pad
 from fefinger.mechanics.press.reference import reference_press
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.press.time_steps import RESOLVED
-from fefinger.neural.reference import Reference
+from fefinger.neural.drives import Reference
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger

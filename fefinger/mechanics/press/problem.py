@@ -21,7 +21,7 @@ from fefinger.mechanics.press.notes import finger_notes
 from fefinger.mechanics.press.sites import central_sites, end_organ_sites, meshed
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mesh.store import load_or_build
-from fefinger.neural.reference import Reference
+from fefinger.neural.drives import Reference
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger

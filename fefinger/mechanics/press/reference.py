@@ -18,7 +18,7 @@ from fefinger.geometry.voigt import logarithmic, tensor_from_voigt
 from fefinger.mechanics.press import depth_table, placement
 from fefinger.mechanics.press.problem import REACH, Press, ReferencePlate, SolutionMethod
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
-from fefinger.neural.reference import Reference
+from fefinger.neural.drives import Reference
 from fefinger.results.records import Sites
 from fefinger.scene.indenters import STANDARD
 from fefinger.support.arrays import Array, Flags

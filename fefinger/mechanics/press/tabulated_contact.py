@@ -12,7 +12,7 @@ from fefinger.geometry.voigt import VOIGT
 from fefinger.mechanics.press.placement import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.prepared import Prepared
 from fefinger.mechanics.press.tabulated_press import TabulatedPress
-from fefinger.neural.reference import Reference
+from fefinger.neural.drives import Reference
 from fefinger.results.records import Sites
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError

@@ -26,7 +26,7 @@ from fefinger.mechanics.press.placement import on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import Press, SolutionMethod, frames_of
 from fefinger.mechanics.press.reference import reference_strain
 from fefinger.mechanics.press.small_strain import WHOLE_MESH
-from fefinger.neural.reference import Reference
+from fefinger.neural.drives import Reference
 from fefinger.results.records import Fields, Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.motion import Motion

@@ -43,7 +43,7 @@ def slope(
 ) -> tuple[float, float, float, float]:
     """Time derivative of (v, n, m, h) per ms.
 
-    `slow` scales the rates of all gates, `m_rate_factor` that of m: 0 holds m constant.
+    `slow` scales the rates of all gates, `m_rate_factor` also the rate of m: 0 holds m constant.
     """
     a_n, b_n, a_m, b_m, a_h, b_h = rates(v)
     n2 = n * n

@@ -1,4 +1,4 @@
-"""Hodgkin-Huxley membrane of the squid axon, with a choice of integrators by accuracy."""
+"""Hodgkin-Huxley membrane of the squid axon, with two integrators."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -29,7 +29,7 @@ BLOCK_MV lies just below the trough of the oscillation that no longer reaches 40
 from 9.8 µA/cm² on, but a membrane may stay there long just above that.
 """
 
-METHODS = ("splitting", "runge-kutta", "adaptive")
+METHODS = ("splitting", "runge-kutta")
 """Integrators, fastest first."""
 
 _Q10, _MEASURED_AT = 3.0, 6.3
@@ -42,8 +42,8 @@ speeds 1 and 1/6. The error is one of the rate, so it grows with time."""
 _WORTHWHILE = 0.0125
 """Step in ms below which the splitting costs as much as Runge-Kutta with LARGEST_STEP."""
 
-_SHORTEST = 0.005
-"""Runge-Kutta step in ms below which the adaptive integrator is used."""
+_SHORTEST = 0.0025
+"""Shortest Runge-Kutta step in ms: rounding is then as large as the error of the step."""
 
 
 @dataclass(frozen=True)
@@ -103,15 +103,21 @@ class HodgkinHuxley:
         The tolerance holds for 95 % of the spikes of ramps that are held, in a run of `seconds`
         (shorter ones count as 1 s). Spikes that a slow oscillation near threshold causes are
         exponentially sensitive: no step bounds their error.
+
+        Raises
+        ------
+        InputError
+            A tolerance that is not above 0, or that rounding does not allow.
         """
         wanted = 1e3 * number("tolerance", tolerance, above=0.0, unit="s") / max(1.0, seconds)
         splitting = (wanted / (_SPLITTING_ERROR * self.speed)) ** 0.5
-        runge_kutta = (wanted / (_RUNGE_KUTTA_ERROR * self.speed**3)) ** 0.25
         if splitting >= _WORTHWHILE:
             return "splitting", min(1e-3 * splitting, LARGEST_STEP)
-        if runge_kutta >= _SHORTEST:
-            return "runge-kutta", min(1e-3 * runge_kutta, LARGEST_STEP)
-        return "adaptive", LARGEST_STEP
+        runge_kutta = (wanted / (_RUNGE_KUTTA_ERROR * self.speed**3)) ** 0.25
+        if runge_kutta < _SHORTEST:
+            least = _RUNGE_KUTTA_ERROR * self.speed**3 * _SHORTEST**4 * max(1.0, seconds)
+            number("tolerance", tolerance, at_least=1e-3 * least, unit="s")
+        return "runge-kutta", min(1e-3 * runge_kutta, LARGEST_STEP)
 
     def fire(
         self,
@@ -133,10 +139,10 @@ class HodgkinHuxley:
             (n_t,) or (n_t, n_units) µA/cm², linear between the samples.
         dt
             Longest step in s, at most 5e-5, which is the default; never longer than 5e-5 over the
-            speed. The adaptive method chooses its own steps.
+            speed.
         method
-            "runge-kutta" (default; fourth order), "splitting" (second order, several times
-            faster) or "adaptive" (order 8 at a relative tolerance of 1e-10, slow).
+            "runge-kutta" (default; fourth order) or "splitting" (second order, several times
+            faster).
         tolerance
             Allowed error of spike times in s, from which `method` and `dt` are chosen.
         stimulus_driven
@@ -146,8 +152,7 @@ class HodgkinHuxley:
         ------
         InputError
             Arrays of other shapes, times that decrease, a step that is too long, a current that is
-            not finite or beyond 1e4 µA/cm², a tolerance together with a method or step, or a
-            million straight pieces of current or more for the adaptive method.
+            not finite or beyond 1e4 µA/cm², or a tolerance together with a method or step.
         """
         if tolerance is not None:
             if dt is not None or method is not None:
@@ -157,35 +162,24 @@ class HodgkinHuxley:
             method, dt = self.integrator(tolerance, float(np.ptp(time)))
         method = choice("method", "runge-kutta" if method is None else method, METHODS)
         time_ms, columns = signals(time, current)
-        step = self.step_ms(dt)
-        run = partial(self._run, method, time_ms, columns, step)
+        run = partial(self._run, time_ms, columns, self.step_ms(dt), method == "splitting")
         return fired(run, stimulus_driven=stimulus_driven)
 
     def _run(
-        self,
-        method: str,
-        time_ms: Array,
-        current: Array,
-        step: float,
-        frozen: bool,
+        self, time_ms: Array, current: Array, step: float, splitting: bool, frozen: bool
     ) -> Run:
         """Integrate all units: spike times in ms; per unit final state, peak in mV, ms in block."""
-        if method == "adaptive":
-            from fefinger.neural.membranes import adaptive
-
-            constants = time_ms, self.speed, frozen, self.rest(), self.block
-            return in_blocks(partial(adaptive.integrate, *constants), current, 1)
         from fefinger.neural.membranes import vectorized
 
         rest = self.rest()
-        how = (step, method == "splitting", self.speed, 0.0 if frozen else 1.0)
+        how = (step, splitting, self.speed, 0.0 if frozen else 1.0)
         # 2 spikes per ms are ten times what the membrane fires.
         room = int(2.0 * max(1.0, self.speed) * (time_ms[-1] - time_ms[0])) + 16
 
-        def block_of(columns: Array) -> Run:
+        def integrate(columns: Array) -> Run:
             n = columns.shape[1]
             spikes, counts = np.empty((n, room)), np.zeros(n, np.int64)
             rows = vectorized.integrate(time_ms, columns, how, rest, self.block, spikes, counts)
             return trimmed(spikes, counts), rows
 
-        return in_blocks(block_of, current, vectorized.LANES, by_onset=True)
+        return in_blocks(integrate, current, vectorized.LANES, by_onset=True)

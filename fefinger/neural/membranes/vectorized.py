@@ -210,8 +210,8 @@ def _spiked(
 ) -> float:
     """Fraction of the last step at which lane i spiked.
 
-    `current` is that at the end of a Runge-Kutta step, but in the middle of a split step, where the
-    gates are those of the middle too: half a step either way gives the slopes at its ends.
+    Of a Runge-Kutta step `current` and gates are known at its end. Of a split step they are known
+    in its middle: half a step either way gives the slopes at its ends.
     """
     v0, v1 = s[_BEFORE + i], s[_V + i]
     n, m, h = s[_N + i], s[_M + i], s[_H + i]
