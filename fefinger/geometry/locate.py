@@ -31,8 +31,8 @@ def around(
 ) -> Iterator[tuple[Integers, Array]]:
     """Yield, for each of the points (n, d), the simplices (k,) near it and its weights (k, d + 1).
 
-    Near are those of the simplices (m, d + 1, d) in whose sphere about the center the point lies,
-    larger by the share `margin`: all that may hold it.
+    A simplex (of m with corners (m, d + 1, d)) is near, and may hold the point, if the point lies
+    in the sphere about its center, enlarged by the share `margin`.
     """
     centers = corners.mean(axis=1)
     radii = np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1)
@@ -64,7 +64,7 @@ def locate(corners: Array, points: Array, *, nearest: int | None = None) -> tupl
 def inside_weights(corners: Array, points: Array) -> tuple[Integers, Array]:
     """Return the simplex (n,) of each of the points (n, d), as `locate`, with weights of 0 or more.
 
-    A point that no simplex holds gets those of a place of the simplex that comes closest.
+    A point that no simplex holds gets weights in the simplex that comes closest.
     """
     simplex, weights = locate(corners, points, nearest=NEAREST)
     weights = np.maximum(weights, 0.0)

@@ -55,10 +55,10 @@ def from_half(tensors: Array, points: Array) -> Array:
 
 @dataclass(frozen=True)
 class Halves:
-    """Numbering of the points of a whole body: those of its half, then their mirror images.
+    """Numbering of the points of a whole body: the points of its half, then their mirror images.
 
-    aside (m,): the points off the plane; twin (n,): the number of the image of each of n points,
-    which is that of the point itself on the plane.
+    aside (m,): the points off the plane; twin (n,): the number of the image of each of n points; a
+    point on the plane is its own image.
     """
 
     aside: Integers
@@ -128,7 +128,7 @@ def whole(half: FingerMesh) -> FingerMesh:
 
 
 def _quality(half: FingerMesh, n_points: int) -> dict[str, Any]:
-    """Quality figures of the whole mesh from those of the half."""
+    """Quality figures of the whole mesh, from the quality of the half."""
     quality = dict(half.quality)
     for key in DOUBLED:
         if key in quality:

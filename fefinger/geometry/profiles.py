@@ -80,7 +80,7 @@ class Ellipsoid(Profile):
     radii: tuple[float, float, float]
 
     def height(self, across: Array) -> Heights:
-        """Return h = c (1 - sqrt(1 - s²)), and that of the cone beyond FLANK."""
+        """Return h = c (1 - sqrt(1 - s²)), and of a cone beyond FLANK."""
         flat, deep = np.array(self.radii[:2]), self.radii[2]
         s = self._s(across)
         over, root = self._slope_over_s(s)
@@ -154,7 +154,7 @@ class Bar(Profile):
 class Pin(Profile):
     """Flat end of a round pin, `width` mm across over all, with its edge rounded to `corner` mm.
 
-    The section through its axis is that of a `Bar`.
+    The section through its axis is the section of a `Bar`.
     """
 
     width: float
@@ -177,11 +177,11 @@ class Pin(Profile):
 class Grating(Profile):
     """Rounded ridges along v, `period` mm apart, `ridge` mm wide at half height, `depth` mm high.
 
-    h = depth S((|u| - f) / l) from the middle of a ridge to that of a groove, with the smooth step
-    S(t) = t³ (10 - 15 t + 6 t²), l the smaller of ridge and groove and f half of what the ridge has
-    beyond l: flat tops where ridges are wider than grooves, flat floors where they are narrower.
-    The curvature is continuous. `shift` mm moves the ridges along u. `flank` mm: another l, of at
-    most that; then ridges and grooves are both flat in their middle.
+    h = depth S((|u| - f) / l) from the middle of a ridge to the middle of a groove, with the smooth
+    step S(t) = t³ (10 - 15 t + 6 t²), l the smaller of ridge and groove and f half of what the
+    ridge has beyond l: flat tops where ridges are wider than grooves, flat floors where they are
+    narrower. The curvature is continuous. `shift` mm moves the ridges along u. `flank` mm: a
+    smaller l; then ridges and grooves are both flat in their middle.
     """
 
     level = True
@@ -268,7 +268,7 @@ class Relief(Profile):
 class Tiled(Profile):
     """A relief that repeats every `period` mm along u and v.
 
-    Its samples cover [0, period] and a margin, in which they are those of the neighbors.
+    Its samples cover [0, period] and a margin, which repeats the samples of the neighbors.
     """
 
     level = True
@@ -324,7 +324,7 @@ def frame(axis: Array, roll: float = 0.0) -> Array:
 def directions(axis: ArrayLike) -> Array:
     """Return the unit vectors (2, 3) across a travel (3,): toward the tip, and sideways.
 
-    The first is the one nearest to x, where that of `frame` lies in the x-z plane.
+    The first is the one nearest to x; the first of `frame` lies in the x-z plane instead.
     """
     axis = np.asarray(axis, float)
     distal = np.array([1.0, 0.0, 0.0]) - axis[0] * axis

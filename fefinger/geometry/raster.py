@@ -1,7 +1,7 @@
 """Heights on a uniform grid as a cubic spline, evaluated by compiled code.
 
-The spline is that of `RectBivariateSpline` (cubic, not-a-knot) through the same samples, written in
-uniform B-splines: a place costs sixteen products, where FITPACK searches its knots.
+As SciPy's `RectBivariateSpline` (cubic, not-a-knot) through the same samples, but in uniform
+B-splines: a place costs sixteen products, where FITPACK searches its knots.
 """
 
 from dataclasses import dataclass

@@ -45,7 +45,7 @@ TURNS = {
 VTK = (".vtk", ".vtp", ".vtu")
 
 SHORTEST = 0.9
-"""Smallest length over width or thickness: that of a thick fingertip cut behind its nail."""
+"""Smallest length over width or thickness: a thick fingertip cut behind its nail."""
 
 THICKEST = 1.1
 """Largest thickness over width; it is 0.7 to 0.85 in the subjects' fingers."""
@@ -69,7 +69,7 @@ It is at most 0.1 in fingers and capsules, however coarse their triangles, and 0
 """
 
 CELL = 0.1
-"""Side of the cubes of normals that have one way each."""
+"""Side of the cubes into which unit normals are sorted: one normal of each is tried as a facing."""
 
 
 @dataclass(frozen=True)
@@ -233,7 +233,7 @@ def _open_end(rim: Array, bounds: Array) -> str | None:
 
 
 def _unit(mesh: Any) -> str:
-    """Return the unit of lengths in messages, mm where the box can be that of a finger in mm."""
+    """Return the unit of lengths in messages: mm where the box has the size of a finger in mm."""
     smaller = float(np.sort(mesh.extents)[1])
     return " mm" if WIDTHS[0] <= smaller <= WIDTHS[1] else " units"
 
@@ -306,7 +306,7 @@ def _check_size(extents: Array, name: str) -> str:
 
 
 def _check_frame(mesh: Any, width: float, thickness: float, name: str) -> None:
-    """Raise InputError where the box or the center of mass is not that of a finger along x.
+    """Raise InputError where box or center of mass do not fit a finger along x.
 
     width, thickness: of the LENGTH behind the tip, in mm. Whether the nail is up is not checked.
     """

@@ -11,17 +11,15 @@ from time import monotonic
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.geometry import facets as topology
-from fefinger.geometry.finger_mesh import BONE, FingerMesh
+from fefinger.geometry.finger_mesh import BONE, FingerMesh, facet_sets
 from fefinger.mesh import smooth, tetrahedralize, vtu
 from fefinger.mesh.finger_shape import Shape, touch_point
 from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS
 from fefinger.mesh.morph import draft, finished
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import gate, record
-from fefinger.mesh.recipe import Recipe, Touch
+from fefinger.mesh.recipe import Recipe, Touch, templates
 from fefinger.mesh.scan import shape_of
-from fefinger.mesh.shipped import templates
 from fefinger.mesh.tetrahedralize import MesherSettings, tetrahedra
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError
@@ -127,8 +125,8 @@ def sizes(shape: Shape, settings: MesherSettings, touch: Touch = None) -> Callab
 def _near(shape: Shape, touch: float | tuple[float, float]) -> Array:
     """As `touch_point`, but move a place off the pad toward the origin until it is on the pad.
 
-    The place of a recipe is rounded, so that it may be off the pad where that of a scene is not.
-    Raises InputError for a place that is more than ROUNDED off.
+    The place of a scene is on the pad, but the recipe rounds it. Raises InputError for a place that
+    is more than ROUNDED off.
     """
     if isinstance(touch, tuple):
         far = float(np.hypot(*touch))
@@ -148,7 +146,7 @@ def _attempt(
     tolerance = 1.6 * settings.envelope * float(np.linalg.norm(np.ptp(inputs[0][0], axis=0)))
     points, cells, region = _inside(shape, points, cells, tolerance)
     say(f"{len(cells)} cells; fitting the boundaries")
-    facets = topology.facet_sets(
+    facets = facet_sets(
         points, cells, region, cut=shape.cut, tolerance=tolerance, level=shape.skin.level
     )
     points, first = _snapped(shape, points, facets)

@@ -13,8 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.geometry.facets import interfaces
-from fefinger.geometry.finger_mesh import BONE, FingerMesh, faces, volumes
+from fefinger.geometry.finger_mesh import BONE, FingerMesh, faces, interfaces, volumes
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
@@ -49,7 +48,7 @@ def palmar_slope(normal: Array) -> float:
 def extended(mesh: FingerMesh) -> FingerMesh:
     """Return a half finger with its continuation behind the cut.
 
-    The new vertices follow those of the mesh. Raises InputError for a whole finger.
+    The new vertices have the last numbers. Raises InputError for a whole finger.
     """
     if not mesh.half:
         raise InputError(f"mesh: expected a half finger, received the whole finger {mesh.name!r}")
@@ -74,7 +73,7 @@ def extended(mesh: FingerMesh) -> FingerMesh:
 
 
 def continued_source(source: str) -> str:
-    """Return the source hash of a continued mesh, from that of the mesh."""
+    """Return the source hash of a continued mesh, from the hash of the mesh."""
     return hashlib.sha256(f"{source} {LENGTH} {LAYERS} {RADIUS}".encode()).hexdigest()
 
 

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from fefinger.geometry.profiles import smooth_step
 from fefinger.mesh.frame import PLATE
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shell import Shell
-from fefinger.mesh.shell_triangles import Triangles
+from fefinger.mesh.shell import Shell, Triangles
 from fefinger.scene.finger import BONE
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
@@ -63,7 +62,7 @@ class Nail:
     start, end : x of its proximal and distal end.
     half_width : half its width where the finger is wide.
     middle : lower bound of z.
-    side : half width of the finger at x, which limits that of the nail where the finger narrows.
+    side : half width of the finger at x, which limits the nail's where the finger narrows.
 
     """
 

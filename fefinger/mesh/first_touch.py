@@ -26,7 +26,7 @@ COUNT, ZOOM, ROUNDS = 21, 0.25, 8
 class FirstTouch:
     """First touch: point (3,) mm, curvature (2, 2) 1/mm along `directions(axis)`, convex positive.
 
-    The curvature is that of the quadric fitted within 2 mm.
+    The curvature belongs to a quadric fitted within 2 mm.
     """
 
     point: Array

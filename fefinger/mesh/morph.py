@@ -13,14 +13,12 @@ import numpy as np
 from scipy import sparse
 from scipy.interpolate import PchipInterpolator
 
-from fefinger.geometry.facets import interfaces
-from fefinger.geometry.finger_mesh import BONE, FingerMesh, triangle_areas, volumes
+from fefinger.geometry.finger_mesh import BONE, FingerMesh, interfaces, triangle_areas, volumes
 from fefinger.mesh import finger_shape, smooth
 from fefinger.mesh.finger_shape import Shape, touch_point
 from fefinger.mesh.quality import gate, record
-from fefinger.mesh.recipe import Recipe, Touch
+from fefinger.mesh.recipe import STRETCH, Recipe, Touch
 from fefinger.mesh.shell import Shell
-from fefinger.mesh.shipped import STRETCH
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import ConvergenceError
 
@@ -78,7 +76,7 @@ def draft(template: FingerMesh, source: Shape, target: Shape, touch: Touch = Non
 def finished(made: Draft, target: Shape, recipe: Recipe, *, name: str = "finger") -> FingerMesh:
     """Improve the cells of a draft and return the mesh; raise ConvergenceError if it is not good.
 
-    The worst dihedral angle becomes that of the template, where possible.
+    The worst dihedral angle is raised to the template's, where possible.
     """
     template, free = made.template, made.constraints.free
     first = np.flatnonzero(np.all(template.points == 0.0, axis=1))
@@ -161,8 +159,8 @@ def _surface_moves(
 ) -> Array:
     """Displacements (n, 3) mm of the vertices on surfaces and planes; zero at the others.
 
-    A vertex moves as the foot of its perpendicular, and so keeps its distance from the surface:
-    those of the bone have one, which gives it its volume.
+    A vertex moves as the foot of its perpendicular, and so keeps its distance from the surface: on
+    the bone it is not 0, which gives the bone its volume.
     """
     points, free = template.points, constraints.free
     moves = np.zeros_like(points)

@@ -4,12 +4,12 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.optimize import brentq
 
-from fefinger.mesh import finger_shape, shell_triangles
+from fefinger.mesh import finger_shape
+from fefinger.mesh import shell as surface
 from fefinger.mesh.finger_shape import SAMPLES, Nail, Shape, rounding, smooth
 from fefinger.mesh.frame import ALONG, PLATE, fitted_radii
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shell import Shell, Table, offset
-from fefinger.mesh.shell_triangles import Triangles
+from fefinger.mesh.shell import Shell, Table, Triangles, offset
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
@@ -97,16 +97,12 @@ def _with_inside(
     _check_round(under, recipe)
     top = skin.middle + float(tables["dorsal"][1].max())
     bone = finger_shape.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
-    finger_shape.check_room(
-        under, shell_triangles.without_caps(shell_triangles.half(bone, 0.5))[0], recipe
-    )
+    finger_shape.check_room(under, surface.without_caps(surface.half(bone, 0.5))[0], recipe)
     nail = finger_shape.nail_of(
         recipe, tip=tip, middle=skin.middle, side=lambda x: skin.heights(x)[0]
     )
     shells = (skin, under, bone)
-    inside = (
-        shell_triangles.volume(shell_triangles.half(shell, finger_shape.FINE)) for shell in shells
-    )
+    inside = (surface.volume(surface.half(shell, finger_shape.FINE)) for shell in shells)
     return Shape(
         skin=skin,
         subcutaneous=under,
@@ -228,16 +224,13 @@ def _triangles(shells: tuple[Shell, ...], nail: Nail, step: float) -> list[Trian
     wall makes facets end at the nail's outline.
     """
     skin = shells[0]
-    inner = [
-        shell_triangles.without_caps(shell_triangles.half(s, step, overhang=1.0))
-        for s in shells[1:]
-    ]
+    inner = [surface.without_caps(surface.half(s, step, overhang=1.0)) for s in shells[1:]]
     x, y = nail.edge(40)
     wide, _, high = skin.heights(x)
     edge = np.column_stack([x, y, skin.middle + high * np.sqrt(1.0 - (y / wide) ** 2)])
     reach = 0.5 * skin.normals(edge)
     return [
-        shell_triangles.half(skin, step),
+        surface.half(skin, step),
         *inner,
-        shell_triangles.ribbon(np.stack([edge + reach, edge - reach])),
+        surface.ribbon(np.stack([edge + reach, edge - reach])),
     ]

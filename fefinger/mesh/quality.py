@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.geometry.facets import parts
 from fefinger.geometry.finger_mesh import (
     BONE,
     FACETS,
@@ -15,6 +14,7 @@ from fefinger.geometry.finger_mesh import (
     FingerMesh,
     edges,
     faces,
+    parts,
     triangle_areas,
     volumes,
 )

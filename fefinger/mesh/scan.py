@@ -20,14 +20,13 @@ from fefinger.geometry.surface_file import (
     tilt,
 )
 from fefinger.mesh import finger_shape
-from fefinger.mesh import shell_triangles as surface
+from fefinger.mesh import shell as surface
 from fefinger.mesh.cloud import SPACING, Cloud, smoothed
 from fefinger.mesh.finger_shape import Shape, SmoothSurface
 from fefinger.mesh.frame import ALONG, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.parametric import parametric, patch_points
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shell import Shell, Table, offset
-from fefinger.mesh.shell_triangles import Triangles
+from fefinger.mesh.shell import Shell, Table, Triangles, offset
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
@@ -215,7 +214,7 @@ def _lowered(recipe: Recipe, down: float) -> tuple[str, ...]:
 
 
 def _half(smooth: SmoothSurface, near: Shell, step: float, *, overhang: float = 0.0) -> Triangles:
-    """Return the closed half of a smooth surface, as `shell_triangles.half` of a shell near it."""
+    """Return the closed half of a smooth surface, as `shell.half` of a shell near it."""
     points, faces = surface.half(near, step, overhang=overhang)
     if smooth is near:
         return points, faces
@@ -263,7 +262,7 @@ def _refined(closed: Any, *, open_behind: bool = False) -> Any:
 
 
 def _read(recipe: Recipe) -> SurfaceFile:
-    """Return the surface file of a recipe; its width must be about that of the recipe."""
+    """Read the surface file of a recipe; InputError for another width than the recipe's."""
     file = read_surface(str(recipe.surface))
     if abs(file.width / recipe.width - 1.0) > SIZE_ERROR:
         raise InputError(

@@ -12,8 +12,7 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.geometry.mirror import whole
 from fefinger.mesh import vtu
 from fefinger.mesh.extend import continued_source, extended
-from fefinger.mesh.recipe import Recipe, Touch
-from fefinger.mesh.shipped import has_template, shipped_path
+from fefinger.mesh.recipe import Recipe, Touch, has_template, shipped_path
 from fefinger.support import cache
 from fefinger.support.checks import InputError
 

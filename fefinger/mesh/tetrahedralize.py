@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.mesh.shell_triangles import Triangles
+from fefinger.mesh.shell import Triangles
 from fefinger.support import processes
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.atomic_write import temporary_folder

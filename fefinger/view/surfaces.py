@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fefinger.geometry import facets, mirror, section
+from fefinger.geometry import finger_mesh, mirror, section
 from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, volumes
 from fefinger.geometry.locate import inside_weights
 from fefinger.results.records import Fields
@@ -88,7 +88,7 @@ def _boundaries(fields: Fields) -> dict[int, tuple[Integers, Flags]]:
     """
     inverted = volumes(fields.points, fields.cells) < 0
     cells = np.where(inverted[:, None], fields.cells[:, [0, 2, 1, 3]], fields.cells)
-    faces, inner, outer = facets.interfaces(cells, fields.region)
+    faces, inner, outer = finger_mesh.interfaces(cells, fields.region)
     around = {}
     for region in NAMES:
         within, beyond = inner == region, outer == region

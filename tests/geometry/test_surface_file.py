@@ -10,7 +10,7 @@ import pytest
 
 import fefinger as ff
 from fefinger.geometry.surface_file import crossings, read_surface
-from fefinger.mesh import shell_triangles
+from fefinger.mesh import shell as surface
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.recipe import Recipe
 from fefinger.support.checks import InputError
@@ -201,7 +201,7 @@ def test_a_capsule_has_no_flat_side_however_coarse(tmp_path: Path, count: int) -
 def fingertip(width: float, thickness: float, pad_radius: float, widths: float) -> Any:
     """Return the skin of a parametric finger, open where it was cut so many widths from its tip."""
     skin = parametric(Recipe(width, thickness, pad_radius)).skin
-    points, faces = shell_triangles.without_caps(shell_triangles.half(skin, 0.6))
+    points, faces = surface.without_caps(surface.half(skin, 0.6))
     both = np.concatenate([faces, faces[:, ::-1] + len(points)])
     mesh = trimesh.Trimesh(np.concatenate([points, points * [1, -1, 1]]), both)
     mesh.merge_vertices()

@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from oracles.solids import assert_closed, enclosed
 
-from fefinger.geometry.facets import parts
-from fefinger.geometry.finger_mesh import FingerMesh, volumes
+from fefinger.geometry.finger_mesh import FingerMesh, parts, volumes
 from fefinger.geometry.mirror import whole
 from fefinger.mesh import extend, vtu
 from fefinger.mesh.quality import dihedral_angles
-from fefinger.mesh.shipped import data_folder
+from fefinger.mesh.recipe import data_folder
 from fefinger.support.checks import InputError
 
 

@@ -7,7 +7,7 @@ import pytest
 from oracles.solids import section_volume
 from scipy.spatial import cKDTree
 
-from fefinger.mesh import shell_triangles
+from fefinger.mesh import shell as surface
 from fefinger.mesh.finger_shape import Shape
 from fefinger.mesh.frame import ALONG, PLATE_NORMAL, fitted_radii
 from fefinger.mesh.parametric import parametric, patch_points, radii
@@ -53,7 +53,7 @@ def test_curvatures_at_first_touch_are_near_the_fitted_ones(shape: Shape) -> Non
 def test_first_touch_of_a_30_degree_plate_is_the_origin(shape: Shape) -> None:
     assert shape.skin.level(np.zeros((1, 3))) == pytest.approx(0.0, abs=1e-6)
     assert shape.skin.normals(np.zeros((1, 3)))[0] == pytest.approx(PLATE_NORMAL, abs=1e-6)
-    assert (shell_triangles.half(shape.skin, 0.3)[0] @ PLATE_NORMAL).max() < 1e-6
+    assert (surface.half(shape.skin, 0.3)[0] @ PLATE_NORMAL).max() < 1e-6
 
 
 def test_size_is_the_given_one(shape: Shape, recipe: Recipe) -> None:
@@ -73,10 +73,10 @@ def test_pad_gets_sharper_towards_the_tip(shape: Shape) -> None:
 
 
 def test_skin_is_equally_thick(shape: Shape, recipe: Recipe) -> None:
-    points = shell_triangles.half(shape.subcutaneous, 0.5)[0]
+    points = surface.half(shape.subcutaneous, 0.5)[0]
     points = points[(shape.subcutaneous.level(points) > -0.01) & (points[:, 0] < shape.skin.tip)]
     points = points[points[:, 0] > shape.skin.cut + 1.5]
-    outer = shell_triangles.half(shape.skin, 0.1)[0]
+    outer = surface.half(shape.skin, 0.1)[0]
     outer = outer[np.abs(shape.skin.level(outer)) < 1e-6]
     outer = np.concatenate([outer, outer * [1, -1, 1]])
     distance = cKDTree(outer).query(points)[0]
@@ -89,7 +89,7 @@ def test_skin_is_equally_thick(shape: Shape, recipe: Recipe) -> None:
 
 def test_shells_are_nested_with_room_for_an_element(shape: Shape) -> None:
     for outer, inner in zip(shape.shells, shape.shells[1:], strict=False):
-        points = shell_triangles.half(inner, 0.5)[0]
+        points = surface.half(inner, 0.5)[0]
         assert outer.level(points).max() < -0.4
 
 
@@ -99,7 +99,7 @@ def test_the_bone_ends_where_it_is_told_to_and_stays_inside(recipe: Recipe, ahea
     assert shape.skin.tip - shape.bone.tip == pytest.approx(ahead, abs=1e-9)
     expected = (plain.skin.tip, plain.skin.cut)
     assert (shape.skin.tip, shape.skin.cut) == pytest.approx(expected, rel=1e-12)
-    bone = shell_triangles.half(shape.bone, 0.5)[0]
+    bone = surface.half(shape.bone, 0.5)[0]
     assert shape.subcutaneous.level(bone).max() < -0.2
     # A longer bone has more volume, taken from the subcutaneous tissue.
     longer = ahead < plain.skin.tip - plain.bone.tip
@@ -153,17 +153,17 @@ def test_a_bone_that_leaves_the_pulp_or_has_no_base_is_refused() -> None:
 @pytest.mark.parametrize("step", [0.8, 0.4])
 def test_half_surfaces_are_closed_and_point_outward(shape: Shape, step: float) -> None:
     for shell in shape.shells:
-        points, faces = shell_triangles.half(shell, step)
+        points, faces = surface.half(shell, step)
         sides = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
         assert len(np.unique(sides, axis=0)) == len(sides)
         assert set(map(tuple, sides.tolist())) == set(map(tuple, sides[:, ::-1].tolist()))
         exact = section_volume(shell)
-        assert shell_triangles.volume((points, faces)) == pytest.approx(exact, rel=0.02)
+        assert surface.volume((points, faces)) == pytest.approx(exact, rel=0.02)
 
 
 def test_projection_lands_on_the_surface_and_keeps_what_is_held(shape: Shape) -> None:
     random = np.random.default_rng(3)
-    points = shell_triangles.half(shape.skin, 1.0)[0]
+    points = surface.half(shape.skin, 1.0)[0]
     points = points[np.abs(shape.skin.level(points)) < 1e-6]
     moved = points + random.uniform(-0.1, 0.1, points.shape)
     free = np.tile([True, False, True], (len(points), 1))
@@ -176,7 +176,7 @@ def test_projection_lands_on_the_surface_and_keeps_what_is_held(shape: Shape) ->
 
 def test_nail_is_a_patch_of_the_back(shape: Shape, recipe: Recipe) -> None:
     x, y = shape.nail.edge(200)
-    skin = shell_triangles.half(shape.skin, 0.2)[0]
+    skin = surface.half(shape.skin, 0.2)[0]
     covered = skin[shape.nail.covers(skin) & (np.abs(shape.skin.level(skin)) < 1e-6)]
     assert np.all(covered[:, 2] > shape.skin.middle)
     assert x.min() <= covered[:, 0].min() < covered[:, 0].max() <= x.max()

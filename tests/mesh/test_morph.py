@@ -8,12 +8,12 @@ from oracles.solids import section_volume
 from scipy.spatial import cKDTree
 
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, volumes
-from fefinger.mesh import build, morph, shell_triangles, smooth, vtu
+from fefinger.mesh import build, morph, smooth, vtu
+from fefinger.mesh import shell as surface
 from fefinger.mesh.finger_shape import Shape
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import MIN_DIHEDRAL, dihedral_angles
-from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shipped import data_folder, has_template, shipped_path
+from fefinger.mesh.recipe import Recipe, data_folder, has_template, shipped_path
 from fefinger.mesh.smooth import supports
 from fefinger.mesh.store import load_or_build
 from fefinger.support.checks import ConvergenceError
@@ -114,7 +114,7 @@ def test_a_new_finger_has_the_skin_thickness_under_the_pad(new: tuple[FingerMesh
     layer = mesh.points[np.unique(morph._facets(mesh)["skin-subcutaneous"])]
     near = layer[np.linalg.norm(layer, axis=1) < 2.5]
     assert len(near) > 5
-    skin = shell_triangles.half(shape.skin, 0.08)[0]
+    skin = surface.half(shape.skin, 0.08)[0]
     thickness = cKDTree(skin).query(near)[0]
     assert thickness == pytest.approx(mesh.recipe["skin_thickness"], rel=0.02)
 

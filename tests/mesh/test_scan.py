@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from fefinger.mesh import shell_triangles as surface
+from fefinger.mesh import shell as surface
 from fefinger.mesh.build import build
 from fefinger.mesh.cloud import Cloud, smoothed
 from fefinger.mesh.finger_shape import Shape

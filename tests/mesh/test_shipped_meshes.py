@@ -18,8 +18,7 @@ from fefinger.mesh.quality import (
     gate,
     measured_radii,
 )
-from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.shipped import data_folder
+from fefinger.mesh.recipe import Recipe, data_folder
 from fefinger.support.arrays import Integers
 
 

@@ -7,7 +7,7 @@ from oracles.solids import assert_closed, enclosed
 from fefinger.geometry.finger_mesh import FingerMesh, volumes
 from fefinger.geometry.mirror import whole
 from fefinger.mesh import vtu
-from fefinger.mesh.shipped import data_folder
+from fefinger.mesh.recipe import data_folder
 from fefinger.support.checks import InputError
 
 

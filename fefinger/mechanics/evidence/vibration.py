@@ -28,7 +28,7 @@ from fefinger.scene.motion import Motion
 from fefinger.scene.samples import SAMPLED
 from fefinger.support.arrays import Array
 from fefinger.support.text import percent
-from fefinger.theory.contact.moving_load import amplification
+from fefinger.theory.contact.elastic import amplification
 
 
 REPORT = "modal.json"

@@ -22,7 +22,7 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.laws import LAWS
 from fefinger.mechanics.press.discretization import continued, refinement_location
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
-from fefinger.mesh.shipped import data_folder
+from fefinger.mesh.recipe import data_folder
 from fefinger.mesh.store import sha256
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter

@@ -65,7 +65,7 @@ class ContactTable:
     def depth(self, force: ArrayLike) -> Array:
         """Return the approach (...,) in mm that carries `force` (...,) mN.
 
-        ValueError for a force below zero or beyond that of the deepest contact.
+        ValueError for a force below zero, or larger than at the deepest contact.
         """
         force = np.asarray(force, np.float64)
         most = self.contacts[-1].force
@@ -135,7 +135,7 @@ class ContactTable:
 
     @cached_property
     def _shape(self) -> CubicSpline:
-        """Spline of the coefficients of phi / a² over a; at 0 those of Hertz."""
+        """Spline of the coefficients of phi / a² over a; at a = 0 Hertz's coefficients."""
         count = max(len(contact.phi) for contact in self.contacts)
         rows = np.zeros((len(self.contacts) + 1, count))
         flat = elastic.plane_modulus(*self.stack.surface) / (math.pi * self.radius)
@@ -159,7 +159,7 @@ def _strain_per_force(
 ) -> CubicSpline:
     """Spline of the strain (4, n_p) at points r, z mm per unit force, over the contact radius a.
 
-    It tends to that of a point force with zero slope in a.
+    It tends to the strain of a point force, with zero slope in a.
     """
     solved = subsurface_field(table.stack, table.contacts, r, z=z).strain
     wide = np.array([contact.contact_radius for contact in table.contacts])

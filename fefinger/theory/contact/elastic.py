@@ -1,4 +1,4 @@
-"""Hooke's law and input checks of the closed forms.
+"""Hooke's law, input checks of the closed forms, and the half-space under a moving load.
 
 Axially symmetric stress and strain are arrays (4, ...): radial, hoop, axial and rz components,
 positive in tension; the rz strain is the tensor component, half of the engineering shear.
@@ -84,3 +84,21 @@ def strain(stress: Array, modulus: float, poisson: float) -> Array:
     grow = 1 + poisson
     normal = [grow * part - trace for part in (radial, hoop, axial)]
     return np.array([*normal, grow * shear]) / modulus
+
+
+STILL = 1e-3
+"""Speed over the speed of shear waves below which the limit of the quotient 0 / 0 is taken."""
+
+
+def amplification(speed: float) -> float:
+    """Relative growth of the displacement of a half-space when its line load moves steadily.
+
+    `speed`: over the speed of shear waves, M; incompressible body. The displacement is
+    2 M² / [4 a - (1 + a²)²] times the one at rest, with a = sqrt(1 - M²) (Cole and Huth, J. Appl.
+    Mech. 25:433, 1958); less 1 it is returned, infinite from the Rayleigh speed, M = 0.955, on.
+    """
+    if speed < STILL:
+        return 0.75 * speed**2
+    a = math.sqrt(max(0.0, 1.0 - speed**2))
+    rayleigh = 4 * a - (1 + a**2) ** 2
+    return 2 * speed**2 / rayleigh - 1 if rayleigh > 0 else math.inf

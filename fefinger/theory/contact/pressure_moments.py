@@ -18,8 +18,9 @@ class Moments:
     """Force, center, asymmetry and ellipticity of a pressure.
 
     force mN; center (2,) mm; asymmetry, (force at x > 0 - force at x < 0) / force;
-    ellipticity 1 - b/a, from the ratio of the principal second moments about the center, which is
-    that of the axes of an ellipse under Hertz's pressure; long_axis, degrees from x in -90 to 90.
+    ellipticity 1 - b/a, from the ratio of the principal second moments about the center, so that an
+    ellipse under Hertz's pressure has the ratio b/a of its axes; long_axis, degrees from x in -90
+    to 90.
     """
 
     force: float

@@ -94,7 +94,7 @@ class Stack:
         return (finite[0], sum(finite)) if finite else (math.inf, math.inf)
 
     def compliance(self, xi: ArrayLike) -> Array:
-        """Return L (n,) at wavenumbers xi (n,) > 0: u_z of the surface over that of a half-space.
+        """Return L (n,) at wavenumbers xi (n,) > 0: u_z of the surface over u_z of a half-space.
 
         The half-space is of the top layer: u_z = 2 (1 - nu²) / E * L(xi) / xi per unit pressure.
         """
@@ -107,8 +107,8 @@ class Stack:
 
         They are xi u_r and xi u_z in 1/kPa, and sigma_z and tau_rz (dimensionless), of J1, J0, J0
         and J1 of xi r: u_z(r) = integral of kernel * p(xi) J0(xi r) d xi with p(xi) the Hankel
-        transform of the pressure. On an interface they are those of the upper layer (all four
-        are continuous). ValueError for xi <= 0 or z outside the stack.
+        transform of the pressure. All four are continuous across an interface. ValueError for
+        xi <= 0 or z outside the stack.
         """
         return self.depths(xi, [z])[0]
 

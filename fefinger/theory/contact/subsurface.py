@@ -88,7 +88,7 @@ def _integrate(
 ) -> tuple[Array, Array, Array]:
     """Integrate displacement, strain and stress (n_c, 2 or 4, n_p) at one depth.
 
-    loads (n_c, n) are the transforms times the weights, kernels (4, n) those of the stack.
+    loads (n_c, n): transforms of the pressures times the weights; kernels (4, n) of the stack.
     """
     wave = np.multiply.outer(xi, r)
     even, odd = j0(wave), j1(wave)

@@ -12,9 +12,9 @@ holds for repeated contact, of tissue that has not yet recovered.
 A body that stiffens, of Fung's quasi-linear kind, relaxes in its stress and not in its
 displacement: it recovers more slowly than a linear one. Its springs are those of a linear body at
 the depth M(d), a `measure` to which its stress is about proportional; a factor of M has no effect.
-The displacement is that of the depths with these measures: Phi_q = M^-1(m) - M^-1(m - Phi), with m
-the share of the middle. For a linear body M(d) is d. With the elastic force for M, all springs are
-one (Pawluk 1997, Eq. 2.3).
+The displacement follows from the depths with these measures: Phi_q = M^-1(m) - M^-1(m - Phi), with
+m the share of the middle. For a linear body M(d) is d. With the elastic force for M, all springs
+are one (Pawluk 1997, Eq. 2.3).
 
 At finite strain the stress of an earlier depth works on the present deformation. With S(a) the
 second Piola-Kirchhoff stress and E(a) the Green-Lagrange strain of the elastic contact of depth a,
@@ -287,8 +287,8 @@ class ContactHistory:
 def node_weights(shares: Array, at: Array) -> Array:
     """Weights (..., n) of elastic values at nodes, of shares (..., n) of the punches at `at` (n,).
 
-    Values are joined by straight lines over `at`. The weights sum to 0: values count from that at
-    the first node.
+    Values are joined by straight lines over `at`. The weights sum to 0: values count from the value
+    at the first node.
     """
     punches = np.zeros((*shares.shape[:-1], shares.shape[-1] + 1))
     # Slices, as numpy.diff takes ten times as long for so few numbers, several times a step.

@@ -93,7 +93,7 @@ def misfit(missed: Array, noise: Array, size: Array, largest: float) -> tuple[st
 def bias(record: RampHold, prony: Prony, x0: float, spread: dict[str, float]) -> tuple[str, ...]:
     """Warnings on errors of a fit to ramp and hold beyond its stated deviations.
 
-    `spread` holds the deviations of the parameters, that of `x0` in mm.
+    `spread` holds the standard deviations of the parameters (of `x0` in mm).
     """
     return _hidden(record, prony, spread) + _gaps(record, prony) + _touch(record, x0, spread["x0"])
 

@@ -295,8 +295,8 @@ def mse(record: RampHold, spring: Spring, prony: Prony) -> float:
 def _noise(values: Array) -> float:
     """Estimate the standard deviation of white noise on a slow signal by second differences.
 
-    The median excludes corners and steps. For a signal read in steps it is at least that of the
-    rounding.
+    The median excludes corners and steps. For a signal read in steps it is at least the noise of
+    the rounding.
     """
     second = np.diff(values, 2)
     return max(_median_noise(second), _rounding(second, float(np.ptp(values))))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fefinger.theory.contact.moving_load import amplification
+from fefinger.theory.contact.elastic import amplification
 
 
 def test_a_slow_load_displaces_more_by_the_square_of_its_speed() -> None:
