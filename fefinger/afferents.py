@@ -1,8 +1,8 @@
 """Spikes from the strain at the end organs, and a check of their counts on a coarser mesh.
 
 `scene/population.py` describes a population, `mechanics/press/population.py` places it under the
-skin. This module adds the published anatomy, and lets the units of a family fire: those of
-`recorded` in `neural/recorded.py`, those of `thesis` in `neural/units.py`.
+skin. This module adds the published anatomy, and lets the units of a family fire: family
+`recorded` in `neural/recorded.py`, `thesis` in `neural/units.py`.
 """
 
 from collections.abc import Callable, Iterator, Sequence

@@ -186,7 +186,7 @@ def _rungs(name: str, case: Situation, inertia: _Inertia) -> Iterator[Rung]:
 def _rung(
     candidate: Candidate, case: Situation, refusals: tuple[Refusal, ...], inertia: _Inertia
 ) -> Rung:
-    """Look up cost and error of one candidate, with refusals where they exceed those of `ask`."""
+    """Look up cost and error of one candidate, with refusals where `ask` allows less."""
     name = candidate.mechanics
     mechanics, ask = get(name), case.ask
     seconds, (static, evidence) = mechanics.cost(case), mechanics.error(case)

@@ -69,7 +69,7 @@ class Result(ResultRecord):
     ) -> Self:
         """Assemble the result from the outputs of the stages of a run.
 
-        `seconds` are those of the stages after the mechanics. Notes are added on parts of the
+        `seconds`: of the stages after the mechanics. Notes are added on parts of the
         finger that belong to another one, on motions that are too fast for statics, and on compiled
         code that cannot be kept. Strain that was computed for the spikes alone is left out.
         """
@@ -101,9 +101,9 @@ class Result(ResultRecord):
     def fire(self, trial: int = 0) -> "SpikeTrains":
         """Return the spikes of the same units in another trial, without solving the scene again.
 
-        Places, end organs and gains stay; noise and jitter are those of the trial, a whole number
-        of 0 or more. `spikes` is that of the scene, trial 0 unless `ask.trial` says otherwise. The
-        counts are not checked by a finer step or another mesh, as those of `spikes` are.
+        Places, end organs and gains stay; noise and jitter follow from the trial, a whole number
+        of 0 or more. `spikes` has the scene's trial, 0 unless `ask.trial` says otherwise. The
+        counts are not checked by a finer step or another mesh, as in `spikes`.
 
         Raises
         ------
@@ -137,7 +137,7 @@ class Result(ResultRecord):
         ------
         InputError
             A folder that cannot be written, that is full, or that holds files of these names which
-            are not those of a result.
+            hold no result.
         """
         from fefinger.pages import report
         from fefinger.results import netcdf, vtkhdf
@@ -174,7 +174,7 @@ def earlier(folder: str | PathLike[str]) -> tuple[str, ...]:
     """Return the names of the files of the result that is saved in `folder`; none without one.
 
     Raises InputError when the folder has files of these names that the result there, if any, does
-    not hold: they are the user's own, or those of another command, and stay.
+    not hold: the user or another command wrote them, and they stay.
     """
     from fefinger.results import netcdf
     from fefinger.results.labels import LAYOUT

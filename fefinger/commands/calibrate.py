@@ -55,7 +55,7 @@ def calibrate(
     """Fit the tissue of a finger to a ramp and hold.
 
     DATA.csv is your own record of a plate at 30 degrees to the bone, with the columns time (s),
-    position (mm) and force (N). Without it those of the subjects of Pawluk (1997) are fitted.
+    position (mm) and force (N). Without it the records of the subjects of Pawluk (1997) are fitted.
     Solved presses are cached: an interrupted calibration continues where it stopped. On a coarse
     mesh solid takes some 1.5 minutes of CPU and condensed 15 s; on the standard mesh solid takes
     longer, by one to six presses.

@@ -13,7 +13,7 @@ def live(output: str | None, subject: str, resolution: str) -> None:
     """Watch a finger being pressed and rolled.
 
     Shows pressure, strain in the medial section and spikes as they are computed. Strain is small,
-    so that the tissue is one that does not stiffen: that of Maeno et al. (1998). The first run
+    so that the tissue is one that does not stiffen, of Maeno et al. (1998). The first run
     builds the operator of the finger, which takes about a minute.
     """
     from fefinger.scene.finger import Finger

@@ -61,7 +61,7 @@ def spikes(
     (repeatable, by default all that the sampling rate allows, from 1600 Hz on all four); one named
     FAI_displacement_mm drives a unit of FAI alone. Displacement is positive into the skin. Strain
     is positive where it excites: compression for SAI and FAII, stretch of the skin for SAII and
-    FAI. For the afferents recorded it is that of a pin 1 mm wide.
+    FAI. For the afferents recorded a pin 1 mm wide causes it.
     """
     from fefinger.neural import series
     from fefinger.neural.signals import read

@@ -1,6 +1,6 @@
 """Harmonic answer of a body of modes whose contact stays closed: in closed form at any frequency.
 
-The contact is that of a preload. Small oscillations do not change it, so that all elastic forces
+A preload sets the contact. Small oscillations do not change it, so that all elastic forces
 share one factor G*, and the body held by its indenter has modes of its own: one small eigenproblem
 serves every frequency. With the second static term (`inertia`), what the modes leave over has mass
 too, and the error of leaving modes out is of second order in (frequency / last mode)².
@@ -48,7 +48,7 @@ class ClosedContact:
         rates: Array,
         inertia: Array | None = None,
     ) -> "ClosedContact":
-        """Compute the modes of a body that the indenter holds from those of the free body.
+        """Compute the modes of a body that the indenter holds from the modes of the free body.
 
         omega_squared (n,) and participation (n, k): of the free modes, on the k loads in contact;
         residual_flexibility (k, k): what the free modes leave; direction (k,): displacement under

@@ -105,7 +105,7 @@ def pressure_at_force(
 
     The gaps `free` (n,) mm³ are those at a depth of 0 without pressure; they close by `closing`
     (n,) mm² per mm of depth, by default `projected`; the pressure is g times the elastic one. Under
-    no force the depth is that of first touch. `guess` mm and `peak` mN as of `depth_of_force`.
+    no force the depth is at first touch. `guess` mm and `peak` mN as of `depth_of_force`.
 
     Raises
     ------

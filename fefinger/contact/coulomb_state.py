@@ -20,7 +20,7 @@ class CoulombState(NamedTuple):
     of the active vertices `where` (n,), whose position in it is `place` (n,) or -1; compressed,
     constant and rest (3n,): x, b and F x + b of the block; before and start (3n,): ends of a Newton
     step; vertex and extra (3n,), column and row (3n, 3), code and kept (3n,): its unknowns, and
-    those of the last matrix, with its inverse (3n, 3n); counts (5,); residual (1,): of the last
+    the last matrix's, with its inverse (3n, 3n); counts (5,); residual (1,): of the last
     solution; chosen and factor (3n,): work.
     """
 

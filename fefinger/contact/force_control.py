@@ -54,7 +54,7 @@ def begin(search: Array, touch: float, force: float, match: float) -> None:
 def judge(search: Array, excess: float, slope: float) -> int:
     """Judge the depth by the force beyond the wanted one, in mN, and set the next: a verdict.
 
-    slope: that of the force in mN/mm; 0 or less where it is not known.
+    slope: of the force in mN/mm; 0 or less where it is not known.
     """
     if abs(excess) <= search[_CLOSE]:
         return FOUND
@@ -103,7 +103,7 @@ def depth_of_force(
     """Find the depth in mm of a force in mN above 0; also return how many depths were tried.
 
     borne(depth) gives the force in mN and its slope in mN/mm; touch mm: the depth of first touch;
-    peak: the largest force of the path. The last depth tried is returned: that of the force, unless
+    peak: the largest force of the path. The last depth tried is returned; it bears the force unless
     the count is more than CORRECTIONS.
     """
     search = depth_search()

@@ -87,7 +87,7 @@ def press(
 ) -> int:
     """Solve for the pressure at a depth in mm or a force in mN; return DONE or a failure.
 
-    gap (n,) mm³ is that of a pad without pressure or past, at a depth of 0; past (n,): what the
+    gap (n,) mm³: of a pad without pressure or past, at a depth of 0; past (n,): what the
     past moves it, times the `stiffness` (g t, see above); projected (n,) mm²: the areas m.
     """
     touch = first_touch(gap, past, stiffness, projected) if by_force else 0.0

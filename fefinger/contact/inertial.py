@@ -1,10 +1,10 @@
 """Contact of a body of viscoelastic modes with residual flexibility: one step, with inertia.
 
 The displacement of the pad is u = R y + sum of phi_k a_k: R is the residual flexibility (the static
-one less that of the modes, a static correction for the modes left out), y the elastic pressure as
+one less the modes', a static correction for the modes left out), y the elastic pressure as
 in `frictionless`, a_k the amplitudes of `oscillators`. A step ends at u = F p + what the past
 left, with F = R / g + sum of phi_k b_k phi_k', b_k >= 0: contact is the complementarity problem of
-statics with another F. What touches has no mass of its own but that of the modes, so that contact
+statics with another F. What touches has no mass of its own beyond the modes, so that contact
 opens and closes without chatter (Khenous, Laborde and Renard, Eur. J. Mech. A 27:918, 2008).
 Pressures that alternate from step to step move no mode that swings: closed contact lets no error
 grow, however long the step.
@@ -41,7 +41,7 @@ class ModalState(NamedTuple):
     """State of the modes and the factors of a step.
 
     participation (n, n_pad): work of each unit load on each mode; residual_flexibility (n_pad,
-    n_pad): R, which the modes leave of that of statics; residues (n, s); filtered (n, s): the force
+    n_pad): R, the static one less the modes'; residues (n, s); filtered (n, s): the force
     of each mode, filtered by each of its poles; force, earlier (n,): at the end of the last step
     and of the one before; amplitude, free_amplitude (n,): at the end, and the same without the
     pressure of the step; moved (n_pad,): R p; pressed, factor (n_pad,): work, the loaded vertices

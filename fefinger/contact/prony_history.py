@@ -1,6 +1,6 @@
 """History of a linear viscoelastic body with one relaxation function, for steps in time.
 
-The displacement follows from an elastic stress y, that of the fully relaxed body at this
+The displacement follows from an elastic stress y: of the fully relaxed body at this
 displacement (Lee and Radok, J. Appl. Mech. 27:438, 1960). The contact stress is its hereditary
 integral, p = integral of G(t - s) dy(s). Over a step in which y is linear the integral is exact:
 p = g y + h, with g and h from one exponential per Prony term. h and F h follow from the same

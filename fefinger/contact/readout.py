@@ -16,7 +16,7 @@ FORCE, AREA, X, Y = 0, 1, 2, 3
 class Readout(NamedTuple):
     """Maps from pressure and elastic stress to what is read, and the values last read.
 
-    areas and projected (n,) mm², moments (2, n) mm³: integrals of the hat of each vertex, those of
+    areas and projected (n,) mm², moments (2, n) mm³: integrals of the hat of each vertex,
     `projected` across the axis and of the meshed part; rows (k, n_strains): strains under unit
     elastic stresses, in single or double precision; chosen and factor (k,): work; strain
     (n_strains,); summary (4,): the center stays where it was while nothing touches.
@@ -50,7 +50,7 @@ def readout(
 
 @njit(cache=True)
 def read(out: Readout, pressure: Array, elastic: Array, share: float) -> None:
-    """Update all of a readout; `share` is what the strain is of that of the elastic stress."""
+    """Update all of a readout; `share`: the strain over the strain under the elastic stress."""
     read_contact(out, pressure)
     combine(out.strain, out.rows, elastic, out.chosen, out.factor)
     if share != 1.0:

@@ -78,7 +78,7 @@ class Reduced:
     """Response of a body to unit loads on a patch.
 
     flexibility F (n, n); strain_operator (n_rows, n): strain per unit load; normal_displacement
-    (n_near, n) mm: that of the patch's neighborhood, along the obstacle's normal.
+    (n_near, n) mm: of the patch's neighborhood, along the obstacle's normal.
     """
 
     patch: Patch

@@ -3,7 +3,7 @@
 The pad's displacement nodes are eliminated last. The Schur complement on them has the inverse A,
 which gives the displacement u = A f of the pad under any load f on it, in three directions: one
 operator serves every obstacle, place and angle. The fronts before it are stored too, because they
-give strain and displacement anywhere in the body from those of the pad.
+give strain and displacement anywhere in the body from the displacement of the pad.
 
 A finger is symmetric about its medial plane. A load on a whole finger is the sum of an even and an
 odd part, each a problem of the half: two operators of half the size replace one.
@@ -48,7 +48,7 @@ class OutsideError(InputError):
 class Compliance:
     """Compliance of the pad of a condensed body, for loads of one parity.
 
-    order (n,) the free unknowns in the order of elimination, those of the pad last; fronts of the
+    order (n,) the free unknowns in the order of elimination, the pad's last; fronts of the
     others; matrix (n_pad, n_pad) the displacement A under unit loads on the pad.
     """
 

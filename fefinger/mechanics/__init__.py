@@ -74,7 +74,7 @@ class Mechanics(Protocol):
 
 
 def names() -> tuple[str, ...]:
-    """Return the names of all mechanics, cheapest first, then those of the user."""
+    """Return the names of all mechanics, cheapest first, then the user's own."""
     return tuple(registry.MECHANICS)
 
 

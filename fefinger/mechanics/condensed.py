@@ -1,7 +1,7 @@
 """Small-strain finite elements, condensed once per finger to its pad and its end organs.
 
 The operator (`fem/condensation.py`) is built once per finger and cached; contact then runs in
-compiled steps (`contact/frictionless.py`). On the same mesh the answer is that of `linear` up
+compiled steps (`contact/frictionless.py`). On the same mesh it answers as `linear` does, up
 to rounding. One operator serves every indenter, so its mesh is that of the 30
 degree plate, where the mesh of `linear` follows the touch.
 """
@@ -38,7 +38,7 @@ BEYOND = (
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return the reasons against it: those of `linear`, an elastic bone, another solver."""
+    """Return the reasons against it: as for `linear`, an elastic bone, another solver."""
     unable = [*elastic_hard_parts_reasons(case.finger)]
     if case.ask.solver not in (None, SOLVER):
         reason = (

@@ -184,7 +184,7 @@ def once(case: Situation) -> float:
 def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     """Return the expected relative error, and where it comes from.
 
-    That is the measured one. Where none is, the bone makes the force 1 + 1.127 chi times that of
+    Measured, where there is evidence. Else the bone makes the force 1 + 1.127 chi times the one of
     Hertz, and more where chi is not small; the skin leaves the modulus open between those of the
     two tissues.
     """

@@ -97,8 +97,8 @@ def contact(scene: Scene) -> "ContactTable":
 def deepest(case: Situation, enough: float) -> float:
     """Return the largest depth in mm of the contact, or `enough` where it is at least that.
 
-    Under force control it is that of the layers under the largest elastic force; first touch is
-    that of the skin, against which a half-space of both tissues is far too soft. Objects without
+    Under force control the layers bear the largest elastic force there; at first touch only the
+    skin counts, against which a half-space of both tissues is far too soft. Objects without
     curvature have the depth of the measured presses.
     """
     from fefinger.theory.contact.contact_table import tabulate_to

@@ -133,7 +133,7 @@ def unmeasured(finger: Finger) -> Iterator[Reason]:
 def too_small(case: Situation) -> Iterator[Reason]:
     """Yield the reason against a contact (its Hertz radius) too small for the mesh.
 
-    Under force control the depth is that of the flat layers, so that both controls have one limit.
+    Under force control the depth comes from flat layers, so that both controls have one limit.
     """
     if case.indenter.hertzian is None:
         return

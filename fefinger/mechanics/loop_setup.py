@@ -187,7 +187,7 @@ def _rolling_plate(options: LoopOptions) -> Flat | None:
 def _warn_of_softness(finger: Finger, indenter: Indenter | OwnObstacle, deepest: float) -> None:
     """Warn that tissue stiffens, which a finger at small strain leaves out, with the error of it.
 
-    The error is that of the force in a press to `deepest` mm, where it is known.
+    It is the error of the force in a press to `deepest` mm, where that is known.
     """
     if not stiffens(finger):
         return

@@ -1,9 +1,9 @@
 """Lumped model of Pawluk (1997), chapter 2: force and depth alone.
 
-The formula is in `theory/lumped/spring.py`, its proof in the tests of it. Its b and m are those of
+The formula is in `theory/lumped/spring.py`, its proof in the tests of it. Its b and m are fitted to
 a whole finger under a plate. For fingers of published tissue they were identified from presses of
 `solid` (`reports/lumped-force.json`). A finger that was calibrated on a subject of the thesis has
-those of Table 2.1, to which it was fitted.
+b and m of Table 2.1, to which it was fitted.
 """
 
 import math
@@ -77,9 +77,9 @@ SAME = 1e-3
 class LumpedLaw(NamedTuple):
     """The law of a finger: b in N/mm, m in 1/mm, G, and their source.
 
-    printed: whether they are those of Table 2.1. error: relative error of the force against `solid`
+    printed: whether they are from Table 2.1. error: relative error of the force against `solid`
     of the same finger, not a number if unknown; evidence: its source. caveat: reason why the law
-    may not be that of the scene; empty without one.
+    may not fit the scene; empty without one.
     """
 
     spring: Spring
@@ -92,7 +92,7 @@ class LumpedLaw(NamedTuple):
 
 
 def law(case: Situation) -> LumpedLaw:
-    """Return the law of the finger of a scene, or that of Table 2.1 with a caveat."""
+    """Return the law of the finger of a scene, or the law of Table 2.1 with a caveat."""
     finger = case.finger
     if measured_tissue.subject(finger) is not None:
         error, evidence = press_mesh.error(LUMPED_LAW, case)

@@ -3,7 +3,7 @@
 One real eigenproblem per finger serves every relaxation and every frequency, because all tissue
 relaxes with one function. Through time each mode is an oscillator with the memory of the tissue,
 and contact opens and closes as in `condensed` (`contact/inertial.py`). At finite strain the
-answer without inertia is that of `pressed` (`press/modal_response.py`).
+answer without inertia comes from `pressed` (`press/modal_response.py`).
 """
 
 import math
@@ -31,7 +31,7 @@ INERTIA = (
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return the reasons against it: those of its statics, friction or a path, too fast motion."""
+    """Return the reasons against it: as for its statics, friction or a path, too fast motion."""
     base = _base(case.finger)
     shared = tuple(replace(refusal, mechanics=name) for refusal in base.refuse(case))
     if any(refusal.about == "ability" for refusal in shared):

@@ -1,11 +1,11 @@
 """Finite strain by a pre-solved table: elastic solutions over depth, with relaxation convolved.
 
 With one relaxation for the whole stress, contact at finite strain is nearly the elastic contact of
-the same depth, relaxed by a hereditary integral; on retreat, by that of nested contacts of a body
-that stiffens. The force is the work of that stress on the present deformation (for all of this see
-`theory/contact/ting.py`). The table (`press/elastic_press.py`) is solved once per
-finger and object and kept; those of the calibrated fingers under the plate at 30 degrees and a ball
-of 5 mm are shipped. What the tabulation leaves out is measured against `solid` on the same mesh
+the same depth, relaxed by a hereditary integral; on retreat, by the integral of nested contacts of
+a body that stiffens. The force is the work of that stress on the present deformation (for all of
+this see `theory/contact/ting.py`). The table (`press/elastic_press.py`) is solved once per finger
+and object and kept; it is shipped for the calibrated fingers under the plate at 30 degrees and a
+ball of 5 mm. What the tabulation leaves out is measured against `solid` on the same mesh
 (`evidence/tabulation_error.py`).
 """
 
@@ -41,7 +41,7 @@ NOTES = (
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return the reasons against it: different relaxations, and those of `solid`."""
+    """Return the reasons against it: different relaxations, and as for `solid`."""
     unable = [
         *notes.separate_relaxation_reasons(case.finger),
         *notes.elastic_hard_parts_reasons(case.finger),

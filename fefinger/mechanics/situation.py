@@ -102,7 +102,7 @@ class Situation:
 
     @cached_property
     def calibrated_tissue(self) -> bool:
-        """Whether the tissues are those of a subject, on a finger like those that were pressed."""
+        """Whether a finger has a subject's tissues and is like one that was pressed."""
         return measured_tissue.calibrated(self.finger)
 
     @cached_property

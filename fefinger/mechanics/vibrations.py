@@ -117,7 +117,7 @@ class Vibrations:
     def shape(self, which: int, *, frames: int = 24) -> Fields:
         """Return one cycle of a free mode on the mesh, with a largest displacement of 1 mm.
 
-        `which` counts from 0, the lowest; the cycle is that of relaxed tissue without damping.
+        `which` counts from 0, the lowest; the cycle is as of relaxed tissue without damping.
 
         Raises
         ------

@@ -23,7 +23,7 @@ def read(
     """Simulate the readings of an array on the plate, centered at the center of pressure.
 
     The array is aligned at the largest force, as in section 3.2.1 of Pawluk (1997); its x axis
-    points distally along the plate, y sideways. `seed` is that of the noise; None simulates none.
+    points distally along the plate, y sideways. `seed`: of the noise; None simulates none.
 
     Raises
     ------

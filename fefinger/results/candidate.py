@@ -16,9 +16,9 @@ class Traits(NamedTuple):
 
 
 class _TraitsByName(Mapping[str, Traits]):
-    """Traits of the mechanics, cheapest first, then those of the user.
+    """Traits of the mechanics, cheapest first, then of the user's own.
 
-    A mechanics that is not registered here, as that of a saved result, has the simplest ones.
+    A mechanics that is not registered here (a saved result may name one) has the simplest traits.
     """
 
     def __getitem__(self, name: str) -> Traits:

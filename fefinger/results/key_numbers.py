@@ -169,7 +169,7 @@ def _impedance(harmonic: Harmonic) -> KeyNumber:
 
 
 def _strain(result: ResultRecord, error: float) -> KeyNumber:
-    """Return the largest compressive principal strain at an end organ, and that of each type."""
+    """Return the largest compressive principal strain at an end organ, of all and of each type."""
     assert result.strain is not None
     assert result.sites is not None
     types, depths = result.sites.types, result.sites.depths

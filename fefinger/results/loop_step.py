@@ -8,7 +8,7 @@ from fefinger.support.arrays import Array, Floats
 
 @dataclass(slots=True, repr=False)
 class Step:
-    """Result of a step; the arrays are those of the finger, and change with its next step.
+    """Result of a step; the loop owns the arrays, which change with its next step.
 
     depth mm, force N; touching: whether there is contact; x and y mm: center of pressure, without
     contact the last one (the first touch at the start); pressure (n,) kPa at the candidate
@@ -45,7 +45,7 @@ class Step:
 
 @dataclass(frozen=True)
 class LoopState:
-    """State of a loop: that of its contact, the center of pressure in mm, the angles in degrees."""
+    """State of a loop: its contact's state, the center of pressure in mm, the angles in degrees."""
 
     contact: tuple[Any, ...]
     center: tuple[float, float]

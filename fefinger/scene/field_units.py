@@ -23,7 +23,7 @@ SUFFIX = {unit: suffix for suffix, unit in SHORT.items()} | {"degrees": "deg"}
 def column(field: str, kind: str = "") -> str:
     """Return the name of the column of a field of the scene, with its unit.
 
-    `kind` is that of the motion, whose amplitude and approach are those of a force or a depth.
+    `kind`: of the motion, which says whether amplitude and approach are forces or depths.
     """
     found = next((key for key in _keys(field, kind) if key.unit), Key())
     suffix = SUFFIX.get(found.unit_of(kind), "")
@@ -31,7 +31,7 @@ def column(field: str, kind: str = "") -> str:
 
 
 def _keys(field: str, kind: str) -> Iterator[Key]:
-    """Yield the keys of a field of the scene, of several kinds of its table that of `kind` first.
+    """Yield the keys of a field of the scene; of several kinds of a table, `kind` comes first.
 
     A table by afferent type has the key of the whole table.
     """

@@ -48,7 +48,7 @@ class Finger:
     thickness
         Size of the fingertip in mm from pad to nail, along z.
     pad_radius
-        Effective radius R of the pad in mm, as in Table 3.2 of Pawluk (1997); by default that of
+        Effective radius R of the pad in mm, as in Table 3.2 of Pawluk (1997); by default as in
         the finger that the tissue was fitted to, in proportion to the width. The transverse radius
         follows from width and thickness.
     subject_name
@@ -224,7 +224,7 @@ class Finger:
     def from_surface(cls, file: str | Path, **overrides: Any) -> Self:
         """Return the finger with the shape of a closed surface file (STL, OBJ, PLY, VTK).
 
-        Width and thickness are those of the surface (`read_surface`); `overrides` replace fields.
+        The surface gives width and thickness (`read_surface`); `overrides` replace fields.
         """
         from fefinger.geometry.surface_file import read_surface
 
@@ -285,7 +285,7 @@ def origin_notes(finger: Finger) -> tuple[str, ...]:
 
 
 def _resized(finger: Finger) -> tuple[str, ...]:
-    """Note on sizes and relaxation that differ from those of the named subject."""
+    """Note on sizes and relaxation that differ from the named subject's."""
     row = pawluk1997.lumped().get(str(finger.subject_name))
     if row is None or finger.surface is not None:
         return ()

@@ -171,7 +171,7 @@ class Indenter(ABC):
     def least_radius(self) -> float:
         """Smallest radius of curvature in mm of what the pad meets; infinite for a plane.
 
-        That of a ball is at its foremost point, that of a relief the one at its sharpest crest.
+        A ball has it at its foremost point, a relief at its sharpest crest.
         """
         if self.hertzian is not None:
             return min(self.hertzian)
@@ -233,7 +233,7 @@ class Indenter(ABC):
     def hertzian(self) -> tuple[float, float] | None:
         """Radii of curvature in mm along x and y at the foremost point, infinite for a plane.
 
-        None for an object whose contact is not that of a paraboloid.
+        None for an object that does not touch as a paraboloid.
         """
         return None
 

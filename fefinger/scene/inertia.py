@@ -4,8 +4,8 @@ Only `modal` has inertia. For the others this is a warning after the answer, whe
 also under force control; beforehand the planner compares the measured error of statics
 (`mechanics/evidence/vibration.py`) with `ask.rel_error`. The relative error is
 1 / cos(2 pi f h / c) - 1 for a layer of thickness h whose surface moves at the frequency f, with c
-the speed of shear waves at that frequency, and about (v / c)² for a body moved at the speed v, with
-that of relaxed tissue. The limits here keep both below 5 %.
+the speed of shear waves at this frequency, and about (v / c)² for a body moved at the speed v, with
+c of relaxed tissue. The limits here keep both below 5 %.
 """
 
 import math
@@ -44,7 +44,7 @@ def wave_speed(finger: Finger, frequency: float = 0.0) -> float:
 
 
 def modulus(finger: Finger, frequency: float) -> complex:
-    """Return the complex modulus at a frequency in Hz over that of relaxed tissue."""
+    """Return the complex modulus at a frequency in Hz, over the relaxed modulus."""
     relaxed, *decaying = finger.prony.weights
     omega = 2j * math.pi * frequency
     terms = zip(decaying, finger.prony.v, strict=True)
@@ -130,7 +130,7 @@ def pulling(motion: Motion) -> tuple[str, ...]:
 def quasistatic(scene: Scene, time: Array, depth: Array) -> tuple[str, ...]:
     """Warning if an indenter at depth (n_t,) mm at times (n_t,) s moves too fast for statics.
 
-    The depth is that of the answer, so that force control is checked too. A jump has no speed.
+    The depth is the answer's, so that force control is checked too. A jump has no speed.
     """
     step = np.diff(time)
     along = np.linalg.norm(np.diff(scene.motion.shift(time), axis=0), axis=1)

@@ -37,7 +37,7 @@ def innervation() -> dict[str, Innervation]:
     8 mm in diameter there, about 4 mm in a page that cites Johansson (1978); the skin spreads
     strain beyond the end organs, so their disc is narrower by a guess, confidence low. Velocities
     of FAI and FAII: means of Knibestol (1973), PMC1350502, confidence high; of SAI and SAII: taken
-    to be those of the fast type with fields alike, a guess, confidence low.
+    to be as of the fast type with like fields, a guess, confidence low.
     """
     return {
         "SAI": Innervation(0.8, 70.0, (4, 7), 3.0, 55.3),

@@ -91,7 +91,7 @@ class KeyField(NamedTuple):
 
 
 def keys_of(record: type[Any]) -> Mapping[str, KeyField]:
-    """Return the fields of a record by name; a field without a Key has that of `common`, if any."""
+    """Return the fields of a record by name; `common` has the Key of a field without one."""
     if record not in _KEYS:
         _KEYS[record] = _read_keys(record)
     return _KEYS[record]

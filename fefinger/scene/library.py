@@ -30,7 +30,7 @@ class TissueSet:
     """Relaxed elastic properties of the two soft layers, with their source.
 
     The rest describes the finger that a set was fitted to: pad_radius, tip_tissue, tip_radius,
-    width and thickness mm, and prony. None: those of the subject, and of the shape, are used.
+    width and thickness mm, and prony. None: the subject's, and the shape's own, are used.
     """
 
     skin: Tissue
@@ -47,7 +47,7 @@ class TissueSet:
     def lengths(self, width: float, thickness: float) -> dict[str, float | None]:
         """Return pad_radius, tip_radius and tip_tissue in mm on a finger of a size in mm.
 
-        They are in proportion to those of the fitted finger, the pad radius to the width and the
+        They are in proportion to the fitted finger's, the pad radius to the width and the
         tip to the thickness: then the profile of the palm keeps its form.
         """
         wider = width / (self.width or width)
@@ -81,7 +81,7 @@ def dandekar2003() -> TissueSet:
 
     Outer layer 180 kPa, inner 18 kPa, Poisson's ratio 0.48 (confidence medium: the abstract says
     that such a contrast is needed to match the profile under a line load, the digits are quoted
-    from memory). The thickness of 1 mm is that of the other sets.
+    from memory). The thickness of 1 mm is taken from the other sets.
     """
     return TissueSet(
         skin=Tissue(180, 0.48, 1.0),
@@ -185,7 +185,7 @@ def _calibrated(subject: str) -> TissueSet:
     With modulus and exponent `solid` reproduces the stiffness against force of Table 2.1, with the
     pad radius the R of Table 3.2 (confidence low: modulus and exponent trade against each other and
     against SKIN_RATIO and SKIN_EXPONENT_RATIO, which are chosen; the reports have the
-    uncertainties). The relaxation is that of Table 2.1. At small strain the exponents have no
+    uncertainties). The relaxation is from Table 2.1. At small strain the exponents have no
     effect, and the set is too soft.
     """
     modulus, exponent, radius, c, v = _FITTED[subject]
@@ -217,7 +217,7 @@ def macaque() -> TissueSet:
     """Fingertip of a macaque, in which the afferents of `recorded` were fitted (confidence low).
 
     10 mm wide and 8 mm thick with an effective pad radius of 10 mm, an estimate from the look of
-    published fingertips; tip, pulp and relaxation are in proportion to those of the means. Its skin
+    published fingertips; tip, pulp and relaxation are in proportion to the means'. Its skin
     is 3 times as stiff as the pulp (Maeno 1998) with the same exponent. With the ratios of the
     calibrated sets the strain at SAI end organs hardly grows with the curvature of small spheres,
     where recorded rates do (`validation/afferents`).

@@ -318,7 +318,7 @@ class RampHoldMotion(RampMotion):
 
     @property
     def corner_limits(self) -> tuple[float, ...]:
-        """The length of the ramp in s, and twice that of the rest."""
+        """The length of the ramp in s, and twice the length of the rest."""
         return self.ramp_duration, *rest_limit(self.hold)
 
     @cached_property

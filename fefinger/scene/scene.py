@@ -32,8 +32,8 @@ SHORT = 0.1
 class Scene:
     """Complete description of a touch: finger, indenter, motion and requested outputs.
 
-    `plugins` are modules with objects and models of one's own that the scene uses; those of the
-    class of its indenter, of its laws and of its afferents are added. Equal scenes are equal;
+    `plugins` are modules with objects and models of one's own that the scene uses; the modules of
+    its indenter's class, of its laws and of its afferents are added. Equal scenes are equal;
     `Scene.from_toml(scene.to_toml()) == scene` holds exactly.
     """
 
@@ -146,7 +146,7 @@ class Scene:
     def from_toml(cls, source: str | Path) -> Self:
         """Read a scene from a file, or from TOML text (a string with a line break or a "=").
 
-        A scene without a name has that of its file, without the ending.
+        A scene without a name is named after its file, without the ending.
         """
         if isinstance(source, str) and ("\n" in source or "=" in source or not source.strip()):
             return cls.from_dict(parse(source))

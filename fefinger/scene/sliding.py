@@ -1,7 +1,7 @@
 """Motions with a path: the indenter is pressed, and moves across its direction of travel.
 
 A shape is abstract, as in `motion.py`; `motions.py` has the final classes. x and y of a path
-lie in the plane across the travel: x distal, y radial, those of a plate before its `roll`.
+lie in the plane across the travel: x distal, y radial; on a plate, before its `roll`.
 """
 
 from dataclasses import dataclass, field
@@ -55,7 +55,7 @@ class SlideMotion(RampMotion):
 
     @property
     def corner_limits(self) -> tuple[float, ...]:
-        """The lengths in s of press and pass, and twice that of the rest between them."""
+        """The lengths in s of press and pass, and twice the length of the rest between them."""
         return self.ramp_duration, self.pass_seconds, *rest_limit(self.settle)
 
     @property
@@ -118,7 +118,7 @@ class SlideMotion(RampMotion):
 class SampledPathMotion(SampledMotion):
     """Times in s from 0 on, columns x and y in mm, and one named as `control`; lines between.
 
-    `angle` and `tilt` in degrees, where given, are those of a plate that turns about the point of
+    `angle` and `tilt` in degrees, where given: of a plate that turns about the point of
     first touch, which travels along the normal of the angles of the indenter.
     """
 

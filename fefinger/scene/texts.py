@@ -111,7 +111,7 @@ class Braille(Text):
     """A text in Braille, letter by letter (grade 1): letters, figures, blanks, some signs.
 
     Dots of `diameter` mm at half of their `height` mm, `spacing` mm apart in a cell, and a cell
-    every `cell` mm: by default those of printed books. `edge` is 0.25 mm where that fits.
+    every `cell` mm: by default as in printed books. `edge` is 0.25 mm where that fits.
     """
 
     usual_edge = 0.25

@@ -38,7 +38,7 @@ class Tissue:
     exponent
         b of the exponential laws, which stiffen as exp(b (I1 - 3)).
     prony
-        Relaxation of this layer, where it differs from that of the finger (`solid` only).
+        Relaxation of this layer, where it differs from the finger's (`solid` only).
     share
         Fraction of the shear modulus that I1 carries in "mooney-rivlin"; by default 0.5.
     parameters

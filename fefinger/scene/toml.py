@@ -166,7 +166,7 @@ def tables(finger: Finger, indenter: Indenter, motion: Motion, ask: Ask) -> dict
 def load_plugins(table: Mapping[str, Any], folder: Path | None) -> None:
     """Load the plugins that a scene names: their code is run.
 
-    They are looked up beside the scene, and then on the path of Python; those of a stored scene,
+    They are looked up beside the scene, and then on the path of Python; for a stored scene,
     unless they are loaded, in the working folder.
     """
     for module in names(PLUGINS, table.get(PLUGINS, ())):

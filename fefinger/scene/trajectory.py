@@ -34,7 +34,7 @@ _HALVINGS = 50
 class Wave:
     """A sine that starts at `start` s and rises to its amplitude over `rise` s (a cubic step).
 
-    `phase` in radians is that of the sine at its start; a rise of 0 starts it at its amplitude.
+    `phase`: of the sine at its start, in radians; a rise of 0 starts it at its amplitude.
     """
 
     start: float
@@ -78,7 +78,7 @@ class Wave:
     def last_crest(self, end: float) -> float:
         """Return the time in s of the last crest before `end`, than which none is higher.
 
-        While the envelope rises, a crest lies up to a quarter of a cycle after that of the sine.
+        While the envelope rises, a crest lies up to a quarter of a cycle after the sine's.
         """
         count = max(np.floor((end - self.start) * self.frequency - self.first_crest), 0.0)
         low = self.start + (self.first_crest + count) / self.frequency

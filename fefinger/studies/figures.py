@@ -89,7 +89,7 @@ def panels(
     """Draw every measure of `rows` against the column `x`, one color per series.
 
     Bars are the expected errors where the rows have them. A constant measure, such as the depth at
-    the end of equal presses, is left out. `labels` are those of all series of a page, some of which
+    the end of equal presses, is left out. `labels`: of all series of a page, some of which
     these rows may lack: they keep a series in its color.
     """
     from matplotlib.lines import Line2D

@@ -100,7 +100,7 @@ class Slope(NamedTuple):
 def stiffness(time: Array, depth: Array, force: Array, where: float, *, control: str) -> Slope:
     """Fit the slope of force over depth at a fractional index.
 
-    The logarithm of the force is fitted by a parabola in that of the depth. The fit is exact for a
+    The logarithm of the force is fitted by a parabola in the logarithm of the depth: exact for a
     power law, and within 1 % inside and 3 % at the end for an exponential one, for any spacing of
     the steps. Under plates at 0 to 60 degrees to 1 N, `linear` on the coarse mesh differs from the
     standard one by 1 % at 0.5 N and 2 % at the end (RMS), the slope of a single step by 4 and 5 %.

@@ -172,7 +172,7 @@ class PlaneView:
     """The pad projected onto the plane of the object.
 
     places (n, 2) mm from first touch, toward the tip and sideways; areas (m,) mm² of the triangles
-    on the skin; pad and pressure (n_t, n) kPa: those of the result; touch: first touch on the
+    on the skin; pad and pressure (n_t, n) kPa of the result; touch: first touch on the
     smooth skin, where the finger has one.
     """
 
@@ -312,7 +312,7 @@ def _pressed(result: Result, depth: float, given: str) -> tuple[Rung, Mapping[st
 def hertz(result: Result, touch: FirstTouch, where: float) -> dict[str, Any]:
     """Make the columns of elliptic Hertz contact with the curvatures at first touch.
 
-    The depth over time is that of the result. The half-space has the mean compliance of skin and
+    The result gives the depth over time. The half-space has the mean compliance of skin and
     pulp and relaxes as the finger does: its instantaneous modulus is the relaxed one over
     G(infinity). There are no columns for a concave skin, an object that is neither plate nor
     sphere, or once the contact has shrunk.

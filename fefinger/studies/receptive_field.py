@@ -4,7 +4,7 @@
     field.area("SAI")                # mm² in which the unit fires at least half of its most
 
 The units stay under the first touch of the 30 degree plate, with their end organs; the object and
-its motion are those of the scene.
+its motion are the scene's.
 """
 
 import re
@@ -76,7 +76,7 @@ class ReceptiveField:
     def area(self, kind: str, part: float = 0.5) -> float:
         """Area in mm² where the unit fires at least a part of its most impulses, and at least one.
 
-        In whole squares of the grid: it is at least that of the grid if the field leaves it.
+        In whole squares of the grid; a lower bound if the field leaves the grid.
         """
         fired = self.of(kind)
         reached = fired >= max(1.0, number("part", part, above=0, at_most=1) * fired.max())
@@ -106,7 +106,7 @@ class ReceptiveField:
     def save(self, folder: str | Path) -> list[str]:
         """Write FILES into a folder and return their paths.
 
-        InputError where it is unusable, or where files of these names are not those of a field.
+        InputError where it is unusable, or where files of these names hold no field.
         """
         from fefinger.view.figures import svg
 
@@ -121,7 +121,7 @@ class ReceptiveField:
 
 
 def keep_others(folder: Path) -> None:
-    """Raise InputError where FILES in a folder are not those of an earlier field."""
+    """Raise InputError where files named as FILES in a folder hold no earlier field."""
     present = [name for name in FILES if (folder / name).exists()]
     header = rf"{','.join(PLACE)}(,\w+_impulses)+"
     if re.fullmatch(header, first_line(folder / FILES[0])):
@@ -155,9 +155,9 @@ def receptive_field(
         Half the side of the square of places, and the distance between them, in mm.
     branched, seed
         Whether units have the published numbers of end organs, and the seed of their places and of
-        the noise. Gains are those of the types: units of a seed do not differ in sensitivity.
+        the noise. Gains are as of the type: units of a seed do not differ in sensitivity.
     mechanics
-        Name of the mechanics; by default that of the scene (`ask.mechanics`), or the cheapest for
+        Name of the mechanics; by default as the scene asks (`ask.mechanics`), or the cheapest for
         all places that does not refuse.
     progress
         Called with "places" and the fraction that is done.

@@ -118,7 +118,7 @@ def appearing(place: Path, what: str, *, replacing: bool = False) -> Iterator[Pa
 
 
 def _checksums(folder: Path, name: str = "") -> str:
-    """Lines with the name of an entry (by default its folder's), and those of its files' bytes."""
+    """Lines with the name of an entry (by default its folder's), and the checksums of its files."""
     lines = [name or folder.name]
     for file in sorted(folder.iterdir()):
         if file.name != CHECKSUMS and file.is_file():

@@ -60,9 +60,9 @@ def _missing(path: Path) -> list[Path]:
 
 
 def keep(foreign: Sequence[str], folder: str | PathLike[str], ours: str) -> None:
-    """Raise InputError where writing `ours` would replace files that are not of such an output.
+    """Raise InputError where writing `ours` would replace files of another origin.
 
-    foreign: names of these files in `folder`: they are the user's own, or those of another command.
+    foreign: names of these files in `folder`: the user or another command wrote them.
     """
     if foreign:
         raise InputError(

@@ -40,7 +40,7 @@ def command(*words: str) -> list[str]:
 
 
 def environment() -> dict[str, str]:
-    """Environment of a child: that of this process, with its import path and its plugins."""
+    """Environment of a child process: a copy of this one's, with its import path and plugins."""
     path = os.pathsep.join(entry or os.getcwd() for entry in sys.path)
     plugins = os.pathsep.join(sorted(registry.modules()))
     return {**os.environ, "PYTHONPATH": path, registry.PLUGINS: plugins}

@@ -36,7 +36,7 @@ NAME = re.compile("[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
 class Registry(Mapping[str, Thing], Generic[Thing]):
-    """Things of one kind by name: those of the package first, then those of the user.
+    """Things of one kind by name: the package's first, then the user's own.
 
     what: the kind in messages, also of the entry points ("fefinger.laws" of "law"); mark: the
     attribute that such a thing has, and no other; shipped: "module" or "module:attribute" by name;
@@ -294,7 +294,7 @@ def modules() -> set[str]:
 
 
 def hyphenated(name: str) -> str:
-    """Return the name of a class or function as that of a kind: KeyEdge is "key-edge"."""
+    """Return the `kind` for the name of a class or function: KeyEdge is "key-edge"."""
     words = re.findall("[A-Z]+(?![a-z])|[A-Z]?[a-z0-9]+", name)
     return "-".join(words).lower()
 

@@ -3,8 +3,8 @@
 Outside the rim of a smooth contact the gap grows as the distance to the power 3/2, so that
 phi = gap^(2/3) is linear in the distance (Johnson, Contact Mechanics, 1985, section 5.1). Around
 each vertex near the rim phi is fitted to the gaps outside, as c0 + c1 s + c2 t + c3 t² along and
-across its gradient, and its zero level is the rim. Pressures are not used, because those of the
-vertices next to the rim alternate about the exact ones.
+across its gradient, and its zero level is the rim. Pressures are not used, because at
+vertices next to the rim they alternate about the exact ones.
 
 At a sharp edge of the obstacle, as of a bar, contact ends at that edge: at the point between a
 vertex in contact and a free one where the obstacle protrudes most.

@@ -129,7 +129,7 @@ class Travel:
     """Weighted gaps of a patch under an obstacle that slides over it.
 
     over: the obstacle over the quadrature points; weights (n, n_q) mm²: their shares in the hats;
-    vertices: the obstacle over those of the patch.
+    vertices: the obstacle over the vertices of the patch.
     """
 
     over: Heights

@@ -51,7 +51,7 @@ def recovered_gradient_at(
 ) -> sparse.csr_matrix:
     """Return the operator (9 n_points, n_unknowns) to du_i/dX_j at `points`, i before j.
 
-    `planes` and errors are those of `recovered_strain_at`.
+    `planes` and errors as in `recovered_strain_at`.
     """
     if len(points) == 0:
         return sparse.csr_matrix((0, space.n_unknowns))

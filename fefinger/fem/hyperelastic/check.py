@@ -61,7 +61,7 @@ def check_law(law: Law | str, **parameters: float) -> float:
 def uniaxial(law: Law | str, stretch: Array, **parameters: float) -> Array:
     """Return the nominal stress (n,) over the shear modulus of incompressible tissue.
 
-    stretch: (n,) of a bar that is pulled or pressed along its axis. The stress is that of the
+    stretch: (n,) of a bar that is pulled or pressed along its axis. The stress comes from the
     elements.
 
     Raises

@@ -1,6 +1,6 @@
 """Finite-strain hyperelastic body: residual, tangent and stress of its elements.
 
-The unknowns are those of `spaces.Space`: displacements, then hydrostatic pressures in units of
+The unknowns of `spaces.Space`: displacements, then hydrostatic pressures in units of
 `scale`. At rest the tangent is the matrix of `forms.stiffness`.
 """
 

@@ -42,7 +42,7 @@ def relative_error(
 ) -> float:
     """Return the largest of the relative errors of force, volume, gap and prescribed force.
 
-    free: the unknowns that are not held; residual (n_unknowns,) mN: internal forces less those of
+    free: unknowns that are not held; residual (n_unknowns,) mN: internal forces less the forces of
     the contact; gaps (n_candidates,) mm³; load mN: the largest one so far.
     """
     projected, n = contact.projected, body.space.n_displacements

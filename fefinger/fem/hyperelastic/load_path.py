@@ -182,7 +182,7 @@ class _PathSolver:
         """Extrapolate the last two states linearly to a new depth or force.
 
         In a hold the body is taken to creep as far as in the step before. The pressures are part
-        of it: an old factor errs by their change, as its contact loads are those of another shape.
+        of it: an old factor errs by their change, as its contact loads belong to another shape.
         """
         last = self.value - self.previous_value
         if last == 0:

@@ -3,7 +3,7 @@
 One iteration linearizes the body with a factored tangent K0, which is reused from earlier
 iterations, and treats the contact exactly: with r the residual force, the displacements change by
 K0^-1 r + Z dlambda, Z = K0^-1 B, and lambda >= 0 solves the complementarity problem of the weighted
-gaps after this change. Residual and gaps are always those of the nonlinear body, so an old factor
+gaps after this change. Residual and gaps always belong to the nonlinear body, so an old factor
 costs iterations but no accuracy; it is replaced when the residual falls too slowly. Where that
 fails, as when a facet snaps through and the tangent is indefinite on the way, a blend of the
 consistent and a positive definite tangent is used (`_globalized`), without acceleration until the

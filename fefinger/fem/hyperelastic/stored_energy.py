@@ -4,7 +4,7 @@ The energy of distortion follows from the gradient at the integration points. Th
 volume is p² / 2K with the mean stress p of the elements, which is K times the projection of J - 1
 (at small strain div u) on the linear functions of a tissue. J - 1 itself fluctuates about it from
 point to point, and K / 2 (J - 1)² is wrong without bound as K grows. A vertex gets the mean of its
-cells, weighted by their volumes: the integral over the mesh is that of the elements.
+cells, weighted by their volumes: so the integral over the mesh is that over the elements.
 """
 
 from collections.abc import Mapping

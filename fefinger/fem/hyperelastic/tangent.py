@@ -13,11 +13,11 @@ from fefinger.support.arrays import Array, Flags, Integers
 class FactoredTangent:
     """Factored tangent K0, the contact loads B, and the computed columns of Z = K0^-1 P.
 
-    P are the `pulled` loads of unit pressures, those of friction included: B where there is none.
+    P are the `pulled` loads of unit pressures, with friction: B where there is none.
     The flexibility B' Z then has its symmetry.
 
     gain: the relaxation factor at which the tangent was made; support (n_candidates,) kPa/mm: the
-    stiffness added under the candidates; fold_stiffness (n_candidates,) kPa/mm: that of the
+    stiffness added under the candidates; fold_stiffness (n_candidates,) kPa/mm: of the
     contact law against folds (see `deformed_gap`). column_of (n_candidates,): the number of a
     candidate's column of Z, -1 until it is needed.
 
@@ -48,7 +48,7 @@ class FactoredTangent:
         """Return displacement (n,) and closing of the gaps (n_candidates,) mm² per mm of travel.
 
         Facets that spread on the way are left out: 5 to 24 % of the depth of an incompressible cube
-        squeezed by 5 to 20 %, 1 % of that of a finger. Where the body would be unstable without the
+        squeezed by 5 to 20 %, 1 % of a finger's. Where the body would be unstable without the
         obstacle, and gaps open by it, nothing follows.
         """
         closing = projected - loads.T @ self.following
@@ -79,7 +79,7 @@ class FactoredTangent:
 
         K0 becomes K0 + B A B', A = support / projected, by Woodbury's formula on the flexibility F:
         exact, and without another factor. Return the number of negative eigenvalues that this
-        removes from K0: those of A^-1 + F (Haynsworth, Linear Algebra Appl. 1:73, 1968).
+        removes from K0: as many as A^-1 + F has (Haynsworth, Linear Algebra Appl. 1:73, 1968).
         """
         chosen = np.flatnonzero(support > 0)
         if not len(chosen):

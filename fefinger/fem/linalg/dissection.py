@@ -93,7 +93,7 @@ def dissect(
     pieces: list[tuple[Integers, Integers, tuple[int, ...]]] = []
 
     def divide(cells: Integers, members: Integers, outer: Integers) -> int:
-        """Add the fronts of `cells`; `outer`: those of its unknowns that ancestors eliminate."""
+        """Add the fronts of `cells`; `outer`: its unknowns that ancestors eliminate."""
         parts: tuple[int, ...] = ()
         if len(cells) <= LEAF:
             pivots = np.setdiff1d(members, outer, assume_unique=True)

@@ -34,7 +34,7 @@ STRIP = 512  # rows or columns of a product that are formed at once
 class Branch:
     """Eliminated fronts of a branch of the dissection: F^-1 and R F^-1 of each.
 
-    unknowns (n_own + n_border,): those eliminated here, in this order, and those of the fronts
+    unknowns (n_own + n_border,): first the ones eliminated here, in order, then those in fronts
     above that they act on; own: n_own. table (n_fronts, 3): start, stop and number of rest; rest:
     all of these, as places among `unknowns`; values: F^-1 and R F^-1, front by front and row by
     row; negative: how many eigenvalues of the fronts are.

@@ -216,7 +216,7 @@ def factor(
 ) -> System:
     """Build and factor the system of `matrix` of `space`, with the unknowns `fixed` prescribed.
 
-    `solver` is one of `SOLVERS`; by default that of `choose`.
+    `solver` is one of `SOLVERS`; default `choose`.
 
     Raises
     ------
@@ -262,7 +262,7 @@ def approximate_factor(
     """Make an approximate factor of `matrix` on the free unknowns of `system`.
 
     In single precision or, where that fails, in double. With `held`, the factor also fails where
-    it does not solve for rigid motions, as that of a body without held facets.
+    it does not solve for rigid motions, as in a body without held facets.
 
     Raises
     ------

@@ -229,7 +229,7 @@ def _reference(ask: Ask, pulp: float, plate: ElasticContact) -> "Reference":
 def _cylinder(first: Touch, organs: Sites) -> tuple[Array, Array, Array]:
     """Return r, z (m,) of the sites about the axis of the contact, and their frames (m, 3, 3).
 
-    The body has the skin flat: r is that of the skin above a site, z the depth below it, and the
+    The body has the skin flat: r belongs to the skin above a site, z is the depth below it, and the
     frame is turned so that z runs along the site's own normal.
     """
     offset = organs.points + organs.depths[:, None] * organs.normals - first.origin

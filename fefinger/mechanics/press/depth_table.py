@@ -96,7 +96,7 @@ class DepthTable:
     (n,) mm²; stiffening (n,): mean exponent b (I1 - 3) of the energies of the tissues; work (n, n):
     ratios of `elastic_press.work_ratios`; pressure (n, n_candidates) kPa; gap (n, n_seen) mm;
     modes: displacements (n, n_displacements) mm at the depths and, unless one of them is it, of the
-    reference press; reach mm: that of the candidates; modulus kPa: of the skin, which forces and
+    reference press; reach mm: of the candidates; modulus kPa: of the skin, which forces and
     pressures grow with.
     """
 
@@ -300,7 +300,7 @@ def keep(table: DepthTable, name: str) -> None:
 
 
 def as_stored(table: DepthTable) -> DepthTable:
-    """Round a table as its file does, so that the first answer is that of all later ones."""
+    """Round a table as its file does, so that the first answer equals all later ones."""
     rounded = {name: getattr(table, name).astype(np.float32).astype(float) for name in ROUNDED}
     return replace(table, **rounded)
 

@@ -48,7 +48,7 @@ FARTHEST = 0.32
 
 
 def depths(thickness: float, least: float, steps: int = STEPS) -> Array:
-    """Return depths (n,) mm from 0 to at least `least`, and those of `steps` steps at least.
+    """Return depths (n,) mm from 0 to at least `least`, in `steps` steps or more.
 
     The same for all tables of a finger but those of `depths_to`: a deeper one changes no answer.
     """
@@ -185,7 +185,7 @@ def work_ratios(elements: Continuum, states: Sequence[Array], depth: Array, forc
     """Ratios W (n, n) of the stress at a depth (row) and the deformation at another (column).
 
     states: unknowns (n_unknowns,) of the body at each of the depths (n,) mm, from 0; force (n,) at
-    them, in any unit. Where a mesh resolves no contact, they are those of the first depth where it
+    them, in any unit. Where a mesh resolves no contact, they repeat the first depth where it
     does. Above the diagonal W(a, d) is as computed; below it, where contact never asks for it, it
     continues as 2 - W(d, a), so that what is interpolated across the diagonal is 1 on it.
     """

@@ -51,7 +51,7 @@ RECORDED = ("depth", "pressure", "gap", "moved", "moment", "strain")
 def most_compressed(elements: Continuum, values: Array) -> tuple[float, Array, str]:
     """Return the smallest principal stretch in a body, the place (3,) mm at rest, and the tissue.
 
-    `values` (n_unknowns,) are those of the body.
+    `values` (n_unknowns,): of the body.
     """
     space = elements.space
     moved = values[space.unknowns[:, :30]].reshape(-1, 10, 3)

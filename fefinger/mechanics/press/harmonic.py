@@ -1,6 +1,6 @@
 """Harmonic answer of a finger about a preload, in closed form over its modes.
 
-Contact is that of the relaxed finger at the preload, and stays as it is: the answer is the
+Contact is as of the relaxed finger at the preload, and stays as it is: the answer is the
 derivative with respect to the amplitude. Two static terms stand for the modes that are left out.
 """
 
@@ -260,7 +260,7 @@ def about(
 ) -> Harmonic:
     """Compute a harmonic answer about a preload, with more candidates where contact needs them.
 
-    make: prepares a finger on the candidates of a depth in mm; deepest: that of the first attempt.
+    make: prepares a finger on the candidates of a depth in mm; deepest: for the first attempt.
     Beside an edge the gap grows within a facet to any reach: each attempt has one more ring.
 
     Errors as `Vibrating.harmonic`.

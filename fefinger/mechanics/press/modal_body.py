@@ -142,12 +142,12 @@ def _read(place: Path) -> Modes:
 
 @dataclass(frozen=True)
 class ModalBody:
-    """Response of a body to loads on a patch: that of its modes, and the static correction.
+    """Response of a body to loads on a patch: its modes, and the static correction.
 
     static: the response without inertia; oscillators: the modes; participation (n, n_pad): work
-    of each unit load on each mode; residual_flexibility (n_pad, n_pad): that of `static` less that
+    of each unit load on each mode; residual_flexibility (n_pad, n_pad): of `static` less the part
     of the modes (static correction); strain_operator (n_rows, n) and normal_displacement (n_near,
-    n) of each mode, as those of `static`.
+    n) of each mode, as in `static`.
     """
 
     static: Reduced
@@ -188,7 +188,7 @@ class ModalBody:
     def amplitudes(self, elastic: Array) -> Array:
         """Amplitudes (n_t, n) of the modes beside the static field of the elastic pressures.
 
-        elastic (n_t, n_pad + n): as for `complete`. The displacement is that of statics under its
+        elastic (n_t, n_pad + n): as for `complete`. The displacement is the static one under its
         pressures, and of the modes of these amplitudes.
         """
         count = self.participation.shape[1]

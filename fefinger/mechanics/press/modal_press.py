@@ -51,7 +51,7 @@ class TimeGrid:
 
 
 def modal_grid(motion: Motion, *, fast: bool) -> TimeGrid:
-    """Return the steps of a motion; stored are those of statics, and more while it rings.
+    """Return the steps of a motion; stored are the steps of statics, and more while it rings.
 
     InputError if the motion takes more steps than memory holds.
     """

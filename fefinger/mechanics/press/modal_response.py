@@ -137,7 +137,7 @@ def _swept(
 ) -> Response:
     """Add the harmonic answer about the preload, where the motion is a sweep.
 
-    factor: on the moduli; depth in mm of the preload, where it is not that of the linear finger.
+    factor: on the moduli; depth in mm of the preload, where the linear finger has another.
     """
     motion, level, deepest = scene.motion, scene.motion.steady_level, float(answer.depth.max())
     if motion.frequencies is None:
@@ -170,7 +170,7 @@ def _loses(harmonic: Harmonic, scene: Scene) -> Iterator[str]:
 
 
 def stiffening(press: Press, table: TabulatedPress, depth: float) -> float:
-    """Ratio of the static stiffness at a depth in mm to that of the small-strain finger."""
+    """Return the static stiffness at a depth in mm over the small-strain finger's."""
     body = press.body
     on_pad = patch(body.space, body.pad, body.normals, press.obstacle, problem.REACH * depth)
     reduced = press.method.reduce(body, on_pad, modal_press.probe_of(replace(press, sites=None)))

@@ -1,7 +1,7 @@
 """Folders of operators and modes of fingers in the user's cache, named by a hash of all inputs.
 
 An operator depends on the ratio of the moduli only: it is built for a skin of 1 kPa and scaled.
-Modes depend on that of the densities as well.
+Modes depend on the ratio of the densities as well.
 """
 
 import hashlib
@@ -72,7 +72,7 @@ def description(finger: Finger, identity: dict[str, Any], mechanics: str) -> str
 
 
 def modes_identity(finger: Finger, operator: dict[str, Any]) -> dict[str, Any]:
-    """Return the inputs of the modes of one parity, from those of its operator."""
+    """Return the inputs of the modes of one parity, from the inputs of its operator."""
     ratio = finger.subcutaneous.density / finger.skin.density
     return operator | {"modes": MODES, "modes_format": MODES_FORMAT, "density_ratio": ratio}
 

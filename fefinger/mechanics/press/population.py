@@ -44,7 +44,7 @@ def _places(
 ) -> tuple[tuple[str, ...], Array, Integers]:
     """Return type, place (n, 3) mm and number of every unit.
 
-    The number is that of its type and of its place among all requested ones of the type, wherever
+    The number counts the type and the place among all requested ones of the type, wherever
     the skin ends.
     """
     if isinstance(layout, Scatter):

@@ -1,6 +1,6 @@
 """What a loop in real time steps: a contact, and what is read of it, prepared once.
 
-A finger is reduced to the candidates of a press of a given depth; the contact on them is that of
+A finger is reduced to the candidates of a press of a given depth; the contact on them is solved by
 the mechanics of the same name.
 """
 
@@ -102,7 +102,7 @@ class Prepared:
     says of it. reduced: the body on its candidates, at small strain; strains(points) gives the
     strain (6 n_points, k) at points under unit elastic stresses; reference() the press that scales
     strain for afferents of the thesis. With inertia: the modes, and the body of those that are
-    stepped. places (n, 2) mm: those of the candidates across the axis of the object.
+    stepped. places (n, 2) mm: of the candidates across the axis of the object.
     """
 
     finger: Finger
@@ -198,7 +198,7 @@ def slid(
 ) -> Prepared:
     """Prepare a whole finger under an object that also moves sideways, with its friction.
 
-    Candidates are those of the plane through the crests of the object, or of all places within
+    Candidates are found for the plane through the crests of the object, or for all places within
     `reach` mm that an object without such a plane may take.
 
     Errors as `pressed`.

@@ -187,7 +187,7 @@ class Press:
 
     @property
     def expected_depth(self) -> float:
-        """Largest depth in mm, that of the motion or, under force control, a first guess."""
+        """Largest depth in mm of the motion or, under force control, a first guess."""
         by_depth = self.motion.control == "depth"
         guess = self.foreseen or FORCE_DEPTH * self.finger.thickness
         return self.motion.peak if by_depth else guess

@@ -1,4 +1,4 @@
-"""Positions of the end organs and of those of the reference press, and the skin above them.
+"""Positions of the end organs, also for the reference press, and the skin above them.
 
 Shared by all mechanics; needs no mesh. Their strain is read by `fem/elements/recovery.py`.
 """

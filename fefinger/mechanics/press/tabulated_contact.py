@@ -79,7 +79,7 @@ class TabulatedContact:
         return self.springs.state()
 
     def restore(self, state: State) -> None:
-        """Return to a state of this contact; InputError for that of another."""
+        """Return to a state of this contact; InputError for a state of another."""
         if [np.shape(each) for each in state] != [np.shape(each) for each in self.state()]:
             raise InputError(OTHER_STATE)
         self.springs.restore(state)

@@ -74,7 +74,7 @@ def time_grid(
 
     `fast` limits the step in motion to 0.2 ms (a 25000th of ramps and cycles longer than 5 s, after
     their start); `refine` divides every step. `feature` in mm is the smallest part of a texture
-    that may slide, which takes shorter steps, but none below those of `fast`. InputError for a
+    that may slide, which takes shorter steps, but none below the `fast` ones. InputError for a
     motion that takes more than `most` steps.
     """
     pieces = list(_pieces(motion, fast=fast, feature=feature))

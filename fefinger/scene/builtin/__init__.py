@@ -50,7 +50,7 @@ def given(scene: Any, changes: Mapping[str, Any] | None = None) -> "Scene":
 
     A Scene has already resolved the fields WHOLE, which cannot be changed in it. A number that it
     has filled in, as the corner of a short ramp or the pad radius of a finger's width, follows a
-    change of what it comes from, as it does in a file that leaves it out.
+    change of what it comes from, as in a file that leaves it out.
     """
     from fefinger.scene.scene import Scene
 
@@ -84,7 +84,7 @@ def _left_out(scene: "Scene") -> dict[str, Any]:
 
 
 def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene":
-    """Load a Scene: a built-in one, or that of a TOML file.
+    """Load a Scene: a built-in one, or from a TOML file.
 
     Parameters
     ----------
