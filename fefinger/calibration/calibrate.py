@@ -1,9 +1,9 @@
 """Fit a finger to a subject or a record in stages, each of which starts from the one before.
 
 `lumped` identifies stiffness, touch and G of the model of Pawluk (1997). `condensed` scales the
-linear finger by the t(u) of that model. `solid` fits modulus and exponent of stiffening tissue, on
+linear finger by the t(u) of the model. `solid` fits modulus and exponent of stiffening tissue, on
 the coarse mesh first and then with presses on the requested mesh, together with the pad radius, for
-which the thesis's fit of simulated frames must agree with that of the measured ones.
+which the thesis's fit of simulated frames must agree with its fit of the measured ones.
 """
 
 import math
@@ -180,7 +180,7 @@ class Search:
     def condensed(self) -> Calibration:
         """Fit the linear finger times t(u), at the pad radius that agrees with the frames.
 
-        The printed R of a subject is not used: it is that of a finger of stiffening tissue.
+        The printed R of a subject is not used: it belongs to a finger of stiffening tissue.
         """
         work = self.work
         radius, mesh = work.finger.pad_radius, work.finger.resolution
@@ -290,7 +290,7 @@ class Search:
 
     @cached_property
     def _goal(self) -> pad.PadFit:
-        """The thesis's fit of the measured frames, which that of the simulated ones has to meet."""
+        """The thesis's fit of measured frames, which its fit of simulated frames has to meet."""
         return pad.printed(self.wanted.name) if self.frames is None else pad.thesis_fit(self.frames)
 
     def _spread(self, result: FitResult, radius: float, power: float) -> float:
@@ -347,7 +347,7 @@ class Search:
         return replace(best, fit=self._solved(best.curves, best.radius, best.fit, spread))
 
     def _deep_enough(self, curves: Family, radius: float, result: FitResult) -> float:
-        """Depth in mm of a press that covers the fitted data, at most that of the family."""
+        """Depth in mm of a press that covers the fitted data, at most the family's deepest."""
         whole = self._forces(replace(curves, reached=math.inf), radius)
         unlimited = FitResult(result.solution, whole.law(result.solution.values))
         frames = pad.slow_press(unlimited.law)[-1]

@@ -215,7 +215,7 @@ class Family:
     def at(self, shape: float, radius: float, ratio: float = 1.0) -> Curve:
         """Interpolate the curve at a shape, a pad radius in mm and a ratio of the moduli.
 
-        `ratio` is that of skin to subcutaneous modulus, over that of the presses.
+        `ratio`: of skin to subcutaneous modulus, over the same ratio of the presses.
         """
         # In the root of the exponent q bends least: left out, a press is met within 0.6 %, not 1.5.
         nodes = [math.sqrt(each) for each in self.shapes]
@@ -261,13 +261,13 @@ class Family:
         )
 
     def _difference(self, one: Curve, other: Curve) -> Array:
-        """Difference of log P of `other` from that of `one`, (NODES,)."""
+        """Difference of log P, `other` less `one`, (NODES,)."""
         even = np.linspace(0.0, self.deepest, NODES)
         at = np.minimum(even, min(one.deepest, other.deepest))
         return other.power(at) - one.power(at)
 
     def _shares_difference(self, one: Curve, other: Curve) -> Array:
-        """Difference of the shares of `other` from those of `one`, (SHARES, 64)."""
+        """Difference of the shares, `other` less `one`, (SHARES, 64)."""
         even = np.linspace(0.0, self.deepest, SHARES)
         return other.shares_at(even) - one.shares_at(even)
 

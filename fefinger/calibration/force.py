@@ -72,7 +72,7 @@ def prony_of(values: Values) -> Prony:
 class Forces:
     """The residual of a target for the curves of a family at one pad radius.
 
-    modulus kPa and ratio: subcutaneous modulus of the presses, and that of the skin over it;
+    modulus kPa and ratio: subcutaneous modulus of the presses, and the skin's over it;
     radius mm, and its standard deviation where frames gave it, which adds to all others.
     """
 

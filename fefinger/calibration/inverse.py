@@ -65,7 +65,7 @@ class Unknown:
 class Solution:
     """Result of a fit: values and standard deviations by name, covariance and misfit.
 
-    deviations are those of the parameters in their units; covariance (n, n) of the fitted numbers,
+    deviations: of the parameters, in their units; covariance (n, n) of the fitted numbers,
     in the order of the unknowns; misfit: sum of squares over the degrees of freedom, 1 where noise
     explains it; weak: sentences on unidentified directions; at_bounds: names of parameters at
     their bounds.
@@ -201,7 +201,7 @@ def _covariance(unknowns: Sequence[Unknown], information: Array) -> Array:
 
     A number that is held keeps the variance of its prior, since the data did not move it, and adds
     to the others what they would change with it (Schmidt's consider covariance). The posterior
-    variance of a joint fit, which is smaller, is that of another estimate.
+    variance of a joint fit, which is smaller, belongs to another estimate.
     """
     variance = np.array([0.0 if each.prior is None else each.prior[1] ** 2 for each in unknowns])
     weight = np.divide(1.0, variance, out=np.zeros_like(variance), where=variance > 0)

@@ -73,7 +73,7 @@ def folders(todo: Sequence[Job], output: str | None) -> Iterator[list[Path]]:
     """Create the folder of every job below `output`, as a context; [] without an output.
 
     Empty folders are removed after an error. InputError where a folder holds files of a
-    calibration's names that are not those of one.
+    calibration's names that no calibration wrote.
     """
     with ExitStack() as opened:
         whole = opened.enter_context(outputs.output(output))

@@ -139,7 +139,7 @@ def outcome(
 def checked(done: Calibration, motion: tuple[Array, Array, Array]) -> Calibration:
     """Add the errors of the prediction of a motion (n_t,) s, mm, N that was not fitted.
 
-    The touch is that of the record that was fitted.
+    The touch is taken from the record that was fitted.
     """
     time, position, force = motion
     model = done.predict(time, position - done[TOUCH].value)

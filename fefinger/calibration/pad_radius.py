@@ -119,7 +119,7 @@ def radius_for(
 ) -> tuple[float, float]:
     """Interpolate the pad radius in mm at which the thesis's fit gives `wanted`, and its exponent.
 
-    The logarithm of the fitted R is a line in that of the pad radius, by least squares through the
+    The logarithm of the fitted R is linear in log pad radius, by least squares through the
     tried `radii`; its slope is the exponent. Where it is below DETERMINED the first radius that
     was tried remains.
     """

@@ -216,7 +216,7 @@ class Calibration:
 
 
 def keep_others(folder: Path) -> None:
-    """Raise InputError where files of a calibration's names in a folder are not those of one."""
+    """Raise InputError where files of a calibration's names in a folder come from elsewhere."""
     present = [name for name in (FILE, TISSUE_FILE) if (folder / name).exists()]
     if FILE in present:
         with suppress(InputError):

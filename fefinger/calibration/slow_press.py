@@ -73,7 +73,7 @@ def press(
 ) -> SlowPress:
     """Load the press of a finger by "condensed" or "solid" from the cache, or solve it.
 
-    `part` is its depth over the thickness of the finger, by default that of PART; `spare`: the
+    `part` is its depth over the thickness of the finger, default PART; `spare`: the
     tangent factorizations of `solid` beyond the usual ones.
 
     Raises

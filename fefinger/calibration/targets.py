@@ -83,7 +83,7 @@ class SubjectTarget:
 class RecordTarget:
     """Target of a user: averaged ramp and hold, with time s, position mm, force N and its sd N.
 
-    All (n,). The standard deviation is that of the noise, at least that of ONE_G; mesh: the
+    All (n,). The standard deviation is the noise's, at least ONE_G; mesh: the
     resolution of the fitted model.
     """
 
@@ -99,7 +99,7 @@ class RecordTarget:
     def residuals(self, force: Array) -> Array:
         """Whitened residuals (n,) of a model's force (n,) N, in standard deviations.
 
-        The covariance is that of the noise and of the mesh error; whitening makes the residuals
+        The covariance holds noise and mesh error; whitening makes the residuals
         independent.
         """
         return np.asarray(solve_triangular(self._scatter, force - self.force, lower=True))
@@ -115,7 +115,7 @@ class RecordTarget:
 
     @property
     def lumped_misfit(self) -> float:
-        """Misfit of the lumped model, defined as that of a `Stage`."""
+        """Misfit of the lumped model, defined as in a `Stage`."""
         residuals = (self._lumped_force() - self.force) / self.force_sd
         # The weights of G sum to 1, so one of the parameters is not free.
         freedom = max(1, len(residuals) - len(self.lumped.parameters) + 1)
@@ -159,8 +159,8 @@ error, so that it does not affect the relaxation.
 def finger_of(name: str | None, **values: Any) -> Finger:
     """Finger from which a fit starts: of a subject of Table 2.1, of its means, or of a size alone.
 
-    Its shape is that of the calibrated finger of the subject, or in proportion to that of the
-    means. Its pulp is that of Maeno (1998) and does not stiffen; its skin keeps its ratios to it.
+    Its shape is taken from the calibrated finger of the subject, or in proportion from the
+    means. Its pulp is Maeno's (1998) and does not stiffen; its skin keeps its ratios to it.
     """
     row = pawluk1997.lumped().get(name or "")
     size = {} if row is None else {"width": row.width, "thickness": row.thickness}
@@ -323,7 +323,7 @@ def aligned(depth: Array, pressure: Array, sensor: ArraySensor) -> Frames:
 def _check_finger(name: str, parts: RampHold, lumped: Identification) -> None:
     """Raise InputError for a response unlike a finger's: no relaxation, or another stiffness.
 
-    The stiffness is that of the fit `lumped`.
+    The stiffness comes from the fit `lumped`.
     """
     hold = parts.force[parts.hold :]
     early = float(hold[: max(5, len(hold) // 50)].mean())

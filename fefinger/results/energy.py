@@ -28,7 +28,7 @@ def density(fields: Fields, frame: int, finger: Finger, *, elastic: bool, finite
     """Return the strain-energy density (n_points,) in kJ/m³ (which is kPa) at the mesh points.
 
     `elastic` takes the instantaneous moduli, otherwise the relaxed ones. `finite`: the strain is
-    logarithmic and the energy that of the tissue's law; otherwise small strain and Hooke's law. A
+    logarithmic and the energy by the tissue's law; otherwise small strain and Hooke's law. A
     point that two tissues share gets the mean, weighted by the volumes of its cells; bone has none.
     """
     if fields.energy is not None:

@@ -95,8 +95,8 @@ def expected_time(rung: "Rung") -> str:
 def trust(rung: "Rung", ask: "Ask") -> str:
     """State the expected error of each requested output, in a sentence or two.
 
-    Where the force is prescribed, its error is that at the depth of the answer; all others are at
-    that force, that of the depth is of the largest depth.
+    Where the force is prescribed, its error is stated at the depth of the answer. The other errors
+    are at the prescribed force; the error of the depth is for the largest depth.
     """
     errors = {"force": rung.error, **rung.errors}
     requested = ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes

@@ -43,13 +43,13 @@ class Rung:
     """One mechanics on the ladder, on one mesh where it has one.
 
     `seconds`: expected CPU time on this machine, by which candidates are ranked; `wall`: expected
-    wall time on its cores, which is that where they do not share the work; `error`: expected
+    wall time on its cores (the CPU time where they do not share the work); `error`: expected
     relative error of the force, the largest through time, over its peak; all nan where it cannot
     answer or was not considered; `evidence`: the report that measured the error; `errors`: of the
     highest "pressure" over 1 mm², the contact "area" and the "strain" at the end organs, where the
-    force is largest. An error that is not in `errors` is unknown. Where the force is prescribed,
-    `error` is that at the depth of the answer, and `errors` are at that force, with that of its
-    largest "depth"; on the way back the depth may err more.
+    force is largest; an error that is not there is unknown. Where the force is prescribed, `error`
+    is stated at the depth of the answer, and `errors` at the prescribed force, with the error of
+    the largest "depth"; on the way back the depth may err more.
     """
 
     mechanics: str
@@ -142,7 +142,7 @@ class Fields:
     n_points, 6) with the components xx yy zz xy yz xz of the tensor, pressure (n_frames, n_points)
     kPa on the pad and zero elsewhere. energy (n_frames, n_points, 2) kJ/m³: the strain-energy
     density of soft tissue with the relaxed and with the instantaneous moduli, the mean of its cells
-    around a point, so that its integral over them is that of the elements; None in results of
+    around a point, so that its integral is the integral over the elements; None in results of
     earlier versions.
     """
 

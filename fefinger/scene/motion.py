@@ -362,7 +362,7 @@ class RampSinusoidMotion(RampMotion):
 
     @property
     def corner_limits(self) -> tuple[float, ...]:
-        """The lengths in s of the ramp and of the sine, and twice that of the rest."""
+        """The lengths in s of the ramp and of the sine, and twice the length of the rest."""
         return self.ramp_duration, *rest_limit(self.settle_duration), self.n_cycles / self.frequency
 
     @cached_property
@@ -395,7 +395,7 @@ class SweepMotion(RampMotion):
 
     @property
     def corner_limits(self) -> tuple[float, ...]:
-        """The lengths in s of the ramp and of the sine, and twice that of the rest."""
+        """The lengths in s of the ramp and of the sine, and twice the length of the rest."""
         return self.ramp_duration, *rest_limit(self.settle), self.seconds
 
     @property
