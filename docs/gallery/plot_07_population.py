@@ -6,13 +6,13 @@ SAI and FAI units at their published densities, under a plate that is pressed, h
 """
 
 import fefinger as ff
-from fefinger.view import unit_figures
+from fefinger.view import spatial_figures
 
 
 result = ff.run("population-press")
 print(result.spikes.summary())
-raster = unit_figures.raster(result)
+raster = spatial_figures.raster(result)
 
 # %%
 # Mean rates at the places of the units, over the pressure at the largest force.
-rates = unit_figures.rate_map(result)
+rates = spatial_figures.rate_map(result)

@@ -7,7 +7,7 @@ over the unit then: a spatial event plot.
 """
 
 import fefinger as ff
-from fefinger.view import event_plots
+from fefinger.view import spatial_figures
 
 
 changes = {
@@ -18,8 +18,8 @@ changes = {
 }
 result = ff.run("slide-dots", changes=changes)
 print(result.spikes.summary())
-events = event_plots.events(result)
+events = spatial_figures.events(result)
 
 # %%
 # Mean rates along the plate.
-lines = event_plots.scan_lines(result)
+lines = spatial_figures.scan_lines(result)

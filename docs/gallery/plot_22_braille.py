@@ -7,7 +7,7 @@ The letter t is pressed 1 mm and held, over a grid of SAI units: which of them f
 """
 
 import fefinger as ff
-from fefinger.view import event_plots, unit_figures
+from fefinger.view import spatial_figures
 
 
 letter = ff.Scene(
@@ -22,7 +22,7 @@ result = ff.run(letter, mechanics="condensed")
 held = result.spikes.to_pandas().query("time_s > 0.1")
 rates = held.groupby("unit").size() / (result.time[-1] - 0.1)  # of units that fire at all
 print("fastest units, rate in the hold / Hz:", rates.nlargest(5).round().to_dict())
-shown = unit_figures.rate_map(result)
+shown = spatial_figures.rate_map(result)
 
 # %%
 # Two letters pass under the units. Each spike is drawn at the place that was over the unit then.
@@ -34,4 +34,4 @@ changes = {
     "ask.rel_error": 0.9,
 }
 scanned = ff.run("slide-braille", changes=changes)
-events = event_plots.events(scanned)
+events = spatial_figures.events(scanned)

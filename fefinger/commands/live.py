@@ -21,7 +21,6 @@ def live(output: str | None, subject: str, resolution: str) -> None:
     from fefinger.support.outputs import output_file
     from fefinger.view import film
     from fefinger.view import live as shows
-    from fefinger.view.live_demo import DT
 
     finger = Finger.subject(subject, resolution=resolution, tissue=PUBLISHED)
     if output is None:
@@ -31,6 +30,6 @@ def live(output: str | None, subject: str, resolution: str) -> None:
         output_file(output, "-o")
         last = shows.record(finger, Path(output))
     click.echo(
-        f"{last.steps} steps of {1e3 * DT:g} ms at {last.rate:.0f} steps/s, "
+        f"{last.steps} steps of {1e3 * shows.DT:g} ms at {last.rate:.0f} steps/s, "
         f"{len(last.spikes)} spikes" + (f": {output}" if output else "")
     )

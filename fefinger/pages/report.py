@@ -20,14 +20,13 @@ from fefinger.results.pressure import highest
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.atomic_write import temporary_folder
 from fefinger.view import (
-    event_plots,
     figures,
     frames,
     pictures,
     quantities,
     renderer,
     section_figure,
-    unit_figures,
+    spatial_figures,
 )
 
 
@@ -187,7 +186,7 @@ def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
         if result.lateral.stick_area is not None:
             text = f"{text}; the part of the contact that does not slip, and the work of friction"
             text = f"{text}. {result.lateral.outcome}".removesuffix(".")
-        yield _part("sideways", "Sliding", f"{text}.", event_plots.sideways(result))
+        yield _part("sideways", "Sliding", f"{text}.", spatial_figures.sideways(result))
     if result.strain is not None and result.sites is not None:
         text = (
             "Largest compressive and tensile principal strain at the end organs; of a population, "
@@ -245,12 +244,12 @@ def _spikes(result: ResultRecord) -> dict[str, Any]:
         "mean rate of each type; and the places of the units, colored by their rates, over the "
         f"pressure at {result.peak_name}."
     )
-    part = _part("spikes", "Spikes of the population", text, unit_figures.raster(result))
+    part = _part("spikes", "Spikes of the population", text, spatial_figures.raster(result))
     if result.spikes.positions is None:
         return part
     counted = f"{result.spikes.t_start:.3g} to {result.spikes.t_stop:.3g} s"
     caption = f"Mean rates from {counted}, at the units' places, seen along z."
-    map_ = {"source": page.svg(unit_figures.rate_map(result)), "caption": caption}
+    map_ = {"source": page.svg(spatial_figures.rate_map(result)), "caption": caption}
     return part | {"pictures": [map_]}
 
 
@@ -259,12 +258,12 @@ def _on_object(result: ResultRecord) -> Iterator[dict[str, Any]]:
         "Every spike at the place on the object that was over the unit then (spatial event plot), "
         "in the object's own x and y; darker is lower."
     )
-    yield _part("events", "Spikes on the object", text, event_plots.events(result))
+    yield _part("events", "Spikes on the object", text, spatial_figures.events(result))
     text = (
         "Mean rate against the place on the object: of units on up to five scan lines (their "
         "place across the path), and of all. Time in which the object stands does not count."
     )
-    yield _part("lines", "Rate along the object", text, event_plots.scan_lines(result))
+    yield _part("lines", "Rate along the object", text, spatial_figures.scan_lines(result))
 
 
 def _part(key: str, title: str, text: str, drawn: Any) -> dict[str, Any]:

@@ -22,8 +22,16 @@ from fefinger.results.records import Fields
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.atomic_write import moved
-from fefinger.view import figures, frames, indenter_pose, markers, quantities, surfaces
-from fefinger.view.drawing import Drawing, colors, cut_open, titles
+from fefinger.view import figures, frames, indenter_pose, quantities, surfaces
+from fefinger.view.drawing import (
+    Drawing,
+    Marks,
+    colors,
+    cut_open,
+    highest_rate,
+    marks_on_skin,
+    titles,
+)
 from fefinger.view.quantities import Span
 
 
@@ -84,7 +92,7 @@ def write(
         "fields": {name: _bar(spans[name], name) for name in quantities.FIELDS},
         "pressure": _bar(spans[PRESSED], "pressure"),
         "maps": {_map(span): _colors(span) for span in [*spans.values(), RATED]},
-        "rate": quantities.round_up(max(map(markers.highest_rate, shown)) or 1.0),
+        "rate": quantities.round_up(max(map(highest_rate, shown)) or 1.0),
         "rates": quantities.RATES,
         "few": FEW,
     }  # fmt: skip
@@ -141,7 +149,7 @@ def _scene(drawn: Drawing, blob: Blob) -> dict[str, Any]:
         "lines": blob.add(lines.triangles, "u4"),
         "linePoints": blob.add([lines.at(each) for each in moved], "f4"),
         "organs": _organs(drawn.marks, fields, blob),
-        "units": _organs(markers.on_skin(result), fields, blob),
+        "units": _organs(marks_on_skin(result), fields, blob),
         "indenter": _indenter(result, blob),
     }
 
@@ -173,7 +181,7 @@ def _values(drawn: Drawing, name: str, blob: Blob) -> dict[str, Any]:
     return blob.add(np.round((values - low) / step), "u2") | {"low": low, "step": step}
 
 
-def _organs(shown: markers.Marks | None, fields: Fields, blob: Blob) -> dict[str, Any] | None:
+def _organs(shown: Marks | None, fields: Fields, blob: Blob) -> dict[str, Any] | None:
     """Return places, labels and colors of marks, and the rates of their units."""
     if shown is None:
         return None

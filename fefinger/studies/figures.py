@@ -248,6 +248,6 @@ def isobars(rows: Rows, x: str) -> Any:
         drawn.supxlabel("sideways / mm", fontsize=9)
         drawn.supylabel("distal from first touch / mm", fontsize=9)
         colors = ScalarMappable(Normalize(levels[0], levels[-1]), quantities.EVEN)
-        about = {"ticks": levels, "label": "pressure on the array / kPa"}
-        drawn.colorbar(colors, ax=axes, shrink=0.8, aspect=30, **about)
+        label = "pressure on the array / kPa"
+        drawn.colorbar(colors, ax=axes, shrink=0.8, aspect=30, ticks=levels, label=label)
         return drawn

@@ -98,7 +98,7 @@ class ReceptiveField:
 
     def figure(self) -> Any:
         """Draw the field of every unit as a matplotlib Figure."""
-        from fefinger.view.unit_figures import receptive_fields
+        from fefinger.view.spatial_figures import receptive_fields
 
         fields = {kind: self.of(kind) for kind in self.kinds}
         return receptive_fields(self.places, self.spacing, fields, self.organs)

@@ -1,27 +1,31 @@
-"""Figures of a result, drawn with matplotlib's objects (no pyplot) for the report and for view.
+"""Figures of a result for its report, drawn with matplotlib's objects (no pyplot).
 
-Every function returns a matplotlib Figure; `svg` turns one into text.
+`style` is to be active while a figure is drawn; `svg` turns one into text.
 """
 
 import io
 from collections.abc import Sequence
-from typing import Any
+from contextlib import AbstractContextManager
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fefinger.neural.trains import FEW
 from fefinger.results.harmonic import Harmonic
 from fefinger.results.records import Pad
 from fefinger.results.result_record import ResultRecord
 from fefinger.scene.scene import Scene
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Floats, Integers
 from fefinger.support.vocabulary import TYPES
 from fefinger.view import quantities
 from fefinger.view.compact_svg import compact
 
 
-Curves = list[tuple[str, str, Array]]
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 # Okabe and Ito (2008): distinguishable with every type of color vision.
 COLORS = {"SAI": "#0072B2", "SAII": "#009E73", "FAI": "#D55E00", "FAII": "#AA4499"}
@@ -51,30 +55,54 @@ STYLE: Any = {
     "svg.fonttype": "none",
 }
 WIDE = 9.2  # inches: the width of a figure that fills the report
-RASTER = 200  # dots per inch of what is no line in an SVG
+RASTER = 200  # dots per inch of the parts of an SVG that are pixels, sharp on a phone
 POINTS = 72  # units of an SVG per inch, for its layout
 SHORT = 0.25  # s: shorter spans are labeled in ms
 SPANNED = 4.0  # largest over smallest value from which on an axis is logarithmic
 
 
-def style() -> Any:
-    """Return a context in which figures get the house style."""
+class Curve(NamedTuple):
+    """A curve of a signal: label (empty: not in the legend), color and values (n_t,)."""
+
+    label: str
+    color: str
+    values: Array
+
+
+class Row(NamedTuple):
+    """A row of panels with the same vertical axis: its label, times (n_t,) s, and the curves."""
+
+    label: str
+    time: Array
+    curves: Sequence[Curve]
+
+
+class Window(NamedTuple):
+    """A span of time in s that signals are drawn over, with its title."""
+
+    title: str
+    start: float
+    stop: float
+
+
+def style() -> AbstractContextManager[None]:
+    """Return a context in which figures get the style of the report."""
     import matplotlib
 
     return matplotlib.rc_context(STYLE)
 
 
-def figure(width: float, height: float) -> Any:
-    """Return an empty Figure in inches, with constrained layout."""
+def figure(width: float, height: float) -> "Figure":
+    """Return an empty Figure of a size in inches, with constrained layout."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained", facecolor="white")
 
 
-def svg(drawn: Any) -> str:
-    """Return the figure as compact SVG text, whose letters are those of the browser's font.
+def svg(drawn: "Figure") -> str:
+    """Return a figure as compact SVG text with letters in the font of the browser.
 
-    The figure keeps its layout. `savefig` would draw everything twice, the first time for it.
+    Its layout is computed here, since `savefig` would draw everything twice, once for the layout.
     """
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
@@ -82,43 +110,41 @@ def svg(drawn: Any) -> str:
     with style():
         canvas = FigureCanvasSVG(drawn)
         drawn.set_dpi(POINTS)
-        drawn.get_layout_engine().execute(drawn)
+        if (layout := drawn.get_layout_engine()) is not None:
+            layout.execute(drawn)
         drawn.set_layout_engine("none")
         drawn.set_dpi(RASTER)
         canvas.print_svg(buffer, metadata={"Date": None})
     return compact(buffer.getvalue())
 
 
-def windows(scene: Scene, end: float) -> list[tuple[str, float, float]]:
-    """Return the spans (title, t0, t1) in s that a signal is drawn over: early part, then whole.
+def windows(scene: Scene, end: float) -> list[Window]:
+    """Return the spans over which a signal that ends at `end` s is drawn, the whole one last.
 
-    A first movement that fills less than a fifth of the time gets its own panel, and so do the
-    last cycles of a vibration of many.
+    A first movement in less than a fifth of the time gets a panel of its own, and so do the last
+    four of more than 20 cycles of a vibration.
     """
-    spans = [("whole stimulus", 0.0, end)]
+    spans = [Window("whole stimulus", 0.0, end)]
     wave = scene.motion.trajectory.wave
     if wave is not None and end * wave.last_frequency > 20:
-        spans.insert(0, ("last four cycles", end - 4 / wave.last_frequency, end))
+        spans.insert(0, Window("last four cycles", end - 4 / wave.last_frequency, end))
     # A wave begins a movement of its own, so the ramp ends at the first break in the middle.
     moves = scene.motion.moving
     stop = moves[0][1] if moves else end
     if stop < end / 5:
-        spans.insert(0, ("first movement", 0.0, min(end, 1.8 * stop)))
+        spans.insert(0, Window("first movement", 0.0, min(end, 1.8 * stop)))
     return spans
 
 
-def signals(result: ResultRecord, rows: list[tuple[str, Array, Curves]]) -> Any:
-    """Draw curves against time: one row per (axis label, time, [(label, color, values)]).
-
-    Each row is drawn over all `windows`, on one scale; times in ms where the span is short.
-    """
+def signals(result: ResultRecord, rows: Sequence[Row]) -> "Figure":
+    """Draw rows of curves against time over all `windows`, in ms where a span is short."""
     with style():
         drawn, axes, scales = _panels(result, [1.0] * len(rows), 0.5 + 1.75 * len(rows))
-        for (label, time, curves), line in zip(rows, axes, strict=True):
+        for row, line in zip(rows, axes, strict=True):
             for axis, scale in zip(line, scales, strict=True):
-                for name, color, values in curves:
-                    axis.plot(time * scale, values, color=color, label=name or "_")
-            line[0].set_ylabel(label)
+                for name, color, values in row.curves:
+                    axis.plot(row.time * scale, values, color=color, label=name or "_")
+            line[0].set_ylabel(row.label)
         handles = [
             line for axis in axes[:, -1] for line in axis.lines if line.get_label()[:1] != "_"
         ]
@@ -130,16 +156,17 @@ def signals(result: ResultRecord, rows: list[tuple[str, Array, Curves]]) -> Any:
 
 def _panels(
     result: ResultRecord, heights: list[float], height: float
-) -> tuple[Any, Any, list[float]]:
-    """Return a figure, its axes (len(heights), n) over all n `windows`, and their units per s."""
+) -> "tuple[Figure, NDArray[np.object_], list[float]]":
+    """Return a figure, its axes (len(heights), n_windows), and per window its units per second."""
     from matplotlib.ticker import MaxNLocator
 
     spans = windows(result.scene, float(result.time[-1]))
-    ratios = {"width_ratios": [1.0] * (len(spans) - 1) + [1.5], "height_ratios": heights}
+    widths = [1.0] * (len(spans) - 1) + [1.5]
     drawn = figure(WIDE, height)
     axes = drawn.subplots(
-        len(heights), len(spans), sharex="col", sharey="row", squeeze=False, **ratios
-    )
+        len(heights), len(spans), sharex="col", sharey="row", squeeze=False,
+        width_ratios=widths, height_ratios=heights,
+    )  # fmt: skip
     scales = []
     for (title, start, stop), column in zip(spans, axes.T, strict=True):
         scale, unit = (1e3, "ms") if stop - start < SHORT else (1.0, "s")
@@ -151,24 +178,23 @@ def _panels(
     return drawn, axes, scales
 
 
-def force(result: ResultRecord) -> Any:
+def force(result: ResultRecord) -> "Figure":
     """Draw force and depth against time."""
-    rows = [
-        ("force / N", result.time, [("", INK, result.response.force)]),
-        ("depth / mm", result.time, [("", STEEL, result.depth)]),
-    ]
+    force, depth = Curve("", INK, result.response.force), Curve("", STEEL, result.depth)
+    rows = Row("force / N", result.time, [force]), Row("depth / mm", result.time, [depth])
     return signals(result, rows)
 
 
-def contact(result: ResultRecord) -> Any:
+def contact(result: ResultRecord) -> "Figure":
     """Draw contact area and centroid against time."""
     rows = []
     if result.contact_area is not None:
-        rows.append(("contact area / mm²", result.time, [("", INK, result.contact_area)]))
+        area = Curve("", INK, result.contact_area)
+        rows.append(Row("contact area / mm²", result.time, [area]))
     if result.centroid is not None:
         x, y = result.centroid.T
-        curves = [("x (distal)", "#0072B2", x), ("y (radial)", "#E69F00", y)]
-        rows.append(("centroid / mm", result.time, curves))
+        curves = [Curve("x (distal)", "#0072B2", x), Curve("y (radial)", "#E69F00", y)]
+        rows.append(Row("centroid / mm", result.time, curves))
     return signals(result, rows)
 
 
@@ -178,16 +204,16 @@ def of_each(types: Sequence[str]) -> dict[str, Integers]:
     return {kind: np.flatnonzero(named == kind) for kind in TYPES if kind in types}
 
 
-def strongest(values: NDArray[Any], types: Sequence[str]) -> list[int]:
-    """Return for each type the column of values (n_t, n) with the largest value."""
+def strongest(values: Floats, types: Sequence[str]) -> list[int]:
+    """Return for each of the types the column of values (n_t, n_types) with the largest size."""
     top = np.abs(values).max(axis=0)
     return [int(which[np.argmax(top[which])]) for which in of_each(types).values()]
 
 
-def site_strain(result: ResultRecord) -> Any:
-    """Draw the largest compressive and tensile strain at end-organ sites against time.
+def site_strain(result: ResultRecord) -> "Figure":
+    """Draw the principal strains at the end organs against time.
 
-    Of a population the most strained site of each type.
+    Of a population the most strained end organ of each type is drawn.
     """
     assert result.strain is not None
     assert result.sites is not None
@@ -200,23 +226,22 @@ def site_strain(result: ResultRecord) -> Any:
     types = [sites.types[i] for i in shown]
     compressive, tensile = np.maximum(0, -principal[..., 0]), np.maximum(0, principal[..., 2])
     rows = [
-        ("compressive strain / %", result.time, _curves(labels, types, compressive[:, shown])),
-        ("tensile strain / %", result.time, _curves(None, types, tensile[:, shown])),
+        Row("compressive strain / %", result.time, _curves(labels, types, compressive[:, shown])),
+        Row("tensile strain / %", result.time, _curves(None, types, tensile[:, shown])),
     ]
     return signals(result, rows)
 
 
-def _curves(labels: list[str] | None, types: Sequence[str], values: Array) -> Curves:
-    """Return the columns of values (n_t, n) as curves in the colors of their types."""
-    named = labels or [""] * len(types)
-    colors = [COLORS.get(kind, INK) for kind in types]
-    return list(zip(named, colors, values.T, strict=True))
+def _curves(labels: list[str] | None, types: Sequence[str], values: Array) -> list[Curve]:
+    """Return the columns of values (n_t, n_types) as curves in the colors of their types."""
+    named, colors = labels or [""] * len(types), [COLORS.get(kind, INK) for kind in types]
+    return list(map(Curve, named, colors, values.T))
 
 
-def currents(result: ResultRecord) -> Any:
+def currents(result: ResultRecord) -> "Figure":
     """Draw the input of the end organs and the generator current of the units against time.
 
-    Of many units the one of each type with the largest current.
+    Of more than FEW units the one of each type with the largest current is drawn.
     """
     spikes = result.spikes
     assert spikes is not None
@@ -225,13 +250,13 @@ def currents(result: ResultRecord) -> Any:
         shown = strongest(spikes.current, spikes.types)
     names, types = [spikes.names[i] for i in shown], [spikes.types[i] for i in shown]
     rows = [
-        ("end-organ input / mm", spikes.time, _curves(names, types, spikes.x_in[:, shown])),
-        ("current / µA/cm²", spikes.time, _curves(None, types, spikes.current[:, shown])),
+        Row("end-organ input / mm", spikes.time, _curves(names, types, spikes.x_in[:, shown])),
+        Row("current / µA/cm²", spikes.time, _curves(None, types, spikes.current[:, shown])),
     ]
     return signals(result, rows)
 
 
-def spikes(result: ResultRecord) -> Any:
+def spikes(result: ResultRecord) -> "Figure":
     """Draw the spike raster, and below it the instantaneous rate of units that fired twice."""
     trains = result.spikes
     assert trains is not None
@@ -255,7 +280,7 @@ def spikes(result: ResultRecord) -> Any:
         return drawn
 
 
-def _draw_rate(axis: Any, times: Array, end: float, color: str, scale: float) -> None:
+def _draw_rate(axis: "Axes", times: Array, end: float, color: str, scale: float) -> None:
     """Draw the rate as steps: 1 / interval during each interval, zero outside of them."""
     edges = np.concatenate([[0.0], times, [max(end, times[-1])]])
     rates = np.concatenate([[0.0], 1 / np.diff(times), [0.0]])
@@ -263,25 +288,26 @@ def _draw_rate(axis: Any, times: Array, end: float, color: str, scale: float) ->
     axis.stairs(rates, edges * scale, color=color, linewidth=1.1)
 
 
-def pressure_map(result: ResultRecord) -> Any:
-    """Draw the pressure on the pad at its peak, seen from below, with its centroid."""
+def pressure_map(result: ResultRecord) -> "Figure":
+    """Draw the pressure on the pad and its centroid at the peak of the press, seen from below."""
+    from matplotlib.tri import Triangulation
+
     assert result.pad is not None
     assert result.pressure is not None
     step = result.peak
     pressure, pad = result.pressure[step], result.pad
-    triangles = palmar_triangles(pad)
     loaded = np.flatnonzero(pressure > 0)
     near = pad.points[loaded if loaded.size else slice(None)]
     low, high = near.min(axis=0) - 2.0, near.max(axis=0) + 2.0
     with style():
         drawn = figure(5.4, 4.6)
         axis = drawn.subplots()
-        x, y = pad.points[:, 0], pad.points[:, 1]
-        colors = {"cmap": quantities.SKIN_DEEP, "vmin": 0, "vmax": max(pressure.max(), 1e-9)}
+        pad_mesh = Triangulation(pad.points[:, 0], pad.points[:, 1], palmar_triangles(pad))
         drawn_map = axis.tripcolor(
-            x, y, triangles, pressure, shading="gouraud", rasterized=True, **colors
-        )
-        axis.triplot(x, y, triangles, color=STEEL, linewidth=0.25, alpha=0.5)
+            pad_mesh, pressure, shading="gouraud", rasterized=True,
+            cmap=quantities.SKIN_DEEP, vmin=0, vmax=max(pressure.max(), 1e-9),
+        )  # fmt: skip
+        axis.triplot(pad_mesh, color=STEEL, linewidth=0.25, alpha=0.5)
         if result.centroid is not None:
             place, color = result.centroid[step], "#0072B2"
             for width, shade in ((4.5, "white"), (2.0, color)):
@@ -305,8 +331,8 @@ def palmar_triangles(pad: Pad) -> Integers:
     return pad.triangles[(pad.normals[pad.triangles][:, :, 2] < 0).all(axis=1)]
 
 
-def stages(result: ResultRecord) -> Any:
-    """Draw the wall time of every stage as bars."""
+def stages(result: ResultRecord) -> "Figure":
+    """Draw the wall time of every stage of the computation as bars."""
     names, seconds = list(result.seconds), list(result.seconds.values())
     with style():
         drawn = figure(WIDE, 0.6 + 0.26 * len(names))
@@ -321,8 +347,8 @@ def stages(result: ResultRecord) -> Any:
         return drawn
 
 
-def harmonic(answer: Harmonic, types: tuple[str, ...]) -> Any:
-    """Draw stiffness, phase of the impedance, strain per mm at the end organs, and energy lost."""
+def harmonic(answer: Harmonic, types: tuple[str, ...]) -> "Figure":
+    """Draw stiffness, impedance, strain per mm at end organs of `types`, and energy lost."""
     with style():
         drawn = figure(8.4, 4.6)
         (stiffness, phase), (strain, lost) = drawn.subplots(2, 2, sharex=True)
@@ -331,8 +357,7 @@ def harmonic(answer: Harmonic, types: tuple[str, ...]) -> Any:
         stiffness.set_ylabel("dynamic stiffness / (N/mm)")
         phase.plot(frequency, np.degrees(np.angle(answer.impedance)), color=INK)
         phase.set_ylabel("phase of the impedance / °")
-        for kind in dict.fromkeys(types):
-            members = np.flatnonzero(np.array(types) == kind)
+        for kind, members in of_each(types).items():
             largest = np.abs(answer.strain[:, members]).max(axis=(1, 2, 3))
             strain.plot(frequency, largest, label=kind)
         if types:
@@ -347,15 +372,16 @@ def harmonic(answer: Harmonic, types: tuple[str, ...]) -> Any:
     return drawn
 
 
-def _logarithmic(axis: Any) -> None:
-    """Make an axis logarithmic, with plain numbers at 1, 2 and 5 of a decade; from 0 if narrow."""
+def _logarithmic(axis: "Axis") -> None:
+    """Make an axis logarithmic, labeled at 1, 2 and 5 of decades; linear from 0 if narrow."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     low, high = axis.get_data_interval()
+    name = "x" if axis is axis.axes.xaxis else "y"
     if not 0 < SPANNED * low < high:
-        axis.axes.set(**{f"{axis.axis_name}lim": (0, 1.1 * high)})
+        axis.axes.set(**{f"{name}lim": (0, 1.1 * high)})
         return
-    axis.axes.set(**{f"{axis.axis_name}scale": "log"})
+    axis.axes.set(**{f"{name}scale": "log"})
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.set_major_formatter(FuncFormatter(lambda value, place: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())

@@ -17,7 +17,7 @@ Picture = NDArray[np.uint8]
 
 
 def check(path: str | PathLike[str], option: str) -> None:
-    """Raise InputError of `option` if no film can be written to `path`."""
+    """Raise InputError of `option` unless a film can be written to `path`, a GIF or MP4 file."""
     suffix = Path(path).suffix.lower()
     if suffix not in (".gif", ".mp4"):
         raise InputError(
@@ -36,21 +36,21 @@ def check(path: str | PathLike[str], option: str) -> None:
 
 
 def write(path: str | PathLike[str], pictures: Iterable[Picture], fps: float) -> None:
-    """Write pictures (h, w, 3) of one size to `path`, under a temporary name until complete."""
+    """Write pictures (height, width, 3) to a GIF or MP4 file, which appears when it is complete."""
     check(path, "film")
     with moved(Path(path)) as new:
         (_gif if new.suffix.lower() == ".gif" else _mp4)(new, pictures, fps)
 
 
 def _gif(path: Path, pictures: Iterable[Picture], fps: float) -> None:
-    """Write a GIF with one palette for all pictures, so that colors stay the same in time."""
+    """Write a GIF with one palette for all pictures, so that colors do not change in time."""
     from PIL import Image
 
     every = [Image.fromarray(picture) for picture in pictures]
     some = Image.fromarray(np.concatenate([np.asarray(p)[::2, ::2] for p in every[::4]]))
-    # By coverage: rare colors, such as the ends of the color bars, keep their own.
+    # MAXCOVERAGE keeps rare colors, such as the ends of the color bars.
     palette = some.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=1)
-    # Dithered, as 256 colors of three maps and their shades would show as bands.
+    # Dithered: 256 colors for three color maps and their shades would show as bands.
     first, *others = [p.quantize(palette=palette) for p in every]
     duration = round(1000 / fps)
     first.save(path, save_all=True, append_images=others, duration=duration, loop=0)

@@ -1,4 +1,4 @@
-"""Checks of what is to be shown, stored times next to a requested one, and whole fingers."""
+"""Which stored time of a result is shown, checks of the request, and fields of whole fingers."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,9 +16,9 @@ from fefinger.view import quantities
 def requested(
     results: ResultRecord | Sequence[ResultRecord], field: str, time: float | None = None
 ) -> list[ResultRecord]:
-    """Return one result or several as a list; InputError unless they can be shown.
+    """Return one result or several as a list, if their `field` can be shown at a `time` in s.
 
-    All have fields, the name of the `field` is known, and `time` is within the runs, as in `check`.
+    Raises InputError for a result without fields, an unknown field, or a time as in `check`.
     """
     every = [results] if isinstance(results, ResultRecord) else list(results)
     for result in every:
@@ -31,7 +31,7 @@ def requested(
 def check(name: str, results: Sequence[ResultRecord], time: float | None) -> None:
     """Raise InputError for a `time` in s before the runs, or more than a step after all of them.
 
-    `name`: what the user gave it as; None is the time of the peak.
+    Messages call the time `name`. None, the time of the peak, is always right.
     """
     if time is None:
         return
@@ -41,7 +41,7 @@ def check(name: str, results: Sequence[ResultRecord], time: float | None) -> Non
     if time > last + step:
         raise InputError(
             f"{name}: expected a time within the run, from 0 to {last:.4g} s, "
-            f"received {time:.6g} s; leave it out for that of {results[0].peak_name}"
+            f"received {time:.6g} s; leave it out for the time of {results[0].peak_name}"
         )
 
 

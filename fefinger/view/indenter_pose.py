@@ -1,4 +1,4 @@
-"""Pose of the indenter for pictures: position, direction, surface, outline in the medial plane."""
+"""Where the indenter is in pictures: its position, direction, surface, and medial outline."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,11 +14,11 @@ from fefinger.support.arrays import Array
 from fefinger.view.frames import whole
 
 
-SAMPLES, STEPS = 1201, 8  # points of an indenter's outline; steps to the medial plane
+SAMPLES, STEPS = 1201, 8  # points of an outline; iterations of its places in the medial plane
 
 
 class Pose(NamedTuple):
-    """An indenter in space: foremost point and direction of travel (3,), shape, turn in degrees."""
+    """An indenter in space: foremost point (3,) mm, direction of travel (3,), shape, and roll."""
 
     origin: Array
     axis: Array
@@ -27,11 +27,11 @@ class Pose(NamedTuple):
 
     @property
     def frame(self) -> Array:
-        """Rows (3, 3): the shape's two unit vectors across the travel, then the axis."""
+        """Rows (3, 3) of unit vectors: the two directions of the shape, and the axis."""
         return frame(self.axis, self.roll)
 
     def places(self, across: Array) -> Array:
-        """Return the points (..., 3) of the surface at places across the travel, inf beyond it."""
+        """Return points (..., 3) of the surface from places (..., 2) mm across; inf beyond it."""
         height = self.profile.height(across)[0]
         frame = self.frame
         there = (np.isfinite(height) & ~self.profile.beyond(across))[..., None]
@@ -39,9 +39,9 @@ class Pose(NamedTuple):
         return np.where(there, self.origin + across @ frame[:2] - back, np.inf)
 
     def outline(self, reach: float) -> Array:
-        """Return the indenter's outline (n, 2) in the medial plane, x and z in mm.
+        """Return the outline (n, 2) in the medial plane, x and z in mm; n is 0 where it misses it.
 
-        It goes `reach` mm to either side; no rows where the plane misses the indenter.
+        The outline goes `reach` mm to either side.
         """
         ahead = self.axis[[0, 2]] / np.hypot(self.axis[0], self.axis[2])
         if self.profile.half_axes is not None and self.roll == 0:
@@ -54,7 +54,7 @@ class Pose(NamedTuple):
         return np.concatenate([front, back[[-1, 0]]])
 
     def _ring(self, ahead: Array, radii: tuple[float, float, float]) -> Array:
-        """Return the ellipse in which the medial plane cuts an ellipsoid that travels ahead."""
+        """Return the ellipse (n, 2) in which the medial plane cuts an ellipsoid; `radii` in mm."""
         center = self.origin - radii[2] * self.axis
         inside = 1 - (center[1] / radii[1]) ** 2
         if inside <= 0:
@@ -80,10 +80,10 @@ class Pose(NamedTuple):
 
 
 def pose(result: ResultRecord, depth: float, time: float | None = None) -> Pose:
-    """Return the pose of the indenter after `depth` mm of travel.
+    """Return the pose of the indenter after `depth` mm of travel, at a time in s if it slides.
 
-    One that slides is where it is at a time in s; without a time, where pictures have no shape for
-    each frame, it is the plane through its crests.
+    Without a time, for pictures of an indenter of constant shape, a sliding texture is the plane
+    through its crests.
     """
     first = _first(result, depth)
     if result.lateral is None or not result.scene.motion.slides:
@@ -102,18 +102,18 @@ def pose(result: ResultRecord, depth: float, time: float | None = None) -> Pose:
 
 @dataclass(frozen=True)
 class Texture:
-    """A plate with a level texture that slides, drawn over the same places at every time.
+    """A sliding plate with a texture, drawn as heights that change over fixed places.
 
-    first: its pose before it moves; shift(t) (2,) mm: its place across the travel.
+    first: its pose before it moves; shift(t) (2,) mm: how far it has moved along its plane.
     """
 
     first: Pose
     shift: Callable[[float], Array]
 
     def rise(self, time: float, points: Array) -> Array:
-        """Return the displacements (n,) mm along the travel that carry the drawn surface.
+        """Return how far (n,) mm drawn points (n, 3) are from the surface at a time in s.
 
-        They carry its points (n, 3) to the surface at a time in s; 0 where that has no height.
+        Along the direction of travel; 0 where the surface has no height.
         """
         local = (points - self.first.origin) @ self.first.frame.T
         turn = self.first.frame[:2] @ frame(self.first.axis)[:2].T
@@ -122,7 +122,7 @@ class Texture:
 
 
 def texture(result: ResultRecord) -> Texture | None:
-    """Return the texture of an indenter that slides; None without one."""
+    """Return the texture of an indenter that slides; None where it has none."""
     first = _first(result, 0.0)
     if result.lateral is None or not result.scene.motion.slides:
         return None
@@ -132,7 +132,7 @@ def texture(result: ResultRecord) -> Texture | None:
 
 
 def _first(result: ResultRecord, depth: float) -> Pose:
-    """Return the pose of the indenter at its first place."""
+    """Return the pose of the indenter before it slides."""
     indenter = result.scene.indenter
     plate, at, pad = indenter.plate, indenter.place, result.pad
     origin, axis = np.zeros(3), direction(STANDARD if plate is None else plate)

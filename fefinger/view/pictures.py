@@ -12,13 +12,12 @@ from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import moved
 from fefinger.view import figures, film, frames, quantities, renderer, surfaces
-from fefinger.view.drawing import colors, drawing, titles
-from fefinger.view.markers import highest_rate
+from fefinger.view.drawing import colors, drawing, highest_rate, titles
 from fefinger.view.plot3d import FingerActor, Prop, Scales
 from fefinger.view.quantities import round_up
 
 
-BARS = 260  # pixels of the column of color bars
+BARS = 260  # pixels of width of the color bars
 BAR: dict[str, Any] = {
     "color": figures.INK,
     "vertical": True,
@@ -32,17 +31,17 @@ BAR: dict[str, Any] = {
     "unconstrained_font_size": True,
 }
 PLACES = (0.7, 0.43, 0.16)  # of the lower ends of bars: at most a field, the pressure and the rate
-LONG = 23  # letters of a title in one line
+LONG = 23  # letters of the title of a color bar that fit into a line
 PANEL = (880, 780)  # pixels of a view in space, beside which the color bars are
 GAP, WHITE = 32, 250  # pixels between finger and color bars; least byte of what counts as white
-FPS, REST = 8, 8  # pictures per second of a film, and how often its last one stays
+FPS, REST = 8, 8  # pictures per second of a film, and how many its last one is shown for
 LEGEND: dict[str, Any] = {
     **{"title": "region", "n_labels": 0, "vertical": False},
     **{"position_x": 0.2, "position_y": 0.05, "width": 0.6, "height": 0.08},
 }
 ROOM = np.array([[-0.9, -0.62], [0.9, 0.8]])
-"""Corners of what the picture of a mesh leaves to the finger, from -1 to 1 across and up: the title
-is above it and the legend below."""
+"""Corners of the finger in the picture of a mesh, from -1 to 1 across and up: the title is above
+and the legend below."""
 REGIONS = {SKIN: "#e8b89a", SUBCUTANEOUS: "#f4dc8c", BONE: figures.BONE}  # their colors
 
 
@@ -53,7 +52,7 @@ def compose(
     limits: tuple[float, float] | None = None,
     folders: Sequence[str] = (),
 ) -> list[FingerActor]:
-    """Put results side by side into a plotter, one scale for all in its last column.
+    """Put results side by side into a plotter, with one set of color bars in its last column.
 
     Raises InputError if the field is unknown or a result has no fields.
     """
@@ -75,7 +74,7 @@ def compose(
 
 
 def _add_bars(plotter: Any, actors: Sequence[FingerActor]) -> None:
-    """Add one color bar for each thing that any actor is colored by; the last actor keeps them."""
+    """Add a color bar for each quantity that any actor is colored by; the last actor owns them."""
     keys = {label: key for actor in reversed(actors) for label, key in actor.keys.items()}
     plotter.subplot(0, len(actors))
     for place, label in zip(PLACES, actors[0].keys | keys, strict=False):
@@ -94,7 +93,7 @@ def stored_times(actors: Sequence[FingerActor]) -> Array:
 
 
 def size(columns: int) -> tuple[int, int]:
-    """Return width and height in pixels of views in space side by side, and their color bars."""
+    """Return the width and height in pixels of a picture with so many views side by side."""
     return PANEL[0] * columns + BARS, PANEL[1]
 
 
@@ -109,9 +108,9 @@ def screenshot(
     """Draw the deformed finger in space, colored by `field`, to the PNG file `path`.
 
     Pressure is shown on the whole finger from below, other fields on the half finger behind the
-    medial plane; several results stand side by side with the same colors, under the names of their
-    `folders`. The stored frame next to `time` s is drawn, by default that of each one's largest
-    force; `limits` are those of the color bar. Raises InputError if there is no renderer, there are
+    medial plane. Several results stand side by side on one color scale, named by their `folders`.
+    The stored frame next to `time` s is drawn, by default the frame of each result's largest force;
+    `limits` are the ends of the color bar. Raises InputError if there is no renderer, a result has
     no fields, the field is unknown or the time is after the end.
     """
     shown = frames.requested(results, field, time)
@@ -122,9 +121,9 @@ def screenshot(
 
 
 def trimmed(picture: Array) -> Array:
-    """Return a picture of one result without its white margins, the color bars beside the finger.
+    """Return a picture of one result by `screenshot` with its white margins cut off.
 
-    Pictures are arrays (height, width, 3) of bytes, as `screenshot` draws them.
+    Pictures are arrays (height, width, 3) of bytes.
     """
     parts = [_inked(picture[:, : PANEL[0]]), _inked(picture[:, PANEL[0] :])]
     top = min(rows.start for rows, _ in parts)
@@ -142,7 +141,7 @@ def trimmed(picture: Array) -> Array:
 
 
 def _inked(picture: Array) -> tuple[slice, slice]:
-    """Return the rows and columns of what is not white; all of a picture that is white."""
+    """Return the rows and columns between white margins; all of a white picture."""
     ink = picture.min(axis=2) < WHITE
     spans = []
     for axis in (1, 0):
@@ -162,7 +161,8 @@ def movie(
 ) -> None:
     """Draw a film of all stored times, one picture each, to the GIF or MP4 file `path`.
 
-    Otherwise as `screenshot`. Times are not evenly spaced; every picture shows its time.
+    Arguments are those of `screenshot`. Every picture shows its time, as times are not evenly
+    spaced.
     """
     film.check(path, "--movie")
     plotter, actors = _actors(frames.requested(results, field), field, limits, folders)
@@ -172,8 +172,7 @@ def movie(
             for actor in actors:
                 actor.at(float(time))
             plotter.render()
-            picture = np.array(plotter.screenshot(return_img=True))
-            yield picture
+            yield (picture := np.array(plotter.screenshot(return_img=True)))
         yield from [picture] * REST
 
     try:
@@ -188,6 +187,7 @@ def _actors(
     limits: tuple[float, float] | None,
     folders: Sequence[str],
 ) -> tuple[Any, list[FingerActor]]:
+    """Return a plotter off-screen with an actor for each result."""
     renderer.require()
     plotter = renderer.plotter(size(len(results)), len(results), aside=BARS)
     return plotter, compose(plotter, results, field, limits, folders)
@@ -227,7 +227,7 @@ def draw_mesh(mesh: FingerMesh, path: str | PathLike[str]) -> None:
 
 
 def _fit(plotter: Any, points: Array) -> None:
-    """Zoom and shift the view of a plotter so that points (n, 3) fill ROOM."""
+    """Zoom and shift the camera so that points (n, 3) mm fill ROOM."""
     import pyvista as pv
 
     camera, (width, height) = plotter.camera, plotter.window_size
@@ -242,6 +242,7 @@ def _fit(plotter: Any, points: Array) -> None:
 
 
 def _finish(plotter: Any, path: str | PathLike[str]) -> None:
+    """Write the picture to a PNG file and close the plotter."""
     try:
         with moved(Path(path)) as new:
             plotter.screenshot(new)

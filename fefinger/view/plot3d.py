@@ -1,4 +1,4 @@
-"""One finger in a plotter: built once, then moved through time; parts are shown or hidden."""
+"""One finger in a plotter: built once, then moved through time, with parts shown or hidden."""
 
 import textwrap
 from collections.abc import Callable
@@ -7,32 +7,33 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger.neural.trains import FEW
+from fefinger.support.arrays import Array
 from fefinger.support.checks import choice
 from fefinger.view import figures, frames, indenter_pose, quantities, surfaces
-from fefinger.view.drawing import Drawing
-from fefinger.view.markers import Marks, leader_order
+from fefinger.view.drawing import Drawing, Marks, leader_order
 
 
 PARTS = ("skin", "subcutaneous tissue", "bone", "pressure", "end organs", "rates", "indenter")
 """Parts that can be shown or hidden; "rates" colors the end organs by the rates of their units."""
 
 BEHIND, BELOW = (0.5, -1.0, -0.25), (0.75, -0.6, -0.75)  # the cut and the pad are seen from there
-CLEAR = 0.05  # mm that the indenter is drawn away, so that what touches does not flicker
+CLEAR = 0.05  # mm between finger and indenter, else surfaces that touch flicker
 WIDE = 1.35  # width over height of a picture that the finger fills
-RADIUS, CROWDED = 0.11, 0.1  # mm of the mark of an end organ: those of SAI and FAI are apart
+RADIUS, CROWDED = 0.11, 0.1  # mm of marks of end organs, which are 0.2 mm apart in depth
 LABELS = (2.0, 1.0, 1.1)  # mm: column of labels distal of the marks, above the finger, line to line
-WORDS = (0.015, 0.985)  # of a part of the picture, where three lines or more hang above the finger
-LETTER = 9.0  # pixels of their letters, on average
+WORDS = (0.015, 0.985)  # upper left corner of the text above a finger, as parts of its view
+LETTER = 9.0  # pixels of a letter of this text, on average
 LENGTH = 5.0  # mm of the scale line
 LIT: dict[str, Any] = {"ambient": 0.68, "diffuse": 0.38}
 WRITTEN: dict[str, Any] = {
     **{"font_size": 16, "text_color": figures.INK, "bold": False, "shape": None},
     **{"show_points": False, "always_visible": True, "justification_vertical": "center"},
-}  # of labels at points
+}
+"""Look of labels at points."""
 
 
 class Prop(NamedTuple):
-    """An actor, which parts it `needs` shown, and which one hides it by being shown."""
+    """A VTK actor: visible if the parts that it `needs` are shown, and `without` is not."""
 
     actor: Any
     needs: tuple[str, ...]
@@ -40,7 +41,7 @@ class Prop(NamedTuple):
 
 
 class Scales(NamedTuple):
-    """Colors of the field, highest pressure in kPa and highest rate in Hz of the color bars."""
+    """Ends of the color bars: colors of the field, highest pressure in kPa, highest rate in Hz."""
 
     field: quantities.Span
     pressure: float
@@ -48,10 +49,9 @@ class Scales(NamedTuple):
 
 
 class FingerActor:
-    """A finger in the active part of a plotter, which `at` and `show` change.
+    """A finger in the active view of a plotter, which `at` and `show` change.
 
-    `keys`: of every color bar by its title, the field first: the mapper, and the parts that it
-    needs shown.
+    `keys`: by the title of each color bar, the field first, its mapper and the parts that it needs.
     """
 
     def __init__(self, plotter: Any, shown: Drawing, field: str, scales: Scales) -> None:
@@ -111,7 +111,7 @@ class FingerActor:
         return [part for part in PARTS if part in present]
 
     def words(self) -> str:
-        """Return the title, the mechanics with the field, and the state, in three lines."""
+        """Return three lines: the title, the mechanics with the field, the time with the state."""
         result, now = self.shown.result, float(self.shown.fields.times[self.frame])
         state = [f"t = {now:.4g} s", f"depth {self._depth(now):.3g} mm"]
         if result.force is not None:
@@ -134,7 +134,7 @@ class FingerActor:
         prop.SetLineSpacing(1.2)
 
     def _size(self) -> tuple[float, float]:
-        """Return width and height of this part of the picture in pixels."""
+        """Return the width and height of this view in pixels."""
         left, low, right, high = self.plotter.renderer.GetViewport()
         width, height = self.plotter.window_size
         return (right - left) * width, (high - low) * height
@@ -142,12 +142,12 @@ class FingerActor:
     def _depth(self, time: float) -> float:
         return float(np.interp(time, self.shown.result.time, self.shown.result.depth))
 
-    def _place(self, piece: surfaces.Piece, frame: int) -> Any:
+    def _place(self, piece: surfaces.Piece, frame: int) -> Array:
         fields = self.shown.fields
         return piece.at(fields.points + fields.displacement[frame])
 
     def _add_surface(self, piece: surfaces.Piece) -> None:
-        """Add a piece that follows the finger, colored by the field or, of bone, plain."""
+        """Add a piece that moves with the finger: bone plain, other tissue colored by the field."""
         import pyvista as pv
 
         faces: Any = piece.triangles
@@ -185,9 +185,9 @@ class FingerActor:
         *,
         flat: bool = False,
     ) -> None:
-        """Add a surface colored by the field or by the pressure.
+        """Add a surface colored by its scalars "field" or "pressure"; `flat`: without shades.
 
-        `flat`: it is drawn without shades, so that its colors are those of the bar.
+        It is visible as a Prop with `needs` and `without`.
         """
         span, title = self.scales.field, quantities.label(self.field)
         if name == "pressure":
@@ -205,7 +205,7 @@ class FingerActor:
         import pyvista as pv
 
         mesh = pv.PolyData(self._place(piece, 0), lines=np.insert(piece.triangles, 0, 2, axis=1))
-        lift = np.array([0.0, -0.02, 0.0])  # mm off the cut, so that they are not buried in it
+        lift = np.array([0.0, -0.02, 0.0])  # mm off the cut, else surfaces hide parts of the lines
 
         def move(frame: int) -> None:
             mesh.points = self._place(piece, frame) + lift
@@ -239,7 +239,7 @@ class FingerActor:
 
         move(0)
         self.moves.append(move)
-        # The far side of a larger ball is a white rim about each, from wherever one looks.
+        # The far side of a larger white ball is seen as a rim, from everywhere.
         added = [
             self.plotter.add_mesh(rims, color="white", culling="front", lighting=False),
             self.plotter.add_mesh(balls, scalars="type", rgb=True),
@@ -261,11 +261,11 @@ class FingerActor:
             self._add_labels(marks, shown.labels)
 
     def _add_labels(self, marks: Any, labels: tuple[str, ...]) -> None:
-        """Add the labels of a few end organs, in a column above the finger, joined to them."""
+        """Add the labels of a few end organs, in a column above the finger, with leader lines."""
         import pyvista as pv
 
         named = [i for i, label in enumerate(labels) if label]
-        aside, above, line = LABELS  # there the indenter never is
+        aside, above, line = LABELS  # a place where the indenter never is
         distal = marks.points[:, 0].max() + aside
         level = self.shown.fields.points[:, 2].max() + above + line * np.arange(len(named))[::-1]
         column = np.column_stack([np.full(len(named), distal), np.zeros(len(named)), level])
@@ -289,7 +289,7 @@ class FingerActor:
         self.props += [Prop(actor, ("end organs",)) for actor in (leaders, written)]
 
     def _add_length(self) -> None:
-        """Add a line of LENGTH mm below the finger, in the plane of the cut, to measure it by."""
+        """Add a scale line of LENGTH mm below the finger, in the plane of the cut."""
         import pyvista as pv
 
         low, high = self.shown.fields.points.min(axis=0), self.shown.fields.points.max(axis=0)
@@ -301,7 +301,7 @@ class FingerActor:
         self.props += [Prop(actor, ()) for actor in (line, written)]
 
     def _add_indenter(self) -> None:
-        """Add the indenter, clear as glass; before a whole pad the rim of a plate or ball."""
+        """Add the indenter: transparent, or only the rim of a plate or ball before a whole pad."""
         result = self.shown.result
         touch, texture = indenter_pose.pose(result, 0.0), indenter_pose.texture(result)
         drawn = touch if texture is None else texture.first
@@ -316,7 +316,7 @@ class FingerActor:
             added.append(self.plotter.add_mesh(rim, **line))
         elif self.shown.whole and drawn.profile.half_axes is not None:
             added.append(self.plotter.add_silhouette(shape, **line))
-        if not (self.shown.whole and added):  # glass changes the colors behind it
+        if not (self.shown.whole and added):  # the colors behind it would change
             added.append(self.plotter.add_mesh(shape, color="#8fa3b5", opacity=0.15))
         self.props += [Prop(actor, ("indenter",)) for actor in added]
 
@@ -332,14 +332,14 @@ class FingerActor:
 
 
 def _bring_forward(mapper: Any) -> None:
-    """Draw a mapper in front of everything: end organs show through the tissue."""
+    """Draw what a mapper draws in front of everything, so that end organs show through tissue."""
     mapper.SetResolveCoincidentTopologyToPolygonOffset()
     mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0, -66000)
     mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -66000)
 
 
 def _shape(pose: indenter_pose.Pose) -> Any:
-    """Return the surface of an indenter where it touches first."""
+    """Return the surface of an indenter."""
     import pyvista as pv
 
     if pose.profile.plane:

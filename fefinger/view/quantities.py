@@ -1,11 +1,11 @@
-"""Fields that pictures are colored by: names, units, limits and color maps.
+"""Fields that pictures are colored by: names, units, values, and the ranges of their colors.
 
-Strain is small strain, or of `solid` the logarithmic one, in the directions of the undeformed
-finger. The maps are even to the eye and keep their order with every color vision.
+Strain is in the directions of the undeformed finger: small strain, or logarithmic strain of
+mechanics at finite strain. Color maps are even to the eye, also of people who are color-blind.
 """
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number
 
+
+if TYPE_CHECKING:
+    from matplotlib.colors import ListedColormap
 
 DEFAULT = "compressive strain"
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
@@ -36,7 +39,7 @@ ABOUT = {
     "pressure": "contact pressure on the pad",
 }  # fmt: skip
 FIELDS = tuple(ABOUT)
-OTHERWISE = {
+SYNONYMS = {
     **dict.fromkeys(("sed", "strain energy", "energy", "strain energy density"), ENERGIES[::-1]),
     **dict.fromkeys(("mises", "equivalent strain", "von mises"), ("von Mises strain",)),
     **dict.fromkeys(("strain", "compression"), ("compressive strain",)),
@@ -47,16 +50,17 @@ OTHERWISE = {
     "u": ("displacement",),
     "p": ("pressure",),
 }
-"""Synonyms of fields, for suggestions."""
+"""Other names of fields, for suggestions in messages."""
 EVEN, DIVERGING, SKIN_DEEP, RATES = "viridis", "coolwarm", "OrRd", "plasma"
-"""Color maps: fields from 0, with both signs, the pressure on the skin, spike rates."""
+"""Color maps: of fields from 0, fields of both signs, the pressure on the skin, spike rates."""
 STEPS = (1.0, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2, 3.6, 4.0, 4.8, 5.6, 6.4, 7.2, 8.0, 10.0)
+"""Ends of color bars, of two digits, as are their quarters."""
 SHADES = 256  # of a color bar
-HIGHEST = 99.5  # percent of the values that the colors cover: the rest sits at edges
+HIGHEST = 99.5  # percent of the values that the colors cover: higher ones sit at sharp edges
 
 
 class Span(NamedTuple):
-    """Range of the color bar, its map, and which ends values lie beyond."""
+    """Range of a color bar, its color map, and beyond which ends values lie: min, max, both."""
 
     low: float
     high: float
@@ -64,21 +68,21 @@ class Span(NamedTuple):
     extend: str
 
     def beyond(self, unit: str) -> str:
-        """Return a sentence on values beyond the ends of the bar, empty if there are none."""
+        """Return the meaning of the colors at the ends of the bar, if values lie beyond them."""
         low = f"first color: {self.low:.3g} {unit} and less"
         high = f"last color: {self.high:.3g} {unit} and more"
         return {"neither": "", "min": low, "max": high, "both": f"{low}, {high}"}[self.extend]
 
     @property
     def part(self) -> tuple[float, float]:
-        """Return the part of its map that the bar shows: zero is the middle of a diverging one."""
+        """Return ends from 0 to 1 of the part of the color map in use; zero is its middle."""
         if self.colors != DIVERGING:
             return 0.0, 1.0
         most = 2 * max(abs(self.low), abs(self.high))
         return 0.5 + self.low / most, 0.5 + self.high / most
 
-    def map(self) -> Any:
-        """Return the colors of the bar as a matplotlib Colormap."""
+    def map(self) -> "ListedColormap":
+        """Return the colors of the bar as a color map."""
         from matplotlib import colormaps
         from matplotlib.colors import ListedColormap
 
@@ -86,10 +90,10 @@ class Span(NamedTuple):
 
 
 def named(name: str, field: str) -> str:
-    """Return the field; InputError of `name`, with the nearest fields, if it is unknown."""
+    """Return the field if it is known, or raise InputError of `name` that suggests one."""
     if field in FIELDS:
         return field
-    meant = OTHERWISE.get(str(field).strip().lower().replace("_", " "))
+    meant = SYNONYMS.get(str(field).strip().lower().replace("_", " "))
     if meant is None:
         return choice(name, field, FIELDS)
     options, nearest = ", ".join(map(repr, FIELDS)), " or ".join(map(repr, meant))
@@ -104,22 +108,22 @@ def unit(field: str) -> str:
 
 
 def label(field: str) -> str:
-    """Return the name of a field with its unit, as on a color bar."""
+    """Return the name of a field with its unit, for a color bar."""
     return f"{field} / {unit(field)}"
 
 
 def signed(field: str) -> bool:
-    """Check that a field can have both signs."""
+    """Return whether a field can have both signs."""
     return field in PRINCIPAL or field.removeprefix("strain ") in COMPONENTS
 
 
 def measure(result: ResultRecord) -> str:
-    """Return the strain measure of a result's fields: logarithmic or small strain."""
+    """Return the measure of strain in the fields of a result."""
     return "logarithmic strain" if result.response.finite else "small strain"
 
 
 def fields_of(result: ResultRecord) -> Fields:
-    """Return the fields of a result; InputError with what to do where there are none."""
+    """Return the fields of a result, or raise InputError where there are none."""
     if result.fields is None:
         raise InputError(
             f"fields: expected a result with fields on the mesh, received one of "
@@ -130,9 +134,9 @@ def fields_of(result: ResultRecord) -> Fields:
 
 
 def values(result: ResultRecord, field: str, frame: int) -> Array:
-    """Return a field at the mesh points (n_points,) in `unit(field)`.
+    """Return a field at the mesh points (n_points,) in `unit(field)`, at a stored time `frame`.
 
-    Raises InputError if the field is unknown or there are none.
+    Raises InputError if the field is unknown or the result has no fields.
     """
     named("field", field)
     fields = fields_of(result)
@@ -159,10 +163,10 @@ def values(result: ResultRecord, field: str, frame: int) -> Array:
 
 
 def span(shown: Iterable[Array], field: str, limits: tuple[float, float] | None = None) -> Span:
-    """Return the colors for all of several arrays: up to the next round number.
+    """Return one range of colors for several arrays: up to a round number, or within `limits`.
 
-    The highest half percent of each lies beyond, where it sticks out. `limits` are kept as given;
-    those on one side of zero get the even map.
+    The highest half percent of an array may lie beyond; of pressure nothing does. A field of both
+    signs has the diverging map, unless its limits are on one side of zero.
     """
     colors = DIVERGING if signed(field) else SKIN_DEEP if field == "pressure" else EVEN
     if limits and signed(field) and limits[0] * limits[1] > 0:
@@ -183,13 +187,13 @@ def span(shown: Iterable[Array], field: str, limits: tuple[float, float] | None 
 
 
 def round_up(value: float) -> float:
-    """Return the next number of two digits whose quarters are short too."""
+    """Return the next of STEPS times a power of ten."""
     scale = 10.0 ** np.floor(np.log10(value))
     return float(min(step * scale for step in STEPS if step * scale >= value * (1 - 1e-9)))
 
 
 def limits(text: str) -> tuple[float, float]:
-    """Return the limits of a color bar that `LOW:HIGH` names; InputError for another text."""
+    """Return the limits of a color bar from a text LOW:HIGH, or raise InputError."""
     low, colon, high = text.partition(":")
     try:
         pair = (float(low), float(high))

@@ -1,4 +1,4 @@
-"""Check for a VTK renderer, and an empty plotter."""
+"""Whether VTK can draw here, and an empty plotter."""
 
 import functools
 import os
@@ -56,10 +56,7 @@ def require() -> None:
 def plotter(
     size: tuple[int, int], columns: int = 1, *, aside: int = 0, off_screen: bool | None = True
 ) -> Any:
-    """Return a plotter with a white background, its parts side by side; size in pixels.
-
-    `aside`: pixels of one more, narrow part on the right.
-    """
+    """Return a white pyvista.Plotter, `size` pixels, equal columns and one of `aside` pixels."""
     import pyvista as pv
     from vtkmodules.vtkCommonCore import vtkLogger
 
@@ -77,6 +74,6 @@ def plotter(
 
 
 def has_display() -> bool:
-    """Return whether a window can open: only Linux runs without a desktop as a rule."""
+    """Return whether a window can open. Other systems than Linux are taken to have a desktop."""
     names = ("DISPLAY", "WAYLAND_DISPLAY")
     return not sys.platform.startswith("linux") or any(os.environ.get(name) for name in names)

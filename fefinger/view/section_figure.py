@@ -1,10 +1,11 @@
 """The medial section of the finger as a figure: a field, the regions, indenter and end organs.
 
-matplotlib draws all of it, so the figure needs no renderer.
+matplotlib draws it, without a renderer.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -13,25 +14,30 @@ from fefinger.geometry.finger_mesh import BONE
 from fefinger.neural.trains import FEW
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
-from fefinger.view import figures, frames, indenter_pose, markers, quantities
+from fefinger.view import figures, frames, indenter_pose, quantities
+from fefinger.view.drawing import OFF_PLANE, leader_order
 
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 REACH = 30.0  # mm of the indenter on both sides of the finger
 MARGIN = 1.2  # mm about the section
 CLOSE = 3.5  # mm: half the width of the close view
 LEADER = {"arrowstyle": "-", "color": figures.INK, "linewidth": 0.8, "relpos": (0.0, 0.5),
           "shrinkA": 0.0}  # fmt: skip
-HALVINGS = 2  # of the triangles' edges, between which matplotlib mixes colors in place of values
+HALVINGS = 2  # of the edges of triangles, inside which matplotlib mixes colors, not values
 
 
 def draw(
     result: ResultRecord, *, field: str = quantities.DEFAULT, time: float | None = None
-) -> Any:
-    """Return the deformed medial section, colored by a field, as a matplotlib Figure.
+) -> "Figure":
+    """Draw the deformed medial section, colored by a field, and a close view of the end organs.
 
-    Beside it is a close view of the end organs under the indenter. It shows the stored frame next
-    to `time` s, by default that of the largest force, or of the largest depth where the force is
-    prescribed. Raises InputError if the result has no fields or the field is unknown.
+    At the stored time next to `time` s, by default that of the largest force, or of the largest
+    depth where the force is prescribed. Raises InputError if the result has no fields or the field
+    is unknown.
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -50,7 +56,7 @@ def draw(
         center = cut.indenter.mean(axis=0)
         if cut.organs:
             seen = cut.organs if len(cut.organs) > FEW else cut.organs[:1]
-            center = np.mean([organ[0] for organ in seen], axis=0)
+            center = np.mean([organ.place for organ in seen], axis=0)
         close.set(
             xlim=(center[0] - CLOSE, center[0] + CLOSE),
             ylim=(center[1] - 0.45 * CLOSE, center[1] + 1.55 * CLOSE),
@@ -63,14 +69,23 @@ def draw(
         return drawn
 
 
+class Organ(NamedTuple):
+    """An end organ in the section: place (2,) x and z mm, type, label, color; near the plane."""
+
+    place: Array
+    kind: str
+    label: str
+    color: str
+    near: bool
+
+
 @dataclass(frozen=True)
 class Medial:
     """The deformed medial section at one frame.
 
-    places (n, 2) x and z in mm, triangles (k, 3) of the soft tissues and bone (l, 3), values (n,)
-    of the field, outlines (m, 2) edges between regions, span of the colors, indenter (j, 2)
-    outline, title of the picture.
-    organs: (place (2,), label, color, whether it lies in the plane) per end organ.
+    places (n, 2) x and z in mm, triangles (n_soft, 3) of the soft tissues and bone (n_bone, 3),
+    values (n,) of the field, outlines (n_edges, 2) between regions, span of the colors, indenter
+    (n_outline, 2) mm, end organs, title of the picture.
     """
 
     places: Array
@@ -80,12 +95,12 @@ class Medial:
     outlines: Integers
     span: quantities.Span
     indenter: Array
-    organs: list[tuple[Array, str, str, bool]]
+    organs: Sequence[Organ]
     title: str
 
 
 def medial(result: ResultRecord, field: str, frame: int) -> Medial:
-    """Cut the finger of `result` at a stored frame; InputError if the field is unknown."""
+    """Cut the finger of a result at a stored frame; InputError if the field is unknown."""
     fields = quantities.fields_of(result)
     cut = section.cut(fields.points, fields.cells, fields.region)
     values = cut.at(quantities.values(result, field, frame))
@@ -102,15 +117,15 @@ def medial(result: ResultRecord, field: str, frame: int) -> Medial:
         values=values,
         outlines=cut.outlines(),
         span=quantities.span([values[np.unique(cut.triangles[soft])]], field),
-        # Also of a part of it far from its origin.
+        # The indenter may be seen far from its foremost point.
         indenter=pose.outline(REACH + float(np.linalg.norm(pose.origin))),
         organs=_organs(result, rest, moved),
         title=f"medial section, t = {time:.4g} s, depth {depth:.3g} mm",
     )
 
 
-def _organs(result: ResultRecord, rest: Array, moved: Array) -> list[tuple[Array, str, str, bool]]:
-    """Return the end organs, moved with the nearest vertex of the section, hollow far from it."""
+def _organs(result: ResultRecord, rest: Array, moved: Array) -> list[Organ]:
+    """Return the end organs, displaced as the nearest vertex of the section is."""
     if result.sites is None:
         return []
     organs = []
@@ -121,21 +136,24 @@ def _organs(result: ResultRecord, rest: Array, moved: Array) -> list[tuple[Array
         place = (point + moved[nearest])[[0, 2]]
         label = f"{kind}  {depth:g} mm"
         color = figures.COLORS.get(kind, figures.INK)
-        organs.append((place, label, color, bool(abs(point[1]) <= markers.OFF_PLANE)))
+        organs.append(Organ(place, kind, label, color, bool(abs(point[1]) <= OFF_PLANE)))
     return organs
 
 
-def _draw_section(axis: Any, cut: Medial) -> None:
+def _draw_section(axis: "Axes", cut: Medial) -> None:
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.patches import Polygon
+    from matplotlib.tri import Triangulation
 
     axis.add_collection(PolyCollection(list(cut.places[cut.bone]), color=figures.BONE))
     corners, triangles = np.column_stack([cut.places, cut.values]), cut.triangles
     for _ in range(HALVINGS):
         corners, triangles = _halved(corners, triangles)
-    (x, y, values), colors = corners.T, {"cmap": cut.span.map()}
-    colors |= {"vmin": cut.span.low, "vmax": cut.span.high}
-    axis.tripcolor(x, y, triangles, values, shading="gouraud", rasterized=True, **colors)
+    x, y, values = corners.T
+    axis.tripcolor(
+        Triangulation(x, y, triangles), values, shading="gouraud", rasterized=True,
+        cmap=cut.span.map(), vmin=cut.span.low, vmax=cut.span.high,
+    )  # fmt: skip
     lines = list(cut.places[cut.outlines])
     axis.add_collection(LineCollection(lines, colors="white", linewidths=0.9, alpha=0.9))
     if len(cut.indenter):
@@ -145,7 +163,7 @@ def _draw_section(axis: Any, cut: Medial) -> None:
 
 
 def _halved(corners: Array, triangles: Integers) -> tuple[Array, Integers]:
-    """Return corners with the middles of all edges, and four triangles in place of each."""
+    """Divide each of the triangles (n, 3) into four; return all corners, and triangles (4 n, 3)."""
     sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     edges, side = np.unique(sides, axis=0, return_inverse=True)
     (a, b, c), (ab, bc, ca) = triangles.T, len(corners) + side.reshape(-1, 3).T
@@ -156,29 +174,29 @@ def _halved(corners: Array, triangles: Integers) -> tuple[Array, Integers]:
     )
 
 
-def _draw_organs(whole: Any, close: Any, cut: Medial) -> None:
-    """Mark the end organs; labels of a few stand in a column beside the close view's marks."""
+def _draw_organs(whole: "Axes", close: "Axes", cut: Medial) -> None:
+    """Mark the end organs, hollow where far from the plane, with a column of labels if few."""
     if len(cut.organs) > FEW:
         return _draw_population(whole, close, cut)
     column = [(0.69, 0.36 - 0.088 * row) for row in range(len(cut.organs))]
     ends = close.transData.inverted().transform(close.transAxes.transform(column))
-    places = np.reshape([place for place, *_ in cut.organs], (-1, 2))
-    for at, i in zip(column, markers.leader_order(places, np.reshape(ends, (-1, 2))), strict=True):
-        place, label, color, inside = cut.organs[i]
-        face = color if inside else "none"
+    places = np.reshape([organ.place for organ in cut.organs], (-1, 2))
+    for at, i in zip(column, leader_order(places, np.reshape(ends, (-1, 2))), strict=True):
+        place, _, label, color, near = cut.organs[i]
+        face = color if near else "none"
         for axis, size, rim in ((whole, 2.5, 0.4), (close, 6.5, 0.8)):
             axis.plot(*place, "o", ms=size, mfc=face, mec="white", mew=rim, zorder=5)
         box = {"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": color}
         close.annotate(
-            label, place, xytext=at, textcoords="axes fraction",
+            label, (place[0], place[1]), xytext=at, textcoords="axes fraction",
             va="center", color=color, fontweight="bold", zorder=6, bbox=box, arrowprops=LEADER,
         )  # fmt: skip
 
 
-def _draw_population(whole: Any, close: Any, cut: Medial) -> None:
-    """Mark those of many end organs that lie in the section, and name the types."""
+def _draw_population(whole: "Axes", close: "Axes", cut: Medial) -> None:
+    """Mark the end organs near the plane, and name the types in a legend."""
     for kind, color in figures.COLORS.items():
-        places = [p for p, name, _, inside in cut.organs if inside and name.split()[0] == kind]
+        places = [organ.place for organ in cut.organs if organ.near and organ.kind == kind]
         for axis, size in ((whole, 3), (close, 5)):
             axis.plot(*np.reshape(places, (-1, 2)).T, "o", ms=size, mfc=color, mec="white",
                       mew=0.6, ls="", zorder=5, label=kind if places else "_")  # fmt: skip

@@ -1,7 +1,7 @@
 """Surfaces of the finger for pictures in space: skin, subcutaneous tissue and bone, cut or whole.
 
-A piece is made once; its vertices lie on edges of the mesh, so that it follows the finger through
-all frames. (Filters of VTK return places, not edges and weights: they would cut every frame anew.)
+A piece is made once: its vertices lie on edges of the mesh, with which they move. Filters of VTK
+return places without edges and weights, and would have to cut every frame anew.
 """
 
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ SOFT = (NAMES[SKIN], NAMES[SUBCUTANEOUS], PAD, FRONT)
 
 @dataclass(frozen=True)
 class Piece(section.EdgePoints):
-    """A surface of one tissue: triangles (k, 3) of its points; `flat`: it is a face of the cut."""
+    """A surface of one tissue: triangles (n_tri, 3) of its points; `flat`: a face of the cut."""
 
     name: str
     triangles: Integers
@@ -31,10 +31,9 @@ class Piece(section.EdgePoints):
 
 
 def cut_open(fields: Fields) -> tuple[Piece, ...]:
-    """Return the half behind the medial plane: skin, subcutaneous tissue, bone, and the pad.
+    """Return the half behind the medial plane: the surface of each tissue, and its face in the cut.
 
-    A tissue has two pieces, its outer surface and its face in the cut. The pad is the outer skin
-    that touches at any time; the skin is without it.
+    The part of the skin that touches the object at any time is a piece of its own, the pad.
     """
     cut = section.cut(fields.points, fields.cells, fields.region)
     places = cut.at(fields.points)
@@ -49,7 +48,7 @@ def cut_open(fields: Fields) -> tuple[Piece, ...]:
         pieces.append(_clipped(name, fields.points, faces))
         face = cut.triangles[cut.region == region]
         a, b, c = places[face].transpose(1, 0, 2)
-        inward = np.cross(b - a, c - a)[:, 1] > 0  # all are to look to -y, out of the half finger
+        inward = np.cross(b - a, c - a)[:, 1] > 0  # faces point to -y, out of the half finger
         face = np.where(inward[:, None], face[:, [0, 2, 1]], face)
         pieces.append(_compact(name, cut.edges, cut.weight, face, flat=True))
     return tuple(piece for piece in pieces if len(piece.triangles))
@@ -82,10 +81,11 @@ def entire(fields: Fields) -> tuple[Piece, ...]:
 
 
 def _boundaries(fields: Fields) -> dict[int, tuple[Integers, Flags]]:
-    """Return per region the outward triangles (k, 3) around it, and which of them lie outside.
+    """Return per region the triangles (n_tri, 3) around it, and which are on the finger's surface.
 
-    The cells of a mirrored mesh are turned first.
+    Triangles point outward.
     """
+    # Cells of a mirrored mesh have negative volumes.
     inverted = volumes(fields.points, fields.cells) < 0
     cells = np.where(inverted[:, None], fields.cells[:, [0, 2, 1, 3]], fields.cells)
     faces, inner, outer = finger_mesh.interfaces(cells, fields.region)
@@ -99,7 +99,7 @@ def _boundaries(fields: Fields) -> dict[int, tuple[Integers, Flags]]:
 
 
 def _clipped(name: str, points: Array, faces: Integers) -> Piece:
-    """Return the part of the faces behind the medial plane; faces in the plane are left out."""
+    """Return the part of the faces behind the medial plane, without faces in the plane."""
     y = points[:, 1]
     inside = y >= -1e-9 * np.ptp(points)
     strictly = y > 1e-9 * np.ptp(points)
@@ -108,7 +108,7 @@ def _clipped(name: str, points: Array, faces: Integers) -> Piece:
     pairs = [np.repeat(faces[count == 3][:, :, None], 2, axis=2)]
     for number in (1, 2):
         hit = faces[count == number]
-        first = np.argmax(inside[hit] == (number == 1), axis=1)  # which differs from the others
+        first = np.argmax(inside[hit] == (number == 1), axis=1)  # the corner on a side of its own
         a, b, c = (hit[np.arange(len(hit)), (first + k) % 3] for k in range(3))
         corners = [((a, a), (a, b), (a, c))]
         if number == 2:
@@ -124,7 +124,7 @@ def _clipped(name: str, points: Array, faces: Integers) -> Piece:
 def _compact(
     name: str, edges: Integers, weight: Array, triangles: Integers, *, flat: bool = False
 ) -> Piece:
-    """Return a piece with the vertices that its triangles use, each once."""
+    """Return a piece of the vertices that its triangles use, without duplicates."""
     used = triangles.ravel()
     unique, first, vertex = np.unique(edges[used], axis=0, return_index=True, return_inverse=True)
     return Piece(unique, weight[used][first], name, vertex.reshape(-1, 3), flat)
@@ -132,7 +132,10 @@ def _compact(
 
 @dataclass(frozen=True)
 class Followed:
-    """Material points that follow the mesh: corners (n, 4) of their cells and weights (n, 4)."""
+    """Material points (n, 3) that move with corners (n, 4) of their cells by weights (n, 4).
+
+    mirrored (n,): the point lies in the half that is not meshed.
+    """
 
     points: Array
     corners: Integers
@@ -147,9 +150,9 @@ class Followed:
 
 
 def follow(fields: Fields, points: Array) -> Followed:
-    """Find the cells around material points; points beyond half a mesh follow their mirror image.
+    """Find the cells around points (n, 3) mm; on half a mesh, around the mirror images of points.
 
-    A point outside of the mesh follows the nearest place of the cell that comes closest.
+    A point outside of the mesh follows the nearest place of the nearest cell.
     """
     mirrored = (points[:, 1] < 0) & section.is_half(fields.points)
     place = np.where(mirrored[:, None], mirror.image(points), points)

@@ -1,4 +1,4 @@
-"""The window: a slider over time, one over the fields, and a box for every part."""
+"""The window of `fefinger view`: sliders over times and fields, and a box for every part."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -12,9 +12,9 @@ from fefinger.view import figures, frames, pictures, quantities, renderer
 from fefinger.view.plot3d import FingerActor
 
 
-SIZE, MORE = (1300, 900), 500  # pixels, and more of them per result beside the first
+SIZE, MORE = (1300, 900), 500  # pixels, and pixels of width of a further result
 BOX = 22  # pixels of a box
-ABOVE = (0.0, -0.12)  # of the middle of the window, for what is below
+ABOVE = (0.0, -0.12)  # shift of the finger, from -1 to 1 across and up, to make room for sliders
 SLIDER: dict[str, Any] = {
     "color": figures.INK,
     "style": "modern",
@@ -25,7 +25,7 @@ SLIDER: dict[str, Any] = {
 
 
 class Controls:
-    """The actors in a plotter, and what its sliders and boxes do to all of them."""
+    """The fingers in a plotter, and what its sliders and boxes do to all of them."""
 
     def __init__(
         self,
@@ -49,7 +49,7 @@ class Controls:
             actor.at(time)
 
     def step(self, number: float) -> None:
-        """Show a stored time by its number, from 1; they are not evenly spaced."""
+        """Show a stored time by its number from 1, as times are not evenly spaced."""
         self.move(float(self.times[min(max(round(number), 1), len(self.times)) - 1]))
 
     def toggle(self, part: str, on: bool) -> None:
@@ -58,7 +58,7 @@ class Controls:
             actor.show(part, on)
 
     def color(self, field: str) -> None:
-        """Color the fingers by another field; the camera stays while the cut does."""
+        """Color the fingers by another field; the camera stays unless the finger is cut anew."""
         before = self.actors
         if field == before[0].field:
             return
@@ -115,11 +115,11 @@ def show(
     time: float | None = None,
     limits: tuple[float, float] | None = None,
     folders: Sequence[str] = (),
-) -> Any:
+) -> object:
     """Open a window, or a view inside a notebook, on one result or several side by side.
 
-    Several stand under the names of their `folders`. Raises InputError if there is no renderer or
-    no display, the result has no fields, or the time is after its end.
+    Arguments are those of `screenshot`. Returns what a notebook displays. Raises InputError if
+    there is no renderer or no display, a result has no fields, or the time is after its end.
     """
     shown = frames.requested(results, field, time)
     renderer.require()

@@ -13,20 +13,18 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.library import PUBLISHED
 from fefinger.support.checks import InputError
 from fefinger.view import live, renderer_lacking
-from fefinger.view import live_demo as shows
-from fefinger.view.live import Window, watch
-from fefinger.view.live_demo import Show
+from fefinger.view.live import Show, Window, watch
 
 
 FINGER = Finger.subject("a.h.", resolution="coarse", tissue=PUBLISHED)
-SCRIPT = shows.SCRIPT
+SCRIPT = live.SCRIPT
 SHORT = ((0.0, 0.0, 25.0), (0.06, 0.6, 25.0), (0.12, 0.6, 20.0))
 
 
 @pytest.fixture(autouse=True)
 def _short_and_own_cache(operators: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Play a tenth of a second, with the operators of this session."""
-    monkeypatch.setattr(shows, "SCRIPT", SHORT)
+    monkeypatch.setattr(live, "SCRIPT", SHORT)
 
 
 @pytest.fixture
@@ -110,8 +108,8 @@ def test_what_cannot_be_shown_gets_a_sentence(
 def test_the_script_stays_within_the_contact_of_every_subject(
     monkeypatch: pytest.MonkeyPatch, subject: str
 ) -> None:
-    monkeypatch.setattr(shows, "SCRIPT", SCRIPT)
-    monkeypatch.setattr(shows, "DT", 0.01)
+    monkeypatch.setattr(live, "SCRIPT", SCRIPT)
+    monkeypatch.setattr(live, "DT", 0.01)
     frames = list(Show(Finger.subject(subject, resolution="coarse", tissue=PUBLISHED)).frames())
     assert frames[-1].steps == 361
     assert max(frame.depth for frame in frames) == pytest.approx(1.0)

@@ -7,7 +7,7 @@ import pytest
 
 from fefinger.result import Result
 from fefinger.results.records import Sites
-from fefinger.view import frames, markers
+from fefinger.view import drawing, frames
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def crowd(synthetic: Result) -> Result:
 def test_leaders_do_not_cross(count: int) -> None:
     marks = np.random.default_rng(count).uniform(-1.0, 1.0, (count, 2))
     ends = np.column_stack([np.full(count, 3.0), np.arange(count)[::-1] + 2.0])
-    order = markers.leader_order(marks, ends)
+    order = drawing.leader_order(marks, ends)
     assert sorted(order) == list(range(count))
     for i in range(count):
         for j in range(i):
@@ -43,21 +43,21 @@ def test_leaders_do_not_cross(count: int) -> None:
 
 def test_the_higher_of_two_marks_has_the_lower_label_where_it_is_nearer_to_the_column() -> None:
     marks, ends = np.array([[0.0, 0.0], [1.0, 0.2]]), np.array([[2.0, 3.0], [2.0, 2.0]])
-    assert markers.leader_order(marks, ends) == [0, 1]
+    assert drawing.leader_order(marks, ends) == [0, 1]
 
 
 def test_few_end_organs_are_marked_each_and_none_on_the_skin(synthetic: Result) -> None:
-    found = markers.in_section(synthetic)
+    found = drawing.marks_in_section(synthetic)
     assert found is not None
     assert found.labels == ("SAI 0.8 mm", "SAII 1.8 mm", "FAI 0.6 mm", "FAII 3 mm")
-    assert markers.on_skin(synthetic) is None
+    assert drawing.marks_on_skin(synthetic) is None
 
 
 def test_of_a_population_those_near_the_cut_are_marked(crowd: Result) -> None:
-    found = markers.in_section(crowd)
+    found = drawing.marks_in_section(crowd)
     assert found is not None
     assert len(found.types) == 4 * 3
-    assert np.abs(found.followed.points[:, 1]).max() <= markers.OFF_PLANE
+    assert np.abs(found.followed.points[:, 1]).max() <= drawing.OFF_PLANE
     assert found.units.tolist() == np.repeat(np.arange(4), 3).tolist()
 
 
@@ -66,7 +66,7 @@ def test_of_marks_alike_the_most_distal_one_has_the_label(crowd: Result) -> None
     along = crowd.sites.points + np.outer([0.0, 0.2, 0.3, 0.1, 0.0] * 4, [1.0, 0.0, 0.0])
     sites = dataclasses.replace(crowd.sites, points=along)
     response = dataclasses.replace(crowd.response, sites=sites)
-    found = markers.in_section(dataclasses.replace(crowd, response=response))
+    found = drawing.marks_in_section(dataclasses.replace(crowd, response=response))
     assert found is not None
     assert found.labels[:6] == ("", "SAI 0.8 mm", "", "", "SAII 1.8 mm", "")
 
@@ -74,17 +74,17 @@ def test_of_marks_alike_the_most_distal_one_has_the_label(crowd: Result) -> None
 def test_a_unit_is_marked_on_the_skin_above_its_end_organs(crowd: Result) -> None:
     both = frames.whole(crowd.fields)
     whole = dataclasses.replace(crowd, response=dataclasses.replace(crowd.response, fields=both))
-    found = markers.on_skin(whole)
+    found = drawing.marks_on_skin(whole)
     assert found is not None
     assert found.types == ("SAI", "SAII", "FAI", "FAII")
     np.testing.assert_allclose(found.followed.points, 0.0, atol=1e-12)  # all below first touch
 
 
 def test_rates_are_those_of_the_unit_of_each_mark(crowd: Result) -> None:
-    found = markers.in_section(crowd)
+    found = drawing.marks_in_section(crowd)
     assert found is not None
     assert crowd.spikes is not None
     expected = [float(crowd.spikes.rate(unit, 2.5)) for unit in range(4)]
     np.testing.assert_allclose(found.rates(2.5), np.repeat(expected, 3))
-    assert markers.highest_rate(crowd) >= max(expected) > 0
-    assert markers.highest_rate(dataclasses.replace(crowd, spikes=None)) == 0
+    assert drawing.highest_rate(crowd) >= max(expected) > 0
+    assert drawing.highest_rate(dataclasses.replace(crowd, spikes=None)) == 0

@@ -9,7 +9,7 @@ import pytest
 import fefinger as ff
 from fefinger.result import Result
 from fefinger.results.records import Lateral
-from fefinger.view import event_plots, indenter_pose
+from fefinger.view import indenter_pose, spatial_figures
 
 
 SLIDE = ff.Slide(20, 0.5, distance=4, direction=180, settle=0.1, passes=2)
@@ -43,7 +43,7 @@ def slid(synthetic: Result) -> Result:
 
 
 def test_a_spike_is_drawn_at_the_place_of_the_object_that_was_over_its_unit(slid: Result):
-    spots, times = event_plots.places(slid, np.array([0]))
+    spots, times = spatial_figures.places(slid, np.array([0]))
     shift = SLIDE.shift(times)
     # With a roll of 90 degrees the object's x lies along the finger's y, its y against the x.
     expected = np.column_stack([0.3 - shift[:, 1], shift[:, 0]])
@@ -58,7 +58,7 @@ def test_a_path_that_starts_aside_has_its_spikes_where_the_object_was(slid: Resu
     path = ff.SampledPath(*columns, depth=(0.5,) * len(shift))
     there = replace(response, lateral=replace(response.lateral, shift=shift))
     moved = replace(slid, scene=replace(slid.scene, motion=path), response=there)
-    before, after = (event_plots.places(each, np.array([0]))[0] for each in (slid, moved))
+    before, after = (spatial_figures.places(each, np.array([0]))[0] for each in (slid, moved))
     assert after - before == pytest.approx(np.tile([-aside[1], aside[0]], (len(after), 1)))
 
 
@@ -67,22 +67,22 @@ def test_conduction_delays_move_no_spike_on_the_object(slid: Result):
     delays = np.linspace(0.005, 0.02, len(near))
     late = tuple(times + delay for times, delay in zip(near.times, delays, strict=True))
     far = replace(near, times=late, delays=delays, t_stop=near.t_stop + 0.02)
-    spots, times = event_plots.places(replace(slid, spikes=far), units)
-    expected, at_skin = event_plots.places(slid, units)
+    spots, times = spatial_figures.places(replace(slid, spikes=far), units)
+    expected, at_skin = spatial_figures.places(slid, units)
     np.testing.assert_allclose(spots, expected, atol=1e-9)
     np.testing.assert_allclose(times, at_skin, atol=1e-12)
     for one, other in zip(
-        event_plots.rates(replace(slid, spikes=far), units),
-        event_plots.rates(slid, units),
+        spatial_figures.rates(replace(slid, spikes=far), units),
+        spatial_figures.rates(slid, units),
         strict=True,
     ):
         np.testing.assert_allclose(one, other, rtol=0.01)
 
 
 def test_rates_are_spikes_over_the_time_that_a_unit_spent_there(slid: Result):
-    edges, rate = event_plots.rates(slid, np.array([0]))
+    edges, rate = spatial_figures.rates(slid, np.array([0]))
     inside = rate[2:-2]
-    assert np.diff(edges) == pytest.approx(event_plots.BIN)
+    assert np.diff(edges) == pytest.approx(spatial_figures.PLACE_BIN)
     assert inside == pytest.approx(1000.0, rel=0.05)
 
 
@@ -100,8 +100,26 @@ def test_a_sliding_object_is_drawn_where_it_is_and_as_its_plane_where_it_cannot_
     assert moved == pytest.approx(20 * (0.1 - SLIDE.corner / 2), rel=0.02)
 
 
-@pytest.mark.parametrize("draw", [event_plots.events, event_plots.scan_lines, event_plots.sideways])
+@pytest.mark.parametrize(
+    "draw", [spatial_figures.events, spatial_figures.scan_lines, spatial_figures.sideways]
+)
 def test_every_figure_is_drawn(slid: Result, draw, tmp_path: Path):
     drawn = draw(slid)
     drawn.savefig(tmp_path / "figure.png")
     assert len(drawn.axes) >= 2
+
+
+def test_the_map_of_rates_shows_the_pressed_pad_and_all_units(synthetic: Result) -> None:
+    assert synthetic.spikes is not None
+    assert synthetic.pad is not None
+    assert synthetic.pressure is not None
+    count = len(synthetic.spikes)
+    places = np.column_stack([np.linspace(-0.1, 0.1, count), *np.zeros((2, count))])
+    spikes = replace(synthetic.spikes, positions=places)
+    pressed = synthetic.pad.points[synthetic.pressure[synthetic.peak] > 0, :2]
+    assert np.ptp(pressed, axis=0).max() > 1.0
+    drawn = spatial_figures.rate_map(replace(synthetic, spikes=spikes))
+    axis = drawn.axes[0]
+    for limits, across in zip((axis.get_xlim(), axis.get_ylim()), pressed.T, strict=True):
+        assert limits[0] < across.min()
+        assert across.max() < limits[1]
