@@ -29,8 +29,7 @@ from fefinger.mechanics.press import limits
 from fefinger.mechanics.press.prepared import Precision, medial_normal
 from fefinger.mechanics.press.tabulated_contact import TabulatedContact
 from fefinger.neural.streaming import Afferents, RecordedAfferents
-from fefinger.results.loop_step import LoopState, Step
-from fefinger.results.records import Sites
+from fefinger.results.records import LoopState, Sites, Step
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter, Plate, direction
 from fefinger.scene.indenters import STANDARD, Flat

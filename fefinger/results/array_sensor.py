@@ -1,4 +1,4 @@
-"""Simulated readings of the tactile array of Pawluk (1997) on the plate, from any response."""
+"""Simulated readings of the tactile array of Pawluk (1997) on the plate, from the pressure."""
 
 from typing import TYPE_CHECKING
 
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 def read(
     result: ResultRecord, sensor: "ArraySensor | None" = None, *, seed: int | None = None
 ) -> "Reading":
-    """Simulate the readings of an array on the plate, centered at the center of pressure.
+    """Simulate the readings of an array on the plate, whose center is the center of pressure.
 
-    The array is aligned at the largest force, as in section 3.2.1 of Pawluk (1997); its x axis
-    points distally along the plate, y sideways. `seed`: of the noise; None simulates none.
+    The array is centered at the largest force, as in section 3.2.1 of Pawluk (1997); its x axis
+    points distally along the plate, y sideways. `seed` draws the noise; None simulates none.
 
     Raises
     ------
@@ -53,8 +53,8 @@ def read(
 def response(sensor: "ArraySensor", pad: Pad, places: Array) -> Array:
     """Matrix (n_elements, n_pad) from pressures on the pad to pressures on the array's elements.
 
-    places (n_pad, 2) mm are the points of the pad in the plane of the array. The pressure is taken
-    as linear between them.
+    places (n_pad, 2) mm: points of the pad in the plane of the array, between which the pressure
+    varies linearly.
 
     Raises
     ------

@@ -16,9 +16,9 @@ class Traits(NamedTuple):
 
 
 class _TraitsByName(Mapping[str, Traits]):
-    """Traits of the mechanics, cheapest first, then of the user's own.
+    """Traits of the mechanics of the package, cheapest first, then of the user's own.
 
-    A mechanics that is not registered here (a saved result may name one) has the simplest traits.
+    An unknown mechanics, which a saved result may name, has the traits SIMPLEST.
     """
 
     def __getitem__(self, name: str) -> Traits:
@@ -38,29 +38,27 @@ MECHANICS: Mapping[str, Traits] = _TraitsByName()
 
 
 def meshed() -> tuple[str, ...]:
-    """Return the names of the mechanics with a mesh; the planner chooses its resolution."""
+    """Return the names of the mechanics with a mesh."""
     return tuple(name for name, traits in MECHANICS.items() if traits.meshed)
 
 
 @dataclass(frozen=True, order=True)
 class Candidate:
-    """A mechanics by name, and the resolution of its mesh; None without one."""
+    """A mechanics by name, and the resolution of its mesh, None where it has none."""
 
     mechanics: str
     resolution: str | None = None
 
     @classmethod
     def of(cls, label: str) -> Self:
-        """Read the label of a report, such as "hertz" or "linear coarse"."""
+        """Make a candidate from its label, such as "hertz" or "linear coarse"."""
         mechanics, _, resolution = label.partition(" ")
         return cls(mechanics, resolution or None)
 
     @property
     def on(self) -> str:
         """Mechanics and mesh in words, as in "pressed on the standard mesh"."""
-        return (
-            f"{self.mechanics} on the {self.resolution} mesh" if self.resolution else self.mechanics
-        )
+        return self.mechanics + (f" on the {self.resolution} mesh" if self.resolution else "")
 
     @property
     def label(self) -> str:
@@ -69,6 +67,6 @@ class Candidate:
 
     @property
     def measured(self) -> Self:
-        """The candidate whose measured errors and spikes hold for it: standard for fine."""
+        """The candidate that was measured in its place: a fine mesh counts as a standard one."""
         resolution = "standard" if self.resolution == "fine" else self.resolution
         return type(self)(self.mechanics, resolution)

@@ -1,11 +1,10 @@
 """Strain-energy density of soft tissue, for pictures.
 
-There are two limits. Relaxed: with the long-time moduli, as after a long hold. Elastic: with the
-instantaneous moduli, before any relaxation. The stored energy lies between the two. Both are
-functions of the present strain, so that relaxation at constant strain changes neither.
+The stored energy lies between two limits, both functions of the present strain: relaxed, with the
+long-time moduli, as after a long hold; and elastic, with the instantaneous moduli.
 
 Fields hold the density of the finite elements, whose integral over the mesh is the work of the
-indenter on elastic tissue. Those of earlier versions hold the strain at the points alone: the
+indenter on elastic tissue. Fields of earlier versions hold only the strain at the points; the
 density from it is some 20 % too large on a coarse mesh, as energy grows with the square of strain.
 """
 
@@ -21,15 +20,16 @@ from fefinger.support.arrays import Array
 
 
 INCOMPRESSIBLE = 0.49
-"""Poisson's ratio above which no energy of a change of volume is read from the strain."""
+"""Poisson's ratio above which the energy of a change of volume is left out: it is small, and the
+error of the elements' volume strain, times the bulk modulus, is not."""
 
 
 def density(fields: Fields, frame: int, finger: Finger, *, elastic: bool, finite: bool) -> Array:
     """Return the strain-energy density (n_points,) in kJ/m³ (which is kPa) at the mesh points.
 
-    `elastic` takes the instantaneous moduli, otherwise the relaxed ones. `finite`: the strain is
-    logarithmic and the energy by the tissue's law; otherwise small strain and Hooke's law. A
-    point that two tissues share gets the mean, weighted by the volumes of its cells; bone has none.
+    `elastic`: with the instantaneous moduli, otherwise the relaxed ones. `finite`: the strain is
+    logarithmic, with the energy of the tissue's law; otherwise it is small, with Hooke's law. A
+    point in two tissues gets the mean, weighted by the volumes of its cells; bone has none.
     """
     if fields.energy is not None:
         return np.asarray(fields.energy[frame, :, int(elastic)])
@@ -46,12 +46,10 @@ def density(fields: Fields, frame: int, finger: Finger, *, elastic: bool, finite
 
 
 def split(strain: Array, tissue: Tissue, *, finite: bool) -> tuple[Array, Array]:
-    """Return the energy density of distortion and of the change of volume (n,), relaxed, in kPa.
+    """Return the relaxed energy densities (n,) kPa of distortion and of the change of volume.
 
-    Small strain (n, 6): mu e' : e' and K / 2 (tr e)². Finite: with the principal stretches exp(e),
-    mu W of the tissue's law, and K / 2 (J - 1)². The latter is left out above a Poisson's ratio of
-    INCOMPRESSIBLE: it is small there, and K times what the strain of the elements errs by in volume
-    is not.
+    Small strain e (n, 6): mu e' : e' and K / 2 (tr e)². Finite: mu W of the tissue's law at the
+    principal stretches exp(e), and K / 2 (J - 1)². The second is 0 above INCOMPRESSIBLE.
     """
     shear = tissue.modulus / (2 * (1 + tissue.poisson))
     bulk = 0.0
@@ -69,7 +67,7 @@ def split(strain: Array, tissue: Tissue, *, finite: bool) -> tuple[Array, Array]
 
 
 def shares(fields: Fields) -> tuple[Array, Array]:
-    """Skin's share (n_points,) of the soft volume at each point, and 1 where it has soft cells."""
+    """Return the skin's share (n_points,) of the soft volume at a point, and 1 where it has any."""
     volume = np.repeat(np.abs(volumes(fields.points, fields.cells))[:, None], 4, axis=1)
     skin, subcutaneous = (
         np.bincount(fields.cells[part].ravel(), volume[part].ravel(), len(fields.points))

@@ -1,4 +1,4 @@
-"""Harmonic answer of a finger about a preload: impedance, transfer to end organs, waves."""
+"""Response of a finger to small oscillations about a preload: impedance, strain, waves."""
 
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
@@ -22,15 +22,15 @@ PER_METER = 1e3  # mm per m
 
 @dataclass(frozen=True)
 class Harmonic:
-    """Answer to an oscillation of the indenter along its normal, so small that contact stays.
+    """Response to oscillations of the indenter along its normal that leave the contact as it is.
 
-    frequency (n_f,) Hz. Of complex arrays, last, real and imaginary part: stiffness_parts (n_f, 2)
-    N of force on the whole finger per mm; strain_parts (n_f, n_sites, 3, 3, 2) 1/mm at the sites;
+    frequency (n_f,) Hz. Complex, as real and imaginary parts along the last axis: stiffness_parts
+    (n_f, 2) N/mm of the whole finger; strain_parts (n_f, n_sites, 3, 3, 2) 1/mm at the sites;
     skin_parts (n_f, n_skin, 3, 2) mm per mm at skin_points (n_skin, 3) mm, vertices of the skin in
-    the medial plane, from proximal to distal. error (n_f,): what the modes that are left out change
-    of the stiffness, relative, by the first and second static term; modes (n,) Hz: the lowest of
-    the finger held by the indenter, with relaxed tissue. preload_depth mm and preload_force N, of
-    relaxed tissue; contact_area mm² of the vertices in contact; notes: what is assumed.
+    the medial plane, from proximal to distal. error (n_f,): relative error of the stiffness from
+    modes that are left out, by the first and second static term; modes (n,) Hz: the lowest of the
+    finger held by the indenter. preload_depth mm and preload_force N. Modes and preload are of
+    relaxed tissue. contact_area mm² of the vertices in contact; notes: what is assumed.
     """
 
     frequency: Array
@@ -91,9 +91,9 @@ class Harmonic:
         return xr.Dataset(variables, names_along(variables), about | more)
 
     def site_delay(self) -> Array:
-        """Phase delay (n_f, n_sites) in s of the strain at the sites, of its largest component.
+        """Phase delay (n_f, n_sites) in s of the largest component of the strain at each site.
 
-        The phase is followed from the lowest frequency on, where it is within half a cycle.
+        The phase is unwrapped from the lowest frequency on, where it is within half a cycle.
         """
         return self._delay(self.strain.reshape(*self.strain.shape[:2], 9))
 

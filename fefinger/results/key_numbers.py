@@ -1,7 +1,4 @@
-"""Summary numbers of a result, each with its expected error.
-
-The terminal and the report show the same ones.
-"""
+"""Summary numbers of a result with their expected errors, for the terminal and the report."""
 
 import math
 from collections.abc import Iterator
@@ -23,14 +20,14 @@ REFERENCE = "solid"
 """Mechanics against which errors are stated."""
 
 BETTER = 0.8
-"""Error of another mechanics over that of the answer, below which it is suggested."""
+"""Another mechanics is suggested if its error is less than this share of the answer's error."""
 
 
 class KeyNumber(NamedTuple):
-    """A number of a result: its name, its value with unit, its relative error (nan: not known).
+    """A number of a result: name, value with unit, relative error, rank and when or where.
 
-    `error` is None for a number that the motion prescribes or that counts something; `rank` orders
-    what is shown where not all of them are; `about` says when or where.
+    `error` is nan where it is not known, None for a prescribed or counted number. Numbers of low
+    `rank` are shown where not all are.
     """
 
     name: str
@@ -41,7 +38,7 @@ class KeyNumber(NamedTuple):
 
     @property
     def within(self) -> str:
-        """The expected error in words, the range of a large one; empty for a number without."""
+        """The error in words, as the range of the true value if it is large; "" without error."""
         if self.error is None:
             return ""
         if math.isnan(self.error):
@@ -53,7 +50,7 @@ class KeyNumber(NamedTuple):
 
 
 def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
-    """Yield the numbers of the requested quantities, in order of reading."""
+    """Yield the numbers of the requested quantities, in the order that they are shown in."""
     rung = result.plan.chosen
     errors = {"force": rung.error, **rung.errors}
     by_force = result.scene.motion.control == "force"
@@ -89,7 +86,7 @@ def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
 
 
 def rows(result: ResultRecord) -> list[tuple[str, str]]:
-    """Return a line per number, its name and its value with error and time, and the spikes."""
+    """Return (name, text) of every number with its error, of friction, spikes and cautions."""
     lines = []
     for number in key_numbers(result):
         about = ", ".join(filter(None, (number.within, number.about)))
@@ -104,7 +101,7 @@ def rows(result: ResultRecord) -> list[tuple[str, str]]:
 
 
 def cautions(result: ResultRecord) -> list[str]:
-    """Return sentences on what may mislead: another finger, a poor record, large errors."""
+    """Return sentences on what may mislead: large errors, noise or gaps, a finger's other size."""
     of_finger = map(_inner, other_size(result.scene.finger))
     return [*_far_off(result), *_record(result.scene), *of_finger]
 
@@ -121,14 +118,14 @@ def _record(scene: Scene) -> list[str]:
 
 
 def _inner(sentence: str) -> str:
-    """Return a sentence without capital and full stop, as part of a line."""
+    """Return a sentence without its capital letter and full stop."""
     return f"{sentence[0].lower()}{sentence[1:].removesuffix('.')}"
 
 
 def _far_off(result: ResultRecord) -> list[str]:
-    """Return a sentence on requested quantities other than the force that may be far off, if any.
+    """Return a sentence on requested quantities with large errors, if any, and how to reduce them.
 
-    It says by which mechanics or mesh of the plan they would be better.
+    The force is left out, whose error the scene limits.
     """
     chosen, ask = result.plan.chosen, result.scene.ask
     wanted = {"pressure": ask.pressure, "area": ask.pressure, "strain": ask.strain}
@@ -156,7 +153,7 @@ def _far_off(result: ResultRecord) -> list[str]:
 
 
 def leading(result: ResultRecord, count: int) -> list[KeyNumber]:
-    """Return the `count` numbers that matter most, in order of reading."""
+    """Return the `count` numbers of lowest rank, in the order of `key_numbers`."""
     numbers = list(key_numbers(result))
     ranks = sorted(number.rank for number in numbers)[:count]
     return [number for number in numbers if number.rank in ranks][:count]
@@ -169,7 +166,7 @@ def _impedance(harmonic: Harmonic) -> KeyNumber:
 
 
 def _strain(result: ResultRecord, error: float) -> KeyNumber:
-    """Return the largest compressive principal strain at an end organ, of all and of each type."""
+    """Return the largest compressive principal strain at an end organ, of all and by type."""
     assert result.strain is not None
     assert result.sites is not None
     types, depths = result.sites.types, result.sites.depths

@@ -1,9 +1,9 @@
-"""Labels of the arrays of records in `result.nc`: names, dimensions, units, coordinates."""
+"""Names, dimensions, units and coordinates of the arrays in `result.nc`."""
 
 import tomllib
 from collections.abc import Mapping
 from importlib import resources
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from fefinger.support.arrays import Array
 
@@ -41,14 +41,14 @@ COORDINATES = {
 
 
 def labeled(key: tuple[str, str], values: Array) -> "xr.Variable":
-    """Return the values of a field, by record and field, with dimensions, units and long name."""
+    """Return the values of an array with its label; `key`: its record and field."""
     import xarray as xr
 
     label = LAYOUT[key]
     return xr.Variable(label.dims, values, {"units": label.units, "long_name": label.long_name})
 
 
-def coordinates(variables: "Mapping[str, xr.Variable]") -> dict[str, Any]:
-    """Return the names along the dimensions of some variables, of axes and components."""
+def coordinates(variables: "Mapping[str, xr.Variable]") -> dict[str, list[str]]:
+    """Return the names of axes and components along the dimensions of some variables."""
     dims = {name for variable in variables.values() for name in variable.dims}
     return {name: list(names) for name, names in COORDINATES.items() if name in dims}

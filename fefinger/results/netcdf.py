@@ -3,9 +3,10 @@
 import dataclasses
 import json
 import os
+from collections.abc import Callable, Mapping
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,16 +26,15 @@ if TYPE_CHECKING:
 
 FORMAT = "fefinger result 1"
 FAMILY = FORMAT.rstrip("0123456789")
-"""Start of the formats of all versions."""
+"""Beginning of the format of every version."""
 
 DAMAGED = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
 """Errors of reading a file that is damaged or not netCDF."""
 
 OF_PLUGIN = ("plugins", "indenter")
-"""Beginnings of the fields of an error that the file of a plugin causes, not the result."""
+"""Beginnings of the fields of errors that a plugin causes, not the saved result."""
 
-
-RECORDS = {"Result": result_record.ResultRecord} | {
+RECORDS: Mapping[str, Callable[..., object]] = {"Result": result_record.ResultRecord} | {
     record.__name__: record
     for record in (
         *(result_record.Plan, result_record.Settings, records.Rung, records.Refusal),
@@ -45,9 +45,9 @@ RECORDS = {"Result": result_record.ResultRecord} | {
 
 
 def read(path: str | PathLike[str]) -> result_record.ResultRecord:
-    """Read the record of a result: `path` is its folder or its `result.nc`.
+    """Read a result from its folder or its `result.nc`.
 
-    Raises InputError when there is no such file, or when it is foreign or damaged.
+    Raises InputError where there is no such file, or it is damaged or not of fefinger.
     """
     import xarray as xr
 
@@ -78,13 +78,14 @@ def read(path: str | PathLike[str]) -> result_record.ResultRecord:
 
 
 def _another(kind: object) -> str:
+    """Say what a file of another format is."""
     if not str(kind).startswith(FAMILY):
         return "not a result of fefinger"
     return f"written by another version of fefinger: format {kind!r}, this version reads {FORMAT!r}"
 
 
 def stored(file: Path) -> frozenset[str] | None:
-    """Return the names of what a saved result of any version holds; None for another file."""
+    """Return the names of the arrays of a saved result of any version; None for another file."""
     import h5netcdf
 
     if unreadable(file):
@@ -98,16 +99,16 @@ def stored(file: Path) -> frozenset[str] | None:
 
 
 def dataset(result: result_record.ResultRecord) -> "xr.Dataset":
-    """Convert a result to a Dataset: arrays with names, dimensions and units."""
+    """Convert a result to a Dataset of arrays with names, dimensions and units."""
     import xarray as xr
 
-    variables: dict[str, Any] = {}
+    variables: dict[str, xr.Variable] = {}
     record = json.dumps(_encode(result, "", variables))
     variables["scene"] = xr.Variable((), result.scene.to_toml(), {"long_name": "scene as TOML"})
     variables["record"] = xr.Variable(
         (), record, {"long_name": "all that is no array: plan, status, notes, provenance (JSON)"}
     )
-    coordinates = labels.coordinates(variables)
+    coordinates: dict[str, object] = {**labels.coordinates(variables)}
     if result.spikes is not None:
         coordinates["unit"] = list(result.spikes.names)
         coordinates["unit_type"] = ("unit", list(result.spikes.types))
@@ -117,21 +118,19 @@ def dataset(result: result_record.ResultRecord) -> "xr.Dataset":
     return xr.Dataset(variables, coordinates, {"format": FORMAT, "title": title})
 
 
-def _encode(value: Any, place: str, variables: dict[str, Any]) -> Any:
-    """Encode `value` as JSON values, with its arrays moved into `variables`.
+def _encode(value: object, place: str, variables: "dict[str, xr.Variable]") -> object:
+    """Encode a value for JSON, with its arrays moved into `variables`.
 
-    Tuples become JSON lists, lists {"list": [...]}, arrays {"array": name}, records
-    {"record": class, field: ...}; a tuple of arrays becomes one array and {"ragged": name}.
+    Tuples become lists, lists {"list": [...]}, arrays {"array": name}, records {"record": class,
+    field: ...}; a tuple of arrays becomes one array and {"ragged": name}. Messages name `place`.
     """
     if isinstance(value, Scene):
         return {"scene": "scene"}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         kind = type(value).__name__
-        fields = {
-            f.name: _encode_field(getattr(value, f.name), (kind, f.name), variables)
-            for f in dataclasses.fields(value)
-        }
-        return {"record": kind} | fields
+        fields = (field.name for field in dataclasses.fields(value))
+        encoded = {f: _encode_field(getattr(value, f), (kind, f), variables) for f in fields}
+        return {"record": kind} | encoded
     if isinstance(value, dict):
         return {"dict": {str(key): _encode(v, place, variables) for key, v in value.items()}}
     if isinstance(value, list):
@@ -145,8 +144,10 @@ def _encode(value: Any, place: str, variables: dict[str, Any]) -> Any:
     raise TypeError(f"{place}: expected numbers, text or records to save, received {type(value)}")
 
 
-def _encode_field(value: Any, key: tuple[str, str], variables: dict[str, Any]) -> Any:
-    """Encode one field of a record: arrays by LAYOUT, ragged where it is a tuple of arrays."""
+def _encode_field(
+    value: object, key: tuple[str, str], variables: "dict[str, xr.Variable]"
+) -> object:
+    """Encode a field of a record; arrays, and tuples of arrays of several lengths, by LAYOUT."""
     import xarray as xr
 
     if isinstance(value, np.ndarray):
@@ -164,8 +165,8 @@ def _encode_field(value: Any, key: tuple[str, str], variables: dict[str, Any]) -
     return _encode(value, ".".join(key), variables)
 
 
-def _decode(value: Any, arrays: "xr.Dataset") -> Any:
-    """Decode the JSON values of `_encode`."""
+def _decode(value: object, arrays: "xr.Dataset") -> object:
+    """Decode what `_encode` has made."""
     if isinstance(value, list):
         return tuple(_decode(v, arrays) for v in value)
     if not isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Text about a plan: the ladder with its refusals, and how far to trust each answer."""
+"""Text about a plan: the table of mechanics with their refusals, and expected errors."""
 
 import math
 from collections.abc import Sequence
@@ -23,22 +23,23 @@ QUANTITIES = {
 
 
 WIDE = 0.3
-"""Stated error above which the range of the true value is told."""
+"""Error above which the range of the true value is shown."""
 
 UNLIMITED = 0.95
-"""Stated error from which on no upper limit of the true value is told: 20 times the answer."""
+"""Error from which on no upper limit of the true value is shown: it is 20 times the answer."""
 
 
 def true_range(error: float) -> tuple[float, float]:
-    """Range of the true value over the answer, whose stated error is relative to the true value.
+    """Return the least and the largest true value over the answer, for an error of the true value.
 
-    The answer is 1 - error to 1 + error of it, so that from 1 on there is no upper limit (inf).
+    The answer is within 1 - error and 1 + error of the true value: for 1 or more there is no upper
+    limit (inf).
     """
     return 1 / (1 + error), 1 / (1 - error) if error < 1 else math.inf
 
 
 def range_text(error: float, answer: float, unit: str) -> str:
-    """State the range of the true value behind an answer, as in "true value 0.09 to 1.4 N"."""
+    """Return the range of the true value in words, as in "true value 0.09 to 1.4 N"."""
     if math.isinf(error):
         return "its error has no limit"
     low, high = (f"{float(f'{answer * end:.2g}'):g}" for end in true_range(error))
@@ -48,9 +49,9 @@ def range_text(error: float, answer: float, unit: str) -> str:
 
 
 def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
-    """Table of the ladder, a line per kind of refusal, and below it where the errors are from.
+    """Return the table of the ladder, a line per reason of refusal, and the sources of the errors.
 
-    The chosen rung is marked by a star.
+    A star marks the chosen rung.
     """
     rows, before = [], None
     for rung in rungs:
@@ -69,7 +70,7 @@ def ladder(rungs: Sequence["Rung"], chosen: "Rung | None" = None) -> str:
 
 
 def _reasons(rung: "Rung") -> list[str]:
-    """Refusals of a rung; those that differ in the field alone share a line."""
+    """Return the refusals of a rung; refusals for the same reason share a line."""
     fields_of: dict[tuple[str, str], list[str]] = {}
     for refusal in rung.refusals:
         named = bool(refusal.field) and refusal.reason.startswith(refusal.field)
@@ -79,7 +80,7 @@ def _reasons(rung: "Rung") -> list[str]:
 
 
 def choice_line(rung: "Rung") -> str:
-    """Return the choice in one line: mechanics, mesh, expected error of the force and time."""
+    """Return mechanics, mesh, expected error of the force and expected time in one line."""
     mesh = f" on the {rung.resolution} mesh" if rung.resolution else ""
     known = math.isfinite(rung.error)
     error = f"force within {percent(rung.error)}" if known else "error of the force not known"
@@ -87,16 +88,16 @@ def choice_line(rung: "Rung") -> str:
 
 
 def expected_time(rung: "Rung") -> str:
-    """Return the expected wall time in words, with the number of cores that share the work."""
+    """Return the expected wall time, with the number of cores if several share the work."""
     shared = rung.wall < rung.seconds
     return duration(rung.wall) + (f" on {threads()} cores" if shared else "")
 
 
 def trust(rung: "Rung", ask: "Ask") -> str:
-    """State the expected error of each requested output, in a sentence or two.
+    """Return sentences on the expected errors of the requested quantities.
 
-    Where the force is prescribed, its error is stated at the depth of the answer. The other errors
-    are at the prescribed force; the error of the depth is for the largest depth.
+    Where the motion prescribes the force, errors are of the force at the depth of the answer, of
+    the largest depth, and of the others at that force.
     """
     errors = {"force": rung.error, **rung.errors}
     requested = ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
@@ -116,13 +117,13 @@ def trust(rung: "Rung", ask: "Ask") -> str:
 
 
 def _bound(error: float) -> str:
-    """Format a stated error, if it is wide with the range of the true value."""
+    """Return an error in percent, with the range of the true value if it is large."""
     wide = f" ({range_text(error, 1.0, 'times the answer')})" if error > WIDE else ""
     return f"{percent(error)}{wide}"
 
 
 def _sources(rungs: Sequence["Rung"]) -> str:
-    """Return one line per source of an error, with the mechanics that it is of; "" for none."""
+    """Return a table of the sources of errors and the mechanics they are of; "" without any."""
     by_source: dict[str, list[str]] = {}
     for rung in rungs:
         if not math.isnan(rung.error):

@@ -1,6 +1,6 @@
 """Pressure between the points of the pad, linear on each triangle, and its mean over 1 mm².
 
-With forces at the mesh points only, a mean over 1 mm² would depend on the positions of the points.
+From forces at the mesh points alone, a mean over 1 mm² would depend on where the points are.
 """
 
 from dataclasses import replace
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 MOST = 8
-"""Largest number of parts of an edge."""
+"""Largest number of parts of an edge: their number limits memory, which grows with its square."""
 
 FAR = 4.0
 """Cutoff of a Gaussian in standard deviations; it neglects 3e-4 of the weight."""
@@ -27,12 +27,11 @@ SPREAD = 1 / np.sqrt(2 * np.pi)
 
 
 def net(pad: Pad, parts: int) -> "tuple[csr_matrix, csr_matrix]":
-    """Refine the pad's triangles to m points whose forces represent the linear pressure.
+    """Divide each triangle of the pad into parts² with a force at the center of each part.
 
-    Every edge is divided into `parts`, every triangle into parts² with their forces at their
-    centers. The force of a point of the pad, pressure times area, is preserved and distributed.
-    Returns matrices (m, n_pad) from values at the pad's points to values at the refined ones, and
-    in mm² from pressures in kPa at the pad's points to forces in mN at the refined ones.
+    Returns two matrices (n_centers, n_pad): from values at the pad's points to values at the
+    centers, and, in mm², from pressures in kPa at the pad's points to forces in mN at the centers.
+    The force of a point of the pad, its pressure times its area, is kept.
     """
     from scipy import sparse
 
@@ -50,26 +49,25 @@ def net(pad: Pad, parts: int) -> "tuple[csr_matrix, csr_matrix]":
 
 
 def highest(pad: Pad, pressure: Array) -> tuple[float, Array]:
-    """Largest mean pressure in kPa over 1 mm² at any time, see `peaks`, and its place (3,) mm."""
+    """Return the largest mean pressure in kPa over 1 mm² at any time, and its place (3,) mm."""
     points, means = _means(pad, pressure)
     number = int(means.max(axis=1).argmax())
     return float(means[number].max()), points[number]
 
 
 def peaks(pad: Pad, pressure: Array) -> Array:
-    """Largest mean pressure (n_t,) in kPa over 1 mm², of pressures (n_t, n_pad).
+    """Return the largest mean pressure (n_t,) in kPa over 1 mm², from pressures (n_t, n_pad).
 
-    The mean is weighted by a Gaussian about each point of the pad. Unlike the pressure of a single
-    point, which varies by a quarter at the rim of a plate on the standard mesh, it does not depend
-    on the mesh.
+    A mean is weighted by a Gaussian about a point of the pad. It does not depend on the mesh; the
+    pressure of a single point at the rim of a plate varies by a quarter on the standard mesh.
     """
     return np.asarray(_means(pad, pressure)[1].max(axis=0))
 
 
 def _means(pad: Pad, pressure: Array) -> tuple[Array, Array]:
-    """Compute the points (n, 3) mm that ever bear pressure, and the means (n, n_t) kPa about them.
+    """Return the points (n, 3) mm that ever bear pressure, and the means (n, n_t) kPa about them.
 
-    The first point of the pad, with zeros, where none does.
+    Without pressure, the first point of the pad with zeros.
     """
     from scipy.spatial import KDTree
 
@@ -86,12 +84,12 @@ def _means(pad: Pad, pressure: Array) -> tuple[Array, Array]:
 
 
 def pressed(pad: Pad, used: Flags) -> Pad:
-    """Restrict the pad's triangles to those with at least one of the points `used` (n_pad,)."""
+    """Return the pad with only the triangles that have a corner among points `used` (n_pad,)."""
     return replace(pad, triangles=pad.triangles[used[pad.triangles].any(axis=1)])
 
 
 def cuts(pad: Pad, length: float) -> int:
-    """Count the parts of the longest edge that are at most `length` mm long."""
+    """Return into how many parts, at most MOST, edges are cut to be no longer than `length` mm."""
     ends = pad.points[pad.triangles]
     longest = np.linalg.norm(ends - np.roll(ends, 1, axis=1), axis=2).max()
     return min(int(np.ceil(longest / length)), MOST)

@@ -1,7 +1,4 @@
-"""Records of the candidates for a scene and of a response: Refusal, Rung, Response and its parts.
-
-All are frozen.
-"""
+"""Records of the candidates for a scene, of a response with its parts, and of a step of a loop."""
 
 import math
 from collections.abc import Mapping
@@ -13,7 +10,7 @@ from numpy.typing import NDArray
 
 from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.results.harmonic import Harmonic
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Floats, Integers
 from fefinger.support.text import outline
 
 
@@ -25,11 +22,11 @@ if TYPE_CHECKING:
 class Refusal:
     """Reason against a mechanics for a scene.
 
-    `about` is "ability" (it cannot answer at all), "accuracy" (it can, but worse than requested) or
-    "time" (it can, but takes longer than requested); `reason` quotes the number that broke, as in
-    "contact radius / thickness = 0.9 > 0.1". `field` is the field or part of the scene to change,
-    such as "ask.rel_error", "indenter.radius" or "finger"; "" where there is none, and in results
-    of earlier versions.
+    `about` is "ability" (it cannot answer), "accuracy" (its error is larger than requested) or
+    "time" (it takes longer than requested); `reason` quotes the number that is beyond its limit, as
+    in "contact radius / thickness = 0.9 > 0.1". `field` is what to change in the scene, such as
+    "ask.rel_error", "indenter.radius" or "finger"; "" where there is none, and in results of
+    earlier versions.
     """
 
     mechanics: str
@@ -40,16 +37,16 @@ class Refusal:
 
 @dataclass(frozen=True)
 class Rung:
-    """One mechanics on the ladder, on one mesh where it has one.
+    """One mechanics on the ladder, on one of its meshes.
 
-    `seconds`: expected CPU time on this machine, by which candidates are ranked; `wall`: expected
-    wall time on its cores (the CPU time where they do not share the work); `error`: expected
-    relative error of the force, the largest through time, over its peak; all nan where it cannot
-    answer or was not considered; `evidence`: the report that measured the error; `errors`: of the
-    highest "pressure" over 1 mm², the contact "area" and the "strain" at the end organs, where the
-    force is largest; an error that is not there is unknown. Where the force is prescribed, `error`
-    is stated at the depth of the answer, and `errors` at the prescribed force, with the error of
-    the largest "depth"; on the way back the depth may err more.
+    seconds: expected CPU time on this machine, by which candidates are ranked; wall: expected wall
+    time on its cores; error: expected error of the force, the largest through time, over its peak;
+    all nan where the mechanics cannot answer. evidence: the report that measured the error; errors:
+    expected relative errors of the highest "pressure" over 1 mm², the contact "area" and the
+    "strain" at the end organs, at the largest force; one that is missing is not known. Where the
+    motion prescribes the force, `error` is of the force at the depth of the answer, and `errors`
+    are at the prescribed force, with the error of the largest "depth"; on the way back the depth
+    may err more.
     """
 
     mechanics: str
@@ -62,7 +59,7 @@ class Rung:
     wall: float = math.nan
 
     def __post_init__(self) -> None:
-        """Expect one core to do all the work by default."""
+        """Take the CPU time for a wall time that is not given."""
         if math.isnan(self.wall):
             object.__setattr__(self, "wall", self.seconds)
 
@@ -92,10 +89,10 @@ class Sites:
     """End-organ sites: material points under the undeformed pad.
 
     points (n_sites, 3) mm, normals (n_sites, 3) unit outward normals of the skin above them,
-    depths (n_sites,) mm below the skin, types: the afferent type that each one serves, unit
-    (n_sites,): the afferent unit that each belongs to; None: one each. number (n_sites,): of that
-    unit (`neural.variation.numbered`) among all requested ones, some of which may lie off the
-    skin; None: not of a population.
+    depths (n_sites,) mm below the skin, types: afferent types, unit (n_sites,): the afferent unit
+    of each site, None for one unit each. number (n_sites,): number of the unit among all requested
+    units (`neural.variation.numbered`), of which some may lie off the skin; None without a
+    population.
     """
 
     points: Array
@@ -112,13 +109,12 @@ class Sites:
 class Lateral:
     """Tangential part of a response: sliding of the indenter and friction.
 
-    Vectors (2,) are along the plane of the indenter: distal, and radial. shift (n_t, 2) mm of the
-    indenter; force (n_t, 2) N on the finger: of friction, and of pressure on inclined heights. With
+    Vectors (2,) are distal and radial, in the plane of the indenter. shift (n_t, 2) mm of the
+    indenter; force (n_t, 2) N on the finger, by friction and by pressure on inclined heights. With
     friction: torque (n_t,) N mm on the finger about the indenter's normal through the center of
-    pressure; stick_area (n_t,) mm², the summed area of vertices that stick; traction (n_t, n_pad,
-    2) kPa on the skin; slip (n_t, n_pad, 2) mm of the skin over the indenter since first contact;
-    work (n_t,) mJ that friction has lost; outcome: whether the contact stuck, slipped in part or
-    slid, and since when, in words.
+    pressure; stick_area (n_t,) mm² of vertices that stick; traction (n_t, n_pad, 2) kPa on the
+    skin; slip (n_t, n_pad, 2) mm of the skin over the indenter since first contact; work (n_t,) mJ
+    of friction; outcome: whether and since when the contact stuck, slipped in part or slid.
     """
 
     shift: Array
@@ -140,10 +136,9 @@ class Fields:
     points (n_points, 3) mm, cells (n_cells, 4), region (n_cells,) 1 skin, 2 subcutaneous tissue,
     3 bone, times (n_frames,) s, displacement (n_frames, n_points, 3) mm, strain (n_frames,
     n_points, 6) with the components xx yy zz xy yz xz of the tensor, pressure (n_frames, n_points)
-    kPa on the pad and zero elsewhere. energy (n_frames, n_points, 2) kJ/m³: the strain-energy
-    density of soft tissue with the relaxed and with the instantaneous moduli, the mean of its cells
-    around a point, so that its integral is the integral over the elements; None in results of
-    earlier versions.
+    kPa on the pad and zero elsewhere. energy (n_frames, n_points, 2) kJ/m³: strain-energy density
+    of soft tissue with the relaxed and the instantaneous moduli, averaged over the cells around a
+    point, so that its integral over the mesh is kept; None in results of earlier versions.
     """
 
     points: Array
@@ -168,11 +163,11 @@ class Response:
     indenter's normal; moment (n_t, 3) N mm of the pressure on the finger about the origin; lateral:
     of an indenter that slides or grips; strain (n_t, n_sites, 3, 3), positive in tension;
     reference: where spikes are requested, the reference press that scales their strain.
-    `seconds`: wall time of each stage; `notes`: simplifications that a reader of the result must
-    know; `status`: one sentence on the convergence of the solution; `numbers`: sizes of the
-    problem and, on a mesh, the largest penetration of a vertex at the solved times
-    (`penetration_mm`); `sources`: inputs such as the mesh and its hash; `harmonic`: the answer
-    about the preload to small oscillations, where the motion is a sweep.
+    seconds: wall time of each stage; notes: simplifications that a reader of the result must know;
+    status: one sentence on the convergence of the solution; numbers: sizes of the problem and, on a
+    mesh, the largest penetration of a vertex at the solved times (`penetration_mm`); sources:
+    inputs such as the mesh and its hash; harmonic: the response to small oscillations about the
+    preload, where the motion is a sweep.
     """
 
     mechanics: str
@@ -206,8 +201,54 @@ class Response:
 
     @property
     def finite(self) -> bool:
-        """Whether the strain is finite (logarithmic) instead of small strain.
+        """Whether the strain is logarithmic (finite) instead of small strain.
 
-        A mechanics that has both says which in its `numbers`.
+        `numbers` says so where a mechanics has both.
         """
         return bool(self.numbers.get("finite_strain", MECHANICS[self.mechanics].finite))
+
+
+@dataclass(slots=True, repr=False)
+class Step:
+    """Result of a step of a loop in real time; the next step overwrites its arrays.
+
+    depth mm, force N; touching: whether there is contact; x and y mm: center of pressure, without
+    contact the last one, at the start the first touch; pressure (n,) kPa at the vertices that may
+    touch; strain (n_sites, 6), positive in tension, with the components xx yy zz xy yz xz of the
+    tensor. contact_area mm²: at small strain the area of the vertices under pressure, which jumps
+    with each vertex; `Result.contact_area` follows the rim within an element.
+
+    Of an object that moves sideways: shift (2,) mm, and lateral_force (2,) N on the finger, distal
+    and radial; with friction, torque N mm on the finger about the normal through the center of
+    pressure, stick_area mm² of the vertices that do not slip, and work mJ of friction so far.
+    """
+
+    pressure: Array
+    strain: Floats
+    shift: Array
+    lateral_force: Array
+    depth: float = 0.0
+    force: float = 0.0
+    contact_area: float = 0.0
+    x: float = 0.0
+    y: float = 0.0
+    touching: bool = False
+    torque: float = 0.0
+    stick_area: float = 0.0
+    work: float = 0.0
+
+    def __repr__(self) -> str:
+        """Show the numbers with their units, not the arrays."""
+        x, y = (round(each, 4) + 0.0 for each in (self.x, self.y))
+        where = f"about x {x:g}, y {y:g} mm" if self.touching else "no contact"
+        force = f"{self.force:.4g} N at {self.depth:.4g} mm"
+        return f"<{type(self).__name__}: {force}, {self.contact_area:.4g} mm², {where}>"
+
+
+@dataclass(frozen=True)
+class LoopState:
+    """State of a loop between two steps: its contact, center of pressure mm, and angles degrees."""
+
+    contact: tuple[object, ...]
+    center: tuple[float, float]
+    angles: tuple[float, float]

@@ -1,7 +1,4 @@
-"""Records of a plan and of a result: Plan, its Settings, and ResultRecord.
-
-All are frozen. `netcdf` saves and loads a ResultRecord.
-"""
+"""Records of a plan and of a result; `netcdf` saves and loads them."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -23,10 +20,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings of a run: mesh, time steps, computed quantities and simulated afferents.
+    """Settings of a run.
 
-    resolution of the mesh, and whether half a finger is meshed: None without a mesh; times: the
-    number of output times; computed: of "force", "pressure", "strain", "fields"; afferents: the
+    resolution of the mesh, and half: whether half a finger is meshed, both None without a mesh;
+    times: number of output times; computed: of "force", "pressure", "strain", "fields"; afferents:
     simulated types.
     """
 
@@ -41,8 +38,8 @@ class Settings:
 class Plan:
     """The chosen mechanics, its settings, and all candidates that were compared.
 
-    `overridden` are the refusals in spite of which it was named; `machine` says what the times of
-    the rungs mean, `trust` how far from the truth each requested quantity may be.
+    sentence: why it was chosen; overridden: refusals of a mechanics that the user named; machine:
+    what the times of the rungs mean; trust: expected errors of the requested quantities, in words.
     """
 
     mechanics: str
@@ -54,7 +51,7 @@ class Plan:
     trust: str = ""
 
     def __repr__(self) -> str:
-        """Show the choice in one line, its reason and trust, and the ladder with its evidence."""
+        """Show the choice, its reason, its expected errors, and the ladder."""
         rung = self.chosen
         parts = choice_line(rung), self.sentence, self.trust, ladder(self.rungs, rung)
         return "\n\n".join(filter(None, parts))
@@ -112,7 +109,7 @@ class ResultRecord:
 
     @property
     def peak_name(self) -> str:
-        """What is largest at the step `peak`, in words."""
+        """The quantity that is largest at the step `peak`, in words."""
         return f"the largest {'depth' if self.scene.motion.control == 'force' else 'force'}"
 
     @property
@@ -147,7 +144,7 @@ class ResultRecord:
 
     @property
     def harmonic(self) -> Harmonic | None:
-        """Answer about the preload to small oscillations; None unless the motion is a sweep."""
+        """Response to small oscillations about the preload; None unless the motion is a sweep."""
         return self.response.harmonic
 
     @property
@@ -162,9 +159,9 @@ class ResultRecord:
     def green_lagrange(self) -> Array | None:
         """Green-Lagrange strain (n_t, n_sites, 3, 3) at the sites, where the strain is finite.
 
-        E = (F'F - I) / 2 = (exp(2 H) - I) / 2 of the logarithmic strain H = ln(F'F) / 2 that
-        `strain` then holds, both in the directions of the undeformed finger. None where `strain`
-        is small strain, for which the two measures agree.
+        E = (F'F - I) / 2 = (exp(2 H) - I) / 2, from the logarithmic strain H = ln(F'F) / 2 in
+        `strain`, both in the directions of the undeformed finger. None where `strain` is small
+        strain, for which the two measures agree.
         """
         if self.strain is None or not self.response.finite:
             return None
@@ -179,7 +176,7 @@ class ResultRecord:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings of the samples of the motion, and of speed in an answer without inertia."""
+        """Warnings about samples of the motion, and about its speed if inertia is left out."""
         of_motion = warnings(self.scene.motion)
         if self.response.inertia:
             return of_motion

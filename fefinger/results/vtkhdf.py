@@ -1,7 +1,7 @@
 """Fields on a mesh as a VTK time series (VTKHDF) that ParaView and PyVista open.
 
-One HDF5 file of type UnstructuredGrid, format version 2.2, written with h5py alone. The mesh is
-stored once and every step points to it; only the values change from step to step.
+One HDF5 file of type UnstructuredGrid, format version 2.2. The mesh is stored once and every step
+refers to it.
 Source: VTK file formats, "VTKHDF File Format", sections Unstructured Grid and Temporal Data.
 """
 
@@ -16,7 +16,7 @@ from fefinger.support.arrays import Integers
 
 
 VERSION = (2, 2)
-TETRAHEDRON = 10
+TETRAHEDRON = 10  # type of cell in VTK
 
 
 def write(fields: Fields, path: str | PathLike[str]) -> None:
