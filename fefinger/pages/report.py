@@ -1,12 +1,12 @@
-"""A Result as one self-contained HTML page: `write(result, path)`.
+"""The report on a Result as one HTML page with its pictures: `write(result, path)`.
 
-What the scene did not ask for has no section. Pictures are inside the page.
+What the scene did not ask for has no section.
 """
 
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,14 +30,24 @@ from fefinger.view import (
 )
 
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Part = dict[str, object]
+"""A section of the report: key, title, text, picture, and perhaps more `pictures`."""
+
 STANDING = (
     "No ridges and no papillae: the skin is smooth, and an end organ is a point in it.",
     "One touch: no history of earlier touches, no blood flow, no temperature, no active muscle.",
 )
-"""Limitations of every mechanics, listed after the notes of the result."""
+"""Limits of every mechanics, listed after the notes of the result."""
+
+RUBS = "No sweat: friction does not depend on time, speed or the pressure of fluid."
+SMOOTH = "No sweat and no friction: the contact carries pressure only."
+"""Limits of contacts with and without friction."""
 
 TILES = 4
-"""Count of the summary numbers at the top of the page."""
+"""Number of summary numbers at the top of the page."""
 
 ALIKE = (
     "No noise: a unit fires the same spikes every time, and units do not differ from each other."
@@ -46,6 +56,9 @@ ALIKE = (
 
 def write(result: ResultRecord, path: str | PathLike[str]) -> None:
     """Write the report on `result` to the HTML file `path`."""
+    cautions = [f"{text[0].upper()}{text[1:]}." for text in key_numbers.cautions(result)]
+    friction = result.lateral is not None and result.lateral.work is not None
+    notes = (*result.notes, RUBS if friction else SMOOTH, *STANDING, *_chance(result))
     html = page.render(
         "report.html",
         title=result.scene.name,
@@ -54,7 +67,7 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
         touch=_touch(result),
         tiles=list(_tiles(result)),
         files=list(_files(result)),
-        warnings=[*result.warnings, *_cautions(result), *_blocked(result)],
+        warnings=[*result.warnings, *cautions, *_blocked(result)],
         parts=list(_parts(result)),
         membranes=result.spikes is not None and result.spikes.family == "thesis",
         units=list(_units(result)),
@@ -62,10 +75,7 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
         status=result.status,
         seconds=f"{sum(result.seconds.values()):.3g}",
         stages=page.svg(figures.stages(result)),
-        notes=[
-            note if note.endswith(".") else f"{note}."
-            for note in (*result.notes, *_dry(result), *STANDING, *_chance(result))
-        ],
+        notes=[note if note.endswith(".") else f"{note}." for note in notes],
         folder="out",
         fields=result.fields is not None,
         provenance=list(page.flat(result.provenance)),
@@ -74,17 +84,8 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
     Path(path).write_text(html, encoding="utf-8")
 
 
-def _cautions(result: ResultRecord) -> list[str]:
-    return [f"{text[0].upper()}{text[1:]}." for text in key_numbers.cautions(result)]
-
-
-def _dry(result: ResultRecord) -> list[str]:
-    if result.lateral is not None and result.lateral.work is not None:
-        return ["No sweat: friction does not depend on time, speed or the pressure of fluid."]
-    return ["No sweat and no friction: the contact carries pressure only."]
-
-
 def _chance(result: ResultRecord) -> list[str]:
+    """Return a note on what is drawn at random, if there are spikes."""
     spikes, layout = result.spikes, result.scene.ask.population
     if spikes is None:
         return []
@@ -125,6 +126,7 @@ def answer(result: ResultRecord) -> str:
 
 
 def _touch(result: ResultRecord) -> str:
+    """Return the finger, the object and the motion in one sentence."""
     scene = result.scene
     finger, motion = scene.finger, scene.motion
     who = f"subject {finger.subject_name}" if finger.subject_name else "a finger"
@@ -152,6 +154,7 @@ def _files(result: ResultRecord) -> Iterator[tuple[str, str]]:
 
 
 def _blocked(result: ResultRecord) -> list[str]:
+    """Return warnings on units in depolarization block."""
     if result.spikes is None:
         return []
     seconds = result.spikes.block_seconds
@@ -165,7 +168,8 @@ def _blocked(result: ResultRecord) -> list[str]:
     return [f"{each} in depolarization block: {why}." for each in who]
 
 
-def _parts(result: ResultRecord) -> Iterator[dict[str, Any]]:
+def _parts(result: ResultRecord) -> Iterator[Part]:
+    """Yield the sections of the report."""
     if result.force is not None:
         text = "Force of the whole finger along the indenter's normal, and the indenter's travel."
         yield _part("force", "Force and depth", text, figures.force(result))
@@ -221,9 +225,9 @@ def _top_pressure(result: ResultRecord) -> str:
     )
 
 
-def _harmonic(harmonic: Harmonic, result: ResultRecord) -> dict[str, Any]:
+def _harmonic(harmonic: Harmonic, result: ResultRecord) -> Part:
     text = (
-        f"Answer to small oscillations about {harmonic.preload_depth:.3g} mm and "
+        f"Response to small oscillations about {harmonic.preload_depth:.3g} mm and "
         f"{harmonic.preload_force:.3g} N of relaxed tissue, with contact as it is there. What the "
         f"modes leave out changes the stiffness by at most {100 * harmonic.error.max():.2g} %. The "
         "lowest resonances of the finger held by the indenter, with relaxed tissue, lie at "
@@ -233,8 +237,8 @@ def _harmonic(harmonic: Harmonic, result: ResultRecord) -> dict[str, Any]:
     return _part("harmonic", "Vibration", text, figures.harmonic(harmonic, types))
 
 
-def _spikes(result: ResultRecord) -> dict[str, Any]:
-    """Return the section on the spikes; of a population a raster and a map on the pad."""
+def _spikes(result: ResultRecord) -> Part:
+    """Return the section on spikes: of few units their rates, else a raster and a map."""
     assert result.spikes is not None
     if len(result.spikes) <= FEW:
         text = "Spike times, and the rate as the inverse of the interval between two spikes."
@@ -253,7 +257,7 @@ def _spikes(result: ResultRecord) -> dict[str, Any]:
     return part | {"pictures": [map_]}
 
 
-def _on_object(result: ResultRecord) -> Iterator[dict[str, Any]]:
+def _on_object(result: ResultRecord) -> Iterator[Part]:
     text = (
         "Every spike at the place on the object that was over the unit then (spatial event plot), "
         "in the object's own x and y; darker is lower."
@@ -266,11 +270,11 @@ def _on_object(result: ResultRecord) -> Iterator[dict[str, Any]]:
     yield _part("lines", "Rate along the object", text, spatial_figures.scan_lines(result))
 
 
-def _part(key: str, title: str, text: str, drawn: Any) -> dict[str, Any]:
+def _part(key: str, title: str, text: str, drawn: "Figure") -> Part:
     return {"key": key, "title": title, "text": text, "picture": page.svg(drawn)}
 
 
-def _section(result: ResultRecord) -> dict[str, Any]:
+def _section(result: ResultRecord) -> Part:
     assert result.fields is not None
     text = (
         f"The deformed finger at the stored time next to {result.peak_name}. Lines bound skin and "
@@ -296,6 +300,7 @@ def _section(result: ResultRecord) -> dict[str, Any]:
 
 
 def _screenshot(result: ResultRecord, field: str) -> str:
+    """Return a view in space as the source of a picture."""
     from PIL import Image
 
     with temporary_folder() as folder:
@@ -308,7 +313,7 @@ def _screenshot(result: ResultRecord, field: str) -> str:
 
 
 def _units(result: ResultRecord) -> Iterator[dict[str, str]]:
-    """Yield one row of the table of spikes per unit, or of many units one per type."""
+    """Yield the rows of the table of spikes: one per unit, or of many units one per type."""
     spikes = result.spikes
     if spikes is None:
         return

@@ -1,6 +1,6 @@
-"""Results as one interactive, self-contained page for any browser: `write(results, path)`.
+"""Results as one interactive page that a browser draws with WebGL: `write(results, path)`.
 
-Needs no renderer here and no network there: a browser draws it with WebGL. Every field is in it.
+Needs neither a renderer nor a network. Every field is in the page.
 """
 
 import base64
@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fefinger.geometry.finger_mesh import boundary_edges
 from fefinger.geometry.profiles import FLANK
@@ -36,25 +36,27 @@ from fefinger.view.quantities import Span
 
 
 OUTER = ("skin", surfaces.PAD, surfaces.FRONT)
-LEVELS = 65535  # of a value on its range
+LEVELS = 65535  # steps from the lowest to the highest value of a field, in 16 bits
 GRID = 61  # points along and across an indenter that is not plane
-REACH = 7.0  # mm of it to either side
-PRESSED = "pressure on the pad"  # which keeps its colors under another field
+REACH = 7.0  # mm of an indenter to either side
+PRESSED = "pressure on the pad"  # has colors of its own beside another field
 RATED = Span(0.0, 1.0, quantities.RATES, "neither")
+
+Json = dict[str, object]
 
 
 class Blob(bytearray):
     """Buffer of concatenated arrays."""
 
-    def add(self, array: Any, kind: str) -> dict[str, Any]:
-        """Append an array as little-endian `kind` (f4, u4, u2) and return its place."""
+    def add(self, array: ArrayLike, kind: str) -> Json:
+        """Append an array as little-endian `kind` (f4, u4, u2); return its place as JSON."""
         data = np.ascontiguousarray(array, dtype=f"<{kind}")
         place = {"kind": kind, "at": len(self), "count": data.size}
         self.extend(data.tobytes() + bytes(-data.nbytes % 4))
         return place
 
     def text(self) -> str:
-        """Return everything, deflated, as base64."""
+        """Return the compressed buffer as base64."""
         return base64.b64encode(zlib.compress(self, 9)).decode("ascii")
 
 
@@ -68,16 +70,16 @@ def write(
 ) -> None:
     """Write the page on one result, or several side by side, to the HTML file `path`.
 
-    It opens with `field` at the stored time next to `time` s (by default of the first one's largest
-    force); `limits` are those of the color bar of that field. Other fields get the range of all
-    results at all times. Several stand under the names of their `folders`. Raises InputError if a
-    result has no fields, the field is unknown or the time is after the end.
+    The page opens with `field` at the stored time next to `time` s, by default the time of the
+    largest force of the first result; `limits` are the ends of that field's color bar. Several
+    results are named by their `folders`. Raises InputError if a result has no fields, the field is
+    unknown or the time is after the end.
     """
     shown = frames.requested(results, field, time)
     drawings = []
     for result, title in zip(shown, titles(shown, folders), strict=True):
         drawn = cut_open(frames.whole_result(result), title)
-        # The page can add the skin before the cut.
+        # The page can show the skin in front of the cut.
         before = surfaces.other_half(drawn.fields)
         drawings.append(replace(drawn, surfaces=(*drawn.surfaces, *before)))
     blob = Blob()
@@ -108,12 +110,12 @@ def write(
         new.write_text(html, encoding="utf-8")
 
 
-def _bar(span: Span, name: str) -> dict[str, Any]:
+def _bar(span: Span, name: str) -> Json:
     return span._asdict() | {"colors": _map(span), "unit": quantities.unit(name)}
 
 
 def _map(span: Span) -> str:
-    """Return the key of a color table: the name of the map, and the part of it in use."""
+    """Return the key of a color table: the name of the color map with its part in use."""
     low, high = span.part
     return span.colors if (low, high) == (0.0, 1.0) else f"{span.colors} {low:.6g} to {high:.6g}"
 
@@ -123,7 +125,7 @@ def _colors(span: Span) -> list[int]:
     return [int(value) for value in np.round(255 * table).astype(int).ravel()]
 
 
-def _scene(drawn: Drawing, blob: Blob) -> dict[str, Any]:
+def _scene(drawn: Drawing, blob: Blob) -> Json:
     result, fields, every, lines = drawn.result, drawn.fields, drawn.surfaces, drawn.lines
     assert lines is not None
     starts = np.cumsum([0, *(len(piece.edges) for piece in every)])
@@ -159,7 +161,7 @@ def _at(every: Sequence[surfaces.Piece], nodal: Array) -> Array:
 
 
 def _same(every: Sequence[surfaces.Piece]) -> Integers:
-    """Return, per vertex, the first vertex at the same place of an outer surface (one normal)."""
+    """Return for each vertex (n,) the first vertex at its place, with which it shares a normal."""
     keys = []
     for number, piece in enumerate(every):
         kind = -1 if piece.name in OUTER and not piece.flat else number
@@ -171,8 +173,8 @@ def _same(every: Sequence[surfaces.Piece]) -> Integers:
     return np.asarray(first[inverse.ravel()])
 
 
-def _values(drawn: Drawing, name: str, blob: Blob) -> dict[str, Any]:
-    """Return a field on all vertices at all times, each on LEVELS of its range."""
+def _values(drawn: Drawing, name: str, blob: Blob) -> Json:
+    """Return a field on all vertices at all times, rounded to LEVELS of its range."""
     steps = range(len(drawn.fields.times))
     nodal = (quantities.values(drawn.result, name, step) for step in steps)
     values = np.stack([_at(drawn.surfaces, each) for each in nodal])
@@ -181,7 +183,7 @@ def _values(drawn: Drawing, name: str, blob: Blob) -> dict[str, Any]:
     return blob.add(np.round((values - low) / step), "u2") | {"low": low, "step": step}
 
 
-def _organs(shown: Marks | None, fields: Fields, blob: Blob) -> dict[str, Any] | None:
+def _organs(shown: Marks | None, fields: Fields, blob: Blob) -> Json | None:
     """Return places, labels and colors of marks, and the rates of their units."""
     if shown is None:
         return None
@@ -196,15 +198,15 @@ def _organs(shown: Marks | None, fields: Fields, blob: Blob) -> dict[str, Any] |
     }
 
 
-def _indenter(result: ResultRecord, blob: Blob) -> dict[str, Any]:
-    """Return the front of the indenter at first touch as triangles, and its direction of travel."""
+def _indenter(result: ResultRecord, blob: Blob) -> Json:
+    """Return the surface of the indenter at first touch, and its direction of travel."""
     pose = indenter_pose.pose(result, 0.0)
     count = 2 if pose.profile.plane else GRID
     line = np.linspace(-1, 1, count)
     across = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)
     reach = np.full(2, REACH)
     rimmed = pose.profile.plane or pose.profile.half_axes is not None
-    if pose.profile.half_axes is not None:  # a disk of the square, so that its rim is round
+    if pose.profile.half_axes is not None:  # the square becomes a disk, whose rim is round
         across = across * np.sqrt(1 - across[..., ::-1] ** 2 / 2) * (1 - 1e-9)
         reach = np.minimum(REACH, np.sin(np.radians(FLANK)) * np.array(pose.profile.half_axes[:2]))
     places = pose.places(reach * across).reshape(-1, 3)
