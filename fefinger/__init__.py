@@ -9,7 +9,7 @@ spikes      spikes(time, displacement) of a series of your own; SpikeTrains, neu
 scene       Scene(finger=, indenter=, motion=, ask=)
 finger      Finger.subject("a.h."), Finger(width=, thickness=), Finger.from_surface("scan.stl")
 indenter    Flat, Sphere, Pin, Bar, Cylinder, Ellipsoid, Grating, Dots, Braille, Letters, Relief
-motion      RampHold, Vibration, FrequencySweep, Slide, Sampled, ...; ForceRampHold, ... by force
+motion      RampHold(speed=, depth=, hold=) or, by force, (loading_rate=, force=, hold=); Slide, ...
 ask         Ask(spikes=("SAI",), rel_error=0.05, population=Scatter(), Grid, Line or Places)
 loop        Loop(finger, indenter): one step of your own at a time; Vibrations(finger, indenter)
 extension   register(thing): an indenter, a law, afferents or a mechanics of your own, by its name
@@ -60,30 +60,21 @@ if TYPE_CHECKING:
     from fefinger.scene.indenters import Pin as Pin
     from fefinger.scene.indenters import Sphere as Sphere
     from fefinger.scene.key import Key as Key
-    from fefinger.scene.motions import ForceRamp as ForceRamp
-    from fefinger.scene.motions import ForceRampHold as ForceRampHold
-    from fefinger.scene.motions import ForceRampSinusoid as ForceRampSinusoid
-    from fefinger.scene.motions import ForceSampled as ForceSampled
-    from fefinger.scene.motions import ForceSampledPath as ForceSampledPath
-    from fefinger.scene.motions import ForceSinusoid as ForceSinusoid
-    from fefinger.scene.motions import ForceSlide as ForceSlide
-    from fefinger.scene.motions import ForceSweep as ForceSweep
-    from fefinger.scene.motions import ForceTrapezoid as ForceTrapezoid
     from fefinger.scene.motions import FrequencySweep as FrequencySweep
     from fefinger.scene.motions import Ramp as Ramp
     from fefinger.scene.motions import RampHold as RampHold
     from fefinger.scene.motions import RampSinusoid as RampSinusoid
-    from fefinger.scene.motions import Sampled as Sampled
-    from fefinger.scene.motions import SampledPath as SampledPath
     from fefinger.scene.motions import Sinusoid as Sinusoid
-    from fefinger.scene.motions import Slide as Slide
     from fefinger.scene.motions import Trapezoid as Trapezoid
     from fefinger.scene.motions import Vibration as Vibration
     from fefinger.scene.population import Grid as Grid
     from fefinger.scene.population import Line as Line
     from fefinger.scene.population import Places as Places
     from fefinger.scene.population import Scatter as Scatter
+    from fefinger.scene.samples import Sampled as Sampled
     from fefinger.scene.scene import Scene as Scene
+    from fefinger.scene.sliding import SampledPath as SampledPath
+    from fefinger.scene.sliding import Slide as Slide
     from fefinger.scene.texts import Braille as Braille
     from fefinger.scene.texts import Letters as Letters
     from fefinger.scene.textured import Dots as Dots
@@ -119,11 +110,11 @@ _HOMES = {
     "scene.textured": ("Dots", "Grating", "Relief"),
     "scene.population": ("Grid", "Line", "Places", "Scatter"),
     "scene.motions": (
-        *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Vibration", "Sampled"),
-        *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceSinusoid", "ForceTrapezoid"),
-        *("ForceSampled", "ForceSweep", "FrequencySweep"),
-        *("Slide", "ForceSlide", "SampledPath", "ForceSampledPath"),
+        *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Vibration"),
+        "FrequencySweep",
     ),
+    "scene.samples": ("Sampled",),
+    "scene.sliding": ("Slide", "SampledPath"),
     "scene.texts": ("Braille", "Letters"),
     "neural.family": ("Family",),
     "neural.series": ("spikes",),
@@ -147,6 +138,13 @@ __all__ = sorted(_HOME)
 # For one version, and listed nowhere:
 _HOME |= dict.fromkeys(
     ("Condensed", "Modal", "Pressed", "Rolling", "Sliding"), "mechanics.former_loops"
+)
+_HOME |= dict.fromkeys(
+    (
+        *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceSinusoid", "ForceTrapezoid"),
+        *("ForceSweep", "ForceSampled", "ForceSlide", "ForceSampledPath"),
+    ),
+    "scene.former_motions",
 )
 
 

@@ -213,15 +213,15 @@ def _rung(
         refusals = (*refusals, Refusal(name, "time", reason, SECONDS))
     errors = {what: mechanics.error(case, what)[0] for what in STATED[1:]}
     errors = {what: each for what, each in errors.items() if math.isfinite(each)}
-    if case.motion.control == "force" and math.isfinite(error):
+    if case.motion.by_force and math.isfinite(error):
         errors = stated_errors.at_force(errors, error, case)
     return Rung(name, seconds, error, evidence, refusals, candidate.resolution, errors, wall)
 
 
 def _check_force(case: Situation) -> None:
     """Raise InputError for a force that no tissue bears, with the unit that it is likely in."""
-    force = case.motion.peak
-    if case.motion.control == "depth" or case.depth_over_thickness < PULP:
+    force = case.motion.hardest
+    if force is None or case.depth_over_thickness < PULP:
         return
     raise InputError(
         f"motion.force: expected N, at most what the tissue under the pad bears ({PULP:g} of the "
@@ -236,8 +236,9 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
         return min(willing, key=lambda rung: rung.seconds)
     _check_meshable(rungs)
     tiny = ""
-    if case.motion.control == "depth" and case.motion.peak < TINY:
-        tiny = f"It presses {case.motion.peak:g} mm deep: lengths are in mm, not in m. "
+    deepest = case.motion.deepest
+    if deepest is not None and deepest < TINY:
+        tiny = f"It presses {deepest:g} mm deep: lengths are in mm, not in m. "
     raise InputError(
         f"ask: no mechanics is known to answer this scene within the limits. {tiny}"
         f"{_relaxing(rungs)}"

@@ -18,7 +18,7 @@ from fefinger.results import netcdf
 from fefinger.results.netcdf import LAYOUT, RECORDS
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.motions import Sampled
+from fefinger.scene.samples import Sampled
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError

@@ -15,7 +15,7 @@ fig, axis = plt.subplots(figsize=(6, 3.2), layout="constrained")
 for force in (0.25, 0.5, 1.0):
     scene = ff.Scene(
         finger=finger,
-        motion=ff.ForceTrapezoid(loading_rate=5, force=force, hold=2),
+        motion=ff.Trapezoid(loading_rate=5, force=force, hold=2),
         ask=ff.Ask(strain=False, fields=False, rel_error=0.1),
     )
     result = ff.run(scene)

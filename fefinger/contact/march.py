@@ -25,13 +25,17 @@ class Prescribed:
     shift: Array | None = None
     turn: Array | None = None
 
+    @property
+    def by_force(self) -> bool:
+        """Whether the force is prescribed, and not the depth."""
+        return self.control == "force"
+
     def targets(self) -> list[Target]:
         """Return the target of every step."""
         still: list[list[float]] = [[0.0, 0.0]] * len(self.time)
         shift, turn = (still if each is None else each.tolist() for each in (self.shift, self.turn))
-        by_force = self.control == "force"
         return [
-            Target(value, by_force, (at[0], at[1]), (turned[0], turned[1]))
+            Target(value, self.by_force, (at[0], at[1]), (turned[0], turned[1]))
             for value, at, turned in zip(self.value.tolist(), shift, turn, strict=True)
         ]
 

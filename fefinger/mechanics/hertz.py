@@ -143,8 +143,8 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     unable = lacking(case)
     if case.indenter.hertzian is None:
         return refusals(name, "ability", unable)
-    depth, radius = case.motion.peak, half_space(case.finger, case.indenter).relative_radius
-    if case.motion.control == "depth" and depth > radius:
+    depth, radius = case.motion.deepest, half_space(case.finger, case.indenter).relative_radius
+    if depth is not None and depth > radius:
         reason = f"depth / relative radius = {format_excess(depth / radius, 1)}: Hertz ends there"
         unable.append(Reason("motion.depth", reason))
     error = math.nan if unable else measured(Candidate(name), case).error
@@ -226,8 +226,8 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 
 def deepest(case: Situation) -> float:
     """Return the largest depth in mm, of a motion under force control once tissue has relaxed."""
-    if case.motion.control == "depth":
-        return case.motion.peak
+    if case.motion.deepest is not None:
+        return case.motion.deepest
     force = case.motion.peak / NEWTON_PER_MILLINEWTON
     return float(half_space(case.finger, case.indenter).depth(force))
 

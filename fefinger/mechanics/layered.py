@@ -79,16 +79,17 @@ def contact(scene: Scene) -> "ContactTable":
     from fefinger.theory.contact.contact_table import TooWideError, tabulate_to
 
     radius = hertz.half_space(scene.finger, scene.indenter).relative_radius
-    peak, control = scene.motion.peak, scene.motion.control
+    motion = scene.motion
     try:
-        if control == "depth":
-            return tabulate_to(stack(scene.finger), radius, depth=peak)
-        return tabulate_to(stack(scene.finger), radius, force=peak / NEWTON_PER_MILLINEWTON)
+        if motion.hardest is None:
+            return tabulate_to(stack(scene.finger), radius, depth=motion.peak)
+        force = motion.hardest / NEWTON_PER_MILLINEWTON
+        return tabulate_to(stack(scene.finger), radius, force=force)
     except TooWideError as error:
         raise InputError(
-            f"motion.{control}: expected one whose contact is narrower than its relative radius of "
-            f"{radius:.4g} mm, as small strain is assumed, received {peak:g} "
-            f"{'mm' if control == 'depth' else 'N'}; press less, or take a larger indenter"
+            f"motion.{motion.control}: expected one whose contact is narrower than its relative "
+            f"radius of {radius:.4g} mm, as small strain is assumed, received {motion.peak:g} "
+            f"{motion.unit}; press less, or take a larger indenter"
         ) from error
     except ValueError as error:
         raise InputError(f"motion: {error}; press less") from error
@@ -104,8 +105,8 @@ def deepest(case: Situation, enough: float) -> float:
     from fefinger.theory.contact.contact_table import tabulate_to
 
     finger, peak = case.finger, case.motion.peak
-    if case.motion.control == "depth":
-        return peak
+    if case.motion.deepest is not None:
+        return case.motion.deepest
     if case.indenter.hertzian is None:
         return case.depth_over_thickness * finger.thickness
     body = hertz.half_space(finger, case.indenter)
@@ -159,7 +160,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     ellipse = (hertz.ELLIPTIC,) if hertz.elliptic(scene.indenter) else ()
     stated = (*NOTES, *notes.normalization_notes(scene.finger.prony), *ellipse)
     peak = scene.motion.peak
-    if scene.motion.control == "force":
+    if scene.motion.by_force:
         peak = float(body.depth(peak / NEWTON_PER_MILLINEWTON))
     widest = float(body.contact_radius(peak))
     numbers = {

@@ -82,14 +82,14 @@ def beyond_cut(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
     flat, motion, finger = case.indenter.flat, case.motion, case.finger
     if flat is None or flat.angle > ALONG:
         return ()
-    if motion.control != "depth" or finger.surface is not None:
+    if motion.deepest is None or finger.surface is not None:
         return ()
-    if case.motion.peak <= NEAR * gap(finger, flat):
+    if motion.deepest <= NEAR * gap(finger, flat):
         return ()
     end = gap(finger, flat, continued=True)
-    if case.motion.peak <= NEAR * end:
+    if motion.deepest <= NEAR * end:
         return ()
-    sure = case.motion.peak > FAR * end
+    sure = motion.deepest > FAR * end
     reason = (
         f"depth / gap at the proximal end = {case.motion.peak:.3g} / {end:.3g} mm: contact "
         f"{'reaches' if sure else 'may reach'} the end, behind which there is no finger; press "

@@ -207,13 +207,12 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         identified, motion = law(Situation.of(scene)), scene.motion
         spring, prony = identified.spring, identified.prony
         time = time_grid(motion, fast=False, most=MOST)
-        if motion.control == "depth":
-            depth = motion.value(time)
-            force = theory.contact_force(spring, prony, time, depth)
-        else:
-            force = motion.value(time)
+        depth = force = motion.value(time)
+        if motion.by_force:
             depth = theory.position_under(spring, prony, time, force)
             check_reached(motion, scene.finger.pulp, float(depth.max()))
+        else:
+            force = theory.contact_force(spring, prony, time, depth)
     return Response(
         mechanics=name,
         time=time,
@@ -248,7 +247,7 @@ def _reasons(case: Situation) -> list[Reason]:
 
 def _too_hard(case: Situation, identified_law: LumpedLaw) -> Iterator[Reason]:
     peak, where = case.motion.peak, "force"
-    if case.motion.control == "depth":
+    if not case.motion.by_force:
         where = f"relaxed force at {peak:.3g} mm"
         peak = identified_law.prony.long_time * float(identified_law.spring.force(peak))
     if peak > FORCE:

@@ -116,6 +116,6 @@ class Situation:
 
         Where the motion prescribes the force, it is read from the presses next to the scene.
         """
-        if self.motion.control == "depth":
-            return self.motion.peak / self.finger.thickness
+        if self.motion.deepest is not None:
+            return self.motion.deepest / self.finger.thickness
         return pressed_objects.under_force(self.finger, self.motion.peak, self.force_curves)

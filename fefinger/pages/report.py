@@ -105,7 +105,7 @@ def answer(result: ResultRecord) -> str:
     """Return the answer in one sentence: peak force or depth, contact area, spikes."""
     parts, step = [], result.peak
     when = key_numbers.format_instant(result.time[step])
-    if result.force is not None and result.scene.motion.control == "force":
+    if result.force is not None and result.scene.motion.by_force:
         parts.append(
             f"the force reaches {result.force.max():.3g} N and the indentation "
             f"{result.depth[step]:.3g} mm (at {when})"

@@ -53,7 +53,7 @@ def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
     """Yield the numbers of the requested quantities, in the order that they are shown in."""
     rung = result.plan.chosen
     errors = {"force": rung.error, **rung.errors}
-    by_force = result.scene.motion.control == "force"
+    by_force = result.scene.motion.by_force
     if result.force is not None:
         step = int(np.argmax(result.force))
         end = f"at {format_instant(result.time[step])}; {result.force[-1]:.3g} N at the end"

@@ -104,13 +104,13 @@ class ResultRecord:
         A held force differs only by rounding from step to step, while the tissue creeps: then the
         deepest step is the end of the hold.
         """
-        by_force = self.scene.motion.control == "force"
-        return int(np.argmax(self.depth if by_force else self.response.force))
+        answer = self.scene.motion.control.of(self.response.force, self.depth)
+        return int(np.argmax(answer))
 
     @property
     def peak_name(self) -> str:
         """The quantity that is largest at the step `peak`, in words."""
-        return f"the largest {'depth' if self.scene.motion.control == 'force' else 'force'}"
+        return f"the largest {self.scene.motion.control.other}"
 
     @property
     def contact_area(self) -> Array | None:

@@ -24,7 +24,7 @@ from fefinger.support.checks import (
     reject_unknown,
 )
 from fefinger.support.registry import Registry
-from fefinger.support.vocabulary import TYPES
+from fefinger.support.vocabulary import TYPES, Control
 
 
 BOUNDS = ("above", "at_least", "below", "at_most")
@@ -52,6 +52,10 @@ class Key:
         the text of a scene and what is stored under it stay the same.
     free
         Whether a table has names of its own; otherwise it has afferent types.
+    control
+        Of a motion: only kinds that prescribe this have the key.
+    usual
+        Values by depth and by force that a motion fills in where the key is left out.
     """
 
     text: str = ""
@@ -64,11 +68,13 @@ class Key:
     synonyms: Mapping[str, str] = field(default_factory=dict)
     written: bool = True
     free: bool = False
+    control: Control | None = None
+    usual: tuple[float, float] | None = None
 
     def unit_of(self, kind: str) -> str:
         """Return its unit in a motion of a kind: of "mm or N" the latter where it is of force."""
         depth, _, force = self.unit.partition(" or ")
-        return force if force and kind.startswith("force") else depth
+        return Control.of_kind(kind).of(depth, force or depth)
 
     @property
     def bounds(self) -> dict[str, float]:
@@ -120,9 +126,22 @@ def _read_keys(record: type[Any]) -> Mapping[str, KeyField]:
     return found
 
 
-def needed(record: type[Any]) -> list[str]:
-    """Return the names of the fields of a record that have no default."""
-    return [name for name, each in keys_of(record).items() if each.needed]
+def keys_of_kind(record: type[Any], kind: str = "") -> Mapping[str, KeyField]:
+    """Return the keys that a scene has for a record of a `kind`: what the kind says is no key."""
+    control, found = Control.of_kind(kind), {}
+    for name, each in keys_of(record).items():
+        if each.hint is Control or each.key.control not in (None, control):
+            continue
+        usual = each.key.usual
+        default = control.of(*usual) if usual else each.default
+        needs = each.needed or (each.key.control is not None and usual is None)
+        found[name] = each._replace(default=default, needed=needs)
+    return found
+
+
+def needed(record: type[Any], kind: str = "") -> list[str]:
+    """Return the names of the keys of a record of a `kind` that have no default."""
+    return [name for name, each in keys_of_kind(record, kind).items() if each.needed]
 
 
 def check(record: Any, *names: str) -> None:
@@ -176,6 +195,8 @@ def _plain(name: str, value: Any, hint: Any, key: Key) -> Any:
         return _whole(name, value, key)
     if hint is float:
         return number(name, value, **key.limits)
+    if hint is Control:
+        return Control(choice(name, value, tuple(Control)))
     if hint is str:
         if isinstance(key.words, Registry):
             return key.words.chosen(name, value)

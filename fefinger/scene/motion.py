@@ -1,24 +1,24 @@
-"""Base class of the motions of the indenter, and their shapes in time: ramps, sinusoids, sweeps.
+"""Base class of the motions of the indenter: a depth in mm, or a force in N, in time.
 
-Messages call the fields "motion.depth" and so on. A shape is abstract: `motions.py` has its two
-final classes, of depth in mm and of force in N. Shapes with samples are in `samples.py`, those with
-a path in `sliding.py`.
+A motion with `depth=` prescribes the depth, one with `force=` the force; a scene file says which by
+its kind, "ramp" or "force-ramp". Messages call the fields "motion.depth" and so on.
 """
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.scene.indenter import Inclined
-from fefinger.scene.key import Key, check
-from fefinger.scene.trajectory import Sweep, Trajectory, Wave
+from fefinger.scene.key import Key, check, keys_of, keys_of_kind
+from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import Control
 
 
 LONGEST = 1e9
@@ -27,23 +27,13 @@ LONGEST = 1e9
 SAME = 1e-12
 """Part of the duration by which times of two trajectories are the same but for rounding."""
 
-CORNER = 0.01
-"""Default corner of the ramps in s, the rounding of Pawluk (1997), section 4.3.5; shorter where a
-part of the motion is."""
-
-AS_LONG_AS_FITS: Any = None
-"""Default of the field `corner`: CORNER, or less."""
-
-ANSWERED = 200
-"""Frequencies at which a sweep is answered in closed form."""
-
 SECONDS: dict[str, Any] = {"unit": "s", "at_least": 0, "at_most": LONGEST}
 
 KEYS = {
-    "speed": Key("Speed", unit="mm/s", above=0),
-    "depth": Key("Travel after first touch", unit="mm", above=0),
-    "loading_rate": Key("Rate of the force", unit="N/s", above=0),
-    "force": Key("Force", unit="N", above=0),
+    "speed": Key("Speed", unit="mm/s", above=0, control=Control.DEPTH),
+    "depth": Key("Travel after first touch", unit="mm", above=0, control=Control.DEPTH),
+    "loading_rate": Key("Rate of the force", unit="N/s", above=0, control=Control.FORCE),
+    "force": Key("Force", unit="N", above=0, control=Control.FORCE),
     "hold": Key("Rest after the ramp", **SECONDS),
     "corner": Key(
         "Time over which the speed changes at a corner; 0 makes it sharp", unit="s", at_least=0
@@ -66,8 +56,12 @@ KEYS = {
     ),
     "passes": Key("Number of passes; every second one returns", at_least=1, at_most=1000),
     "approach": Key(
-        "Speed of the press before the slide, or rate of the force", unit="mm/s or N/s", above=0
+        "Speed of the press before the slide, or rate of the force",
+        unit="mm/s or N/s",
+        above=0,
+        usual=(10.0, 5.0),
     ),
+    "control": Key("What the motion prescribes; in a scene its kind says so"),
 }
 """Keys of the motions, which mean the same in all of them."""
 
@@ -79,9 +73,8 @@ class Motion(ABC):
     table: ClassVar[str] = "motion"
     common: ClassVar[Mapping[str, Key]] = KEYS
 
-    kind: ClassVar[str]
-    control: ClassVar[Literal["depth", "force"]] = "depth"
-    """What it prescribes, and the name of the field that holds it."""
+    shape: ClassVar[str]
+    """Its course in time, whatever it prescribes: the kind of it that prescribes the depth."""
 
     slides: ClassVar[bool] = False
     """Whether it has a path across the direction of travel."""
@@ -97,7 +90,58 @@ class Motion(ABC):
     def __post_init__(self) -> None:
         """Check every field, then build the trajectory, which finds corners that are too long."""
         check(self)
+        self._complete()
         _ = self.trajectory
+
+    def _complete(self) -> None:
+        """Fill in what depends on the control; InputError for keys of both, or of none."""
+        keys, control = keys_of_kind(type(self), self.kind), self.control
+        for name, known in keys_of(type(self)).items():
+            value = getattr(self, name)
+            if name not in keys:
+                if value is not None and known.hint is not Control:
+                    raise InputError(
+                        f"motion.{name}: expected none in a motion of {control} ({control.unit}), "
+                        f"received {value!r}; give depth or force, and what belongs to it"
+                    )
+            elif value is None and keys[name].needed:
+                raise InputError(
+                    f"motion.{name}: missing; a motion takes {' and '.join(self._needs(control))}, "
+                    f"or {' and '.join(self._needs(control.other))}"
+                )
+            elif value is None and known.key.usual:
+                object.__setattr__(self, name, keys[name].default)
+
+    @classmethod
+    def _needs(cls, control: Control) -> list[str]:
+        """Keys without a default that only motions of depth, or of force, have."""
+        keys = keys_of_kind(cls, control.of("", "force-"))
+        return [name for name, each in keys.items() if each.needed and each.key.control]
+
+    @property
+    def control(self) -> Control:
+        """What it prescribes, and the name of the field that holds it."""
+        return Control.DEPTH if getattr(self, "force", None) is None else Control.FORCE
+
+    @property
+    def by_force(self) -> bool:
+        """Whether it prescribes the force, and not the depth."""
+        return self.control is Control.FORCE
+
+    @property
+    def kind(self) -> str:
+        """Its kind in a scene, such as "ramp" or "force-ramp"."""
+        return self.control.of("", "force-") + self.shape
+
+    @property
+    def deepest(self) -> float | None:
+        """Largest depth in mm, where the motion prescribes the depth."""
+        return self.control.of(self.peak, None)
+
+    @property
+    def hardest(self) -> float | None:
+        """Largest force in N, where the motion prescribes the force."""
+        return self.control.of(None, self.peak)
 
     @property
     def turns_plate(self) -> bool:
@@ -122,7 +166,7 @@ class Motion(ABC):
     @property
     def unit(self) -> str:
         """Unit of what is controlled: mm of depth or N of force."""
-        return "N" if self.control == "force" else "mm"
+        return self.control.unit
 
     @property
     def wave_frequency(self) -> float | None:
@@ -229,7 +273,7 @@ class Motion(ABC):
         """Return the depth (...,) in mm or the force in N at the times `t` (...,) in s."""
         value = self.trajectory.value(t)
         # No prescribed force is below 0 N, but a ramp back to 0 may round to one.
-        return np.maximum(value, 0.0) if self.control == "force" else value
+        return np.maximum(value, 0.0) if self.by_force else value
 
     def vibration(self, t: ArrayLike) -> Array:
         """Return the part of the value that vibrates about its slow course, at the times `t` in s.
@@ -255,196 +299,3 @@ def merged(spans: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], .
         else:
             union.append((start, stop))
     return tuple(union)
-
-
-class RampMotion(Motion):
-    """A ramp from rest to a depth or a force, which ends while moving."""
-
-    corner: float
-
-    @property
-    def level(self) -> float:
-        """Depth in mm or force in N at the end of the ramp."""
-        return float(getattr(self, self.control))
-
-    @property
-    def steady_level(self) -> float:
-        """The level of the ramp."""
-        return self.level
-
-    @property
-    def ramp_duration(self) -> float:
-        """Length of the ramp in s, with sharp corners."""
-        pace = getattr(self, "loading_rate" if self.control == "force" else "speed")
-        return float(self.level / pace)
-
-    @property
-    def corner_limits(self) -> tuple[float, ...]:
-        """Lengths in s that a corner should not exceed: the ramp, and what follows it."""
-        return (self.ramp_duration,)
-
-    def __post_init__(self) -> None:
-        """Check every field, and make the corner as long as fits where it is left out."""
-        check(self)
-        if self.corner is AS_LONG_AS_FITS:
-            object.__setattr__(self, "corner", min(CORNER, *self.corner_limits))
-        _ = self.trajectory
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """The ramp."""
-        times = [0, self.ramp_duration]
-        return Trajectory.through(times, [0, self.level], corner=self.corner, stop=False)
-
-    def ramp_and_rest(self, hold: float) -> Trajectory:
-        """Return the ramp, and a rest of `hold` s after its corner."""
-        rest = hold + self.corner / 2
-        ramp = self.ramp_duration
-        times, levels = [0, ramp, ramp + rest], [0, self.level, self.level]
-        if rest == 0:
-            times, levels = times[:2], levels[:2]
-        return Trajectory.through(times, levels, corner=self.corner, stop=False)
-
-
-def rest_limit(hold: float) -> tuple[float, ...]:
-    """Return twice the length of a rest in s, the longest corner before it; none without rest."""
-    return (2 * hold,) if hold else ()
-
-
-class RampHoldMotion(RampMotion):
-    """A ramp and a rest of `hold` s."""
-
-    hold: float
-
-    @property
-    def corner_limits(self) -> tuple[float, ...]:
-        """The length of the ramp in s, and twice the length of the rest."""
-        return self.ramp_duration, *rest_limit(self.hold)
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """Ramp and rest."""
-        return self.ramp_and_rest(self.hold)
-
-
-class TrapezoidMotion(RampMotion):
-    """A ramp, a rest of `hold` s and the same ramp back to 0."""
-
-    hold: float
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """Both ramps and the rest."""
-        ramp, rest = self.ramp_duration, self.hold + self.corner
-        times, levels = [0, ramp, ramp + rest, 2 * ramp + rest], [0, self.level, self.level, 0]
-        if rest == 0:
-            times, levels = [0, ramp, 2 * ramp], [0, self.level, 0]
-        return Trajectory.through(times, levels, corner=self.corner, stop=True)
-
-
-class RampSinusoidMotion(RampMotion):
-    """A ramp, a rest of `settle` s, and `cycles` of a sine about the level of the ramp."""
-
-    amplitude: float
-    frequency: float
-    cycles: int
-    settle: float
-
-    @property
-    def settle_duration(self) -> float:
-        """Length of the rest in s."""
-        return self.settle
-
-    @property
-    def n_cycles(self) -> int:
-        """Number of cycles of the sine."""
-        return self.cycles
-
-    @property
-    def corner_limits(self) -> tuple[float, ...]:
-        """The lengths in s of the ramp and of the sine, and twice the length of the rest."""
-        return self.ramp_duration, *rest_limit(self.settle_duration), self.n_cycles / self.frequency
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """Ramp, rest and sine; InputError for a force that would pull."""
-        longest = self.n_cycles / self.frequency
-        if self.corner > longest:
-            raise InputError(
-                f"motion.corner: expected at most the length of the sinusoid, {longest:g} s, "
-                f"received {self.corner:g}; 0 starts it at once"
-            )
-        if self.control == "force" and self.amplitude >= self.level:
-            raise InputError(
-                f"motion.amplitude: expected less than the mean force of {self.level:g} N, "
-                f"received {self.amplitude:g}; a contact cannot pull"
-            )
-        base = self.ramp_and_rest(self.settle_duration)
-        wave = Wave(base.duration, self.amplitude, self.frequency, self.corner)
-        return base.followed_by(wave, self.n_cycles)
-
-
-class SweepMotion(RampMotion):
-    """A ramp, a rest of `settle` s, and a sine about its level that runs through frequencies."""
-
-    amplitude: float
-    start: float
-    stop: float
-    seconds: float
-    settle: float
-
-    @property
-    def corner_limits(self) -> tuple[float, ...]:
-        """The lengths in s of the ramp and of the sine, and twice the length of the rest."""
-        return self.ramp_duration, *rest_limit(self.settle), self.seconds
-
-    @property
-    def frequencies(self) -> Array:
-        """Frequencies (ANSWERED,) in Hz from `start` to `stop`, even per octave."""
-        return np.geomspace(self.start, self.stop, ANSWERED)
-
-    @property
-    def recorded_from(self) -> float:
-        """The start of the sine in s."""
-        return self.ramp_and_rest(self.settle).duration
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """Ramp, rest and sine; InputError for an amplitude that leaves the finger."""
-        if self.amplitude >= self.level:
-            raise InputError(
-                f"motion.amplitude: expected less than the preload of {self.level:g} {self.unit}, "
-                f"received {self.amplitude:g}; a sweep stays in contact"
-            )
-        base, highest = self.ramp_and_rest(self.settle), max(self.start, self.stop)
-        wave = Sweep(
-            start=base.duration,
-            amplitude=self.amplitude,
-            frequency=highest,
-            rise=self.corner,
-            first=self.start,
-            last=self.stop,
-            length=self.seconds,
-        )
-        return base.followed_by(wave, self.seconds * highest)
-
-
-@dataclass(frozen=True)
-class SinusoidMotion(Motion):
-    """`cycles` of a sine from nothing to twice its amplitude, at rest at both ends."""
-
-    amplitude: float
-    frequency: float
-    cycles: int
-
-    @property
-    def steady_level(self) -> float:
-        """The mean: one amplitude."""
-        return self.amplitude
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """The sine."""
-        wave = Wave(0.0, self.amplitude, self.frequency, 0.0, phase=-np.pi / 2)
-        level, still = np.array([self.amplitude]), np.zeros(1)
-        return Trajectory(still, level, still, still, self.cycles / self.frequency, wave)

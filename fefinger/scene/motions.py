@@ -1,27 +1,32 @@
-"""The motions of a scene: ramps, holds, sinusoids and samples, of depth in mm or force in N.
+"""The motions of a scene that are given by numbers: ramps, holds, sinusoids, sweeps.
 
-How a class moves is in its base, a shape of `motion.py`; a class holds the fields that its
-base leaves open, as the name of what is controlled.
+Motions of samples are in `samples.py`, those across the direction of travel in `sliding.py`.
 """
 
+from abc import abstractmethod
 from dataclasses import KW_ONLY, dataclass
-from typing import Annotated, final
+from functools import cached_property
+from typing import Annotated, Any, final
 
-from fefinger.scene.key import Key
-from fefinger.scene.motion import (
-    AS_LONG_AS_FITS,
-    Motion,
-    RampHoldMotion,
-    RampMotion,
-    RampSinusoidMotion,
-    SinusoidMotion,
-    SweepMotion,
-    TrapezoidMotion,
-)
-from fefinger.scene.samples import SampledMotion
-from fefinger.scene.sliding import SampledPathMotion, SlideMotion
+import numpy as np
+
+from fefinger.scene.key import Key, check
+from fefinger.scene.motion import Motion
+from fefinger.scene.trajectory import Sweep, Trajectory, Wave
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+from fefinger.support.vocabulary import Control
 
+
+CORNER = 0.01
+"""Default corner of the ramps in s, the rounding of Pawluk (1997), section 4.3.5; shorter where a
+part of the motion is."""
+
+AS_LONG_AS_FITS: Any = None
+"""Default of the field `corner`: CORNER, or less."""
+
+ANSWERED = 200
+"""Frequencies at which a sweep is answered in closed form."""
 
 MOST_CYCLES = 1_000_000
 """Largest number of cycles of a vibration; far fewer have the time steps that memory holds."""
@@ -30,88 +35,216 @@ APPROACH = 10.0
 """Speed in mm/s, or rate in N/s, with which a vibrating probe takes its preload; it has left no
 trace when the vibration begins."""
 
-Depths = Annotated[tuple[float, ...], Key("Depths; below 0 the object is off the skin", unit="mm")]
-Forces = Annotated[tuple[float, ...], Key("Forces, none below 0", unit="N")]
+APPROACHES = (APPROACH, APPROACH)
+
+
+class Ramped(Motion):
+    """A motion that begins with a ramp from rest to a depth or a force."""
+
+    corner: float
+
+    @property
+    def level(self) -> float:
+        """Depth in mm or force in N at the end of the ramp."""
+        return float(getattr(self, self.control))
+
+    @property
+    def steady_level(self) -> float:
+        """The level of the ramp."""
+        return self.level
+
+    @property
+    def ramp_duration(self) -> float:
+        """Length of the ramp in s, with sharp corners."""
+        return float(self.level / getattr(self, self.control.pace))
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """Lengths in s that a corner should not exceed: the ramp, and what follows it."""
+        return (self.ramp_duration,)
+
+    def __post_init__(self) -> None:
+        """Check every field, and make the corner as long as fits where it is left out."""
+        check(self)
+        self._complete()
+        if self.corner is AS_LONG_AS_FITS:
+            object.__setattr__(self, "corner", min(CORNER, *self.corner_limits))
+        _ = self.trajectory
+
+    def ramp_and_rest(self, hold: float) -> Trajectory:
+        """Return the ramp, and a rest of `hold` s after its corner."""
+        rest = hold + self.corner / 2
+        ramp = self.ramp_duration
+        times, levels = [0, ramp, ramp + rest], [0, self.level, self.level]
+        if rest == 0:
+            times, levels = times[:2], levels[:2]
+        return Trajectory.through(times, levels, corner=self.corner, stop=False)
+
+
+def rest_limit(hold: float) -> tuple[float, ...]:
+    """Return twice the length of a rest in s, the longest corner before it; none without rest."""
+    return (2 * hold,) if hold else ()
 
 
 @final
 @dataclass(frozen=True)
-class Ramp(RampMotion):
-    """A ramp from rest at `speed` mm/s to `depth` mm, which ends while moving."""
+class Ramp(Ramped):
+    """A ramp from rest, which ends while moving.
 
-    kind = "ramp"
-
-    speed: float
-    depth: float
-    _: KW_ONLY
-    corner: float = AS_LONG_AS_FITS
-
-
-@final
-@dataclass(frozen=True)
-class RampHold(RampHoldMotion):
-    """A ramp at `speed` mm/s to `depth` mm, and then a rest of `hold` s."""
-
-    kind = "ramp-hold"
-
-    speed: float
-    depth: float
-    _: KW_ONLY
-    hold: float
-    corner: float = AS_LONG_AS_FITS
-
-
-@final
-@dataclass(frozen=True)
-class Trapezoid(TrapezoidMotion):
-    """A ramp at `speed` mm/s to `depth` mm, a rest of `hold` s, and the same ramp back to 0."""
-
-    kind = "trapezoid"
-
-    speed: float
-    depth: float
-    _: KW_ONLY
-    hold: float
-    corner: float = AS_LONG_AS_FITS
-
-
-@final
-@dataclass(frozen=True)
-class RampSinusoid(RampSinusoidMotion):
-    """A ramp at `speed` mm/s to `depth` mm, `settle` s of rest, then a sine about that depth.
-
-    The sine starts upward (`cycles` whole ones of `amplitude` mm at `frequency` Hz); its amplitude
-    rises over `corner` s, which keeps the speed continuous, or is there at once if corner is 0.
-    An amplitude above `depth` lifts the indenter off the finger.
+    At `speed` mm/s to `depth` mm, or at `loading_rate` N/s to `force` N.
     """
 
-    kind = "ramp-sinusoid"
+    shape = "ramp"
 
-    speed: float
-    depth: float
+    speed: float | None = None
+    depth: float | None = None
     _: KW_ONLY
+    loading_rate: float | None = None
+    force: float | None = None
+    corner: float = AS_LONG_AS_FITS
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The ramp."""
+        times = [0, self.ramp_duration]
+        return Trajectory.through(times, [0, self.level], corner=self.corner, stop=False)
+
+
+@final
+@dataclass(frozen=True)
+class RampHold(Ramped):
+    """A ramp, and then a rest of `hold` s at its end.
+
+    At `speed` mm/s to `depth` mm, or at `loading_rate` N/s to `force` N.
+    """
+
+    shape = "ramp-hold"
+
+    speed: float | None = None
+    depth: float | None = None
+    _: KW_ONLY
+    loading_rate: float | None = None
+    force: float | None = None
+    hold: float
+    corner: float = AS_LONG_AS_FITS
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The length of the ramp in s, and twice the length of the rest."""
+        return self.ramp_duration, *rest_limit(self.hold)
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Ramp and rest."""
+        return self.ramp_and_rest(self.hold)
+
+
+@final
+@dataclass(frozen=True)
+class Trapezoid(Ramped):
+    """A ramp, a rest of `hold` s, and the same ramp back to 0.
+
+    At `speed` mm/s to `depth` mm, or at `loading_rate` N/s to `force` N.
+    """
+
+    shape = "trapezoid"
+
+    speed: float | None = None
+    depth: float | None = None
+    _: KW_ONLY
+    loading_rate: float | None = None
+    force: float | None = None
+    hold: float
+    corner: float = AS_LONG_AS_FITS
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Both ramps and the rest."""
+        ramp, rest = self.ramp_duration, self.hold + self.corner
+        times, levels = [0, ramp, ramp + rest, 2 * ramp + rest], [0, self.level, self.level, 0]
+        if rest == 0:
+            times, levels = [0, ramp, 2 * ramp], [0, self.level, 0]
+        return Trajectory.through(times, levels, corner=self.corner, stop=True)
+
+
+class Vibrating(Ramped):
+    """A ramp, a rest, and whole cycles of a sine about the level of the ramp."""
+
+    amplitude: float
+    frequency: float
+
+    @property
+    @abstractmethod
+    def rest(self) -> float:
+        """Length of the rest in s."""
+
+    @property
+    @abstractmethod
+    def n_cycles(self) -> int:
+        """Number of cycles of the sine."""
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The lengths in s of the ramp and of the sine, and twice the length of the rest."""
+        return self.ramp_duration, *rest_limit(self.rest), self.n_cycles / self.frequency
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Ramp, rest and sine; InputError for a force that would pull."""
+        longest = self.n_cycles / self.frequency
+        if self.corner > longest:
+            raise InputError(
+                f"motion.corner: expected at most the length of the sinusoid, {longest:g} s, "
+                f"received {self.corner:g}; 0 starts it at once"
+            )
+        if self.by_force and self.amplitude >= self.level:
+            raise InputError(
+                f"motion.amplitude: expected less than the mean force of {self.level:g} N, "
+                f"received {self.amplitude:g}; a contact cannot pull"
+            )
+        base = self.ramp_and_rest(self.rest)
+        wave = Wave(base.duration, self.amplitude, self.frequency, self.corner)
+        return base.followed_by(wave, self.n_cycles)
+
+
+@final
+@dataclass(frozen=True)
+class RampSinusoid(Vibrating):
+    """A ramp, `settle` s of rest, then a sine about the level that the ramp reached.
+
+    The ramp goes at `speed` mm/s to `depth` mm, or at `loading_rate` N/s to `force` N. The sine
+    starts upward (`cycles` whole ones of `amplitude` mm or N at `frequency` Hz); its amplitude
+    rises over `corner` s, which keeps the speed continuous, or is there at once if corner is 0.
+    An amplitude above `depth` lifts the indenter off the finger; one of a force is less than it.
+    """
+
+    shape = "ramp-sinusoid"
+
+    speed: float | None = None
+    depth: float | None = None
+    _: KW_ONLY
+    loading_rate: float | None = None
+    force: float | None = None
     amplitude: float
     frequency: float
     cycles: int
     settle: float = 0.0
     corner: float = AS_LONG_AS_FITS
 
+    @property
+    def rest(self) -> float:
+        """Length of the rest in s."""
+        return self.settle
 
-@final
-@dataclass(frozen=True)
-class Sinusoid(SinusoidMotion):
-    """Depths amplitude (1 - cos(2 pi frequency t)) in mm: from first touch, at rest at both ends.
-
-    `amplitude` in mm is half of the largest depth, `frequency` in Hz, `cycles` whole ones (Pawluk
-    1997, Eq. 4.1 and 4.2 as appendix B starts them).
-    """
-
-    kind = "sinusoid"
+    @property
+    def n_cycles(self) -> int:
+        """Number of cycles of the sine."""
+        return self.cycles
 
 
 @final
 @dataclass(frozen=True)
-class Vibration(RampSinusoidMotion):
+class Vibration(Vibrating):
     """A preload of `preload` mm, held for `held` s, then a sine about it for `seconds`.
 
     The experiment of vibrotaction: spikes count from the start of the sine, when the units have
@@ -119,7 +252,7 @@ class Vibration(RampSinusoidMotion):
     starts upward; its amplitude rises over `corner` s.
     """
 
-    kind = "vibration"
+    shape = "vibration"
 
     preload: float
     _: KW_ONLY
@@ -140,7 +273,7 @@ class Vibration(RampSinusoidMotion):
         return self.preload / APPROACH
 
     @property
-    def settle_duration(self) -> float:
+    def rest(self) -> float:
         """Length of the hold in s."""
         return self.held
 
@@ -163,208 +296,96 @@ class Vibration(RampSinusoidMotion):
 
 @final
 @dataclass(frozen=True)
-class FrequencySweep(SweepMotion):
-    """A preload of `depth` mm, and a sine about it from `start` Hz to `stop` Hz in `seconds`.
+class FrequencySweep(Ramped):
+    """A preload, and a sine about it from `start` Hz to `stop` Hz in `seconds`.
 
-    `amplitude` in mm; the frequency changes evenly per octave, after a rest of `settle` s. The
-    result has the harmonic answer about the preload as well.
+    The preload is `depth` mm, approached at `speed` mm/s, or `force` N at `loading_rate` N/s; the
+    `amplitude` in mm or N is less. The frequency changes evenly per octave, after a rest of
+    `settle` s. The result has the harmonic answer about the preload as well.
     """
 
-    kind = "sweep"
+    shape = "sweep"
 
-    depth: float
+    depth: float | None = None
     _: KW_ONLY
+    force: float | None = None
     amplitude: float
     start: float
     stop: float
     seconds: float = 2.0
     settle: float = 1.0
-    speed: float = APPROACH
+    speed: Annotated[
+        float | None,
+        Key("Speed", unit="mm/s", above=0, control=Control.DEPTH, usual=APPROACHES),
+    ] = None
+    loading_rate: Annotated[
+        float | None,
+        Key("Rate of the force", unit="N/s", above=0, control=Control.FORCE, usual=APPROACHES),
+    ] = None
     corner: float = AS_LONG_AS_FITS
+
+    @property
+    def corner_limits(self) -> tuple[float, ...]:
+        """The lengths in s of the ramp and of the sine, and twice the length of the rest."""
+        return self.ramp_duration, *rest_limit(self.settle), self.seconds
+
+    @property
+    def frequencies(self) -> Array:
+        """Frequencies (ANSWERED,) in Hz from `start` to `stop`, even per octave."""
+        return np.geomspace(self.start, self.stop, ANSWERED)
+
+    @property
+    def recorded_from(self) -> float:
+        """The start of the sine in s."""
+        return self.ramp_and_rest(self.settle).duration
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Ramp, rest and sine; InputError for an amplitude that leaves the finger."""
+        if self.amplitude >= self.level:
+            raise InputError(
+                f"motion.amplitude: expected less than the preload of {self.level:g} {self.unit}, "
+                f"received {self.amplitude:g}; a sweep stays in contact"
+            )
+        base, highest = self.ramp_and_rest(self.settle), max(self.start, self.stop)
+        wave = Sweep(
+            start=base.duration,
+            amplitude=self.amplitude,
+            frequency=highest,
+            rise=self.corner,
+            first=self.start,
+            last=self.stop,
+            length=self.seconds,
+        )
+        return base.followed_by(wave, self.seconds * highest)
 
 
 @final
 @dataclass(frozen=True)
-class ForceSweep(SweepMotion):
-    """As `FrequencySweep`, with a preload of `force` N and an amplitude in N below it."""
+class Sinusoid(Motion):
+    """`cycles` of amplitude (1 - cos(2 pi frequency t)): from first touch, at rest at both ends.
 
-    kind = "force-sweep"
-    control = "force"
-
-    force: float
-    _: KW_ONLY
-    amplitude: float
-    start: float
-    stop: float
-    seconds: float = 2.0
-    settle: float = 1.0
-    loading_rate: float = APPROACH
-    corner: float = AS_LONG_AS_FITS
-
-
-@final
-@dataclass(frozen=True)
-class Sampled(SampledMotion):
-    """Depths in mm at times in s, joined by straight lines, rounded only if a corner is given.
-
-    The times start at 0 and increase; below a depth of 0 the indenter is off the finger.
+    `amplitude` is half of the largest depth in mm or, with control = "force", of the largest force
+    in N; `frequency` in Hz, `cycles` whole ones (Pawluk 1997, Eq. 4.1 and 4.2 as appendix B starts
+    them).
     """
 
-    kind = "sampled"
+    shape = "sinusoid"
 
-    depth: Depths
-
-
-@final
-@dataclass(frozen=True)
-class ForceRamp(RampMotion):
-    """A ramp of the force from 0 at `loading_rate` N/s to `force` N, which ends while rising."""
-
-    kind = "force-ramp"
-    control = "force"
-
-    loading_rate: float
-    force: float
-    _: KW_ONLY
-    corner: float = AS_LONG_AS_FITS
-
-
-@final
-@dataclass(frozen=True)
-class ForceRampHold(RampHoldMotion):
-    """A ramp of the force at `loading_rate` N/s to `force` N, and then `hold` s at that force."""
-
-    kind = "force-ramp-hold"
-    control = "force"
-
-    loading_rate: float
-    force: float
-    _: KW_ONLY
-    hold: float
-    corner: float = AS_LONG_AS_FITS
-
-
-@final
-@dataclass(frozen=True)
-class ForceTrapezoid(TrapezoidMotion):
-    """A ramp of the force at `loading_rate` N/s to `force` N, `hold` s there, and back to 0."""
-
-    kind = "force-trapezoid"
-    control = "force"
-
-    loading_rate: float
-    force: float
-    _: KW_ONLY
-    hold: float
-    corner: float = AS_LONG_AS_FITS
-
-
-@final
-@dataclass(frozen=True)
-class ForceRampSinusoid(RampSinusoidMotion):
-    """As `RampSinusoid`, with a force in N at `loading_rate` N/s; amplitude below the force."""
-
-    kind = "force-ramp-sinusoid"
-    control = "force"
-
-    loading_rate: float
-    force: float
-    _: KW_ONLY
     amplitude: float
     frequency: float
     cycles: int
-    settle: float = 0.0
-    corner: float = AS_LONG_AS_FITS
-
-
-@final
-@dataclass(frozen=True)
-class ForceSinusoid(SinusoidMotion):
-    """As `Sinusoid`, with forces in N: from none to twice the amplitude."""
-
-    kind = "force-sinusoid"
-    control = "force"
-
-
-@final
-@dataclass(frozen=True)
-class ForceSampled(SampledMotion):
-    """Forces in N, none below 0, at times in s, joined by straight lines."""
-
-    kind = "force-sampled"
-    control = "force"
-
-    force: Forces
-
-
-@final
-@dataclass(frozen=True)
-class Slide(SlideMotion):
-    """A press of `depth` mm and `passes` of `distance` mm at `speed` mm/s along `direction`.
-
-    `direction` in degrees: 0 moves the object distally, 90 radially; a second pass returns.
-    The press takes `approach` mm/s, and rests for `settle` s before the slide, from which on spikes
-    count. All ramps are rounded by `corner` s.
-    """
-
-    kind = "slide"
-
-    speed: float
-    depth: float
     _: KW_ONLY
-    distance: float
-    direction: float = 0.0
-    passes: int = 1
-    settle: float = 0.5
-    approach: float = APPROACH
-    corner: float = AS_LONG_AS_FITS
+    control: Control = Control.DEPTH
 
+    @property
+    def steady_level(self) -> float:
+        """The mean: one amplitude."""
+        return self.amplitude
 
-@final
-@dataclass(frozen=True)
-class ForceSlide(SlideMotion):
-    """As `Slide`, under a force of `force` N that is taken at `approach` N/s."""
-
-    kind = "force-slide"
-    control = "force"
-
-    speed: float
-    force: float
-    _: KW_ONLY
-    distance: float
-    direction: float = 0.0
-    passes: int = 1
-    settle: float = 0.5
-    approach: float = 5.0
-    corner: float = AS_LONG_AS_FITS
-
-
-@final
-@dataclass(frozen=True)
-class SampledPath(SampledPathMotion):
-    """Places x and y in mm across the travel and depths in mm at times in s, joined by lines."""
-
-    kind = "sampled-path"
-
-    depth: Depths
-
-
-@final
-@dataclass(frozen=True)
-class ForceSampledPath(SampledPathMotion):
-    """Places x and y in mm across the travel and forces in N at times in s, joined by lines."""
-
-    kind = "force-sampled-path"
-    control = "force"
-
-    force: Forces
-
-
-MOTIONS: dict[str, type[Motion]] = {
-    motion.kind: motion
-    for motion in (
-        *(Ramp, RampHold, RampSinusoid, Sinusoid, Trapezoid, Vibration, FrequencySweep, Sampled),
-        *(ForceRamp, ForceRampHold, ForceRampSinusoid, ForceSinusoid, ForceTrapezoid),
-        *(ForceSweep, ForceSampled, Slide, ForceSlide, SampledPath, ForceSampledPath),
-    )
-}
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The sine."""
+        wave = Wave(0.0, self.amplitude, self.frequency, 0.0, phase=-np.pi / 2)
+        level, still = np.array([self.amplitude]), np.zeros(1)
+        return Trajectory(still, level, still, still, self.cycles / self.frequency, wave)

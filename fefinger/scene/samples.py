@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Self, cast, final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +15,7 @@ from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, reject_unknown
 from fefinger.support.csv_columns import read_columns
+from fefinger.support.vocabulary import Control
 from fefinger.support.wave_file import read_wave
 
 
@@ -58,12 +59,26 @@ SETTLE = 0.2
 """Time in s of the approach to a preload before a waveform from a file, and of the rest after."""
 
 
-@dataclass(frozen=True)
-class SampledMotion(Motion):
-    """Times in s from 0 on, and a column named as `control`; straight lines between them."""
+Times = Annotated[tuple[float, ...], Key("Times, from 0 on and rising", unit="s")]
+Depths = Annotated[
+    tuple[float, ...] | None,
+    Key("Depths; below 0 the object is off the skin", unit="mm", control=Control.DEPTH),
+]
+Forces = Annotated[
+    tuple[float, ...] | None, Key("Forces, none below 0", unit="N", control=Control.FORCE)
+]
 
-    time: Annotated[tuple[float, ...], Key("Times, from 0 on and rising", unit="s")]
-    corner: float = field(default=0.0, kw_only=True)
+
+class SampledMotion(Motion):
+    """Times in s from 0 on, and depths or forces, with straight lines between them."""
+
+    time: tuple[float, ...]
+    corner: float
+
+    @property
+    def prescribed(self) -> tuple[float, ...]:
+        """Depths in mm, or forces in N."""
+        return cast(tuple[float, ...], getattr(self, self.control))
 
     @cached_property
     def sample_rate(self) -> float | None:
@@ -109,14 +124,14 @@ class SampledMotion(Motion):
     @property
     def pulling(self) -> float:
         """Largest force in N below 0 among the samples, which counts as 0; 0 without any."""
-        return max(-min(getattr(self, self.control)), 0.0) if self.control == "force" else 0.0
+        return max(-min(self.prescribed), 0.0) if self.by_force else 0.0
 
     @property
     def gaps(self) -> tuple[tuple[float, float], ...]:
         """Times (start, stop) in s of gaps in a vibration that hide half a cycle or more."""
         if self.highest_frequency is None or self.sample_rate is None:
             return ()
-        time, values = np.array(self.time), np.array(getattr(self, self.control))
+        time, values = np.array(self.time), np.array(self.prescribed)
         longest = max(GAP / self.sample_rate, 0.5 / self.highest_frequency)
         least = FAINT * self.oscillation_amplitude
         hidden = (np.diff(time) > longest) & (np.abs(np.diff(values)) > least)
@@ -157,17 +172,15 @@ class SampledMotion(Motion):
     @cached_property
     def steady_level(self) -> float:
         """Median of the samples above 0, the preload."""
-        values = np.array(getattr(self, self.control))
+        values = np.array(self.prescribed)
         return float(np.median(values[values > 0]))
 
     @cached_property
     def trajectory(self) -> Trajectory:
         """The lines; InputError for times or values that are none of a motion."""
         self._check_samples()
-        values = getattr(self, self.control)
-        if self.control == "force":
-            values = tuple(max(value, 0.0) for value in values)
-        return self._through(values)
+        values = self.prescribed
+        return self._through(tuple(max(each, 0.0) for each in values) if self.by_force else values)
 
     def _through(self, values: tuple[float, ...]) -> Trajectory:
         return Trajectory.through(self.time, values, corner=self.corner, stop=False)
@@ -178,7 +191,7 @@ class SampledMotion(Motion):
         return ()
 
     def _check_samples(self) -> None:
-        time, values = self.time, getattr(self, self.control)
+        time, values = self.time, self.prescribed
         for name in (self.control, *self._columns):
             count = len(getattr(self, name))
             if len(time) != count or count < 2:
@@ -197,7 +210,7 @@ class SampledMotion(Motion):
                     f"motion.time[{i}]: expected a time above {before!r} s, received {after!r}; "
                     "sort the samples and keep one of each time"
                 )
-        if self.control == "depth" and _upside_down(values):
+        if not self.by_force and _upside_down(values):
             raise InputError(
                 f"motion.depth: expected a press, received {values[0]:g} mm first and values down "
                 f"to {min(values):g} mm; depth grows into the finger: change the sign"
@@ -207,7 +220,7 @@ class SampledMotion(Motion):
                 f"motion.{self.control}: expected a value above 0, received at most "
                 f"{max(values):g}; so the indenter never touches the finger"
             )
-        if self.control == "force" and self.pulling > PULLING * max(values):
+        if self.by_force and self.pulling > PULLING * max(values):
             raise InputError(
                 f"motion.force: expected forces of at least 0 N, received {min(values):g}; "
                 f"a contact cannot pull. Noise of up to {100 * PULLING:g} % of the peak counts as "
@@ -215,26 +228,35 @@ class SampledMotion(Motion):
             )
 
     @classmethod
-    def from_file(cls, file: str | Path, **options: Any) -> Self:
-        """Read a motion from a CSV file, or from a WAV file with the `options` of `from_wav`."""
+    def from_file(cls, file: str | Path, *, control: str = Control.DEPTH, **options: Any) -> Self:
+        """Read a motion from a CSV file, or from a WAV file with the `options` of `from_wav`.
+
+        `control` is "depth" or "force", whichever the samples are.
+        """
         if Path(file).suffix.lower() == ".wav":
             reject_unknown("motion", options, WAVE_OPTIONS)
             for name in WAVE_NEEDS:
                 if name not in options:
                     msg = f"motion.{name}: missing; a WAV file needs {' and '.join(WAVE_NEEDS)}"
                     raise InputError(msg)
-            return cls.from_wav(file, **options)
+            return cls.from_wav(file, control=control, **options)
         reject_unknown("motion", options, ("corner",))
-        return cls.from_csv(file, **options)
+        return cls.from_csv(file, control=control, **options)
 
     @classmethod
     def from_wav(
-        cls, file: str | Path, *, amplitude: float, preload: float, settle: float = SETTLE
+        cls,
+        file: str | Path,
+        *,
+        amplitude: float,
+        preload: float,
+        settle: float = SETTLE,
+        control: str = Control.DEPTH,
     ) -> Self:
         """Read a waveform, as a vibration about a preload.
 
-        Its full scale is `amplitude` in mm or N; the preload is reached within `settle` s, and
-        held as long. Of several channels the first is taken.
+        Its full scale is `amplitude` in mm or, with control = "force", in N; the preload is reached
+        within `settle` s, and held as long. Of several channels the first is taken.
 
         Raises
         ------
@@ -250,19 +272,40 @@ class SampledMotion(Motion):
         approach = preload * (1 - np.cos(np.pi * way)) / 2
         values = np.concatenate([approach, preload + amplitude * wave])
         times = np.arange(len(values)) / rate
-        given: dict[str, Any] = {"time": tuple(times.tolist()), cls.control: tuple(values.tolist())}
-        return cls(**given)
+        return cls(**{"time": tuple(times.tolist()), Control(control): tuple(values.tolist())})
 
     @classmethod
-    def from_csv(cls, file: str | Path, *, corner: float = 0.0) -> Self:
-        """Read the columns time (s) and depth (mm) or force (N), named in the first line."""
-        return cls._of_columns(file, ("time", cls.control), corner)
+    def from_csv(
+        cls, file: str | Path, *, control: str = Control.DEPTH, corner: float = 0.0
+    ) -> Self:
+        """Read the columns time (s) and depth (mm) or force (N), named in the first line.
+
+        `control` is the name of the second one.
+        """
+        return cls._of_columns(file, ("time", control), corner)
 
     @classmethod
     def _of_columns(cls, file: str | Path, names: tuple[str, ...], corner: float) -> Self:
         columns = read_columns("motion.file", Path(file), names)
         given: dict[str, Any] = dict(zip(names, columns, strict=True))
-        return cls(**given, corner=corner)
+        return cls(**given | {"corner": corner})
+
+
+@final
+@dataclass(frozen=True)
+class Sampled(SampledMotion):
+    """Depths in mm or forces in N at times in s, joined by straight lines.
+
+    They are rounded only if a corner is given. The times start at 0 and increase; below a depth of
+    0 the indenter is off the finger, and no force is below 0.
+    """
+
+    shape = "sampled"
+
+    time: Times
+    corner: float = field(default=0.0, kw_only=True)
+    depth: Depths = None
+    force: Forces = field(default=None, kw_only=True)
 
 
 def _upside_down(values: tuple[float, ...]) -> bool:

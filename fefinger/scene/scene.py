@@ -85,10 +85,11 @@ class Scene:
     def _check_places(self) -> None:
         """Check that motion and end organs stay within the tissue, and the object over the pad."""
         pulp = self.finger.pulp
-        if self.motion.control == "depth" and self.motion.peak >= pulp:
+        deepest = self.motion.deepest
+        if deepest is not None and deepest >= pulp:
             raise InputError(
                 f"motion.depth: expected less than {pulp:g} mm, the tissue under the pad (half the "
-                f"finger's thickness), received a largest depth of {self.motion.peak:g} mm"
+                f"finger's thickness), received a largest depth of {deepest:g} mm"
             )
         for name, depth in self.ask.depths.items():
             number(f"ask.depths.{name}", depth, below=pulp, unit="mm")

@@ -12,7 +12,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
-from fefinger.scene.key import Key, KeyField, forms, keys_of, needed
+from fefinger.scene.key import Key, KeyField, forms, keys_of_kind, needed
 from fefinger.scene.population import Layout, Scatter
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.scene.toml import FILE_KEYS, FROM_FILE, KINDS, PRONY, SUBJECT
@@ -88,7 +88,7 @@ def _kinds(part: str, default: str | None = None) -> Schema:
         keys = {"kind": {"const": kind}} | _keys(record, kind)
         must = () if kind == default else ("kind",)
         form = {"title": kind, "description": summary(record)}
-        kinds.append(form | _table(keys, required=(*must, *needed(record))))
+        kinds.append(form | _table(keys, required=(*must, *needed(record, kind))))
         if part != "ask.population" and kind in FROM_FILE:
             reader = FROM_FILE[kind]
             text = f"{reader.format} file, looked up from the scene's"
@@ -115,7 +115,7 @@ def _keys(record: type[Any], kind: str = "") -> Schema:
     texts = parameters(record)
     return {
         name: _described(known, texts.get(name, ""), kind)
-        for name, known in keys_of(record).items()
+        for name, known in keys_of_kind(record, kind).items()
     }
 
 

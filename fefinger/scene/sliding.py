@@ -1,13 +1,13 @@
 """Motions with a path: the indenter is pressed, and moves across its direction of travel.
 
-A shape is abstract, as in `motion.py`; `motions.py` has the final classes. x and y of a path
-lie in the plane across the travel: x distal, y radial; on a plate, before its `roll`.
+x and y of a path lie in the plane across the travel: x distal, y radial, as on a plate before its
+`roll`.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,33 +15,51 @@ from numpy.typing import ArrayLike
 from fefinger.geometry.profiles import frame
 from fefinger.scene.indenter import PLACING, Inclined, Plate, direction
 from fefinger.scene.key import Key
-from fefinger.scene.motion import RampMotion, rest_limit
-from fefinger.scene.samples import SampledMotion, about_mean, noise, to_and_fro
+from fefinger.scene.motions import AS_LONG_AS_FITS, Ramped, rest_limit
+from fefinger.scene.samples import (
+    Depths,
+    Forces,
+    SampledMotion,
+    Times,
+    about_mean,
+    noise,
+    to_and_fro,
+)
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
 from fefinger.support.csv_columns import read_table
+from fefinger.support.vocabulary import Control
 
 
 ANGLES = ("angle", "tilt")
 """Angles of a plate that a path may have."""
 
 
-class SlideMotion(RampMotion):
-    """A press, `settle` s of rest, then `passes` along a line, each back over the last.
+@final
+@dataclass(frozen=True)
+class Slide(Ramped):
+    """A press, and `passes` of `distance` mm at `speed` mm/s along `direction`.
 
-    The object moves at `speed` mm/s over `distance` mm, the first time along `direction` degrees:
-    0 is distal, 90 radial.
+    `direction` in degrees: 0 moves the object distally, 90 radially; a second pass returns.
+    The press to `depth` mm takes `approach` mm/s, or that to `force` N takes `approach` N/s; it
+    rests for `settle` s before the slide, from which on spikes count. All ramps are rounded by
+    `corner` s.
     """
 
+    shape = "slide"
     slides = True
     straight = True
 
-    speed: float
+    speed: Annotated[float, Key("Speed", unit="mm/s", above=0)]
+    depth: float | None = None
+    _: KW_ONLY
+    force: float | None = None
     distance: float
-    direction: float
-    settle: float
-    passes: int
-    approach: float
+    direction: float = 0.0
+    passes: int = 1
+    settle: float = 0.5
+    approach: float = None  # type: ignore[assignment]  # filled in, by the control
+    corner: float = AS_LONG_AS_FITS
 
     @property
     def ramp_duration(self) -> float:
@@ -114,20 +132,27 @@ class SlideMotion(RampMotion):
         return self.direction % 180 == 0
 
 
+@final
 @dataclass(frozen=True)
-class SampledPathMotion(SampledMotion):
-    """Times in s from 0 on, columns x and y in mm, and one named as `control`; lines between.
+class SampledPath(SampledMotion):
+    """Places x and y in mm across the travel, and depths in mm or forces in N, at times in s.
 
-    `angle` and `tilt` in degrees, where given: of a plate that turns about the point of
-    first touch, which travels along the normal of the angles of the indenter.
+    They are joined by lines. `angle` and `tilt` in degrees, where given, are those of a plate that
+    turns about the point of first touch, which travels along the normal of the angles of the
+    indenter.
     """
 
+    shape = "sampled-path"
     slides = True
 
+    time: Times
+    corner: float = field(default=0.0, kw_only=True)
     x: Annotated[tuple[float, ...], Key("Places along x", unit="mm")]
     y: Annotated[tuple[float, ...], Key("Places along y", unit="mm")]
     angle: Annotated[tuple[float, ...] | None, PLACING["angle"]] = field(default=None, kw_only=True)
     tilt: Annotated[tuple[float, ...] | None, PLACING["tilt"]] = field(default=None, kw_only=True)
+    depth: Depths = None
+    force: Forces = field(default=None, kw_only=True)
 
     @cached_property
     def paths(self) -> tuple[Trajectory, ...]:
@@ -195,11 +220,13 @@ class SampledPathMotion(SampledMotion):
         return not any(self.y) and not any(self.tilt or ())
 
     @classmethod
-    def from_csv(cls, file: str | Path, *, corner: float = 0.0) -> Self:
-        """Read the columns time (s), x, y (mm) and depth (mm) or force (N).
+    def from_csv(
+        cls, file: str | Path, *, control: str = Control.DEPTH, corner: float = 0.0
+    ) -> Self:
+        """Read the columns time (s), x, y (mm) and depth (mm) or force (N), as `control` says.
 
         They may be followed by angle, tilt or both (degrees).
         """
         header = [cell.lower() for cell in read_table("motion.file", Path(file)).header]
         turns = [name for name in ANGLES if any(cell.startswith(name) for cell in header)]
-        return cls._of_columns(file, ("time", "x", "y", cls.control, *turns), corner)
+        return cls._of_columns(file, ("time", "x", "y", control, *turns), corner)

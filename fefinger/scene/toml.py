@@ -3,6 +3,7 @@
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
@@ -11,18 +12,38 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import FROM_TISSUE, LAYERS, Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS, Flat
-from fefinger.scene.key import Key, keys_of, needed
+from fefinger.scene.key import Key, keys_of, keys_of_kind, needed
 from fefinger.scene.motion import Motion
-from fefinger.scene.motions import MOTIONS, ForceSampled, ForceSampledPath, Sampled, SampledPath
+from fefinger.scene.motions import (
+    FrequencySweep,
+    Ramp,
+    RampHold,
+    RampSinusoid,
+    Sinusoid,
+    Trapezoid,
+    Vibration,
+)
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
-from fefinger.scene.samples import WAVE_OPTIONS
+from fefinger.scene.samples import WAVE_OPTIONS, Sampled
+from fefinger.scene.sliding import SampledPath, Slide
 from fefinger.scene.textured import Relief
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support import registry
 from fefinger.support.checks import InputError, choice, names, reject_unknown
 from fefinger.support.inputs import parse_toml, read_text
+from fefinger.support.vocabulary import Control
 from fefinger.theory.relaxation import Prony
 
+
+SHAPES: tuple[type[Motion], ...] = (
+    *(Ramp, RampHold, RampSinusoid, Sinusoid, Trapezoid, Vibration, FrequencySweep),
+    *(Sampled, Slide, SampledPath),
+)
+MOTIONS = {
+    **{each.shape: each for each in SHAPES},
+    **{f"force-{each.shape}": each for each in SHAPES if each is not Vibration},
+}
+"""Motions by kind: of depth, and of force."""
 
 KINDS: dict[str, Mapping[str, type[Any]]] = {
     "motion": MOTIONS,
@@ -70,10 +91,15 @@ FROM_FILE = {
         "CSV, NPZ, PNG or STL",
         ("pitch", "height", "angle", "tilt", "roll", "friction", "friction_kinetic"),
     ),
-    Sampled.kind: FileReader(Sampled.from_file, "CSV or WAV", SAMPLES),
-    ForceSampled.kind: FileReader(ForceSampled.from_file, "CSV or WAV", SAMPLES),
-    SampledPath.kind: FileReader(SampledPath.from_csv, "CSV", ("corner",)),
-    ForceSampledPath.kind: FileReader(ForceSampledPath.from_csv, "CSV", ("corner",)),
+    **{
+        kind: FileReader(partial(read, control=Control.of_kind(kind)), written, others)
+        for kind, read, written, others in (
+            ("sampled", Sampled.from_file, "CSV or WAV", SAMPLES),
+            ("force-sampled", Sampled.from_file, "CSV or WAV", SAMPLES),
+            ("sampled-path", SampledPath.from_csv, "CSV", ("corner",)),
+            ("force-sampled-path", SampledPath.from_csv, "CSV", ("corner",)),
+        )
+    },
 }
 """Kinds of indenters and motions that can be read from the `file` of their table."""
 
@@ -264,7 +290,7 @@ def _home(key: str, name: str) -> str:
 
 def _kinds(key: str, part: str) -> str:
     """Name the kinds of a part of a scene that know a key; empty where none does."""
-    having = [kind for kind, cls in KINDS.get(part, {}).items() if key in keys_of(cls)]
+    having = [kind for kind, cls in KINDS.get(part, {}).items() if key in keys_of_kind(cls, kind)]
     what = f"{part.rpartition('.')[2]}{'s' if len(having) > 1 else ''}"
     return f"{part}.{key} is a key of the {what} {', '.join(map(repr, having))}" if having else ""
 
@@ -306,21 +332,21 @@ def _indenter(table: dict[str, Any], folder: Path) -> Indenter:
         raise InputError(
             f'{error} An object of your own needs plugins = ["its_module"] at the top of the scene.'
         ) from None
-    return cast(Indenter, _of_kind("indenter", INDENTERS[kind], table, folder))
+    return cast(Indenter, _of_kind("indenter", kind, INDENTERS[kind], table, folder))
 
 
 def _motion(table: dict[str, Any], folder: Path) -> Motion:
     if "kind" not in table:
         raise InputError(f"motion.kind: missing; expected one of {', '.join(map(repr, MOTIONS))}")
     kind = choice("motion.kind", table.pop("kind"), MOTIONS, MOVEMENTS)
-    return cast(Motion, _of_kind("motion", MOTIONS[kind], table, folder))
+    return cast(Motion, _of_kind("motion", kind, MOTIONS[kind], table, folder))
 
 
-def _of_kind(part: str, cls: type[Any], table: dict[str, Any], folder: Path) -> Any:
+def _of_kind(part: str, kind: str, cls: type[Any], table: dict[str, Any], folder: Path) -> Any:
     """Construct `cls` from the table of a part, or from the file that the table names."""
-    reader = FROM_FILE.get(cls.kind)
+    reader = FROM_FILE.get(kind)
     if reader is None or "file" not in table:
-        return _record(cls, part, table, cls.kind)
+        return _record(cls, part, table, kind)
     _reject(part, table, ("file", *reader.keys))
     name = table.pop("file")
     if not isinstance(name, str):
@@ -331,13 +357,14 @@ def _of_kind(part: str, cls: type[Any], table: dict[str, Any], folder: Path) -> 
 
 def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") -> Any:
     """Construct `cls` from a table; InputError for an unknown or missing key."""
-    _reject(name, table, keys_of(cls))
-    needs = needed(cls)
+    _reject(name, table, keys_of_kind(cls, kind))
+    needs = needed(cls, kind)
     for key in needs:
         if key not in table:
             what = f"a {kind!r} {name} needs {', '.join(needs)}"
             raise InputError(f"{name}.{key}: missing; {what}")
-    return cls(**table)
+    by_kind = {key: Control.of_kind(kind) for key, it in keys_of(cls).items() if it.hint is Control}
+    return cls(**table, **by_kind)
 
 
 def _plain(record: Any) -> dict[str, Any]:
@@ -346,7 +373,7 @@ def _plain(record: Any) -> dict[str, Any]:
     So are newer ones at their default, so that a scene keeps its text and what is stored under it.
     """
     table: dict[str, Any] = {}
-    for name, known in keys_of(type(record)).items():
+    for name, known in keys_of_kind(type(record), getattr(record, "kind", "")).items():
         value = getattr(record, name)
         if isinstance(value, Tissue | Hard | Prony):
             value = _plain(value)
@@ -371,4 +398,4 @@ def keys_beside_file(kind: Any) -> tuple[str, ...]:
 def keys(part: str, kind: Any) -> tuple[str, ...]:
     """List the keys that a table ("indenter", "motion", "ask.population") takes for `kind`."""
     record = KINDS.get(part, {}).get(kind) if isinstance(kind, str) else None
-    return () if record is None else ("kind", *keys_of(record))
+    return () if record is None else ("kind", *keys_of_kind(record, kind))

@@ -7,6 +7,7 @@ import numpy as np
 from fefinger.scene.motion import Motion
 from fefinger.studies.columns import MISSED
 from fefinger.support.arrays import Array, Flags
+from fefinger.support.vocabulary import Control
 
 
 SAME = 1e-9
@@ -109,7 +110,7 @@ def stiffness(time: Array, depth: Array, force: Array, where: float, *, control:
     motion prescribes. Only steps that follow each other on the loading are fitted, on which both
     rise and the motion is no slower than MOVING of its top rate.
     """
-    driven = force if control == "force" else depth
+    driven = Control(control).of(depth, force)
     rate = np.diff(driven) / np.diff(time)
     loading = (np.diff(depth) > 0) & (np.diff(force) > 0) & (rate >= MOVING * np.abs(rate).max())
     step, here = max(int(np.ceil(where)) - 1, 0), float(at(depth, where))

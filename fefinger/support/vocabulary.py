@@ -4,6 +4,48 @@ The implementations are in `neural/endorgans.py`, `neural/drives.py`, `neural/ge
 `neural/units.py`.
 """
 
+from enum import StrEnum
+from typing import TypeVar
+
+
+Value = TypeVar("Value")
+
+
+class Control(StrEnum):
+    """What a motion prescribes: the depth of the object or the force on it."""
+
+    DEPTH = "depth"
+    FORCE = "force"
+
+    @property
+    def unit(self) -> str:
+        """Unit of what is prescribed."""
+        return self.of("mm", "N")
+
+    @property
+    def pace(self) -> str:
+        """Name of the key for its rate."""
+        return self.of("speed", "loading_rate")
+
+    @property
+    def other(self) -> "Control":
+        """What answers to it."""
+        return self.of(Control.FORCE, Control.DEPTH)
+
+    def of(self, depth: Value, force: Value) -> Value:
+        """Return the first under control of the depth, the second under control of the force."""
+        return force if self is Control.FORCE else depth
+
+    def __repr__(self) -> str:
+        """Return it as it can be given to a motion."""
+        return repr(str(self))
+
+    @classmethod
+    def of_kind(cls, kind: str) -> "Control":
+        """Return what a motion prescribes whose kind in a scene is "ramp" or "force-ramp"."""
+        return cls.FORCE if kind.startswith("force-") else cls.DEPTH
+
+
 TYPES = ("SAI", "SAII", "FAI", "FAII")
 """Afferent types: slowly (SA) and fast (FA) adapting, with small (I) and large (II) fields."""
 

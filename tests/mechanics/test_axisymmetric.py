@@ -35,7 +35,7 @@ MOTIONS = [
     ff.RampHold(20, 0.5, hold=1.0),
     ff.Trapezoid(20, 0.5, hold=0.1),
     ff.RampSinusoid(20, 0.4, amplitude=0.3, frequency=8, cycles=3),
-    ff.ForceTrapezoid(2, 0.3, hold=0.1),
+    ff.Trapezoid(loading_rate=2, force=0.3, hold=0.1),
 ]
 
 
@@ -79,7 +79,7 @@ def test_after_release_a_residual_strain_remains_and_fades_without_pressure(sibl
 
 @EACH
 def test_at_fixed_force_strain_and_depth_creep_as_the_creep_function_says(sibling):
-    body, answer = sibling.body, respond(sibling, ff.ForceRampHold(5, 0.3, hold=20.0))
+    body, answer = sibling.body, respond(sibling, ff.RampHold(loading_rate=5, force=0.3, hold=20.0))
     holding = answer.time >= answer.time[-1] - 20.0
     assert answer.force[holding] == pytest.approx(0.3, rel=1e-9)
     assert (np.diff(answer.depth[holding]) > 0).all()

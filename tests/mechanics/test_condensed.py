@@ -27,9 +27,12 @@ WAVE = ff.RampSinusoid(20, 0.5, amplitude=0.7, frequency=8, cycles=2)
 PRESSES = {
     "hold": (ff.Flat(30), ff.RampHold(60, 1.2, hold=0.3)),
     "re-contact": (ff.Flat(25, 20), WAVE),  # on the mesh that `linear` takes too
-    "force": (ff.Sphere(5, at=(1, 1)), ff.ForceTrapezoid(2, 0.3, hold=0.3)),
+    "force": (ff.Sphere(5, at=(1, 1)), ff.Trapezoid(loading_rate=2, force=0.3, hold=0.3)),
     # Its dots come near the sides of the finger, which the operator does not keep.
-    "near the sides": (ff.Dots(3.0, height=0.4), ff.ForceSlide(60, 0.6, distance=6, direction=180)),
+    "near the sides": (
+        ff.Dots(3.0, height=0.4),
+        ff.Slide(60, force=0.6, distance=6, direction=180),
+    ),
 }
 
 

@@ -88,7 +88,7 @@ def test_ramp_and_hold_equal_the_integral_of_the_relaxation_over_the_force_of_he
 
 @pytest.mark.parametrize("motion", [
     ff.RampHold(20, 0.2, hold=3.0),
-    ff.ForceRampHold(1.0, 0.05, hold=3.0),
+    ff.RampHold(loading_rate=1.0, force=0.05, hold=3.0),
 ], ids=["depth", "force"])  # fmt: skip
 def test_how_long_a_press_is_held_changes_nothing_of_its_start(motion):
     start = motion.duration - motion.hold

@@ -42,7 +42,7 @@ MOTIONS = [
     ff.RampHold(20, 0.5, hold=1.0),
     ff.Trapezoid(20, 0.5, hold=0.1),
     ff.RampSinusoid(20, 0.4, amplitude=0.3, frequency=8, cycles=3),
-    ff.ForceTrapezoid(2, 0.3, hold=0.1),
+    ff.Trapezoid(loading_rate=2, force=0.3, hold=0.1),
 ]
 EACH = pytest.mark.parametrize("motion", MOTIONS, ids=lambda motion: motion.kind)
 
@@ -110,7 +110,7 @@ def test_what_it_cannot_do_is_refused():
             r"motion\.depth: expected .* received 1\.5 mm; press less",
         ),
         (
-            ff.ForceRampHold(9, 5.0, hold=0.1),
+            ff.RampHold(loading_rate=9, force=5.0, hold=0.1),
             r"motion\.force: expected .* received 5 N; press less",
         ),
     ):

@@ -150,7 +150,7 @@ def test_a_plate_that_is_tilted_up_touches_on_the_side_of_positive_y() -> None:
 
 
 def test_force_control_reaches_the_force_and_creeps() -> None:
-    pressed = linear.respond(scene(motion=ff.ForceRampHold(loading_rate=5, force=0.3, hold=1.0)))
+    pressed = linear.respond(scene(motion=ff.RampHold(loading_rate=5, force=0.3, hold=1.0)))
     assert (pressed.time[0], pressed.force[0], pressed.depth[0]) == (0.0, 0.0, 0.0)
     holding = pressed.time >= pressed.time[-1] - 1.0
     assert pressed.force[holding] == pytest.approx(np.full(holding.sum(), 0.3), rel=1e-8)

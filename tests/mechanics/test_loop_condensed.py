@@ -72,7 +72,7 @@ def agree(found: np.ndarray, expected: np.ndarray) -> None:
     [
         (ff.Flat(30), ff.RampHold(60, 1.2, hold=0.2)),
         (ff.Flat(20, 15), ff.RampSinusoid(20, 0.5, amplitude=0.6, frequency=8, cycles=1)),
-        (ff.Sphere(6), ff.ForceTrapezoid(2, 0.2, hold=0.1)),
+        (ff.Sphere(6), ff.Trapezoid(loading_rate=2, force=0.2, hold=0.1)),
     ],
 )
 def test_a_motion_gives_the_response_of_the_mechanics(

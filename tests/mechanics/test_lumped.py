@@ -63,7 +63,7 @@ def test_the_force_is_that_of_much_finer_times(motion):
 
 
 def test_under_force_control_the_depth_gives_the_force_back():
-    motion = ff.ForceRampHold(loading_rate=20, force=1, hold=3)
+    motion = ff.RampHold(loading_rate=20, force=1, hold=3)
     answer = lumped.respond(scene(motion=motion))
     np.testing.assert_allclose(answer.force, motion.value(answer.time), rtol=1e-12)
     back = law.force(*AH, answer.time, answer.depth)
@@ -124,7 +124,7 @@ REASONS = [
         "its law is known under plates at 30 degrees; that of Table 2.1, d.s., is taken",
     ),
     ({"motion": ff.Ramp(60, 2.4)}, "relaxed force at 2.4 mm = 3.3 > 3 N"),
-    ({"motion": ff.ForceRampHold(5, 4, hold=1)}, "force = 4 > 3 N, the largest"),
+    ({"motion": ff.RampHold(loading_rate=5, force=4, hold=1)}, "force = 4 > 3 N, the largest"),
 ]
 
 

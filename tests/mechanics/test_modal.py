@@ -56,7 +56,7 @@ def test_a_slow_press_is_that_of_condensed(control: str) -> None:
     motion = (
         ff.RampHold(2.0, 0.8, hold=0.5)
         if control == "depth"
-        else ff.ForceRampHold(1.0, 0.4, hold=0.5)
+        else ff.RampHold(loading_rate=1.0, force=0.4, hold=0.5)
     )
     slow = scene(motion)
     one, other = condensed.respond(slow), modal.respond(slow)
@@ -436,7 +436,7 @@ def test_the_error_of_a_press_by_few_modes_is_within_what_is_stated(
     ("motion", "field"),
     [
         (ff.RampHold(1e9, 1.0, hold=0.1), "motion.speed"),
-        (ff.ForceRampHold(1e9, 0.5, hold=0.1), "motion.loading_rate"),
+        (ff.RampHold(loading_rate=1e9, force=0.5, hold=0.1), "motion.loading_rate"),
     ],
     ids=["depth", "force"],
 )

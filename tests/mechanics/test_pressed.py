@@ -25,17 +25,10 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import Flat, Pin, Sphere
-from fefinger.scene.motions import (
-    ForceRampHold,
-    ForceSampled,
-    Ramp,
-    RampHold,
-    RampSinusoid,
-    Sampled,
-    Slide,
-    Trapezoid,
-)
+from fefinger.scene.motions import Ramp, RampHold, RampSinusoid, Trapezoid
+from fefinger.scene.samples import Sampled
 from fefinger.scene.scene import Scene
+from fefinger.scene.sliding import Slide
 from fefinger.scene.tissue import Hard
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
@@ -144,15 +137,15 @@ def test_the_penetration_is_that_of_the_steps_whatever_the_table() -> None:
 
 
 def test_a_prescribed_force_is_borne_at_once_and_creeps() -> None:
-    response = pressed.respond(scene(ForceRampHold(2, 0.5, hold=2)))
-    wanted = ForceRampHold(2, 0.5, hold=2).value(response.time)
+    response = pressed.respond(scene(RampHold(loading_rate=2, force=0.5, hold=2)))
+    wanted = RampHold(loading_rate=2, force=0.5, hold=2).value(response.time)
     assert np.allclose(response.force, wanted, rtol=0, atol=1e-9)
     assert (np.diff(response.depth) >= -1e-12).all()
     assert response.depth[-1] > 1.1 * response.depth[np.searchsorted(response.time, 0.26)]
 
 
 def test_at_no_force_the_indenter_bears_no_contact() -> None:
-    motion = ForceSampled((0.0, 0.1, 0.2, 0.5), (0.0, 0.1, 0.0, 0.0))
+    motion = Sampled((0.0, 0.1, 0.2, 0.5), force=(0.0, 0.1, 0.0, 0.0))
     response = pressed.respond(scene(motion))
     rest = response.time >= 0.2
     assert rest.sum() > 10
@@ -172,7 +165,7 @@ def test_a_force_that_no_press_bears_is_told(monkeypatch: pytest.MonkeyPatch) ->
     table = _table()
     monkeypatch.setattr(elastic_press, "load_or_solve", lambda *args, force: table)
     with pytest.raises(InputError, match=r"received 9 N, where it bears \d\.\d+ N; press less"):
-        pressed.respond(scene(ForceRampHold(9, 9.0, hold=0.1)))
+        pressed.respond(scene(RampHold(loading_rate=9, force=9.0, hold=0.1)))
 
 
 def test_in_a_loop_it_gives_what_the_scene_gives() -> None:
@@ -257,7 +250,7 @@ def test_a_force_beyond_the_deepest_table_is_refused_without_another_press(
     monkeypatch.setattr(elastic_press, "FARTHEST", 0.15)
     monkeypatch.setattr(elastic_press, "solve", lambda *_, **__: pytest.fail("solved again"))
     with pytest.raises(InputError, match="expected one that the relaxed finger bears"):
-        pressed.respond(scene(ForceRampHold(20, 80.0, hold=0.05)))
+        pressed.respond(scene(RampHold(loading_rate=20, force=80.0, hold=0.05)))
 
 
 def test_a_press_is_the_same_after_it_was_written_and_read(tmp_path: Path) -> None:
@@ -328,11 +321,11 @@ def test_it_refuses_what_it_is_not_for(change: dict, reason: str) -> None:
         (Ramp(10, 0.009), True, True),
         (Ramp(10, 0.015), False, True),
         (Ramp(10, 0.017), False, False),
-        (ForceRampHold(2e-3, 2e-4, hold=0.2), True, True),  # 0.0084 mm deep
-        (ForceRampHold(5e-3, 5e-4, hold=0.2), False, False),  # 0.017 mm
-        (ForceRampHold(3e-3, 3e-4, hold=0.2), True, True),  # 0.012 mm
-        (ForceRampHold(3e-3, 3e-4, hold=30), False, False),  # it creeps to 0.017 mm
-        (ForceRampHold(1, 0.5, hold=1), False, False),
+        (RampHold(loading_rate=2e-3, force=2e-4, hold=0.2), True, True),  # 0.0084 mm deep
+        (RampHold(loading_rate=5e-3, force=5e-4, hold=0.2), False, False),  # 0.017 mm
+        (RampHold(loading_rate=3e-3, force=3e-4, hold=0.2), True, True),  # 0.012 mm
+        (RampHold(loading_rate=3e-3, force=3e-4, hold=30), False, False),  # it creeps to 0.017 mm
+        (RampHold(loading_rate=1, force=0.5, hold=1), False, False),
     ],
 )
 def test_a_light_touch_is_refused_at_the_same_depth_under_both_controls(
@@ -397,7 +390,7 @@ def test_without_relaxation_the_error_between_the_depths_of_a_table_is_left() ->
     [
         (RampHold(60, 1.0, hold=1), False),
         (Trapezoid(60, 1.0, hold=1), True),
-        (ForceRampHold(1, 0.5, hold=1), False),
+        (RampHold(loading_rate=1, force=0.5, hold=1), False),
         (RampSinusoid(20, 0.5, amplitude=0.1, frequency=2000, cycles=20000), True),
     ],
 )
@@ -416,7 +409,9 @@ def test_a_ball_is_pressed_deeper_than_its_radius() -> None:
 
 
 def test_a_press_by_force_ends_where_it_bears_it() -> None:
-    asked = replace(scene(ForceRampHold(1, 0.08, hold=1)), indenter=Sphere(radius=3.5))
+    asked = replace(
+        scene(RampHold(loading_rate=1, force=0.08, hold=1)), indenter=Sphere(radius=3.5)
+    )
     response = pressed.respond(asked)
     assert response.force.max() == pytest.approx(0.08)
     assert np.diff(response.depth)[-1] > 0, "it creeps"

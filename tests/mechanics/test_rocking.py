@@ -70,13 +70,13 @@ def test_tilts_to_both_sides_are_mirror_images():
 @pytest.mark.parametrize("angle", [25.0, 36.0])
 def test_a_turned_plate_touches_where_a_plate_of_that_angle_does(angle):
     force = (0.0, 0.4, 0.4)
-    motion = ff.ForceSampledPath(TIMES, STILL, STILL, force, angle=(30, 30, angle))
+    motion = ff.SampledPath(TIMES, STILL, STILL, force=force, angle=(30, 30, angle))
     turned = respond(motion)
     straight = condensed.respond(
         ff.Scene(
             finger=FINGER,
             indenter=ff.Flat(angle),
-            motion=ff.ForceSampled(TIMES, force),
+            motion=ff.Sampled(TIMES, force=force),
             ask=ASK,
         )
     )

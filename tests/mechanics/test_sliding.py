@@ -232,10 +232,10 @@ def test_a_slide_says_that_faii_count_vertices_over_textures(indenter, motion, s
 
 def test_a_force_is_judged_on_all_the_skin_that_bears_it():
     """On the first candidates, which are too few, it would press through the 5 mm of tissue."""
-    motion = ff.ForceSlide(40, 0.85, distance=5.5, direction=90, settle=0.02, approach=10)
+    motion = ff.Slide(40, force=0.85, distance=5.5, direction=90, settle=0.02, approach=10)
     response = respond(ff.Sphere(3, at=(0, 4)), motion)
     assert 4.5 < response.depth.max() < FINGER.pulp
-    too_much = ff.ForceSlide(40, 8.5, distance=0.1, settle=0.02, approach=10)
+    too_much = ff.Slide(40, force=8.5, distance=0.1, settle=0.02, approach=10)
     with pytest.raises(InputError, match="press less"):
         respond(ff.Flat(30), too_much)
     with pytest.raises(InputError, match="press less, or slide where the object stays on the pad"):

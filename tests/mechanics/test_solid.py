@@ -169,7 +169,7 @@ def test_stiffening_tissue_pushes_back_harder():
 
 @pytest.mark.usefixtures("few_steps")
 def test_a_prescribed_force_is_what_it_tells_between_its_steps_as_well():
-    scene = press(ff.ForceTrapezoid(2.0, 0.1, hold=0.02, corner=0.01))
+    scene = press(ff.Trapezoid(loading_rate=2.0, force=0.1, hold=0.02, corner=0.01))
     found = solid.respond(scene)
     wanted = scene.motion.value(found.time)
     assert len(found.time) > 2 * found.numbers["steps"]
@@ -179,7 +179,7 @@ def test_a_prescribed_force_is_what_it_tells_between_its_steps_as_well():
 
 @pytest.mark.usefixtures("few_steps")
 def test_it_answers_a_held_force():
-    response = solid.respond(press(ff.ForceRampHold(10, 0.1, hold=0.02, corner=0)))
+    response = solid.respond(press(ff.RampHold(loading_rate=10, force=0.1, hold=0.02, corner=0)))
     assert response.force.max() == pytest.approx(0.1, rel=1e-4)
     reached = int(np.argmax(response.force > 0.1 * (1 - 1e-4)))
     assert response.depth[-1] > response.depth[reached]

@@ -13,7 +13,7 @@ from fefinger.result import Result
 from fefinger.results import key_numbers
 from fefinger.results.pressure import highest
 from fefinger.results.records import Rung
-from fefinger.scene.motions import ForceRampHold, Ramp, RampHold, RampSinusoid
+from fefinger.scene.motions import Ramp, RampHold, RampSinusoid
 from fefinger.scene.scene import Scene
 from fefinger.view import figures, renderer
 
@@ -88,7 +88,7 @@ def test_under_a_given_force_the_answer_is_the_depth_and_pictures_are_of_the_dee
     synthetic: Result, tmp_path: Path
 ) -> None:
     """The force is the same through the hold; its largest value is one of rounding."""
-    motion = ForceRampHold(loading_rate=1.0, force=1.0, hold=1.0)
+    motion = RampHold(loading_rate=1.0, force=1.0, hold=1.0)
     scene = dataclasses.replace(synthetic.scene, motion=motion)
     depth = np.linspace(0.0, 1.5, len(synthetic.time))
     response = dataclasses.replace(synthetic.response, depth=depth)

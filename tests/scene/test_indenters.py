@@ -16,7 +16,7 @@ from fefinger.pages.report import _touch
 from fefinger.result import Result
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS
-from fefinger.scene.motions import MOTIONS
+from fefinger.scene.toml import MOTIONS
 from fefinger.support.checks import InputError
 from fefinger.view import indenter_pose
 
@@ -238,7 +238,7 @@ def test_every_kind_is_a_final_class_with_one_line_of_bases(kind: str) -> None:
 def test_nothing_outside_its_file_looks_at_the_class_of_an_indenter_or_a_motion() -> None:
     expected = {cls.__name__ for cls in (*INDENTERS.values(), *MOTIONS.values())}
     expected |= {"Indenter", "Edged", "Raised", "Text"}
-    expected |= {"Motion", "SampledMotion", "SlideMotion", "SampledPathMotion"}
+    expected |= {"Motion", "Ramped", "Vibrating", "SampledMotion"}
     seen = []
     for room in ("fefinger", "validation"):
         for file in (Path(__file__).parents[2] / room).rglob("*.py"):

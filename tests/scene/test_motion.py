@@ -5,24 +5,20 @@ import pickle
 import numpy as np
 import pytest
 
+import fefinger as ff
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import (
-    MOTIONS,
-    ForceRamp,
-    ForceRampHold,
-    ForceRampSinusoid,
-    ForceSampled,
-    ForceSinusoid,
-    ForceTrapezoid,
+    FrequencySweep,
     Ramp,
     RampHold,
     RampSinusoid,
-    Sampled,
-    SampledPath,
     Sinusoid,
     Trapezoid,
     Vibration,
 )
+from fefinger.scene.samples import Sampled
+from fefinger.scene.sliding import SampledPath, Slide
+from fefinger.scene.toml import MOTIONS
 from fefinger.support.checks import InputError
 
 
@@ -41,11 +37,11 @@ EVERY = [
         RampSinusoid(20, 1.5, corner=corner, **SINE),
         Vibration(0.5, amplitude=0.4, frequency=4, held=0.1, corner=corner),
         Sampled([0, 0.1, 0.2, 0.5, 1], [0, 1, 2, 0.5, 0.5], corner=corner),
-        ForceRamp(2, 1, corner=corner),
-        ForceRampHold(2, 1, hold=0.1, corner=corner),
-        ForceTrapezoid(2, 1, hold=0.1, corner=corner),
-        ForceRampSinusoid(2, 1, settle=0.1, corner=corner, **SINE),
-        ForceSampled([0, 0.3, 1], [0, 1, 0.5], corner=corner),
+        Ramp(loading_rate=2, force=1, corner=corner),
+        RampHold(loading_rate=2, force=1, hold=0.1, corner=corner),
+        Trapezoid(loading_rate=2, force=1, hold=0.1, corner=corner),
+        RampSinusoid(loading_rate=2, force=1, settle=0.1, corner=corner, **SINE),
+        Sampled([0, 0.3, 1], force=[0, 1, 0.5], corner=corner),
     )
 ]
 
@@ -66,9 +62,40 @@ def test_a_motion_is_equal_to_what_its_words_and_its_pickle_make(motion):
 
 
 def test_a_motion_gives_its_unit_and_the_frequency_of_its_wave():
-    assert (Ramp(60, 1).unit, ForceRamp(2, 1).unit) == ("mm", "N")
+    assert (Ramp(60, 1).unit, Ramp(loading_rate=2, force=1).unit) == ("mm", "N")
     assert Ramp(60, 1).wave_frequency is None
     assert RampSinusoid(20, 1.5, **SINE).wave_frequency == WAVE.wave_frequency == 4
+
+
+TIMES, LEVELS, PLACES = (0, 0.3, 1), (0, 1, 0.5), (0, 1, 2)
+
+
+@pytest.mark.parametrize(
+    ("former", "given", "named", "motion"),
+    [
+        ("ForceRamp", (2, 1), {}, Ramp(loading_rate=2, force=1)),
+        ("ForceRampHold", (2, 1), {"hold": 3}, RampHold(loading_rate=2, force=1, hold=3)),
+        ("ForceTrapezoid", (2, 1), {"hold": 3}, Trapezoid(loading_rate=2, force=1, hold=3)),
+        ("ForceRampSinusoid", (2, 1), SINE, RampSinusoid(loading_rate=2, force=1, **SINE)),
+        ("ForceSinusoid", (0.4, 4, 5), {}, Sinusoid(control="force", **SINE)),
+        (
+            *("ForceSweep", (1,), {"amplitude": 0.1, "start": 5, "stop": 50}),
+            FrequencySweep(force=1, amplitude=0.1, start=5, stop=50, loading_rate=10),
+        ),
+        ("ForceSampled", (TIMES, LEVELS), {}, Sampled(TIMES, force=LEVELS)),
+        ("ForceSlide", (40, 1), {"distance": 5}, Slide(40, force=1, distance=5, approach=5)),
+        (
+            *("ForceSampledPath", (TIMES, PLACES, PLACES, LEVELS), {}),
+            SampledPath(TIMES, PLACES, PLACES, force=LEVELS),
+        ),
+    ],
+)
+def test_a_former_class_of_force_makes_the_motion_and_says_so(former, given, named, motion):
+    with pytest.warns(DeprecationWarning, match=type(motion).__name__):
+        assert getattr(ff, former)(*given, **named) == motion
+    assert motion.kind.startswith("force-")
+    assert motion.hardest == motion.peak
+    assert motion.deepest is None
 
 
 @pytest.mark.parametrize("motion", EVERY, ids=str)
@@ -115,18 +142,16 @@ def drawn(seed):
     time[0], levels = 0.0, level * np.maximum(draw.uniform(-0.5, 1, 8), 0)
     levels[draw.integers(8)] = level
     closest = part * np.diff(time).min() / 2
-    for rise, press, back, wave, one, samples in (
-        (Ramp, RampHold, Trapezoid, RampSinusoid, Sinusoid, Sampled),
-        (ForceRamp, ForceRampHold, ForceTrapezoid, ForceRampSinusoid, ForceSinusoid, ForceSampled),
-    ):
-        yield rise(pace, level, corner=part * ramp)
-        yield press(pace, level, hold=hold, corner=part * longest)
-        yield back(pace, level, hold=hold, corner=part * ramp)
-        yield back(pace, level, hold=0, corner=part * ramp / 2)
-        yield wave(pace, level, settle=hold, corner=short, **sine)
-        yield wave(pace, level, corner=short, **sine)
-        yield one(**sine)
-        yield samples(tuple(time), tuple(levels), corner=closest)
+    for control, rate in (("depth", "speed"), ("force", "loading_rate")):
+        end = {rate: pace, control: level}
+        yield Ramp(corner=part * ramp, **end)
+        yield RampHold(hold=hold, corner=part * longest, **end)
+        yield Trapezoid(hold=hold, corner=part * ramp, **end)
+        yield Trapezoid(hold=0, corner=part * ramp / 2, **end)
+        yield RampSinusoid(settle=hold, corner=short, **end, **sine)
+        yield RampSinusoid(corner=short, **end, **sine)
+        yield Sinusoid(control=control, **sine)
+        yield Sampled(tuple(time), corner=closest, **{control: tuple(levels)})
 
 
 def dense(motion):
@@ -143,13 +168,13 @@ def test_no_time_of_any_motion_is_above_its_peak():
 
 def test_no_force_that_is_asked_for_pulls_by_rounding():
     for motion in (motion for seed in range(100) for motion in drawn(seed)):
-        if motion.control == "force":
+        if motion.by_force:
             assert motion.value(dense(motion)).min() >= 0, motion
 
 
 def test_a_force_ramp_back_to_none_ends_at_none():
     # The ramp back of this one rounds to -1e-18 N.
-    assert ForceTrapezoid(3, 0.3, hold=0.2).value([0.42, 9.0]).min() >= 0
+    assert Trapezoid(loading_rate=3, force=0.3, hold=0.2).value([0.42, 9.0]).min() >= 0
 
 
 def test_a_wave_that_still_rises_is_highest_after_the_crest_of_its_sine():
@@ -207,13 +232,13 @@ def test_a_sinusoid_starts_at_touch_and_at_rest_and_ends_so():
     assert (WAVE.peak, WAVE.duration) == (1.0, 0.75)
     assert WAVE.moving == ((0.0, 0.75),)
     assert WAVE.breakpoints == (0.0, 0.75)
-    assert ForceSinusoid(amplitude=0.5, frequency=4, cycles=3).value(t).min() >= 0
+    assert Sinusoid(control="force", amplitude=0.5, frequency=4, cycles=3).value(t).min() >= 0
 
 
 def test_depth_and_force_kinds_share_their_shape():
     t = np.linspace(0, 2, 777)
     depth = RampSinusoid(2, 1, settle=0.1, **SINE)
-    force = ForceRampSinusoid(2, 1, settle=0.1, **SINE)
+    force = RampSinusoid(loading_rate=2, force=1, settle=0.1, **SINE)
     assert np.array_equal(depth.value(t), force.value(t))  # exact: one function
     assert (depth.control, force.control) == ("depth", "force")
 
@@ -273,7 +298,7 @@ def test_a_csv_file_gives_the_same_motion_as_its_arrays(tmp_path):
     file.write_text("time (s),depth (mm)\n0,0\n0.1,1.25\n\n0.2,0.5\n")
     assert Sampled.from_csv(file) == Sampled((0, 0.1, 0.2), (0, 1.25, 0.5))
     file.write_text("time,force\n0,0\n0.1,1\n")
-    assert ForceSampled.from_csv(file, corner=0.02).peak == pytest.approx(0.9 + 0.1)
+    assert Sampled.from_csv(file, control="force", corner=0.02).peak == pytest.approx(0.9 + 0.1)
 
 
 @pytest.mark.parametrize(
@@ -287,7 +312,7 @@ def test_a_csv_file_gives_the_same_motion_as_its_arrays(tmp_path):
         (Trapezoid(600, 1.5, hold=0), 0.0025),
         (RampSinusoid(20, 1.5, amplitude=0.1, frequency=250, cycles=1), 0.004),
         (RampSinusoid(20, 1.5, settle=0.001, amplitude=0.1, frequency=4, cycles=1), 0.002),
-        (ForceRampHold(500, 1, hold=1), 0.002),
+        (RampHold(loading_rate=500, force=1, hold=1), 0.002),
     ],
     ids=repr,
 )
@@ -303,7 +328,16 @@ def test_a_corner_that_is_not_given_is_as_long_as_the_parts_of_the_motion_allow(
     [
         (lambda: Ramp(0, 1), r"motion.speed: expected a finite number in mm/s above 0, received 0"),
         (lambda: Ramp(60, -1), r"motion.depth: .*above 0, received -1"),
-        (lambda: Ramp(60, None), r"motion.depth: expected a finite number in mm above 0, received"),
+        (
+            lambda: Ramp(60, None),
+            "motion.depth: missing; a motion takes speed and depth, or loading_rate and force",
+        ),
+        (lambda: Ramp(60, 1, force=1), r"motion.speed: expected none in a motion of force \(N\)"),
+        (lambda: Ramp(60, 1, loading_rate=1), "motion.loading_rate: expected none in a motion of"),
+        (
+            lambda: Sinusoid(1, 4, 1, control="load"),
+            "motion.control: expected one of 'depth', 'force'",
+        ),
         (lambda: RampHold(60, 1, hold=None), r"motion.hold: .*received None"),
         (lambda: Ramp("60", 1), r"motion.speed: expected a finite number.*received '60'"),
         (lambda: Ramp(True, 1), r"motion.speed: .*received True"),
@@ -314,7 +348,7 @@ def test_a_corner_that_is_not_given_is_as_long_as_the_parts_of_the_motion_allow(
             lambda: RampHold(600, 1, hold=1, corner=0.01),
             r"motion.corner: expected at most 0.00166667 s",
         ),
-        (lambda: ForceRamp(0, 1), r"motion.loading_rate: .*N/s above 0, received 0"),
+        (lambda: Ramp(loading_rate=0, force=1), r"motion.loading_rate: .*N/s above 0, received 0"),
         (
             lambda: Sinusoid(1, frequency=4, cycles=1.5),
             "motion.cycles: expected a whole number at least 1, received 1.5",
@@ -329,7 +363,7 @@ def test_a_corner_that_is_not_given_is_as_long_as_the_parts_of_the_motion_allow(
             r"motion.corner: expected at most the length of the sinusoid, 0.0025 s",
         ),
         (
-            lambda: ForceRampSinusoid(2, 1, amplitude=1, frequency=4, cycles=1),
+            lambda: RampSinusoid(loading_rate=2, force=1, amplitude=1, frequency=4, cycles=1),
             r"motion.amplitude: expected less than the mean force of 1 N.*cannot pull",
         ),
         (lambda: Sampled([0, 1], [0]), r"motion.depth: expected as many values as times"),
@@ -348,9 +382,9 @@ def test_a_corner_that_is_not_given_is_as_long_as_the_parts_of_the_motion_allow(
         (lambda: Sampled([0, 1e-300], [0, 1e20]), r"motion: .* received inf; check whether times"),
         (lambda: RampHold(10, 1, hold=1, corner=1e-310), r"motion.corner: expected at least 1e-99"),
         (lambda: Trapezoid(1e7, 1, hold=1e6, corner=0), "motion: .* parts longer than rounding"),
-        (lambda: ForceSampled([0, 1, 2], [0, 1, -1]), r"motion.force: .*cannot pull"),
+        (lambda: Sampled([0, 1, 2], force=[0, 1, -1]), r"motion.force: .*cannot pull"),
         (
-            lambda: ForceSampled([0, 1, 2], [-0.03, 0, 1]),
+            lambda: Sampled([0, 1, 2], force=[-0.03, 0, 1]),
             r"received -0.03; .* 2 % of the peak counts as 0: subtract the reading before contact, "
             "or set values below 0 to 0",
         ),

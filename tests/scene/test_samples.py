@@ -144,7 +144,7 @@ def test_noise_of_a_force_about_zero_counts_as_none() -> None:
     force = np.maximum(time - 0.5, 0.0)
     scatter = np.clip(np.random.default_rng(2).normal(0.0, 3e-3, len(time)), -0.02, 0.02)
     scatter[0] = -8e-3
-    motion = ff.ForceSampled(tuple(time.tolist()), tuple((force + scatter).tolist()))
+    motion = ff.Sampled(tuple(time.tolist()), force=tuple((force + scatter).tolist()))
     assert motion.value(0.0) == motion.trajectory.value(0.0) == 0.0
     assert motion.value(time) == pytest.approx(np.maximum(force + scatter, 0.0), abs=1e-12)
     *_, note = samples(motion)

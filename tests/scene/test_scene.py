@@ -4,6 +4,7 @@ import pickle
 import tomllib
 from dataclasses import replace
 from datetime import date
+from pathlib import Path
 
 import pytest
 from fefinger.validation.problems import published
@@ -12,10 +13,12 @@ from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Ellipsoid, Flat, Sphere
-from fefinger.scene.motions import MOTIONS, ForceSampled, Ramp, RampHold, Sampled
+from fefinger.scene.motions import Ramp, RampHold
 from fefinger.scene.population import Scatter
+from fefinger.scene.samples import Sampled
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Tissue
+from fefinger.scene.toml import MOTIONS, keys, parts
 from fefinger.support.checks import InputError
 
 
@@ -44,13 +47,15 @@ MOTION_VALUES = {
 
 
 def motion_of(kind):
-    cls = MOTIONS[kind]
-    if kind in ("sampled", "force-sampled"):
-        return cls((0, ODD, 2 / 3), (0, 1 / 3, ODD))
-    if cls.kind.endswith("sampled-path"):
-        return cls((0, ODD, 2 / 3), (0, -ODD, 1 / 7), (0, 0, 1 / 3), (0, 1 / 3, ODD))
-    names = set(cls.__dataclass_fields__) & set(MOTION_VALUES)
-    return cls(**{name: MOTION_VALUES[name] for name in names})
+    values = MOTION_VALUES
+    if "sampled" in kind:
+        rising = dict.fromkeys(("depth", "force"), (0, 1 / 3, ODD))
+        values = rising | {"time": (0, ODD, 2 / 3), "x": (0, -ODD, 1 / 7), "y": (0, 0, 1 / 3)}
+    wanted = keys("motion", kind)
+    made = {"kind": kind, **{name: value for name, value in values.items() if name in wanted}}
+    motion = parts({"finger": {"subject": "a.h."}, "motion": made}, Path())["motion"]
+    assert motion.kind == kind
+    return motion
 
 
 @pytest.mark.parametrize("kind", MOTIONS)
@@ -119,7 +124,7 @@ def test_samples_are_read_beside_the_scene_file_and_then_belong_to_the_scene(tmp
         '[finger]\nsubject = "d.p."\n[motion]\nkind = "force-sampled"\nfile = "samples.csv"\n'
     )
     scene = builtin.load(file)
-    assert scene.motion == ForceSampled((0, 1), (0, 0.5))
+    assert scene.motion == Sampled((0, 1), force=(0, 0.5))
     (tmp_path / "samples.csv").unlink()
     assert Scene.from_toml(scene.to_toml()) == scene
 

@@ -12,12 +12,11 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import INDENTERS
 from fefinger.scene.key import keys_of
-from fefinger.scene.motions import MOTIONS
 from fefinger.scene.population import LAYOUTS
 from fefinger.scene.scene import Scene
 from fefinger.scene.schema import parameters, schema
 from fefinger.scene.tissue import Hard, Tissue
-from fefinger.scene.toml import FROM_FILE, keys
+from fefinger.scene.toml import FROM_FILE, MOTIONS, keys
 from fefinger.support.checks import InputError
 
 

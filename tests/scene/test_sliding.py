@@ -17,13 +17,13 @@ from fefinger.support.checks import InputError
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 SLIDES = [
-    cls(60, 1.2, distance=10, direction=30, passes=3, settle=0.2, corner=corner)
-    for cls in (ff.Slide, ff.ForceSlide)
+    ff.Slide(60, distance=10, direction=30, passes=3, settle=0.2, corner=corner, **{control: 1.2})
+    for control in ("depth", "force")
     for corner in (0.0, 0.01)
 ]
 PATHS = [
     ff.SampledPath((0, 0.1, 0.5), (0, 1, 0), (0, 0, 3), (0, 1, 1), corner=0.02),
-    ff.ForceSampledPath((0, 0.1, 0.5), (0, 1, 0), (0, 0, 3), (0, 1, 1)),
+    ff.SampledPath((0, 0.1, 0.5), (0, 1, 0), (0, 0, 3), force=(0, 1, 1)),
 ]
 
 

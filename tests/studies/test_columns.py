@@ -9,9 +9,9 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.field_units import column, split
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import INDENTERS
-from fefinger.scene.motions import MOTIONS
 from fefinger.scene.population import LAYOUTS
 from fefinger.scene.tissue import Hard, Tissue
+from fefinger.scene.toml import MOTIONS
 from fefinger.studies.columns import words
 from fefinger.theory.relaxation import Prony
 

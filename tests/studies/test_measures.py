@@ -79,7 +79,7 @@ def test_errors_are_those_of_the_plan_at_the_largest_force_and_of_a_shallower_pr
     assert told["end"]["force_rel_error"] == pytest.approx(chosen.error * fallen)
 
 
-PRESCRIBED = (ff.ForceRampHold(2.0, 0.5, hold=0.2), ff.RampHold(20, 1.0, hold=0.1))
+PRESCRIBED = (ff.RampHold(loading_rate=2.0, force=0.5, hold=0.2), ff.RampHold(20, 1.0, hold=0.1))
 
 
 @pytest.mark.parametrize("motion", PRESCRIBED, ids=("by force", "by depth"))

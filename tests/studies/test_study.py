@@ -131,7 +131,7 @@ def test_every_column_has_a_meaning_and_the_console_is_narrow(pressed):
 def test_a_force_on_the_way_is_what_a_run_under_force_control_gives(pressed, mechanics, tolerance):
     moved = run(pressed.scene, mechanics="hertz") if mechanics == "hertz" else pressed
     passed = rows(moved, forces=(0.2,))[2]
-    scene = ff.Scene(finger=ELASTIC, motion=ff.ForceRamp(1.0, 0.2), ask=BARE)
+    scene = ff.Scene(finger=ELASTIC, motion=ff.Ramp(loading_rate=1.0, force=0.2), ask=BARE)
     held = rows(run(scene, mechanics=mechanics))[0]
     assert passed["force_N"] == pytest.approx(0.2)
     assert held["force_N"] == pytest.approx(0.2)

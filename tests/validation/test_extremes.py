@@ -213,7 +213,7 @@ def test_a_contact_wider_than_its_radius_is_refused_whatever_is_asked():
 @pytest.mark.parametrize("each", [hertz, lumped])
 def test_a_force_that_presses_through_the_tissue_is_refused(each):
     with pytest.raises(InputError, match=r"motion.force: expected one that presses less deep"):
-        each.respond(scene(motion=ff.ForceRampHold(1e8, 1e7, hold=100, corner=0)))
+        each.respond(scene(motion=ff.RampHold(loading_rate=1e8, force=1e7, hold=100, corner=0)))
 
 
 def test_a_contact_smaller_than_a_facet_is_told_from_none():
@@ -232,7 +232,7 @@ def test_a_ball_between_the_vertices_of_the_pad_is_refused_by_depth_and_by_force
         "finger": ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998"),
         "indenter": ff.Sphere(0.5),
     }
-    for motion in (ff.Ramp(20, 0.1), ff.ForceRamp(2.0, 0.05)):
+    for motion in (ff.Ramp(20, 0.1), ff.Ramp(loading_rate=2.0, force=0.05)):
         with pytest.raises(
             InputError, match="at least 3 vertices of the pad under it, rec"
         ) as refusal:

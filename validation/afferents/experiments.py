@@ -29,7 +29,7 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Bar, Flat, Pin, Sphere
 from fefinger.scene.innervation import innervation
 from fefinger.scene.motion import Motion
-from fefinger.scene.motions import ForceRampHold, Ramp
+from fefinger.scene.motions import Ramp, RampHold
 from fefinger.scene.population import Places
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
@@ -133,7 +133,7 @@ def under_sphere(
     Places beyond EDGE count as there.
     """
     indenter: Indenter = Flat(30) if curvature == 0 else Sphere(1e3 / curvature)
-    motion = ForceRampHold(LOADING, force, hold=1.0, corner=0.0)
+    motion = RampHold(loading_rate=LOADING, force=force, hold=1.0, corner=0.0)
     places, which = np.unique(np.minimum(distances, EDGE), return_inverse=True)
     time, _, driven = drives(indenter, motion, places, drive=drive, organ=organ)
     return time, driven[:, which]

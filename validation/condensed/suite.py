@@ -24,7 +24,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motion import Motion
-from fefinger.scene.motions import ForceTrapezoid, RampHold, RampSinusoid, Trapezoid
+from fefinger.scene.motions import RampHold, RampSinusoid, Trapezoid
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
@@ -45,7 +45,10 @@ PRESSES: dict[str, tuple[Indenter, Motion]] = {
         Flat(15, 20),
         RampSinusoid(20, 0.5, amplitude=0.7, frequency=8, cycles=3),
     ),
-    "sphere, off center, by force": (Sphere(5, at=(1, 1)), ForceTrapezoid(2, 0.3, hold=0.5)),
+    "sphere, off center, by force": (
+        Sphere(5, at=(1, 1)),
+        Trapezoid(loading_rate=2, force=0.3, hold=0.5),
+    ),
     "sphere, in and out": (Sphere(5), Trapezoid(20, 0.8, hold=0.2)),
     INCOMPRESSIBLE: (Flat(30), RampHold(60, 1.2, hold=1)),
 }
@@ -285,7 +288,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
 def _agreement(resolution: str) -> Iterator[Case]:
     for name, (_, motion) in PRESSES.items():
         # A depth that is prescribed is the same in both; a force is what each found a depth for.
-        controlled = ("depth",) if motion.control == "force" else ()
+        controlled = ("depth",) if motion.by_force else ()
         for quantity in (*controlled, "force", "pressure", "strain"):
             title = f"{quantity} in every step, {name}"
             measure = partial(difference, resolution, name, quantity)

@@ -22,7 +22,7 @@ from fefinger.geometry.voigt import logarithmic
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Sphere
-from fefinger.scene.motions import ForceRampHold, Ramp
+from fefinger.scene.motions import Ramp, RampHold
 from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony
 
@@ -217,7 +217,10 @@ def _grown(force: float) -> Findings:
     elastic = Prony((1.0,), ())
     pushed = answered(
         "linear",
-        {"prony": elastic, "motion": ForceRampHold(10 * force, force, hold=0.1, corner=0.0)},
+        {
+            "prony": elastic,
+            "motion": RampHold(loading_rate=10 * force, force=force, hold=0.1, corner=0.0),
+        },
     )
     depth = float(pushed[1].depth[-1])
     moved = answered("linear", {"prony": elastic, "motion": ramp(60, depth)})

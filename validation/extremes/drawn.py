@@ -12,7 +12,7 @@ from fefinger.results.candidate import MECHANICS
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Ellipsoid, Flat, Sphere
 from fefinger.scene.motion import Motion
-from fefinger.scene.motions import ForceRampHold, Ramp, RampHold, RampSinusoid, Trapezoid
+from fefinger.scene.motions import Ramp, RampHold, RampSinusoid, Trapezoid
 from fefinger.scene.tissue import Tissue
 from fefinger.theory.relaxation import Prony
 
@@ -79,7 +79,9 @@ def _motion(rng: np.random.Generator, *, meshed: bool) -> Motion:
         return Trapezoid(speed, depth, hold=0.0, corner=corner)
     if kind == 3:
         force = _log(rng, 1e-3 if meshed else 1e-9, 10)
-        return ForceRampHold(force / _log(rng, 1e-3, 1e3), force, hold=1.0, corner=0.0)
+        return RampHold(
+            loading_rate=force / _log(rng, 1e-3, 1e3), force=force, hold=1.0, corner=0.0
+        )
     amplitude, frequency = depth * float(rng.uniform(0.1, 0.6)), _log(rng, 1e-2, 1e3)
     return RampSinusoid(speed, 0.6 * depth, amplitude=amplitude, frequency=frequency, cycles=3,
                         corner=min(corner, 1 / frequency))  # fmt: skip

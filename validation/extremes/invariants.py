@@ -108,7 +108,7 @@ def _pull(response: Response) -> tuple[float, float]:
 
 
 def _asked(scene: Scene, response: Response) -> tuple[float, float]:
-    followed = response.depth if scene.motion.control == "depth" else response.force
+    followed = scene.motion.control.of(response.depth, response.force)
     return off(followed, scene.motion.value(response.time), 1e-7)
 
 

@@ -18,16 +18,8 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Ellipsoid, Flat, Sphere
 from fefinger.scene.motion import Motion
-from fefinger.scene.motions import (
-    ForceRampHold,
-    ForceRampSinusoid,
-    Ramp,
-    RampHold,
-    RampSinusoid,
-    Sampled,
-    Sinusoid,
-    Trapezoid,
-)
+from fefinger.scene.motions import Ramp, RampHold, RampSinusoid, Sinusoid, Trapezoid
+from fefinger.scene.samples import Sampled
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Tissue
 from fefinger.theory.relaxation import Prony
@@ -132,7 +124,7 @@ def _depths() -> Iterator[Trial]:
     deep = {"indenter": Sphere(5), "motion": ramp(60, 0.6 * PULP)}
     yield from _each(ALL[1:], "depth", "ball of 5 mm, 60% of the tissue", None, **deep)
     for force in (1e-9, 1e-3, 1.0, 100.0):
-        push = ForceRampHold(10 * force, force, hold=1.0, corner=0.0)
+        push = RampHold(loading_rate=10 * force, force=force, hold=1.0, corner=0.0)
         wants = ANSWERED if force <= 1 else None
         yield from _each(SIMPLE, "force", f"{force:g} N", wants, motion=push)
         yield from _each(MESHED, "force", f"{force:g} N", None, motion=push)
@@ -238,7 +230,7 @@ def _series() -> Iterator[Trial]:
         settings = {"prony": prony, "motion": RampHold(60, 0.6, hold=5.0)}
         yield from _each(ALL[1:], "relaxation", name, **settings)
     for name, prony in SERIES.items():
-        settings = {"prony": prony, "motion": ForceRampHold(20, 0.5, hold=5.0)}
+        settings = {"prony": prony, "motion": RampHold(loading_rate=20, force=0.5, hold=5.0)}
         wants = ANSWERED if prony.c[0] > 1e-3 else None  # the other creeps a million times deeper
         yield from _each(("hertz", "linear"), "creep", name, wants, **settings)
 
@@ -252,7 +244,7 @@ def _motions() -> Iterator[Trial]:
     for speed in (1.0, 1e3):
         motion = Trapezoid(speed, 0.6, hold=0.1, corner=min(0.01, 0.3 / speed))
         yield from _each(ALL, "lost contact", f"in and out at {speed:g} mm/s", motion=motion)
-    swing = ForceRampSinusoid(5, 0.5, amplitude=0.4999, frequency=4, cycles=3)
+    swing = RampSinusoid(loading_rate=5, force=0.5, amplitude=0.4999, frequency=4, cycles=3)
     yield from _each(ALL, "lost contact", "a force that nearly leaves", motion=swing)
     for frequency in (1e-4, 1e4):
         wave = Sinusoid(amplitude=0.3, frequency=frequency, cycles=1)

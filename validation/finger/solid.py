@@ -22,7 +22,8 @@ from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.indenters import Flat
 from fefinger.scene.motion import Motion
-from fefinger.scene.motions import Ramp, Sampled
+from fefinger.scene.motions import Ramp
+from fefinger.scene.samples import Sampled
 from fefinger.support.arrays import Array
 
 

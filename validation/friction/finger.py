@@ -14,8 +14,9 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motion import Motion
-from fefinger.scene.motions import ForceSlide, RampHold, SampledPath, Slide
+from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
+from fefinger.scene.sliding import SampledPath, Slide
 from fefinger.scene.texts import Letters
 from fefinger.scene.textured import Dots
 from fefinger.support.arrays import Array
@@ -121,7 +122,7 @@ def condensed_and_linear() -> float:
 
 def loop_and_scene() -> float:
     """Return the difference of steps in a loop from the scene, by force and with friction."""
-    motion = ForceSlide(40, 0.3, distance=2.0, direction=150, settle=0.05)
+    motion = Slide(40, force=0.3, distance=2.0, direction=150, settle=0.05)
     dots = Dots(2.5, friction=MU)
     scene = respond(dots, motion)
     assert scene.sites is not None
@@ -213,7 +214,9 @@ def stick_curve(finger: Finger) -> tuple[Array, Array]:
     A plate at 30 degrees under 1 N, dragged slowly proximally until all slides.
     """
     response = respond(
-        Flat(30, friction=MU), ForceSlide(1.0, 1.0, distance=1.5, direction=180, settle=2.0), finger
+        Flat(30, friction=MU),
+        Slide(1.0, force=1.0, distance=1.5, direction=180, settle=2.0),
+        finger,
     )
     one, area = lateral(response), response.contact_area
     assert area is not None

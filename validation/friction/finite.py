@@ -16,8 +16,8 @@ from fefinger.mechanics.press.materials import materials
 from fefinger.mechanics.press.problem import Press
 from fefinger.results.records import Response
 from fefinger.scene.indenters import Flat
-from fefinger.scene.motions import Slide
 from fefinger.scene.scene import Scene
+from fefinger.scene.sliding import Slide
 from fefinger.support.arrays import Array
 from fefinger.support.progress import Stages
 from fefinger.support.tolerances import EQUILIBRIUM

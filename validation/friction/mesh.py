@@ -8,8 +8,8 @@ from scipy.optimize import brentq
 from fefinger.mechanics import condensed
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.motions import Slide
 from fefinger.scene.scene import Scene
+from fefinger.scene.sliding import Slide
 from fefinger.scene.textured import Dots
 
 

@@ -19,7 +19,7 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.scene.motion import Motion
-from fefinger.scene.motions import ForceRampHold, Ramp, RampHold
+from fefinger.scene.motions import Ramp, RampHold
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
@@ -96,7 +96,7 @@ def deep(name: str) -> dict[str, Any]:
 
 def held(name: str, force: float, angle: float = 30.0) -> dict[str, Any]:
     """Return depth, area, pressures and the profile along the finger of a held force."""
-    response = press(name, ForceRampHold(1.0, force, hold=20.0), angle)
+    response = press(name, RampHold(loading_rate=1.0, force=force, hold=20.0), angle)
     assert response.pad is not None
     assert response.pressure is not None
     assert response.contact_area is not None

@@ -18,7 +18,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motion import Motion
-from fefinger.scene.motions import ForceRampHold, RampHold
+from fefinger.scene.motions import RampHold
 from fefinger.scene.population import Line
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
@@ -85,7 +85,7 @@ def profile(
         skin=replace(finger.skin, modulus=softer * finger.skin.modulus),
         subcutaneous=replace(finger.subcutaneous, modulus=softer * finger.subcutaneous.modulus),
     )
-    motion = ForceRampHold(loading_rate=4.0, force=force, hold=0.8, corner=0.01)
+    motion = RampHold(loading_rate=4.0, force=force, hold=0.8, corner=0.01)
     return _answer(mechanics, finger, indenter(curvature), motion, kind)
 
 

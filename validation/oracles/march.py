@@ -26,7 +26,7 @@ def march(
         step = float(time[k] - time[k - 1]) if k else 0.0
         g, past = relaxation.history(step)
         free = gap - flexibility @ past / g
-        if prescribed.control == "depth":
+        if not prescribed.by_force:
             depth, pressure, count = float(target), g * solver.solve(free - target * projected), 1
         else:
             before = depth

@@ -51,7 +51,7 @@ def compared(scene: Scene) -> dict[str, Any]:
     except (InputError, ConvergenceError) as error:
         return row | {"refused": str(error)}
     row["part"] = float(true.depth.max()) / scene.finger.thickness
-    by_force = scene.motion.control == "force"
+    by_force = scene.motion.by_force
     row |= errors(true, pressed.respond(scene), by_force)
     if not by_force:
         phases = errors(true, relaxed_as_one(scene), by_force)

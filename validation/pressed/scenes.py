@@ -16,7 +16,7 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.library import calibrated_name
 from fefinger.scene.motion import Motion
-from fefinger.scene.motions import ForceRampHold, RampHold, RampSinusoid, Sinusoid, Trapezoid
+from fefinger.scene.motions import RampHold, RampSinusoid, Sinusoid, Trapezoid
 from fefinger.scene.scene import Scene
 
 
@@ -115,7 +115,7 @@ def _motion(rng: Generator, kind: str, deepest: float) -> Motion:
         )
     if kind == "sinusoid":
         return Sinusoid(amplitude=deepest / 2, frequency=frequency, cycles=2)
-    return ForceRampHold(
+    return RampHold(
         loading_rate=float(np.exp(rng.uniform(np.log(0.2), np.log(5.0)))),
         force=float(rng.uniform(0.2, 1.0)),
         hold=hold,

@@ -58,7 +58,7 @@ def relative_error(
         volumes / (size * projected.sum()) if size > 0 else volumes,
         float(apart.max()) / size if size > 0 else 0.0,
     ]
-    if target.control == "force":
+    if target.by_force:
         reached = float(projected @ state.pressure)
         most = max(target.value, reached, target.force_floor, 1e-300)
         errors.append(abs(reached - target.value) / most)

@@ -134,7 +134,7 @@ class Equilibrium:
         Exhausted
             If it takes more factors than are allowed.
         """
-        if target.control == "depth":
+        if not target.by_force:
             start = replace(start, depth=target.value)
         if np.abs(target.drag - self._factored.drag).max() > SAME_DRAG:
             self._factored.set_loads(self.contact.at(start), target.drag)
@@ -150,7 +150,7 @@ class Equilibrium:
         state, sound = start, start
         mixing, retreats, error, renewed = Anderson(MEMORY), 0, np.inf, -SOON
         best, best_at, stuck = np.inf, 0, STUCK if consistent else PATIENCE
-        most = self.factors + (SEARCH if target.control == "depth" else ITERATIONS)
+        most = self.factors + (ITERATIONS if target.by_force else SEARCH)
         for count in range(ITERATIONS):
             iterate = self._evaluate(state, target)
             if iterate is None:
@@ -209,7 +209,7 @@ class Equilibrium:
                 sure = SURER * iterate.error
             share = self._blend(iterate, target, share)
             state = self._trusted(state, self._step(iterate, target, plain))
-            if target.control == "depth" and (len(errors) - 1) % HOLD == 0:
+            if not target.by_force and (len(errors) - 1) % HOLD == 0:
                 share = max(share / STRIDE, LEAST)
         raise not_converged(self.tolerance, errors[-1], len(errors) - 1)
 
@@ -269,7 +269,7 @@ class Equilibrium:
         if consistent:
             contact += iterate.gap.spreading_stiffness()
         matrix = body.tangent(iterate.state.values, target.history, consistent=consistent) + contact
-        if not (consistent and target.control == "depth"):
+        if not consistent or target.by_force:
             renewed = self._factor_approximately(matrix)
         else:
             under = iterate.gap.support(pressed)
@@ -301,7 +301,7 @@ class Equilibrium:
         factored = FactoredTangent(renewed, free, gap.loads, gain, support, gap.fold_stiffness)
         if target.drag.any():
             factored.set_loads(gap, target.drag)
-        if target.control == "force":  # else the obstacle stays where it is
+        if target.by_force:  # else the obstacle stays where it is
             rigid = np.zeros(self.body.space.n_unknowns)
             rigid[: self.body.space.n_displacements].reshape(-1, 3)[:] = self.contact.obstacle.axis
             factored.set_travel_load(stiffness @ rigid)
@@ -327,7 +327,7 @@ class Equilibrium:
         difference += spreads
         fixed = definite + bends
         unit = target.history.gain * body.scale / float(np.sqrt(projected.sum()))
-        leans = (iterate.state.pressure > 0) & (target.control == "depth")
+        leans = (iterate.state.pressure > 0) & (not target.by_force)
         support = np.where(leans, SUPPORTS[-1] * unit, 0.0)
         while True:
             renewed = self._factor_approximately(fixed + (1 - share) * difference)
@@ -375,7 +375,7 @@ class Equilibrium:
             bare_gaps = gaps_then[near] - gain_ratio * (  # mm³, without any pressure
                 solver.flexibility @ state.pressure[near]
             )
-            if target.control == "depth":
+            if not target.by_force:
                 pressure[near] = solver.solve(bare_gaps - depth * closing[near]) / gain_ratio
             else:
                 depth, pressure[near], _ = pressure_at_force(

@@ -46,12 +46,17 @@ class Target:
     drag: Array = field(default_factory=lambda: np.zeros(3))
 
     @property
+    def by_force(self) -> bool:
+        """Whether the force is prescribed, and not the depth."""
+        return self.control == "force"
+
+    @property
     def force_floor(self) -> float:
         """Floor in mN of the force in the denominator of the relative force error.
 
         0 under depth control.
         """
-        return max(SMALL_FORCE * self.peak, LEAST_FORCE) if self.control == "force" else 0.0
+        return max(SMALL_FORCE * self.peak, LEAST_FORCE) if self.by_force else 0.0
 
     @property
     def depth_floor(self) -> float:
@@ -59,4 +64,4 @@ class Target:
 
         0 under force control.
         """
-        return SMALL_FORCE * self.peak if self.control == "depth" else 0.0
+        return 0.0 if self.by_force else SMALL_FORCE * self.peak

@@ -271,7 +271,7 @@ def _press_at_hand(case: Situation) -> bool:
     from fefinger.mechanics.press.depth_table import deepest_at_hand
 
     depth, force = deepest_at_hand(case.finger, case.indenter, case.motion)
-    reached = depth if case.motion.control == "depth" else force
+    reached = case.motion.control.of(depth, force)
     return reached > 0 and reached >= case.motion.peak * (1 - 1e-9)
 
 

@@ -332,7 +332,7 @@ def _grows_through_motion(candidate: Candidate, case: Situation) -> bool:
     Not that of the lumped law, whose relaxation is compared with measured presses.
     """
     small = candidate != LUMPED_LAW and not MECHANICS[candidate.mechanics].finite
-    return small and case.motion.control == "depth"
+    return small and not case.motion.by_force
 
 
 def _presses(
@@ -356,7 +356,7 @@ def _presses(
 
 def _reached(press: Measured, case: Situation) -> float:
     """Return the relative depth of a scene; under force control by a press with the same object."""
-    if case.motion.control == "depth":
+    if not case.motion.by_force:
         return case.depth_over_thickness
     same_object = [x for x in case.force_curves if x.object == press.object]
     curves = same_object or case.force_curves

@@ -224,7 +224,7 @@ def _too_sudden(case: Situation) -> Iterator[Reason]:
     last = _last(case)
     press_suddenness = suddenness(case.motion, 1 / last)
     if press_suddenness > SUDDEN:
-        pace = "loading_rate" if case.motion.control == "force" else "speed"
+        pace = case.motion.control.pace
         reason = (
             f"sudden change of the speed / (peak x frequency of the last mode, {last:.3g} Hz) = "
             f"{press_suddenness:.2g} > {SUDDEN:g}: the modes do not follow it; press more slowly, "
@@ -288,7 +288,7 @@ def _slide_speed(case: Situation) -> float:
 
 def _speed(case: Situation) -> float:
     """Largest speed in mm/s of a motion that prescribes the depth, without its vibration."""
-    if case.motion.control == "force":
+    if case.motion.by_force:
         return 0.0
     t = case.meshes[0].times
     slow = case.motion.value(t) - case.motion.vibration(t)
@@ -310,7 +310,7 @@ def _damping(case: Situation, frequency: float) -> str:
 def _faster(case: Situation, frequency: float) -> float:
     """Wave speed in mm/s at a frequency, under the preload."""
     factor = 1.0
-    if stiffens(case.finger) and case.motion.control == "depth":
+    if stiffens(case.finger) and not case.motion.by_force:
         part = min(case.motion.steady_level, case.motion.peak) / case.finger.thickness
         factor = max(1.0, float(np.interp(part, *_by_part("factor", np.min, 1.0))))
     return float(wave_speed(case.finger, frequency) * np.sqrt(factor))

@@ -165,7 +165,7 @@ def _march(
     motion: Motion, time: Array, prony: Prony, contact: ElasticContact
 ) -> ting.ContactHistory:
     value = motion.value(time)
-    if motion.control == "depth":
+    if not motion.by_force:
         return ting.press_by_depth(prony, time, value, ting.radius_nodes(float(value.max())))
     force = value / NEWTON_PER_MILLINEWTON
     nodes = ting.radius_nodes(float(contact.depth(float(force.max()))) * (1 + 1e-9))

@@ -62,8 +62,7 @@ def continued(finger: Finger, indenter: Indenter, motion: Motion) -> bool:
     plate = indenter.flat
     if plate is None or plate.angle > ALONG:
         return False
-    by_depth = motion.control == "depth"
-    deepest = motion.peak if by_depth else FORCE_DEPTH * finger.thickness
+    deepest = motion.control.of(motion.peak, FORCE_DEPTH * finger.thickness)
     return deepest > CLOSE * gap(finger, plate)
 
 

@@ -37,8 +37,8 @@ def check_under(motion: Motion, obstacle: "Obstacle", body: "Solid", beyond: Fla
     """
     if len(beyond) and not (beyond.any() and (~beyond).sum() < FEWEST):
         return
-    by_force = motion.control == "force"
-    raise InputError(NOTHING_UNDER if by_force else untouched(obstacle, body, motion.peak))
+    depth = motion.deepest
+    raise InputError(NOTHING_UNDER if depth is None else untouched(obstacle, body, depth))
 
 
 def untouched(obstacle: "Obstacle", body: "Solid", depth: float) -> str:
@@ -77,7 +77,7 @@ def spread_beyond(reach: float) -> str:
 
 def check_reached(motion: Motion, pulp: float, deepest: float) -> None:
     """Raise InputError for a force that presses `deepest` mm, through `pulp` mm of tissue."""
-    if motion.control == "force" and deepest >= pulp:
+    if motion.by_force and deepest >= pulp:
         todo = "press less, or slide where the object stays on the pad"
         raise InputError(
             f"motion.force: expected one that presses less deep than the {pulp:g} mm of tissue "
@@ -90,7 +90,7 @@ def check_depth(motion: Motion, mesh: FingerMesh, obstacle: "Obstacle") -> None:
     """Raise InputError for a depth that leaves no tissue over the bone."""
     bone = mesh.points[np.unique(mesh.facets["bone"])]
     pulp = float(np.min(np.linalg.norm(bone - obstacle.origin, axis=1)))
-    if motion.control == "depth" and motion.peak >= pulp:
+    if motion.deepest is not None and motion.deepest >= pulp:
         raise InputError(
             f"motion.depth: expected less than the {pulp:.3g} mm of tissue over the bone, "
             f"received {motion.peak:g} mm"

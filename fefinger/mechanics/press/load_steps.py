@@ -180,7 +180,7 @@ def _spring(prony: Prony, motion: Motion, time: Array, path: Array) -> Array:
     Under force control: as the displacement of a soft spring, and of one as stiff as a contact.
     """
     x = np.maximum(path, 0.0) / motion.peak
-    if motion.control == "force":
+    if motion.by_force:
         depth = creep_integral(prony, time, x)
         return np.column_stack([depth, np.maximum(depth, 0.0) ** ROOT])
     return np.column_stack([hereditary_integral(prony, time, x**1.5 + x**3), x])

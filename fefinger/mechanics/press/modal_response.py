@@ -103,10 +103,10 @@ def _corrected(
         shares = table.along(slow.time)
     answer = tabulated_press.tabulated_response(table, shares, stages)
     depth = float(scene.motion.steady_level)  # about which it vibrates, or else its largest
-    if scene.motion.control == "depth":
-        depth = min(depth, table.table.deepest)
-    else:  # of relaxed tissue
+    if scene.motion.by_force:  # of relaxed tissue
         depth = float(np.interp(depth, table.table.force_at_nodes, table.table.nodes))
+    else:
+        depth = min(depth, table.table.deepest)
     share = geometric_share(depth / scene.finger.thickness)
     swinging = tabulated_press.about_preload(scene.finger, share)
     swinging = replace(swinging, resolution=MESH_OF_INERTIA[scene.finger.mesh])
@@ -143,7 +143,7 @@ def _swept(
     if motion.frequencies is None:
         return answer
     solid = modal_press.operator_of(press)
-    by_force = depth is None and motion.control == "force"
+    by_force = depth is None and motion.by_force
     with stages.stage("harmonic"):
         harmonic = about(
             lambda on_pad, reach: Vibrating.of(
@@ -161,7 +161,7 @@ def _loses(harmonic: Harmonic, scene: Scene) -> Iterator[str]:
     """Yield the note that the contact of a preload opens within a cycle, if it does."""
     amplitude = float(getattr(scene.motion, "amplitude", 0.0))
     lost = harmonic.frequency[amplitude * np.abs(harmonic.stiffness) > harmonic.preload_force]
-    if scene.motion.control != "force" and len(lost):
+    if not scene.motion.by_force and len(lost):
         yield (
             f"From {lost.min():.3g} to {lost.max():.3g} Hz the force of {amplitude:g} mm exceeds "
             f"the preload of {harmonic.preload_force:.3g} N: contact opens in mid-cycle, which the "
@@ -220,7 +220,7 @@ def _added(
     unit = press.body.sides * NEWTON_PER_MILLINEWTON
     moving = unit * history.contact.pressure @ history.body.static.patch.projected
     resting = unit * still.contact.pressure @ still.reduced.patch.projected
-    by_force, about = press.motion.control == "force", (press.motion, press.time)
+    by_force, about = press.motion.by_force, (press.motion, press.time)
     force, more = answer.force, np.zeros_like(answer.force)
     if by_force:
         more = history.contact.depth - still.contact.depth + relaxation.depth(*about)

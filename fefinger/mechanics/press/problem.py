@@ -188,9 +188,8 @@ class Press:
     @property
     def expected_depth(self) -> float:
         """Largest depth in mm of the motion or, under force control, a first guess."""
-        by_depth = self.motion.control == "depth"
-        guess = self.foreseen or FORCE_DEPTH * self.finger.thickness
-        return self.motion.peak if by_depth else guess
+        deepest = self.motion.deepest
+        return self.foreseen or FORCE_DEPTH * self.finger.thickness if deepest is None else deepest
 
     @property
     def system(self) -> System:
@@ -203,8 +202,7 @@ class Press:
     @property
     def load_unit(self) -> float:
         """Factor from the unit of the motion, mm or N, to mm or mN on the meshed part."""
-        by_depth = self.motion.control == "depth"
-        return 1.0 if by_depth else 1 / NEWTON_PER_MILLINEWTON / self.body.sides
+        return self.motion.control.of(1.0, 1 / NEWTON_PER_MILLINEWTON / self.body.sides)
 
 
 def of_texture(scene: Scene, body: Solid, obstacle: Obstacle) -> Iterator[str]:

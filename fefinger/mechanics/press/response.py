@@ -93,7 +93,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
                 steps.smooth(history.moment),
                 press.body.half,
             )
-        by_force = press.motion.control == "force"
+        by_force = press.motion.by_force
         depth = steps.bounded(history.depth) if by_force else steps.path
         strain = press.unfolded(steps.smooth(history.strain)) if press.sites else None
         lateral = None
@@ -218,7 +218,7 @@ def _between_steps(press: Press, history: FiniteStrainHistory) -> tuple[Array, A
     """Return the pressure (n_t, n_candidates) kPa and the force (n_t,) N at all times."""
     pressure = history.steps.bounded(history.pressure)
     force = press.body.sides * pressure @ history.contact.projected * NEWTON_PER_MILLINEWTON
-    if press.motion.control == "force":  # that is prescribed between the steps as well
+    if press.motion.by_force:  # that is prescribed between the steps as well
         ratio = np.divide(history.steps.path, force, out=np.ones_like(force), where=force > 0)
         pressure, force = pressure * ratio[:, None], force * ratio
     return pressure, force

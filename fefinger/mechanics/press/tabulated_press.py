@@ -92,13 +92,13 @@ class TabulatedPress:
         """Solve the contact along the motion, at times (n_t,) s."""
         motion, table, prony = self.press.motion, self.table, self.press.finger.prony
         value = np.asarray(motion.value(time), dtype=np.float64)
-        if motion.control == "depth":
-            return ting.press_by_depth(prony, time, value, table.nodes, table.measure)
-        return ting.press_by_force(prony, time, value, self.instantaneous)
+        if motion.by_force:
+            return ting.press_by_force(prony, time, value, self.instantaneous)
+        return ting.press_by_depth(prony, time, value, table.nodes, table.measure)
 
     def forces(self, history: ting.ContactHistory) -> Array:
         """Force (n_t,) N: the prescribed one to the last digit."""
-        if self.press.motion.control == "force":
+        if self.press.motion.by_force:
             return np.asarray(self.press.motion.value(history.time), dtype=np.float64)
         return self.instantaneous.along(history.stress_weights, history.depth)
 
@@ -141,8 +141,8 @@ def table_of(press: Press, stages: Stages) -> DepthTable:
     Errors as `elastic_press.load_or_solve`, and InputError for a force that is too large.
     """
     motion = press.motion
-    if motion.control == "depth":
-        return elastic_press.load_or_solve(press, motion.peak, stages)
+    if motion.deepest is not None:
+        return elastic_press.load_or_solve(press, motion.deepest, stages)
     table = elastic_press.load_or_solve(press, 0.0, stages, force=motion.peak)
     if table.force[-1] >= motion.peak:  # relaxed tissue bears the least
         return table

@@ -93,7 +93,7 @@ def moving(motion: Motion, time: Array) -> int:
 
     Under a constant force tissue creeps, and contact grows; at a constant depth and place it stays.
     """
-    if motion.control == "force" or motion.turns_plate:
+    if motion.by_force or motion.turns_plate:
         return len(time)
     course = np.column_stack([motion.value(time), motion.shift(time)])
     return int(np.count_nonzero(np.diff(course, axis=0).any(axis=1)))

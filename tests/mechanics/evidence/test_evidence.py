@@ -118,7 +118,7 @@ def test_areas_are_expected_to_be_read_where_contact_changes_and_fields_where_as
     assert linear.cost(Situation.of(short)) - linear.cost(Situation.of(alone)) == pytest.approx(
         here * ((steps[0] - 1) * row["area_seconds"] + row["fields_seconds"])
     )
-    crept = replace(held, motion=ff.ForceRampHold(5.0, 0.2, hold=1.0))
+    crept = replace(held, motion=ff.RampHold(loading_rate=5.0, force=0.2, hold=1.0))
     creeps = time_grid(crept.motion, fast=True)
     assert moving(crept.motion, creeps) == len(creeps)
     slide = ff.Slide(30.0, 0.5, distance=6.0)

@@ -20,7 +20,7 @@ from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Bar, Cylinder, Flat, Pin, Sphere
-from fefinger.scene.motions import ForceRampHold, Ramp
+from fefinger.scene.motions import Ramp, RampHold
 from fefinger.scene.scene import Scene
 from fefinger.scene.textured import Grating, Relief
 from fefinger.support.package_data import report
@@ -322,7 +322,7 @@ def test_under_a_force_the_depth_is_that_of_the_press() -> None:
     scene = Scene(
         finger=Finger.subject("a.h.", resolution="standard"),
         indenter=Sphere(5),
-        motion=ForceRampHold(1, row["force_N"][7], hold=1),
+        motion=RampHold(loading_rate=1, force=row["force_N"][7], hold=1),
     )
     found, _ = get("solid").error(Situation.of(scene))
     known = row["errors"]["solid standard"]["force"][7]

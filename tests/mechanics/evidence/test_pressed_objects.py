@@ -15,7 +15,7 @@ from fefinger.mechanics.situation import Situation
 
 def pressed(force: float, tissue: str = "maeno1998", indenter: object = None) -> ff.Scene:
     finger = ff.Finger.subject("a.h.", tissue=tissue)
-    motion = ff.ForceRamp(40.0, force, corner=0.0)
+    motion = ff.Ramp(loading_rate=40.0, force=force, corner=0.0)
     return ff.Scene(finger=finger, indenter=indenter or ff.Flat(30), motion=motion)
 
 

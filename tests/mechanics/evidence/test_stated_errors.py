@@ -24,7 +24,7 @@ PRESSES = {
 
 
 def pressed(name: str, force: float, **parts: object) -> ff.Scene:
-    motion = ff.ForceRamp(40.0, force, corner=0.0)
+    motion = ff.Ramp(loading_rate=40.0, force=force, corner=0.0)
     return ff.Scene(finger=FINGER, indenter=PRESSES[name], motion=motion, **parts)
 
 

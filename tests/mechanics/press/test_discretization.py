@@ -65,7 +65,7 @@ def test_the_finger_is_continued_only_where_the_plate_comes_close() -> None:
         assert continued(scene.finger, scene.indenter, scene.motion) is expected
     for other in (ff.Flat(30.0), ff.Sphere(5.0)):
         assert not continued(scene.finger, other, ff.Ramp(60.0, 3.0))
-    assert continued(finger("d.p."), ff.Flat(0.0), ff.ForceRamp(1.0, 2.0))
+    assert continued(finger("d.p."), ff.Flat(0.0), ff.Ramp(loading_rate=1.0, force=2.0))
 
 
 def test_where_the_plate_comes_close_the_continuation_changes_the_force_by_percents(

@@ -13,15 +13,8 @@ from fefinger.mechanics.press.load_steps import (
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.scene.finger import Finger
 from fefinger.scene.motion import Motion
-from fefinger.scene.motions import (
-    ForceRampHold,
-    ForceSampled,
-    Ramp,
-    RampHold,
-    RampSinusoid,
-    Sampled,
-    Trapezoid,
-)
+from fefinger.scene.motions import Ramp, RampHold, RampSinusoid, Trapezoid
+from fefinger.scene.samples import Sampled
 from fefinger.theory.relaxation import creep_integral, hereditary_integral
 
 
@@ -133,7 +126,7 @@ def test_a_motion_that_changes_its_speed_is_followed_through_the_change(motion: 
 
 def test_a_force_that_goes_on_to_drift_creeps_as_far_as_it_should() -> None:
     (prony,) = PRONY
-    motion = ForceSampled((0.0, 0.05, 3.0), (0.0, 0.3, 0.31), corner=0.0)
+    motion = Sampled((0.0, 0.05, 3.0), force=(0.0, 0.3, 0.31), corner=0.0)
     steps = load_steps(motion, time_grid(motion, fast=False), PRONY)
     exact = creep_integral(prony, steps.time, steps.path)
     few = creep_integral(prony, steps.times, steps.value)
@@ -142,7 +135,7 @@ def test_a_force_that_goes_on_to_drift_creeps_as_far_as_it_should() -> None:
 
 def test_depth_and_area_are_known_from_a_light_touch_on_under_force_control() -> None:
     """They begin as roots of the force, which a spring that is linear in it does not see."""
-    motion = ForceRampHold(loading_rate=5, force=1, hold=0.05)
+    motion = RampHold(loading_rate=5, force=1, hold=0.05)
     steps = load_steps(motion, time_grid(motion, fast=True), PRONY)
     for power in (1, 2 / 3, 1 / 3):
         exact = np.maximum(steps.path, 0.0) ** power

@@ -61,7 +61,7 @@ def test_the_indenter_is_at_first_touch() -> None:
 
 
 def test_loads_are_those_of_the_meshed_part() -> None:
-    by_force = ff.ForceRamp(1.0, 0.5)
+    by_force = ff.Ramp(loading_rate=1.0, force=0.5)
     half, whole = (press(motion=by_force, indenter=ff.Flat(30, tilt)) for tilt in (0.0, 10.0))
     assert (half.body.sides, half.load_unit) == (2, 500.0)
     assert (whole.body.sides, whole.load_unit) == (1, 1000.0)

@@ -72,9 +72,8 @@ def test_a_vibration_has_the_stiffness_of_the_finger_at_its_preload() -> None:
 
 def test_by_force_the_depth_is_that_of_the_inverse() -> None:
     about, small = relaxation(), 0.02
-    motion = ff.ForceRampSinusoid(
-        20, 1.0, amplitude=small, frequency=FREQUENCY, cycles=60, settle=1.0
-    )
+    sine = {"amplitude": small, "frequency": FREQUENCY, "cycles": 60}
+    motion = ff.RampSinusoid(loading_rate=20, force=1.0, settle=1.0, **sine)
     time = np.linspace(0, motion.duration, 40001)
     prony = about_preload(FINGER, SHARE).prony
     tabulated = prony.long_time * creep_integral(prony, time, motion.value(time)) / TABULATED
