@@ -258,11 +258,18 @@ QUANTITIES = {
 }
 
 
+FAII_QUANTITIES = {
+    dots.scanned: ("correlation", "modulation"),
+    layers.scanned: ("ratio",),
+}
+"""What is compared for FAII. On the mesh they count vertices, so that their mean rate compares with
+nothing, near the recorded one as it is; on exact layers they are silent, without a correlation."""
+
+
 def _rates() -> Iterator[Case]:
     for scan, what in ((dots.scanned, ""), (layers.scanned, " on exact layers")):
         for kind in dots.recorded():
-            silent = scan == layers.scanned and kind == "FAII"
-            for which in ("ratio",) if silent else QUANTITIES:
+            for which in FAII_QUANTITIES[scan] if kind == "FAII" else QUANTITIES:
                 name = f"{kind} over scanned dots{what}: {QUANTITIES[which]}"
                 measure = partial(_rate, scan, kind, which)
                 if (scan, kind, which) in KNOWN:
