@@ -122,7 +122,7 @@ def rested(units: Units, x: Array, start: float = 0.0) -> Array:
     return states
 
 
-LANES = 16
+LANES = 16  # as in `membranes.vectorized`
 
 NEVER = -(10**15)
 """Knot of the noise before the first."""

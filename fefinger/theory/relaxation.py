@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 SUM_LIMITS = (0.98, 1.02)
 """Range of sums of weights that are normalized: published weights are rounded to two digits."""
 
-_ROUNDING = 1e-9
+_ROUNDING = 1e-9  # of a sum of weights at a limit
 
 
 def _numbers(name: str, values: Iterable[float]) -> tuple[float, ...]:

@@ -32,7 +32,7 @@ from 9.8 µA/cm² on, but a membrane may stay there long just above that.
 METHODS = ("splitting", "runge-kutta")
 """Integrators, fastest first."""
 
-_Q10, _MEASURED_AT = 3.0, 6.3
+_Q10, _MEASURED_AT = 3.0, 6.3  # factor per 10 C, and C of the rates: Hodgkin & Huxley (1952)
 
 _SPLITTING_ERROR, _RUNGE_KUTTA_ERROR = 600.0, 112.0
 """95th percentile of the error of spike times in ms per s of firing, over speed * dt² and over

@@ -14,7 +14,7 @@ from fefinger.support.checks import number
 _WIDTH = 64
 """Units per block: the current of one sample then fills a few cache lines."""
 
-_SPIKE_MV = 40.0
+_SPIKE_MV = 40.0  # mV that the threshold counts as: where a Hodgkin-Huxley spike counts
 
 
 @dataclass(frozen=True)

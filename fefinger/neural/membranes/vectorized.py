@@ -25,7 +25,7 @@ from fefinger.support.arrays import Array, Integers
 from fefinger.support.compiled import njit
 
 
-LANES = 16
+LANES = 16  # units side by side, two or four vector registers wide
 
 _V, _N, _M, _H, _RISE, _BEFORE, _START, _END, _PEAK, _ARMED, _HIT, _ABOVE, _BLOCK = range(
     0, 13 * LANES, LANES
