@@ -46,7 +46,7 @@ USELESS = 1.0
 TINY = 0.01
 """Depth in mm below which a scene that is refused may have been written in m."""
 
-LEFT_OUT = (
+NOT_TIMED = (
     "They are of solving: saving with a report takes some 3 to 10 s more, and compiling, once "
     "after the installation, some 20 s."
 )
@@ -103,7 +103,7 @@ def choose(scene: Scene | str | Path, mechanics: str | None = None, *, every: bo
         _sentence(case, chosen, considered, settings, named=mechanics is not None),
         chosen.refusals,
         settings,
-        machine=f"{machine.sentence()} {LEFT_OUT}",
+        machine=f"{machine.sentence()} {NOT_TIMED}",
         trust=trust(chosen, case.ask),
     )
 

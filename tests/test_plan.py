@@ -483,7 +483,7 @@ def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):
     scene = asked(rel_error=0.1, pressure=True, depth=1.5, resolution="coarse")
     kept = plan.choose(scene, "solid")
     assert "built once" not in kept.sentence
-    monkeypatch.setattr(store, "at_hand", lambda *a: False)
+    monkeypatch.setattr(store, "available", lambda *a: False)
     made = plan.choose(scene, "solid")
     build = costs.MORPH_SECONDS["coarse"]
     assert made.chosen.seconds - kept.chosen.seconds == pytest.approx(build)

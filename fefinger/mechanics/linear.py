@@ -86,7 +86,7 @@ def beyond_cut(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
         return ()
     if motion.deepest <= NEAR * gap(finger, flat):
         return ()
-    end = gap(finger, flat, continued=True)
+    end = gap(finger, flat, with_continuation=True)
     if motion.deepest <= NEAR * end:
         return ()
     sure = motion.deepest > FAR * end
@@ -100,11 +100,11 @@ def beyond_cut(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
 
 def unmeshable(case: Situation) -> tuple[Reason, ...]:
     """Return the reason why the finger of a scene cannot be meshed, if there is one."""
-    from fefinger.mesh.store import fault
+    from fefinger.mesh.store import mesh_problem
 
     # `case.touch` is rounded: the place of the scene itself has to be on the pad.
     at = case.indenter.place if isinstance(case.touch, tuple) else None
-    reason = fault(case.finger, case.touch, at)
+    reason = mesh_problem(case.finger, case.touch, at)
     return (Reason("finger" if at is None else "", reason),) if reason else ()
 
 
@@ -171,14 +171,14 @@ def coarser(scene: Scene, *, follow: bool = True) -> Finger | None:
 
     `follow`: that is the mesh that follows the touch.
     """
-    from fefinger.mesh.store import at_hand
+    from fefinger.mesh.store import available
 
     below = {"standard": "coarse", "fine": "standard"}.get(scene.finger.mesh)
     if below is None:
         return None
     finger = replace(scene.finger, resolution=below)
     at = refinement_location(scene.indenter) if follow else None
-    return finger if at_hand(finger, at) else None
+    return finger if available(finger, at) else None
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:

@@ -75,14 +75,14 @@ def build(
             mesh = _attempt(shape, recipe, chosen, name=name, say=say)
             gate(mesh.quality)
         except ConvergenceError as error:
-            fault = error
-            say(str(fault))
+            problem = error
+            say(str(problem))
             if monotonic() - begun > tetrahedralize.LIMIT:
                 break
             continue
         return mesh
     count = "1 attempt" if attempt == 0 else f"{attempt + 1} attempts"
-    message = f"{fault} in {count}; use another resolution or other dimensions"
+    message = f"{problem} in {count}; use another resolution or other dimensions"
     raise ConvergenceError(message)
 
 

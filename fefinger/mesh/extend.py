@@ -26,7 +26,7 @@ LENGTH, LAYERS = 9.0, 4
 RADIUS = 30.0
 """Radius in mm of the arc by which it leaves the palm: every finger can then be pressed 2 mm."""
 
-CONTINUED = "continued"
+CONTINUATION = "continued"
 """Field of a mesh's recipe with the length of its continuation, if it has one."""
 
 NOTE = (
@@ -66,13 +66,13 @@ def extended(mesh: FingerMesh) -> FingerMesh:
         region=region,
         facets=_facets(mesh, points, cells, region),
         pad_normals=normals,
-        recipe=mesh.recipe | {CONTINUED: LENGTH},
+        recipe=mesh.recipe | {CONTINUATION: LENGTH},
         quality=mesh.quality | {"notes": [*mesh.quality.get("notes", ()), NOTE]},
-        source_sha256=mesh.source_sha256 and continued_source(mesh.source_sha256),
+        source_sha256=mesh.source_sha256 and continuation_source(mesh.source_sha256),
     )
 
 
-def continued_source(source: str) -> str:
+def continuation_source(source: str) -> str:
     """Return the source hash of a continued mesh, from the hash of the mesh."""
     return hashlib.sha256(f"{source} {LENGTH} {LAYERS} {RADIUS}".encode()).hexdigest()
 

@@ -49,15 +49,17 @@ def first_touch(recipe: Recipe, axis: ArrayLike) -> FirstTouch:
 
 
 @lru_cache(maxsize=64)
-def at_cut(recipe: Recipe, axis: tuple[float, float, float], *, continued: bool = False) -> float:
+def at_cut(
+    recipe: Recipe, axis: tuple[float, float, float], *, with_continuation: bool = False
+) -> float:
     """Distance in mm of the skin at the proximal cut from a plate at its first touch.
 
-    `continued`: at the end of the finger that is continued behind the cut (`mesh.extend`).
+    `with_continuation`: at the end of the finger that `mesh.extend` continues behind the cut.
     """
     shape, travel = _shape(recipe), np.array(axis)
     y = np.linspace(-recipe.width / 3, recipe.width / 3, 41)
     skin = palm(shape.skin, shape.cut, y)
-    if continued:
+    if with_continuation:
         slope = extend.palmar_slope(shape.skin.normals(skin[len(y) // 2 :][:1])[0])
         skin += np.array([-extend.LENGTH, 0.0, float(extend.rise(slope, extend.LENGTH))])
     return float((skin @ travel).min() - first_touch(recipe, axis).point @ travel)

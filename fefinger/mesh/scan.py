@@ -86,7 +86,7 @@ def scanned(recipe: Recipe) -> Shape:
     level, tables = _profiles(skin, cut)
     start = float((aside + touch)[0])
     height = (level - float(low[2])) / (top - float(low[2]))
-    fault = _fault(file, recipe, height) or _rounded_behind(file, recipe, tables, start)
+    problem = _misplaced(file, recipe, height) or _rounded_behind(file, recipe, tables, start)
     inset = {name: offset(table, recipe.skin_thickness) for name, table in tables.items()}
     try:
         back = level + _lowest_back(recipe, tables["dorsal"], tip)
@@ -94,7 +94,7 @@ def scanned(recipe: Recipe) -> Shape:
         inside = _half(bone, near_bone, finger_shape.FINE)
         finger_shape.check_room(under, surface.without_caps(inside)[0], recipe)
     except InputError as error:
-        raise _repaired(fault or error, file) from None
+        raise _repaired(problem or error, file) from None
     shells = (skin, under, bone)
     near = (Shell.of(level, cut=cut, **tables), Shell.of(level, cut=cut, **inset), near_bone)
     soft = zip(shells[:2], near[:2], strict=True)
@@ -121,7 +121,7 @@ def scanned(recipe: Recipe) -> Shape:
     )
 
 
-def _fault(file: SurfaceFile, recipe: Recipe, height: float) -> InputError | None:
+def _misplaced(file: SurfaceFile, recipe: Recipe, height: float) -> InputError | None:
     """Return why a scan has no room for a bone, if it lies upside down or is no fingertip.
 
     height: of the foremost point above the lowest one, over the thickness.

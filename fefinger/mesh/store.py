@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.geometry.mirror import whole
 from fefinger.mesh import vtu
-from fefinger.mesh.extend import continued_source, extended
+from fefinger.mesh.extend import continuation_source, extended
 from fefinger.mesh.recipe import Recipe, Touch, has_template, shipped_path
 from fefinger.support import cache
 from fefinger.support.checks import InputError
@@ -30,25 +30,25 @@ def load_or_build(
     *,
     half: bool,
     touch: Touch = None,
-    continued: bool = False,
+    with_continuation: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> FingerMesh:
     """Load or build the mesh of a scene's finger (or a Recipe), half or whole.
 
-    `touch` as in `Recipe`; `continued`: longer behind the proximal cut. Looks among the shipped
-    meshes, then in the user's cache; builds and caches it if neither has it, by a morph of a
-    shipped one in seconds where one is near. The mesher is random, so that a second process that
+    `touch` as in `Recipe`; `with_continuation`: longer behind the proximal cut. Looks among the
+    shipped meshes, then in the user's cache; builds and caches it if neither has it, by a morph of
+    a shipped one in seconds where one is near. The mesher is random, so that a second process that
     needs the mesh at the same time waits and gets the same one. `progress` receives short
     sentences.
     """
     recipe = finger if isinstance(finger, Recipe) else Recipe.of(finger, touch)
     path = shipped_path(recipe)
     mesh = vtu.read(path) if path else _cached(recipe) or _made(recipe, progress)
-    mesh = extended(mesh) if continued else mesh
+    mesh = extended(mesh) if with_continuation else mesh
     return mesh if half else whole(mesh)
 
 
-def at_hand(finger: "Finger", touch: Touch = None) -> bool:
+def available(finger: "Finger", touch: Touch = None) -> bool:
     """Whether the mesh of a scene's finger is shipped or cached, so that it need not be built."""
     recipe = Recipe.of(finger, touch)
     return shipped_path(recipe) is not None or os.path.isdir(cached_path(recipe))
@@ -59,7 +59,9 @@ def morphed(finger: "Finger", touch: Touch = None) -> bool:
     return has_template(Recipe.of(finger, touch))
 
 
-def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None = None) -> str:
+def mesh_problem(
+    finger: "Finger", touch: Touch = None, at: tuple[float, float] | None = None
+) -> str:
     """Reason why a finger cannot be meshed, as a sentence; empty if none is known.
 
     The parametric shape is built, which takes some 50 ms, but not meshed. A place `at` (x, y) mm
@@ -68,7 +70,7 @@ def fault(finger: "Finger", touch: Touch = None, at: tuple[float, float] | None 
     from fefinger.mesh.finger_shape import touch_point
 
     try:
-        if finger.surface is not None or (at is None and at_hand(finger, touch)):
+        if finger.surface is not None or (at is None and available(finger, touch)):
             return ""
         # Every mechanics asks on every mesh, and the shape is the same on all of them.
         shape = _shape(replace(Recipe.of(finger, touch), resolution="standard"))
@@ -86,7 +88,7 @@ def _shape(recipe: Recipe) -> "Shape":
     return parametric(recipe)
 
 
-def sha256(finger: "Finger", touch: Touch = None, *, continued: bool = False) -> str | None:
+def sha256(finger: "Finger", touch: Touch = None, *, with_continuation: bool = False) -> str | None:
     """Source hash of the mesh of a scene's finger; None if it is neither shipped nor cached.
 
     That is the SHA-256 of its file, or follows from it for the continued finger.
@@ -95,7 +97,7 @@ def sha256(finger: "Finger", touch: Touch = None, *, continued: bool = False) ->
     sidecar = vtu.sidecar_path(shipped_path(recipe) or cached_path(recipe) / FILE)
     try:
         source = str(json.loads(sidecar.read_text(encoding="utf-8"))["sha256"])
-        return continued_source(source) if continued else source
+        return continuation_source(source) if with_continuation else source
     except (OSError, ValueError, KeyError, TypeError):  # no sidecar, or a damaged one
         return None
 

@@ -19,7 +19,7 @@ from fefinger.support.checks import InputError, choice, reject_unknown
 from fefinger.support.vocabulary import GENERATORS, RULES, TYPES
 
 
-STRAIGHT, LONGEST = 1e-5, 2e-3
+CHORD_ERROR, LONGEST = 1e-5, 2e-3
 """Largest deviation in µA/cm² of currents from straight lines between their samples, and largest
 distance of the samples in s."""
 
@@ -71,12 +71,12 @@ class _Setup:
     def sampled(self, units: Sequence[int]) -> Array:
         """Choose the times at which the currents of units of one type are sampled.
 
-        The error of straight lines in between is at most STRAIGHT dt / LARGEST_STEP, where steps
+        The error of straight lines in between is at most CHORD_ERROR dt / LARGEST_STEP, where steps
         longer than dt suffice for that; a filter without real modes is sampled every dt. A
         tolerance below LINES lowers both limits.
         """
         wanted = 1.0 if self.tolerance is None else min(1.0, self.tolerance / LINES)
-        straight = STRAIGHT * min(wanted, self.dt / LARGEST_STEP)
+        straight = CHORD_ERROR * min(wanted, self.dt / LARGEST_STEP)
         dt = min(self.dt, LARGEST_STEP * wanted**0.5)
         kind = self.units.types[units[0]]
         organ = self.organs.get(kind, END_ORGANS[kind])

@@ -79,7 +79,7 @@ class Motion(ABC):
     slides: ClassVar[bool] = False
     """Whether it has a path across the direction of travel."""
 
-    straight: ClassVar[bool] = False
+    along_line: ClassVar[bool] = False
     """Whether that path is a line, along which it has a `heading`."""
 
     @cached_property

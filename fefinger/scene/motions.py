@@ -25,7 +25,7 @@ part of the motion is."""
 AS_LONG_AS_FITS: Any = None
 """Default of the field `corner`: CORNER, or less."""
 
-ANSWERED = 200
+SWEEP_FREQUENCIES = 200
 """Frequencies at which a sweep is answered in closed form."""
 
 MOST_CYCLES = 1_000_000
@@ -331,8 +331,8 @@ class FrequencySweep(Ramped):
 
     @property
     def frequencies(self) -> Array:
-        """Frequencies (ANSWERED,) in Hz from `start` to `stop`, even per octave."""
-        return np.geomspace(self.start, self.stop, ANSWERED)
+        """Frequencies (SWEEP_FREQUENCIES,) in Hz from `start` to `stop`, even per octave."""
+        return np.geomspace(self.start, self.stop, SWEEP_FREQUENCIES)
 
     @property
     def recorded_from(self) -> float:

@@ -25,7 +25,7 @@ FEWEST_SAMPLES = 64
 UNEVEN = 1e-3
 """Relative difference of the times between samples that counts as none."""
 
-LEFT_OUT = 1e-2
+NEGLECTED_POWER = 1e-2
 """Share of the power of the speed beyond the highest frequency of samples."""
 
 FEWEST_TURNS = 3
@@ -327,7 +327,7 @@ def to_and_fro(time: Array, values: Array) -> float | None:
     step = float(np.diff(time).mean())
     speed = np.diff(values) / step
     power = np.cumsum(np.abs(np.fft.rfft(speed)) ** 2)
-    place = int(np.searchsorted(power, (1 - LEFT_OUT) * power[-1]))
+    place = int(np.searchsorted(power, (1 - NEGLECTED_POWER) * power[-1]))
     frequency = float(np.fft.rfftfreq(len(speed), step)[place])
     while frequency * time[-1] >= 1:
         if _alternates(about_mean(values, 1 / (frequency * step)), frequency * step):

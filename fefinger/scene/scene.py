@@ -109,7 +109,7 @@ class Scene:
         roll = np.radians(self.indenter.turn)
         x, y = -self.motion.shift(np.array(self.motion.breakpoints)).T
         places = (np.cos(roll) * x + np.sin(roll) * y, np.cos(roll) * y - np.sin(roll) * x)
-        shorter = _shortened(extent, places) if self.motion.straight else 0.0
+        shorter = _shortened(extent, places) if self.motion.along_line else 0.0
         distance = getattr(self.motion, "distance", 0.0) * shorter
         # Rounded down, so that what the message names is accepted.
         at_most = f" (motion.distance at most {np.floor(100 * distance + 1e-6) / 100:g})"

@@ -48,7 +48,7 @@ class Slide(Ramped):
 
     shape = "slide"
     slides = True
-    straight = True
+    along_line = True
 
     speed: Annotated[float, Key("Speed", unit="mm/s", above=0)]
     depth: float | None = None

@@ -190,4 +190,4 @@ def test_the_cost_knows_whether_the_operator_is_at_hand() -> None:
     assert condensed.cost(Situation.of(asked)) > row["build_seconds"]
     operator_cache.folder(operator_cache.identity(finger, odd=False)).mkdir(parents=True)
     assert condensed.cost(Situation.of(asked)) < row["build_seconds"]
-    assert not operator_cache.at_hand(replace(finger, width=60.0), half=True)
+    assert not operator_cache.available(replace(finger, width=60.0), half=True)

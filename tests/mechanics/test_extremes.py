@@ -157,7 +157,7 @@ def test_a_mesh_that_cannot_be_solved_on_is_refused(
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the continuation behind the cut, which contact would meet much deeper."""
-    monkeypatch.setattr("fefinger.mechanics.press.problem.continued", lambda *_: False)
+    monkeypatch.setattr("fefinger.mechanics.press.problem.needs_continuation", lambda *_: False)
 
 
 @pytest.mark.usefixtures("short")

@@ -549,7 +549,7 @@ def test_a_frequency_beyond_the_measured_ones_is_a_sentence() -> None:
 
 def stress_share(finger: ff.Finger, depth: float) -> float:
     """Share of the stress at rest in the stiffness, by the work ratios of the table at a depth."""
-    table = depth_table.at_hand(finger, ff.Flat(30), load_or_build(finger, half=True))
+    table = depth_table.available(finger, ff.Flat(30), load_or_build(finger, half=True))
     assert table is not None
     at = int(np.searchsorted(table.nodes, depth))
     soft, hard = table.force_at_nodes[[at - 3, at + 3]]
@@ -585,7 +585,7 @@ def test_the_expected_time_of_stiffening_tissue_holds_the_modes_of_its_mesh(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """On the fine mesh inertia is that of the standard one, not of the one below that."""
-    monkeypatch.setattr(costs, "at_hand", lambda finger, **_: False)
+    monkeypatch.setattr(costs, "available", lambda finger, **_: False)
     finger = ff.Finger.subject("a.h.", resolution="fine")
     case = Situation.of(ff.Scene(finger=finger, motion=ff.Ramp(60.0, 1.0)))
     assert costs.modal_seconds(case) > costs.modal_once(case)

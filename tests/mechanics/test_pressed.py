@@ -440,8 +440,8 @@ def test_a_whole_finger_takes_no_press_of_its_half(
     """Both are of one mesh file, but a table holds the displacements of one of them."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     half = load_or_build(FINGER, half=True)
-    assert depth_table.at_hand(FINGER, Flat(30), half) is not None
-    assert depth_table.at_hand(FINGER, Flat(30), whole(half)) is None
+    assert depth_table.available(FINGER, Flat(30), half) is not None
+    assert depth_table.available(FINGER, Flat(30), whole(half)) is None
     aside = Slide(20, 0.5, distance=1, direction=90)
     assert depth_table.deepest_at_hand(FINGER, Flat(30), aside) == (0.0, 0.0)
 

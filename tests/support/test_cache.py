@@ -181,8 +181,8 @@ def test_a_cache_that_cannot_be_written_is_one_that_keeps_nothing(
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / name))
     assert cache.entries() == ()
     finger, recipe = ff.Finger.subject("a.h.", tissue="maeno1998"), Recipe(15, 11, 14)
-    assert not operator_cache.at_hand(finger, half=True)
-    assert not store.at_hand(ff.Finger(15, 11, tissue="maeno1998"))
+    assert not operator_cache.available(finger, half=True)
+    assert not store.available(ff.Finger(15, 11, tissue="maeno1998"))
     mesh = store.load_or_build(finger, half=True)
     monkeypatch.setattr("fefinger.mesh.build.build", lambda recipe, **_: mesh)
     assert store.load_or_build(recipe, half=True) is mesh
@@ -290,7 +290,7 @@ def test_an_operator_is_known_by_the_mesh_that_it_was_built_on(
     old = store.sha256(finger)
     actual = _operator.operator(finger, half=True)
     assert old != store.sha256(finger)
-    assert not operator_cache.at_hand(finger, half=True)
+    assert not operator_cache.available(finger, half=True)
     assert [expected["mesh_file_sha256"] for expected in actual.identities] == [old]
 
 

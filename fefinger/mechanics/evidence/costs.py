@@ -18,10 +18,10 @@ from fefinger.mechanics.evidence.table import (
     read,
     table,
 )
-from fefinger.mechanics.press.discretization import continued
+from fefinger.mechanics.press.discretization import needs_continuation
 from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
 from fefinger.mechanics.press.notes import stiffens
-from fefinger.mechanics.press.operator_cache import at_hand, parities
+from fefinger.mechanics.press.operator_cache import available, parities
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -125,7 +125,7 @@ def mesh_seconds(case: Situation, *, follow: bool = True) -> float:
 
     finger, touch = case.finger, case.touch if follow else None
     try:
-        if store.at_hand(finger, touch):
+        if store.available(finger, touch):
             return 0.0
         seconds = MORPH_SECONDS if store.morphed(finger, touch) else MESH_SECONDS
     except InputError:  # no mesh can be made for a finger of this size
@@ -151,8 +151,8 @@ def condensed_seconds(case: Situation) -> float:
 def condensed_once(case: Situation) -> float:
     """Return the time in s of building mesh and operator, which are kept; 0 where at hand."""
     spent = mesh_seconds(case, follow=False)
-    longer = continued(case.finger, case.indenter, case.motion)
-    if not at_hand(case.finger, half=case.half, continued=longer):
+    longer = needs_continuation(case.finger, case.indenter, case.motion)
+    if not available(case.finger, half=case.half, with_continuation=longer):
         spent += (1 if case.half else 2) * _seconds(Candidate("condensed", case.mesh), "build")
     return spent
 
@@ -297,7 +297,7 @@ def modal_once(case: Situation) -> float:
     """
     stiff, case = stiffens(case.finger), vibration.of_inertia(case)
     spent = condensed_once(case) if stiff else 0.0
-    if at_hand(case.finger, half=case.half, modes=True):
+    if available(case.finger, half=case.half, modes=True):
         return spent
     return spent + len(parities(half=case.half)) * _of_modes(case, "build")
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.laws import LAWS
-from fefinger.mechanics.press.discretization import continued, refinement_location
+from fefinger.mechanics.press.discretization import needs_continuation, refinement_location
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.mesh.recipe import data_folder
 from fefinger.mesh.store import sha256
@@ -248,9 +248,9 @@ def key_on(finger: Finger, indenter: Indenter, mesh: FingerMesh) -> str:
 
 def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple[float, float]:
     """Largest depth in mm and force in N of the shipped or cached tables; 0, 0 without any."""
-    long = continued(finger, indenter, motion)
+    long = needs_continuation(finger, indenter, motion)
     try:
-        source = sha256(finger, refinement_location(indenter), continued=long)
+        source = sha256(finger, refinement_location(indenter), with_continuation=long)
     except InputError:  # no mesh can be made for a finger of this size
         source = None
     if source is None:
@@ -264,7 +264,7 @@ def deepest_at_hand(finger: Finger, indenter: Indenter, motion: Motion) -> tuple
     return max(deepest)
 
 
-def at_hand(finger: Finger, indenter: Indenter, mesh: FingerMesh) -> DepthTable | None:
+def available(finger: Finger, indenter: Indenter, mesh: FingerMesh) -> DepthTable | None:
     """Read the deepest table that is shipped or cached; None where none is, or all are damaged."""
     tables = _stored(key_on(finger, indenter, mesh), read)
     deepest = max(tables, key=lambda table: table.deepest, default=None)

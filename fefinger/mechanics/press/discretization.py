@@ -54,7 +54,7 @@ def refinement_location(indenter: Indenter) -> float | tuple[float, float] | Non
     )
 
 
-def continued(finger: Finger, indenter: Indenter, motion: Motion) -> bool:
+def needs_continuation(finger: Finger, indenter: Indenter, motion: Motion) -> bool:
     """Whether a scene needs the finger of `mesh.extend`, longer behind the proximal cut.
 
     Under force control the depth is a guess.
@@ -66,10 +66,10 @@ def continued(finger: Finger, indenter: Indenter, motion: Motion) -> bool:
     return deepest > CLOSE * gap(finger, plate)
 
 
-def gap(finger: Finger, plate: Plate, *, continued: bool = False) -> float:
+def gap(finger: Finger, plate: Plate, *, with_continuation: bool = False) -> float:
     """Return the distance in mm of a plate at first touch from the skin at the proximal end."""
     from fefinger.mesh.first_touch import at_cut
     from fefinger.mesh.recipe import Recipe
 
     x, y, z = direction(plate).tolist()
-    return at_cut(Recipe.of(finger), (x, y, z), continued=continued)
+    return at_cut(Recipe.of(finger), (x, y, z), with_continuation=with_continuation)

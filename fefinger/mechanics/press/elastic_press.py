@@ -158,7 +158,7 @@ def load_or_solve(press: Press, least: float, stages: Stages, *, force: float = 
     """
 
     def stored() -> DepthTable | None:
-        table = depth_table.at_hand(press.finger, press.indenter, press.mesh)
+        table = depth_table.available(press.finger, press.indenter, press.mesh)
         if table is None or table.deepest < least * (1 - 1e-9):
             return None
         sought = table.deepest < FARTHEST * press.finger.thickness * (1 - 1e-9)

@@ -144,7 +144,7 @@ def finite_sliding_reasons(motion: Motion, indenter: Indenter) -> Iterator[Reaso
             "alone slides at finite strain"
         )
         yield Reason("motion.kind", reason)
-    if indenter.friction > 0 and not motion.straight:
+    if indenter.friction > 0 and not motion.along_line:
         reason = (
             f"indenter.friction = {indenter.friction:g} > 0, motion.kind = {motion.kind!r}: its "
             "friction is that of a plate that slides along a line; stick is left out"

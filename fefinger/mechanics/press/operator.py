@@ -23,7 +23,7 @@ from fefinger.mechanics.press.materials import fixed_facets
 from fefinger.mechanics.press.notes import own_relaxation_reasons
 from fefinger.mechanics.press.operator_cache import description, folder, identity, parities
 from fefinger.mechanics.press.problem import SolutionMethod
-from fefinger.mesh.extend import CONTINUED
+from fefinger.mesh.extend import CONTINUATION
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
 from fefinger.support import cache
@@ -41,19 +41,19 @@ def operator(
     finger: Finger,
     *,
     half: bool,
-    continued: bool = False,
+    with_continuation: bool = False,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> Operator:
     """Return the operator of a finger, or of half of it; it is built and cached if needed.
 
-    `continued`: of the finger that is longer behind its proximal cut.
+    `with_continuation`: of the finger that is longer behind its proximal cut.
 
     InputError if the tissues of the finger do not relax as one, so that no step of it would be
     right.
     """
     for reason in own_relaxation_reasons(finger):
         raise InputError(f"{reason.text}; use the mechanics 'solid'")
-    mesh = load_or_build(finger, half=True, continued=continued)
+    mesh = load_or_build(finger, half=True, with_continuation=with_continuation)
     meshed = solid(mesh, (1, 2))
     body = meshed if half else solid(whole(mesh), (1, 2))
     parts: list[Part] = []
@@ -175,7 +175,7 @@ def _fronts(arrays: dict[str, Any]) -> Iterator[Eliminated]:
 
 METHOD = SolutionMethod(
     lambda finger, mesh, solver, report: operator(
-        finger, half=mesh.half, continued=CONTINUED in mesh.recipe, progress=report
+        finger, half=mesh.half, with_continuation=CONTINUATION in mesh.recipe, progress=report
     ),
     reduction.reduce,
     reduction.displaced,

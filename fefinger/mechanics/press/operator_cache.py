@@ -30,16 +30,18 @@ MESH_OF_INERTIA = {"coarse": "coarse", "standard": "coarse", "fine": "standard"}
 
 
 def identity(
-    finger: Finger, *, odd: bool, mesh: FingerMesh | None = None, continued: bool = False
+    finger: Finger, *, odd: bool, mesh: FingerMesh | None = None, with_continuation: bool = False
 ) -> dict[str, Any] | None:
     """Return the inputs of an operator as plain values; None where the mesh has no file.
 
-    `mesh` is the one that it is built on; by default the shipped or cached one, `continued` behind
-    its proximal cut or not.
+    `mesh` is the one that it is built on; by default the shipped or cached one, with or without a
+    continuation behind its proximal cut.
     """
     from fefinger.mesh.store import sha256
 
-    source = sha256(finger, continued=continued) if mesh is None else mesh.source_sha256
+    source = (
+        sha256(finger, with_continuation=with_continuation) if mesh is None else mesh.source_sha256
+    )
     if not source:
         return None
     return {
@@ -88,13 +90,18 @@ def modes_folder(finger: Finger, operator: dict[str, Any]) -> Path:
     return folder(modes_identity(finger, operator), "modes")
 
 
-def at_hand(finger: Finger, *, half: bool, continued: bool = False, modes: bool = False) -> bool:
+def available(
+    finger: Finger, *, half: bool, with_continuation: bool = False, modes: bool = False
+) -> bool:
     """Return whether the operators of a finger, or its modes, are cached."""
     place = partial(modes_folder, finger) if modes else folder
     if not os.path.isdir(place({}).parent):  # then not even the name of the mesh is needed
         return False
     try:
-        keys = [identity(finger, odd=odd, continued=continued) for odd in parities(half=half)]
+        keys = [
+            identity(finger, odd=odd, with_continuation=with_continuation)
+            for odd in parities(half=half)
+        ]
     except InputError:  # no mesh can be made for a finger of this size
         return False
     return all(each is not None and os.path.isdir(place(each)) for each in keys)

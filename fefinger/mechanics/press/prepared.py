@@ -32,7 +32,7 @@ from fefinger.geometry import mirror
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press import limits, operator, placement, problem, sliding
 from fefinger.mechanics.press.candidates import on_enough_candidates
-from fefinger.mechanics.press.discretization import continued
+from fefinger.mechanics.press.discretization import needs_continuation
 from fefinger.mechanics.press.modal_body import (
     FingerModes,
     ModalBody,
@@ -311,9 +311,9 @@ def _reduction(
     half = long = False
     if not isinstance(indenter, OwnObstacle):
         half = indenter.mirrored
-        long = continued(finger, indenter, Ramp(1.0, deepest, corner=0.0))
+        long = needs_continuation(finger, indenter, Ramp(1.0, deepest, corner=0.0))
     with stages.stage("factor") as report:
-        solid = operator.operator(finger, half=half, continued=long, progress=report)
+        solid = operator.operator(finger, half=half, with_continuation=long, progress=report)
     obstacle: Rigid
     if isinstance(indenter, OwnObstacle):
         obstacle = indenter

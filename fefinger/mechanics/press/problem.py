@@ -14,7 +14,7 @@ from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.linalg.system import System
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import placement
-from fefinger.mechanics.press.discretization import FORCE_DEPTH, continued
+from fefinger.mechanics.press.discretization import FORCE_DEPTH, needs_continuation
 from fefinger.mechanics.press.limits import check_depth
 from fefinger.mechanics.press.load_steps import LoadSteps
 from fefinger.mechanics.press.notes import finger_notes
@@ -130,8 +130,11 @@ class Press:
         with stages.stage("mesh"):
             # Scenes that are their own mirror image are solved on half a finger.
             half = scene.mirrored
-            touch, long = method.touch(scene.indenter), continued(finger, scene.indenter, motion)
-            mesh = load_or_build(finger, half=half, touch=touch, continued=long)
+            touch, long = (
+                method.touch(scene.indenter),
+                needs_continuation(finger, scene.indenter, motion),
+            )
+            mesh = load_or_build(finger, half=half, touch=touch, with_continuation=long)
         with stages.stage("factor") as report:
             body = method.body(finger, mesh, ask.solver, report)
         obstacle = placement.obstacle(scene.indenter, body)

@@ -78,7 +78,7 @@ def reference_unknowns(press: Press, elements: Continuum) -> Array:
     finds no equilibrium, or its contact leaves the candidates.
     """
     body, reach = press.body, 2 * REACH * REFERENCE_DEPTH
-    table = depth_table.at_hand(press.finger, STANDARD, press.mesh)
+    table = depth_table.available(press.finger, STANDARD, press.mesh)
     if table is not None:
         return table.reference(body.space.n_unknowns)
     plate = placement.obstacle(STANDARD, body)

@@ -42,7 +42,7 @@ _NODES, _WEIGHTS = legendre.leggauss(16)
 
 
 class LayeredBody(Protocol):
-    """Interface of an elastic body (hashable): `layer.Sheet`, `layer.Faced`, `stack.Stack`."""
+    """Interface of a layered elastic body (hashable), as `stack.Stack`."""
 
     def __hash__(self) -> int:
         """Return a hash of the values."""

@@ -5,7 +5,7 @@ import pytest
 import fefinger as ff
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.linear import FAR
-from fefinger.mechanics.press.discretization import CLOSE, NEAR, continued, gap
+from fefinger.mechanics.press.discretization import CLOSE, NEAR, gap, needs_continuation
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.extend import NOTE
 from fefinger.pipeline import run
@@ -52,20 +52,22 @@ def test_a_press_that_reached_the_cut_is_answered_on_the_continued_finger(subjec
 def test_the_gap_at_the_continued_end_is_that_of_the_mesh() -> None:
     from fefinger.mesh.store import load_or_build
 
-    mesh = load_or_build(finger("a.h."), half=True, continued=True)
+    mesh = load_or_build(finger("a.h."), half=True, with_continuation=True)
     low = mesh.points[mesh.facets["cut"].ravel(), 2].min()
     first = mesh.points[mesh.facets["pad"].ravel(), 2].min()
-    assert low - first == pytest.approx(gap(finger("a.h."), ff.Flat(0.0), continued=True), abs=0.03)
+    assert low - first == pytest.approx(
+        gap(finger("a.h."), ff.Flat(0.0), with_continuation=True), abs=0.03
+    )
 
 
 def test_the_finger_is_continued_only_where_the_plate_comes_close() -> None:
     near = gap(finger("a.h."), ff.Flat(0.0))
     for depth, expected in ((0.99 * CLOSE * near, False), (1.01 * CLOSE * near, True)):
         scene = pressed("a.h.", depth)
-        assert continued(scene.finger, scene.indenter, scene.motion) is expected
+        assert needs_continuation(scene.finger, scene.indenter, scene.motion) is expected
     for other in (ff.Flat(30.0), ff.Sphere(5.0)):
-        assert not continued(scene.finger, other, ff.Ramp(60.0, 3.0))
-    assert continued(finger("d.p."), ff.Flat(0.0), ff.Ramp(loading_rate=1.0, force=2.0))
+        assert not needs_continuation(scene.finger, other, ff.Ramp(60.0, 3.0))
+    assert needs_continuation(finger("d.p."), ff.Flat(0.0), ff.Ramp(loading_rate=1.0, force=2.0))
 
 
 def test_where_the_plate_comes_close_the_continuation_changes_the_force_by_percents(
@@ -74,13 +76,13 @@ def test_where_the_plate_comes_close_the_continuation_changes_the_force_by_perce
     """The vertices under the plate are the same: what changes is the tissue behind them."""
     scene = pressed("a.h.", 0.99 * CLOSE * gap(finger("a.h."), ff.Flat(0.0)))
     short = run(scene, mechanics="linear").force[-1]
-    monkeypatch.setattr("fefinger.mechanics.press.problem.continued", lambda *_: True)
+    monkeypatch.setattr("fefinger.mechanics.press.problem.needs_continuation", lambda *_: True)
     long = run(scene, mechanics="linear").force[-1]
     assert 0.96 < long / short < 0.999
 
 
 def test_beyond_the_continuation_the_press_is_refused() -> None:
-    end = gap(finger("d.p."), ff.Flat(0.0), continued=True)
+    end = gap(finger("d.p."), ff.Flat(0.0), with_continuation=True)
     assert linear.beyond_cut("linear", Situation.of(pressed("d.p.", 0.99 * NEAR * end))) == ()
     (refusal,) = linear.beyond_cut("linear", Situation.of(pressed("d.p.", 1.05 * end)))
     assert refusal.about == "accuracy"
@@ -93,7 +95,7 @@ def test_beyond_the_continuation_the_press_is_refused() -> None:
 
 
 def test_contact_that_does_reach_the_end_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fefinger.mechanics.press.problem.continued", lambda *_: False)
+    monkeypatch.setattr("fefinger.mechanics.press.problem.needs_continuation", lambda *_: False)
     with pytest.raises(InputError, match="it reaches the proximal cut"):
         run(pressed("d.s.", 2.4), mechanics="linear")
 
