@@ -1,4 +1,4 @@
-"""Displacement of the surface and load within a radius of a contact that `indentation` solved."""
+"""Displacement of the surface and load within a radius, of a contact that `indentation` solved."""
 
 import numpy as np
 from numpy.polynomial import legendre

@@ -2,16 +2,12 @@
 
 import numpy as np
 import pytest
-from fefinger.validation.human import misses, suite
+from fefinger.validation.human import suite
 from fefinger.validation.human.presses import DEFAULT, REPORT
 
 from fefinger.mechanics.evidence.table import read
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
-
-
-def test_every_miss_is_the_name_of_a_case() -> None:
-    assert set(misses.MISSES) <= {case.name for case in suite.cases(quick=False)}
 
 
 def test_stiffness_is_the_slope_of_a_curve() -> None:

@@ -5,15 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation import suites
-from fefinger.validation.neural import gains, phases, ramps, sinusoids, sweep
+from fefinger.validation.neural import drawings, gains, phases, sinusoids, sweep
 from fefinger.validation.neural.connor_stevens import ConnorStevens
+from fefinger.validation.neural.preliminary import derivative
 
 from fefinger.neural.membranes import IntegrateAndFire
-
-
-def test_quick_is_part_of_the_whole():
-    quick, whole = ({case.name for case in suites.cases("neural", quick=q)} for q in (True, False))
-    assert quick < whole
 
 
 @pytest.mark.parametrize(
@@ -76,20 +72,7 @@ def test_the_steady_state_is_that_of_the_filter_after_many_cycles():
     np.testing.assert_allclose(np.maximum(followed, 0)[late], steady[late], atol=1e-5)
 
 
-def test_retraction_is_the_second_half_of_the_cycle():
-    found = sweep.swing(sweep.DAMPER, sweep.SLOWED, 1.0, [10.0])
-    assert len(found.phases[0]) > 2
-    assert found.phases[0].max() < 180.0
-
-
-def test_a_damped_ramp_is_silent_in_the_hold_and_a_spring_is_not():
-    assert ramps.holding("damper", 8.0) == 0
-    assert ramps.holding("spring", 8.0) > 10
-
-
 def test_figures_are_in_the_axes_of_the_thesis():
-    from fefinger.validation.neural import drawings
-
     for drawn in (
         drawings._response("spring"),
         drawings._course("FAI"),
@@ -102,3 +85,11 @@ def test_figures_are_in_the_axes_of_the_thesis():
     captions = " ".join(text for _, text in (*drawings.RESPONSES, *drawings.COURSES))
     for number in ("4-4b", "4-5b", "4-8", "4-9", "4-10a", "4-11b", "4-13", "4-14b", "4-16", "4-17"):
         assert number in captions
+
+
+@pytest.mark.parametrize("poles", [(200.0,), (200.0, 300.0)])
+def test_below_its_poles_the_filter_is_a_derivative(poles):
+    pure = sweep.Derivative(len(poles)).frequency_response([0.5, 2.0])
+    response = derivative(*poles).frequency_response([0.5, 2.0])
+    np.testing.assert_allclose(response, pure, rtol=0.02)
+    assert derivative(*poles).frequency_response(0.0) == 0.0

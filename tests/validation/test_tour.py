@@ -1,6 +1,5 @@
 """The tour: what the README shows is what a newcomer gets."""
 
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -85,26 +84,6 @@ def test_the_tour_a_press_and_its_strain_field_in_pictures(
         with Image.open("pad.png") as picture:
             assert np.ptp(np.asarray(picture)) > 100
     assert "Traceback" not in capsys.readouterr().err
-
-
-def test_the_tour_validation_gives_a_page_that_says_what_was_found(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Measure the quick cases of a suite, and read the verdicts in its page and its data."""
-    from fefinger.validation import suites
-    from fefinger.validation.neural import suite as neural
-
-    few = tuple(neural.cases(quick=True))[:3]
-    monkeypatch.setattr(suites, "cases", lambda suite, *, quick: few)
-    monkeypatch.setattr(suites, "figures", lambda names: {})
-    assert main(["validate", "neural", "--quick", "-o", str(tmp_path)]) == 0
-    found = json.loads((tmp_path / "validation.json").read_text(encoding="utf-8"))
-    verdicts = [case["verdict"] for case in found["suites"][0]["cases"]]
-    assert len(verdicts) == 3
-    assert set(verdicts) <= {"pass", "documented"}
-    page = (tmp_path / "validation.html").read_text(encoding="utf-8")
-    assert f"Of 3 comparisons, {verdicts.count('pass')} pass." in page
-    assert '<a href="validation.json">' in page
 
 
 def test_the_tour_a_study_of_the_contact_angle(

@@ -1,8 +1,8 @@
-"""Study of the contact angle from 0 to 60 degrees: results, uncertainty, proposed experiment.
+"""Study of the contact angle from 0 to 60 degrees, with other meshes, tissues and finite strain.
 
-Run as `python -m fefinger.validation.contact_angle.study WORK reports`; it takes about ten minutes
-on two cores and goes on where it was stopped. It writes contact-angle.csv, contact-angle.html and
-contact-angle.json, the record of how the table was made.
+Run as `python -m fefinger.validation.contact_angle WORK reports`; it takes about ten minutes on two
+cores and goes on where it was stopped. It writes contact-angle.csv and contact-angle.json, the
+record of how the table was made; docs/studies.md and the gallery say what the table shows.
 """
 
 import json
@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from fefinger.validation.contact_angle import page as contact_angle_page
 from fefinger.validation.provenance import provenance
 
 from fefinger.scene.library import PUBLISHED
@@ -73,7 +72,7 @@ def collect(work: Path) -> list[dict[str, Any]]:
 
 
 def _rounded(row: dict[str, Any]) -> dict[str, Any]:
-    """Return a row with six digits, so that the page says what the table has."""
+    """Return a row with numbers of six digits."""
     return {k: float(f"{v:.6g}") if isinstance(v, float) else v for k, v in row.items()}
 
 
@@ -87,14 +86,13 @@ def table(rows: list[dict[str, Any]]) -> pd.DataFrame:
 
 
 def main() -> None:
-    """Answer the studies and write their table, page and record."""
+    """Answer the studies and write their table and record."""
     work, folder = Path(sys.argv[1]), Path(sys.argv[2])
     rows = collect(work)
-    made = provenance("python -m fefinger.validation.contact_angle.study WORK reports")
+    made = provenance("python -m fefinger.validation.contact_angle WORK reports")
     record = {"data": "contact-angle.csv", "provenance": made}
     texts = {
         "contact-angle.csv": table(rows).to_csv(index=False),
-        "contact-angle.html": contact_angle_page.html(rows, made),
         "contact-angle.json": json.dumps(record, indent=1) + "\n",
     }
     atomic_write.write(folder, texts)

@@ -1,1 +1,0 @@
-"""The study of contact angle against the asymmetry of the pressure, with its page."""
