@@ -224,7 +224,6 @@ def test_integrate_and_fire_finds_a_threshold_that_is_touched_between_samples():
         (IntegrateAndFire, {"time_constant": 0.0}),
         (IntegrateAndFire, {"refractory": -1.0}),
         (ConnorStevens, {"transient": 20.0}),
-        (ConnorStevens, {"rate_divisor": 0.5}),
     ],
 )
 def test_impossible_membranes_are_refused(kind, options):
