@@ -8,20 +8,15 @@ import pytest
 
 import fefinger as ff
 from fefinger.afferents import fire
-from fefinger.contact.complementarity import Complementarity
-from fefinger.fem.body import Body, body, reduce
-from fefinger.fem.contact.patch import patch
-from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import measured_tissue
-from fefinger.mechanics.press import materials, placement, problem, small_strain, time_steps
+from fefinger.mechanics.press import problem, small_strain, time_steps
 from fefinger.mechanics.situation import Situation
-from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Response
 from fefinger.scene import library
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
-from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.theory.relaxation import Prony
 from fefinger.view import quantities
 
 
@@ -36,38 +31,8 @@ def scene(**parts: object) -> ff.Scene:
 
 
 @pytest.fixture(scope="module")
-def half() -> Body:
-    mesh = load_or_build(FINGER, half=True)
-    return body(mesh, materials.tissues(FINGER), materials.fixed_facets(FINGER))
-
-
-@pytest.fixture(scope="module")
 def press() -> Response:
     return linear.respond(scene())
-
-
-INDENTERS = [ff.Flat(angle=30), ff.Flat(angle=10), ff.Flat(angle=45), ff.Sphere(radius=5)]
-
-
-@pytest.mark.parametrize("indenter", INDENTERS, ids=str)
-def test_contact_force_equals_the_reactions_and_has_no_tangential_part(
-    half: Body, indenter: ff.Flat | ff.Sphere
-) -> None:
-    touch = placement.obstacle(indenter, half)
-    on_pad = patch(half.space, half.pad, half.normals, touch, 1.0)
-    small = reduce(half, on_pad, strain_at(half.space, np.empty((0, 3))))
-    pressure = Complementarity(small.flexibility).solve(on_pad.gap - 0.6 * on_pad.projected)
-    loads = on_pad.loads @ pressure
-    reactions = np.zeros(half.space.n_unknowns)
-    reactions[half.system.fixed] = half.system.reactions(half.system.solve(loads), loads)
-    total = reactions[: half.space.n_displacements].reshape(-1, 3).sum(axis=0)
-    force = float(on_pad.projected @ pressure)
-    assert force > 0
-    assert pressure.min() >= 0
-    assert -total @ touch.axis == pytest.approx(force, rel=1e-6)
-    tangent = np.cross([0.0, 1.0, 0.0], touch.axis)  # across is balanced by the other half
-    if indenter.flat is not None:
-        assert abs(total @ tangent) < 1e-6 * force
 
 
 def test_a_whole_finger_made_of_two_halves_equals_the_half(
@@ -132,16 +97,6 @@ def test_strain_is_constant_in_the_hold_and_nothing_pulls(press: Response) -> No
     assert np.ptp(strain, axis=0).max() < 1e-6 * np.abs(strain).max()
     assert press.pressure.min() == 0
     assert press.pressure[holding].max() > 1
-
-
-def test_ramp_and_hold_equal_the_integral_of_the_relaxation_over_the_elastic_force(
-    press: Response,
-) -> None:
-    elastic = linear.respond(scene(finger=replace(FINGER, prony=Prony((1.0,), ()))))
-    prony = FINGER.prony
-    expected = hereditary_integral(prony, press.time, elastic.force) / prony.long_time
-    assert press.force == pytest.approx(expected, rel=1e-3, abs=1e-3 * expected.max())
-    assert press.strain[-1] == pytest.approx(elastic.strain[-1], rel=1e-9, abs=1e-12)
 
 
 def test_a_plate_that_is_tilted_up_touches_on_the_side_of_positive_y() -> None:

@@ -51,14 +51,8 @@ def vibrations(operators: Path) -> ff.Vibrations:
     return ff.Vibrations(FINGER, ff.Flat(30), deepest=1.2)
 
 
-@pytest.mark.parametrize("control", ["depth", "force"])
-def test_a_slow_press_is_that_of_condensed(control: str) -> None:
-    motion = (
-        ff.RampHold(2.0, 0.8, hold=0.5)
-        if control == "depth"
-        else ff.RampHold(loading_rate=1.0, force=0.4, hold=0.5)
-    )
-    slow = scene(motion)
+def test_a_slow_press_by_force_is_that_of_condensed() -> None:
+    slow = scene(ff.RampHold(loading_rate=1.0, force=0.4, hold=0.5))
     one, other = condensed.respond(slow), modal.respond(slow)
     force = np.interp(one.time, other.time, other.force)
     depth = np.interp(one.time, other.time, other.depth)

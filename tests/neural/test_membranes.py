@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from fefinger.validation.neural.membrane import RATES, SINGLE, single
 
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support.checks import InputError
@@ -52,30 +51,6 @@ def test_rates_are_smooth_where_the_printed_ones_are_undefined(v):
         np.testing.assert_allclose(curve(v), around, rtol=1e-3 * width + 1e-11)
 
 
-def test_a_short_pulse_gives_the_known_action_potential():
-    pulse = STANDARD.fire([0, 1e-3, 1e-3, 0.05], [20.0, 20.0, 0.0, 0.0], dt=1e-5)
-    assert pulse.peak_mV[0] == pytest.approx(105.5, abs=0.05)
-    assert len(pulse.times[0]) == 1
-
-
-@pytest.mark.parametrize(("divisor", "expected"), SINGLE.items())
-def test_a_single_spike_needs_the_known_current(divisor, expected):
-    assert single(divisor) == pytest.approx(expected, abs=2e-4)
-
-
-@pytest.mark.parametrize(
-    ("divisor", "current", "rate"),
-    [(divisor, *pair) for divisor, table in RATES.items() for pair in table.items()],
-)
-def test_rate_in_constant_current(divisor, current, rate):
-    seconds = 1.0 if divisor == 1.0 else 5.0
-    firing = hold(HodgkinHuxley(divisor), current, seconds)
-    (times,) = firing.times
-    assert 1 / np.diff(times[times > seconds / 2]).mean() == pytest.approx(rate, rel=2e-3)
-    assert firing.block_seconds[0] == 0.0
-    assert firing.stimulus_driven[0] == 0 or (current >= 50 and firing.stimulus_driven[0] == 1)
-
-
 @pytest.mark.parametrize("membrane", [STANDARD, SLOWED], ids=["standard", "slowed"])
 def test_block_is_reported_where_spikes_fail_and_only_there(membrane):
     for current in (2.0, 5.0, 9.0, 50.0, 110.0):
@@ -122,28 +97,6 @@ def test_spikes_agree_with_an_adaptive_integrator_of_the_printed_equations(divis
     assert len(truth.t_events[0]) > 2
     np.testing.assert_allclose(firing.times[0], 1e-3 * truth.t_events[0], atol=2e-6)
     np.testing.assert_allclose(firing.final[0], truth.y[:, -1], atol=2e-2)
-
-
-IMPULSES = {
-    1: (9, 14, 18),
-    2: (5, 7, 9),
-    4: (3, 3, 4),
-    8: (1, 2, 2),
-    16: (1, 1, 1),
-    32: (0.5, 0.75, 1),
-    64: (0.25, 0.33, 0.5),
-}
-
-
-@pytest.mark.parametrize(("frequency", "expected"), IMPULSES.items())
-def test_impulses_per_cycle_of_a_slowed_membrane(frequency, expected):
-    """Thesis Fig. 4-8: I = A (1 - cos wt) with A = 12.5, 25 and 50 µA/cm², rates / 6."""
-    cycles = max(8, 3 * frequency)
-    time = np.linspace(0, cycles / frequency, 200 * cycles + 1)
-    wave = 1 - np.cos(2 * np.pi * frequency * time)
-    firing = SLOWED.fire(time, np.outer(wave, [12.5, 25, 50]), stimulus_driven=False)
-    late = [np.sum(times >= time[-1] / 2) / (cycles / 2) for times in firing.times]
-    np.testing.assert_allclose(late, expected, atol=0.09)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation.neural.preliminary import spring
-from fefinger.validation.oracles.chains import SpringDamper, fast_chain, slow_chain
 
 from fefinger.neural import units
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
@@ -96,36 +95,6 @@ def test_how_many_units_are_held_in_memory_changes_nothing(rule, monkeypatch):
 def test_a_filter_of_ones_own_replaces_that_of_its_type():
     bare = one([0.02], organs={"SAI": spring(2.0, 1.0, 1.0)}).current[:, 0]
     np.testing.assert_allclose(bare, 100 * -np.expm1(-3.199 * 0.4 * 0.02 * RAMP), rtol=1e-9)
-
-
-def force_step(parallel):
-    """Spikes of an SA and an FA chain, of equal gain, to a step of force that is held for 2 s."""
-    slow = slow_chain(1.0, SpringDamper(0.4, 0.5), 0.5)
-    fast = fast_chain(1.0, SpringDamper(0.0, 0.5), SpringDamper(0.2, 0.005), 0.5)
-    return simulate_units(
-        [0.0, 0.0, 2.0],
-        [[0, 0], [1, 1], [1, 1]],
-        types=("SAI", "FAI"),
-        unit=[0, 1],
-        lengths=[15.0 / GAINS["SAI"], 15.0 / GAINS["FAI"]],
-        organs={"SAI": slow.force_filter(parallel), "FAI": fast.force_filter(parallel)},
-        generator="linear",
-        check=False,
-    )
-
-
-def test_serial_chains_all_answer_a_force_alike_and_for_as_long_as_it_lasts():
-    """Thesis 4.4.1, with the observation that contradicts it: FA units fall silent."""
-    slow, fast = force_step(0.0).times
-    np.testing.assert_allclose(slow, fast, rtol=0, atol=1e-7)
-    assert slow[-1] > 1.9
-
-
-def test_a_parallel_spring_silences_the_fast_chain_alone_under_a_held_force():
-    slow, fast = force_step(0.5).times
-    assert slow[-1] > 1.9
-    assert len(fast) > 0
-    assert fast[-1] < 1.0
 
 
 def test_delays_move_every_spike_and_the_end():

@@ -73,26 +73,6 @@ def test_weights_are_normalized():
     assert MEANS_3_1.relaxation(np.zeros((2, 3))).shape == (2, 3)
 
 
-RATIOS_AT_2_MM = {
-    **{0.1: 0.294, 0.2: 0.321, 0.5: 0.367, 1: 0.403, 8: 0.538, 16: 0.596, 32: 0.661},
-    **{48: 0.703, 60: 0.727, 64: 0.735, 80: 0.760, 1000: 0.962},
-}
-
-
-@pytest.mark.parametrize(("speed", "ratio"), RATIOS_AT_2_MM.items())
-def test_constant_velocity_ratio_of_an_exponential_stiffness(speed, ratio):
-    """Thesis 2.3: P/T of a.h. at 2 mm, pressed from first touch at a constant speed."""
-    m, depth = 2.1, 2.0
-    rates = np.array([0.0, *AH.v])
-    growth = np.exp(m * depth) - np.exp(-rates * depth / speed)
-    closed = np.array(AH.weights) * m * speed / (m * speed + rates) @ growth
-    closed /= math.expm1(m * depth)
-    assert closed == pytest.approx(ratio, abs=6e-4)
-    x = np.linspace(0.0, depth, 4001)
-    force = hereditary_integral(AH, x / speed, np.expm1(m * x))
-    assert force[-1] / math.expm1(m * depth) == pytest.approx(closed, rel=1e-6)
-
-
 @pytest.mark.parametrize("dt", [1e-6, 1e-4, 1e-2, 1.0, 1e3])
 def test_a_ramp_is_its_closed_form_at_any_step(dt):
     t = dt * np.arange(6)

@@ -144,14 +144,13 @@ def cases(*, quick: bool) -> Iterator[Case]:
             reason="bisection",
         )
         for current, expected in table.items():
-            if not quick or current == 20:
-                yield Case(
-                    f"rate at {current} uA/cm², {kind}",
-                    partial(rate, divisor, current),
-                    Expected(expected, 2e-3 * expected, "Hz"),
-                    EXACT,
-                    reason="spikes in the window",
-                )
+            yield Case(
+                f"rate at {current} uA/cm², {kind}",
+                partial(rate, divisor, current),
+                Expected(expected, 2e-3 * expected, "Hz"),
+                EXACT,
+                reason="spikes in the window",
+            )
     yield from _protocols()
     yield from _ratios()
     if not quick:

@@ -10,7 +10,7 @@ from fefinger.contact.complementarity import Complementarity
 from fefinger.contact.frictionless import FrictionlessContact
 from fefinger.contact.march import Prescribed
 from fefinger.contact.march import march as march_contact
-from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.theory.relaxation import Prony
 
 
 PRONY = Prony((0.3, 0.4, 0.2, 0.1), (200.0, 10.0, 0.6))
@@ -73,25 +73,6 @@ def march(matrix, gap, projected, prony: Prony, asked: Prescribed):
     return march_contact(FrictionlessContact(matrix, gap, projected, prony.branches), asked)
 
 
-def test_a_step_relaxes_as_the_relaxation_function(pad: tuple) -> None:
-    time = np.concatenate([[0.0], np.geomspace(1e-6, 1e3, 60)])
-    asked = Prescribed("depth", time, np.full_like(time, 0.3))
-    done = march(*pad, PRONY, asked)
-    force = done.pressure @ pad[2]
-    assert force / force[0] == pytest.approx(PRONY.relaxation(time), rel=1e-9)
-    assert done.elastic_pressure == pytest.approx(np.tile(done.elastic_pressure[0], (len(time), 1)))
-
-
-def test_ramp_and_hold_equal_the_hereditary_integral(pad: tuple) -> None:
-    time = np.concatenate([np.linspace(0, 0.02, 400), 0.02 + np.geomspace(1e-4, 5, 60)])
-    depth = np.minimum(time / 0.02, 1) * 0.4
-    asked = Prescribed("depth", time, depth)
-    viscous = march(*pad, PRONY, asked).pressure @ pad[2]
-    elastic = march(*pad, Prony((1.0,), ()), asked).pressure @ pad[2]
-    expected = hereditary_integral(PRONY, time, elastic) / PRONY.long_time
-    assert viscous == pytest.approx(expected, rel=1e-3, abs=1e-3 * expected.max())
-
-
 def test_unloading_detaches_without_pull_and_recovers(pad: tuple) -> None:
     time = np.linspace(0, 1, 401)
     asked = Prescribed("depth", time, 0.3 * np.sin(np.pi * time))
@@ -126,12 +107,3 @@ def test_a_path_of_forces_is_that_of_its_depths(pad: tuple) -> None:
     again = Prescribed("depth", time, pushed.depth)
     moved = march(*body, PRONY, again).pressure @ weights
     assert moved == pytest.approx(force, rel=1e-6, abs=1e-9)
-
-
-def test_a_held_force_creeps_to_the_relaxed_depth(pad: tuple) -> None:
-    time = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 80)])
-    asked = Prescribed("force", time, np.full_like(time, 0.5))
-    viscous = march(*pad, PRONY, asked)
-    elastic = march(*pad, Prony((1.0,), ()), asked)
-    assert (np.diff(viscous.depth) >= -1e-12).all()
-    assert viscous.depth[-1] == pytest.approx(elastic.depth[-1], rel=1e-6)
