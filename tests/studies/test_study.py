@@ -311,6 +311,7 @@ def test_levels_that_were_not_asked_for_have_rows_where_they_are_reached():
     assert [row["at"] for row in asked.rows] == 2 * ["peak", "end", "1 mm"]
 
 
+@pytest.mark.usefixtures("child_processes")
 def test_one_that_no_mechanics_can_answer_fails_in_its_process_alone():
     found = ff.study(
         "sphere-press",

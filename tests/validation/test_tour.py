@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 from PIL import Image
 
@@ -84,21 +83,3 @@ def test_the_tour_a_press_and_its_strain_field_in_pictures(
         with Image.open("pad.png") as picture:
             assert np.ptp(np.asarray(picture)) > 100
     assert "Traceback" not in capsys.readouterr().err
-
-
-def test_the_tour_a_study_of_the_contact_angle(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Press at two angles of one mesh; read area and asymmetry from the table and the page."""
-    asked = ["finger.resolution=coarse", "motion.hold=0.05", "motion.depth=0.8", "ask.spikes=[]"]
-    changes = [word for change in asked for word in ("--set", change)]
-    grid = ["--over", "indenter.angle=30:34:2", "--workers", "1"]
-    assert main(["study", "flat-press", *grid, *changes, "-o", str(tmp_path)]) == 0
-    assert "2 of 2 scenes" in capsys.readouterr().out
-    table = pd.read_csv(tmp_path / "table.csv")
-    peak = table[table["at"] == "peak"]
-    assert peak["indenter.angle_deg"].tolist() == [30, 34]
-    assert (peak["contact_area_mm2"] > 0).all()
-    assert (peak["asymmetry"].abs() < 1).all()
-    page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert '<a href="table.csv">' in page

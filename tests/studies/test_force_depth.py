@@ -1,9 +1,12 @@
-"""The stiffness that a study tells: a local fit against closed forms, and where it tells none."""
+"""Stiffness and dynamic stiffness of a study: against closed forms, and where there is none."""
+
+import cmath
 
 import numpy as np
 import pytest
 
-from fefinger.studies.force_depth import POINTS, WINDOW, stiffness
+import fefinger as ff
+from fefinger.studies.force_depth import POINTS, WINDOW, dynamic_stiffness, stiffness
 
 
 LAWS = {
@@ -90,3 +93,33 @@ def test_under_force_control_it_goes_by_the_rate_of_the_force():
     found = stiffness(time, depth, force, 190.0, control="force")
     assert found.value == pytest.approx(1.5 * np.sqrt(depth[190]), rel=1e-9)
     assert np.isnan(stiffness(time, depth, force, 190.0, control="depth").value)
+
+
+MOTION = ff.RampSinusoid(20.0, 1.0, amplitude=0.05, frequency=80.0, cycles=6, settle=0.1)
+
+
+def test_a_dynamic_stiffness_is_the_complex_ratio_whatever_drifts():
+    time = np.unique(np.concatenate([np.linspace(0, MOTION.duration, 1200), MOTION.breakpoints]))
+    depth = MOTION.value(time)
+    ratio = cmath.rect(1.7, np.radians(25.0))
+    turned = np.imag(ratio * np.exp(2j * np.pi * 80.0 * (time - MOTION.trajectory.wave.start)))
+    force = 0.5 + 0.3 * (MOTION.duration - time) + 0.05 * turned
+    found = dynamic_stiffness(MOTION, time, depth, force)
+    assert found == pytest.approx(ratio, rel=1e-6)
+
+
+def test_there_is_no_dynamic_stiffness_without_a_vibration_and_where_contact_is_lost():
+    time = np.linspace(0, MOTION.duration, 1200)
+    depth = MOTION.value(time)
+    assert dynamic_stiffness(ff.Ramp(20.0, 1.0), time, depth, depth) is None
+    assert dynamic_stiffness(MOTION, time, depth, np.maximum(depth - 1.0, 0.0)) is None
+
+
+@pytest.mark.parametrize(("start", "stop"), [(20.0, 80.0), (80.0, 20.0)])
+def test_the_dynamic_stiffness_of_a_sweep_is_that_at_its_end(start, stop):
+    sweep = ff.FrequencySweep(1.0, amplitude=0.05, start=start, stop=stop, seconds=4.0)
+    time = np.unique(np.concatenate([np.linspace(0, sweep.duration, 8000), sweep.breakpoints]))
+    depth = sweep.value(time)
+    force = 1.0 + 1.7 * (depth - 1.0) + 0.001 * sweep.rate(time)
+    found = dynamic_stiffness(sweep, time, depth, force)
+    assert found == pytest.approx(1.7 + 0.002j * np.pi * stop, rel=0.05)
