@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from oracles.solids import assert_closed
+from refusals import refused
 
 from fefinger.geometry.finger_mesh import FACETS, FingerMesh, volumes
 from fefinger.mesh import smooth, tetrahedralize
@@ -15,7 +16,7 @@ from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import dihedral_angles, gate, measure
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.tetrahedralize import MesherSettings, tetrahedra
-from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.checks import ConvergenceError
 
 
 ROUGH = MesherSettings(pad=1.0, deep=0.8, far=1.0, largest=4.0, envelope=6e-3, facet=1.2)
@@ -168,17 +169,17 @@ def test_the_facets_are_fine_where_the_indenter_touches() -> None:
     assert plain[1] > 1.5 * settings.pad
     aside = touch_point(shape, (-2.0, -4.0))
     assert aside[:2] == pytest.approx([-2.0, 4.0])
-    with pytest.raises(InputError, match=r"indenter\.at: expected a place"):
+    with refused("indenter.at"):
         touch_point(shape, (30.0, 0.0))
 
 
 def test_a_rounded_place_beside_the_pad_stands_for_the_nearest_one_on_it() -> None:
     shape, settings = parametric(Recipe(14, 10, 14)), SETTINGS["coarse"]
     on_pad = touch_point(shape, (0.0, 5.3))
-    with pytest.raises(InputError, match=r"indenter\.at: expected a place"):
+    with refused("indenter.at"):
         touch_point(shape, (0.0, 6.0))
     assert sizes(shape, settings, (0.0, 6.0))(on_pad[None]) == pytest.approx(settings.pad)
-    with pytest.raises(InputError, match=r"indenter\.at: expected a place"):
+    with refused("indenter.at"):
         sizes(shape, settings, (30.0, 0.0))
 
 

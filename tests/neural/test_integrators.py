@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from fefinger.validation.oracles.membrane import exact, slope
+from refusals import refused
 
 from fefinger.neural.membranes import METHODS, HodgkinHuxley
 from fefinger.support.checks import InputError
@@ -150,23 +151,23 @@ def test_a_warm_membrane_is_stepped_finely_enough():
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    ("options", "field"),
     [
-        ({"tolerance": 1e-5, "dt": 1e-5}, "received both"),
-        ({"tolerance": 1e-5, "method": "splitting"}, "received both"),
-        ({"tolerance": 0.0}, "tolerance: expected"),
-        ({"method": "rk4"}, "method: expected one of"),
-        ({"dt": 0.0}, "dt: expected"),
+        ({"tolerance": 1e-5, "dt": 1e-5}, "tolerance"),
+        ({"tolerance": 1e-5, "method": "splitting"}, "tolerance"),
+        ({"tolerance": 0.0}, "tolerance"),
+        ({"method": "rk4"}, "method"),
+        ({"dt": 0.0}, "dt"),
     ],
 )
-def test_unusable_options_are_refused(options, message):
-    with pytest.raises(InputError, match=message):
+def test_unusable_options_are_refused(options, field):
+    with refused(field):
         SLOWED.fire([0.0, 1.0], [0.0, 1.0], **options)
 
 
 @pytest.mark.parametrize("temperature", [-1.0, 41.0, np.inf])
 def test_impossible_temperatures_are_refused(temperature):
-    with pytest.raises(InputError, match="temperature"):
+    with refused("temperature"):
         HodgkinHuxley(temperature=temperature)
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from fefinger.neural.populations import (
     Surface,
@@ -13,7 +14,6 @@ from fefinger.neural.populations import (
     squares,
 )
 from fefinger.neural.variation import numbered
-from fefinger.support.checks import InputError
 
 
 DEPTHS = {"SAI": 0.8, "SAII": 1.25, "FAI": 0.5, "FAII": 2.5}
@@ -179,42 +179,42 @@ def test_branches_stay_on_the_skin_at_its_edge():
 
 
 @pytest.mark.parametrize(
-    ("call", "message"),
+    ("call", "field"),
     [
-        (lambda: scatter({"SAI": 0.01}, 10.0, UP, seed=1), "leaves no unit on 3.14 cm² of skin"),
-        (lambda: scatter({"SA": 70.0}, 5.0, UP, seed=1), "Did you mean 'SAI'"),
+        (lambda: scatter({"SAI": 0.01}, 10.0, UP, seed=1), "densities.SAI"),
+        (lambda: scatter({"SA": 70.0}, 5.0, UP, seed=1), "densities"),
         (
             lambda: scatter({"SAI": -1.0}, 5.0, UP, seed=1),
-            "densities.SAI: expected a finite",
+            "densities.SAI",
         ),
-        (lambda: scatter({"SAI": 70.0}, 5.0, UP, seed=None), "seed: expected a whole number"),
+        (lambda: scatter({"SAI": 70.0}, 5.0, UP, seed=None), "seed"),
         (
             lambda: over(FLAT, np.linspace((0, 0), (30, 0), 5), "places", "move them"),
-            r"places: .* 3 beside it, at \[15, 0\], .* \[30, 0\] mm; move them",
+            "places",
         ),
         (
             lambda: over(FLAT, [[20, 0], [30, 0]], "places", "move them"),
-            "puts no place on the skin",
+            "places",
         ),
-        (lambda: grid(FLAT, 0.0, 5.0), "spacing: expected"),
-        (lambda: populate(FLAT, (), np.zeros((0, 3)), depths=DEPTHS), "one or more"),
+        (lambda: grid(FLAT, 0.0, 5.0), "spacing"),
+        (lambda: populate(FLAT, (), np.zeros((0, 3)), depths=DEPTHS), "places"),
         (
             lambda: populate(FLAT, ("SAI",), [[40, 0, 0]], depths=DEPTHS),
-            "1 of 1 lie beside the skin, the first is SAI at \\[40.0, 0.0, 0.0\\] mm",
+            "places",
         ),
-        (lambda: populate(FLAT, ("SAI",), [[0, 0, np.nan]], depths=DEPTHS), "finite"),
-        (lambda: populate(FLAT, ("SAI",), [[0, 0, 0]], depths={}), "SAI is missing"),
+        (lambda: populate(FLAT, ("SAI",), [[0, 0, np.nan]], depths=DEPTHS), "places"),
+        (lambda: populate(FLAT, ("SAI",), [[0, 0, 0]], depths={}), "depths"),
         (
             lambda: populate(
                 FLAT, ("SAI",), [[0, 0, 0]], depths=DEPTHS, organs={"SAI": (0, 2)}, seed=1
             ),
-            "organs.SAI: expected a smallest number",
+            "organs.SAI",
         ),
         (
             lambda: populate(
                 FLAT, ("SAI",), [[0, 0, 0]], depths=DEPTHS, organs={"SAI": (2, 3)}, seed=1
             ),
-            "fields.SAI: expected a finite number in mm above 0, received None",
+            "fields.SAI",
         ),
         (
             lambda: populate(
@@ -226,12 +226,12 @@ def test_branches_stay_on_the_skin_at_its_edge():
                 fields={"SAI": 900.0},
                 seed=1,
             ),
-            "the skin is too small for 20 end organs",
+            "fields.SAI",
         ),
-        (lambda: Surface(*(a[:4] for a in _plane(1.0, 4))), "expected 8 points or more"),
-        (lambda: Surface(_plane(1, 4)[0], 2 * _plane(1, 4)[1], _plane(1, 4)[2]), "unit normals"),
+        (lambda: Surface(*(a[:4] for a in _plane(1.0, 4))), "surface"),
+        (lambda: Surface(_plane(1, 4)[0], 2 * _plane(1, 4)[1], _plane(1, 4)[2]), "surface"),
     ],
 )
-def test_impossible_populations_are_refused(call, message):
-    with pytest.raises(InputError, match=message):
+def test_impossible_populations_are_refused(call, field):
+    with refused(field):
         call()

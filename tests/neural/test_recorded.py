@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 from scipy import signal, stats
 
 from fefinger.neural import recorded_compiled as compiled
@@ -23,7 +24,6 @@ from fefinger.neural.recorded import (
 )
 from fefinger.neural.streaming import ROOM, RecordedAfferents
 from fefinger.neural.variation import Variation, numbered
-from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 
 
@@ -325,7 +325,7 @@ def test_the_input_of_a_unit_is_the_largest_or_the_mean_of_its_end_organs():
     assert combined(organs, columns, "max").tolist() == [[3.0, 5.0], [4.0, 6.0]]
     assert combined(organs, columns, "mean").tolist() == [[2.0, 5.0], [3.0, 6.0]]
     assert combined(organs[:, ::-1], columns[::-1], "max").tolist() == [[1.0, 5.0], [4.0, 6.0]]
-    with pytest.raises(InputError, match="rule"):
+    with refused("rule"):
         combined(organs, columns, "first")
 
 
@@ -436,7 +436,7 @@ def test_a_long_step_of_recorded_units_loses_no_spikes():
     for many, some, one in zip(*trains, strict=True):
         assert some == pytest.approx(many, abs=1e-6)
         assert one == pytest.approx(many, abs=1e-6)
-    with pytest.raises(InputError, match=r"dt: expected .* at most 3600"):
+    with refused("dt"):
         units.step(pressed(0.5), 1e300)
 
 
@@ -498,40 +498,40 @@ def test_units_side_by_side_fire_as_each_by_itself():
 
 
 @pytest.mark.parametrize(
-    ("make", "message"),
+    ("make", "field"),
     [
-        (lambda: replace(PLAIN, gain=-1.0), "gain: expected a finite number in 1/mm at least"),
-        (lambda: replace(PLAIN, order=1.5), "order: expected 1 or 2"),
+        (lambda: replace(PLAIN, gain=-1.0), "gain"),
+        (lambda: replace(PLAIN, order=1.5), "order"),
         (lambda: replace(PLAIN, drive="pressure"), "drive"),
         (
             lambda: RecordedAfferents(("SAI",), np.eye(3), unit=[0, 0, 0]).step(
                 np.ones((1, 6)), 1e-3
             ),
-            "strain: expected an array",
+            "strain",
         ),
         (
             lambda: RecordedAfferents(("SAI",), np.eye(3)[:1]).step(np.full((1, 6), np.nan), 1e-3),
-            "unchanged",
+            "strain",
         ),
-        (lambda: RecordedAfferents(("SAI", "FAI"), np.eye(3)[:2], unit=[1, 0]), "never decrease"),
-        (lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], factors=[-1.0]), "factors: expected"),
-        (lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], factors=[np.nan]), "factors: expected"),
-        (lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], factors=[1, 1]), "factors: expected"),
-        (lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], seed=-1), "seed: expected a whole"),
+        (lambda: RecordedAfferents(("SAI", "FAI"), np.eye(3)[:2], unit=[1, 0]), "unit"),
+        (lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], factors=[-1.0]), "factors"),
+        (lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], factors=[np.nan]), "factors"),
+        (lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], factors=[1, 1]), "factors"),
+        (lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], seed=-1), "seed"),
         (
             lambda: RecordedAfferents(("SAI",), np.eye(3)[:1], parameters={"SA1": PLAIN}),
-            "SA1: unknown key in .parameters.",
+            "parameters.SA1",
         ),
         (
             lambda: simulate_recorded(
                 [0, 1], [[0], [0]], types=("SAI",), parameters={"SAI": {"gain": 2.0}}
             ),
-            "parameters.SAI: expected a Recorded",
+            "parameters.SAI",
         ),
     ],
 )
-def test_bad_input_is_refused_in_a_sentence(make, message):
-    with pytest.raises(InputError, match=message):
+def test_bad_input_is_refused_in_a_sentence(make, field):
+    with refused(field):
         make()
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import fefinger as ff
 from fefinger.__main__ import main
@@ -239,19 +240,19 @@ def test_series_that_cannot_be_used_are_refused(text, message, tmp_path):
 
 
 def test_types_given_twice_and_strain_without_a_length_are_refused(press, tmp_path):
-    with pytest.raises(InputError, match="types: expected every type once, received SAI, FAI, SAI"):
+    with refused("types"):
         fire(read(press), ("SAI", "FAI", "SAI"))
     strain = read(write(tmp_path / "s.csv", ("time", "strain"), TIME, 0.1 * PRESS))
-    with pytest.raises(InputError, match="length: column 'strain' is a strain"):
+    with refused("length"):
         fire(strain)
-    with pytest.raises(InputError, match="length: expected a finite number in mm above 0"):
+    with refused("length"):
         fire(strain, length=-1.0)
 
 
 def test_a_length_that_no_column_takes_is_checked_and_told(press):
     signals = read(press)
     assert "The length is not used" in " ".join(fire(signals, ("SAI",), length=2.0).notes)
-    with pytest.raises(InputError, match="length: expected"):
+    with refused("length"):
         fire(signals, ("SAI",), length=-1.0)
 
 
@@ -312,7 +313,7 @@ def test_arrays_that_cannot_be_used_are_refused(time, displacement, options, mes
 def test_times_that_are_likely_in_milliseconds_are_refused_or_noted():
     time = np.arange(100.0)
     press = np.clip(time / 50, 0, 1)
-    with pytest.raises(InputError, match="time: expected s, received 100 samples 1 apart, as if"):
+    with refused("time"):
         ff.spikes(time, press)
     noted = ff.spikes(time, press, ("SAI",), corners=True).notes
     assert "as if they were in ms; divide them by 1000" in noted[0]
@@ -412,7 +413,7 @@ def test_a_series_of_days_is_refused_and_a_tolerance_taken(tmp_path):
     trains = fire(read(path), ("SAI",), corners=True, tolerance=0.05)
     exact = fire(read(path), ("SAI",), corners=True)
     np.testing.assert_allclose(trains.times[0], exact.times[0], atol=5e-5)
-    with pytest.raises(InputError, match="tolerance: expected"):
+    with refused("tolerance"):
         fire(read(path), corners=True, tolerance=0.0)
 
 
@@ -423,9 +424,9 @@ def test_the_recorded_family_takes_displacements_and_strains_of_its_own_length(t
     path = write(tmp_path / "strain.csv", ["time", "strain"], TIME, PRESS / length)
     other = series.fire(read(path), ("SAI",), family="recorded")
     assert other.times[0] == pytest.approx(trains.times[0])
-    with pytest.raises(InputError, match=r"tolerance: expected none"):
+    with refused("tolerance"):
         series.fire(read(press), ("SAI",), family="recorded", tolerance=0.1)
-    with pytest.raises(InputError, match=r"family: expected one of"):
+    with refused("family"):
         series.fire(read(press), ("SAI",), family="recordd")
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from fefinger.validation.neural.connor_stevens import ConnorStevens
+from refusals import refused
 from scipy.integrate import solve_ivp
 
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
@@ -72,7 +73,7 @@ def test_units_of_every_membrane_are_independent(membrane):
 def test_every_membrane_refuses_what_its_siblings_refuse(membrane):
     with pytest.raises(InputError, match="lower the gain"):
         membrane.fire([0.0, 1.0], [0.0, 1e6])
-    with pytest.raises(InputError, match="dt: expected a finite number in s above 0 and at most"):
+    with refused("dt"):
         membrane.fire([0.0, 1.0], [0.0, 1.0], dt=1e-3)
 
 

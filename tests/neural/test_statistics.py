@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from fefinger.neural import (
     interval_variation,
@@ -53,7 +54,7 @@ def test_rates_count_the_spikes_of_a_window():
             mean_rates(trains, *window)
     with pytest.raises(InputError, match=r"from 0.4 to 1 s.* received 0 to 1 s"):
         mean_rates(counted, 0.0, 1.0)
-    with pytest.raises(InputError, match="stop: expected a finite number in s above 1"):
+    with refused("stop"):
         mean_rates(trains, 1.0, 1.0)
 
 
@@ -146,21 +147,21 @@ def test_one_more_spike_costs_what_the_definitions_say():
 
 
 @pytest.mark.parametrize(
-    ("call", "message"),
+    ("call", "field"),
     [
-        (lambda: intervals([1.0, 0.5]), "times: expected finite spike times"),
-        (lambda: intervals("0.1 0.2"), "times: expected finite spike times"),
-        (lambda: intervals([[0.1, 0.2], [0.3]]), "times: expected finite spike times"),
-        (lambda: psth([], [0.0, 1.0]), "trials: expected one"),
-        (lambda: psth(np.empty((0, 3)), [0.0, 1.0]), "trials: expected one"),
-        (lambda: psth([[0.5]], [1.0, 0.0]), "edges: expected"),
-        (lambda: psth([[0.5]], [0.0, np.inf]), "edges: expected"),
-        (lambda: locking([0.5], 0.0), "frequency: expected"),
-        (lambda: locking([0.5], 1.0, start=np.nan), "start: expected"),
-        (lambda: van_rossum([], [], 0.0), "tau: expected"),
-        (lambda: victor_purpura([], [], -1.0), "cost: expected"),
+        (lambda: intervals([1.0, 0.5]), "times"),
+        (lambda: intervals("0.1 0.2"), "times"),
+        (lambda: intervals([[0.1, 0.2], [0.3]]), "times"),
+        (lambda: psth([], [0.0, 1.0]), "trials"),
+        (lambda: psth(np.empty((0, 3)), [0.0, 1.0]), "trials"),
+        (lambda: psth([[0.5]], [1.0, 0.0]), "edges"),
+        (lambda: psth([[0.5]], [0.0, np.inf]), "edges"),
+        (lambda: locking([0.5], 0.0), "frequency"),
+        (lambda: locking([0.5], 1.0, start=np.nan), "start"),
+        (lambda: van_rossum([], [], 0.0), "tau"),
+        (lambda: victor_purpura([], [], -1.0), "cost"),
     ],
 )
-def test_unusable_input_is_refused(call, message):
-    with pytest.raises(InputError, match=message):
+def test_unusable_input_is_refused(call, field):
+    with refused(field):
         call()

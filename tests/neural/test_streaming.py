@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from fefinger.validation.neural.connor_stevens import ConnorStevens
+from refusals import refused
 
 from fefinger.neural.drives import Reference, equivalent_displacements
 from fefinger.neural.generators import GAINS, transduce
@@ -102,19 +103,19 @@ def test_equal_principal_strains_are_no_trouble() -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "words"),
+    ("options", "field"),
     [
-        ({"drives": {"SAI": "energy"}}, "drives.SAI: expected one of compressive, tangent"),
-        ({"types": ("SAX",)}, "types: expected one of"),
-        ({"normals": np.zeros((2, 3))}, r"normals: expected \(1, 3\)"),
-        ({"membrane": ConnorStevens()}, "membrane: expected .* received ConnorStevens"),
-        ({"membrane": HodgkinHuxley(), "method": "adaptive"}, "method: expected one of"),
-        ({"membrane": HodgkinHuxley(), "dt": 1.0}, "dt: expected .* at most 5e-05"),
+        ({"drives": {"SAI": "energy"}}, "drives.SAI"),
+        ({"types": ("SAX",)}, "types"),
+        ({"normals": np.zeros((2, 3))}, "normals"),
+        ({"membrane": ConnorStevens()}, "membrane"),
+        ({"membrane": HodgkinHuxley(), "method": "adaptive"}, "method"),
+        ({"membrane": HodgkinHuxley(), "dt": 1.0}, "dt"),
     ],
 )
-def test_what_cannot_be_streamed_gets_a_sentence(options: dict, words: str) -> None:
+def test_what_cannot_be_streamed_gets_a_sentence(options: dict, field: str) -> None:
     given = {"types": ("SAI",), "normals": [[0.0, 0.0, 1.0]], "lengths": {"SAI": 1.0}} | options
-    with pytest.raises(InputError, match=words):
+    with refused(field):
         Afferents(**given)
 
 
@@ -138,26 +139,26 @@ def test_a_long_step_loses_no_spikes(membrane: IntegrateAndFire | HodgkinHuxley)
 
 
 @pytest.mark.parametrize(
-    ("strain", "dt", "words"),
+    ("strain", "dt", "field"),
     [
-        (np.zeros((1, 6)), 1e-3, r"strain: expected an array \(2, 6\).* received \(1, 6\)"),
-        (np.zeros((2, 3, 3)), 1e-3, r"strain: expected .* received \(2, 3, 3\)"),
-        ([[0.0] * 6] * 2, 1e-3, "strain: expected an array .* received list"),
-        (np.full((2, 6), np.nan), 1e-3, "strain: expected finite .* received nan"),
-        (np.full((2, 6), -np.inf, np.float32), 1e-3, "strain: expected finite .* received inf"),
-        (np.diag(np.full(6, 1e200))[:2], 1e-3, r"strain: expected .* received 1e\+200"),
-        (np.zeros((2, 6)), -1e-3, "dt: expected .* at least 0, received -0.001"),
-        (np.zeros((2, 6)), np.nan, "dt: expected a finite number"),
+        (np.zeros((1, 6)), 1e-3, "strain"),
+        (np.zeros((2, 3, 3)), 1e-3, "strain"),
+        ([[0.0] * 6] * 2, 1e-3, "strain"),
+        (np.full((2, 6), np.nan), 1e-3, "strain"),
+        (np.full((2, 6), -np.inf, np.float32), 1e-3, "strain"),
+        (np.diag(np.full(6, 1e200))[:2], 1e-3, "strain"),
+        (np.zeros((2, 6)), -1e-3, "dt"),
+        (np.zeros((2, 6)), np.nan, "dt"),
     ],
 )
 @pytest.mark.parametrize("membrane", [IntegrateAndFire(), HodgkinHuxley()])
 def test_a_step_that_cannot_be_taken_gets_a_sentence_and_is_not_taken(
-    membrane: IntegrateAndFire | HodgkinHuxley, strain: np.ndarray, dt: float, words: str
+    membrane: IntegrateAndFire | HodgkinHuxley, strain: np.ndarray, dt: float, field: str
 ) -> None:
     units = Afferents(("SAI", "FAI"), NORMALS[:2], {"SAI": 5.0, "FAI": 5.0}, membrane=membrane)
     units.step(np.full((2, 6), 0.05), 0.0)
     before = [np.copy(each) for each in (*units.state, units.membranes.units)]
-    with pytest.raises(InputError, match=words):
+    with refused(field):
         units.step(strain, dt)
     for then, now in zip(before, (*units.state, units.membranes.units), strict=True):
         assert np.array_equal(then, now)  # exact: left as it was
@@ -167,7 +168,7 @@ def test_a_step_without_end_is_refused() -> None:
     units = Afferents(("SAI",), [[0.0, 0.0, 1.0]], {"SAI": 5.0})
     squeezed = np.array([[0.0, 0.0, -0.5, 0.0, 0.0, 0.0]])
     units.step(squeezed, 0.0)
-    with pytest.raises(InputError, match=r"dt: expected .* at most 3600, received 1e\+300"):
+    with refused("dt"):
         units.step(squeezed, 1e300)
 
 
@@ -175,27 +176,27 @@ def test_a_type_without_a_reference_gets_the_sentence_that_there_is() -> None:
     three = Reference(0.5, TYPES[:3], REFERENCE.normals[:3], REFERENCE.strain[:3])
     with pytest.raises(InputError, match=f"expected every type in use, {TYPES[3]} is"):
         Afferents.of(TYPES, NORMALS, three)
-    with pytest.raises(InputError, match="types: expected one of"):
+    with refused("types"):
         Afferents.of(("SAX",), NORMALS[:1], REFERENCE)
-    with pytest.raises(InputError, match=r"drives\.SAI: expected one of"):
+    with refused("drives.SAI"):
         Afferents.of(TYPES, NORMALS, REFERENCE, drives={"SAI": "none"})
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("given", "field"),
     [
-        ({"normals": 2 * NORMALS}, "normals: expected unit vectors"),
-        ({"normals": 0 * NORMALS}, "normals: expected unit vectors"),
+        ({"normals": 2 * NORMALS}, "normals"),
+        ({"normals": 0 * NORMALS}, "normals"),
         (
             {"lengths": {"SAI": 1.0}},
-            "expected a length in mm for every type of the units, SAII",
+            "lengths",
         ),
-        ({"lengths": dict.fromkeys(TYPES, -1.0)}, "lengths.SAI: expected a finite number in mm"),
-        ({"substeps": 0}, "substeps: expected a whole number of 1 or more, received 0"),
-        ({"types": (), "normals": np.empty((0, 3))}, "one afferent unit or more, received none"),
+        ({"lengths": dict.fromkeys(TYPES, -1.0)}, "lengths.SAI"),
+        ({"substeps": 0}, "substeps"),
+        ({"types": (), "normals": np.empty((0, 3))}, "types"),
     ],
 )
-def test_units_that_cannot_be_stepped_are_refused_at_once(given: dict, message: str) -> None:
+def test_units_that_cannot_be_stepped_are_refused_at_once(given: dict, field: str) -> None:
     expected = {"types": TYPES, "normals": NORMALS, "lengths": dict.fromkeys(TYPES, 1.0)}
-    with pytest.raises(InputError, match=message):
+    with refused(field):
         Afferents(**{**expected, **given})

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from fefinger.neural.trains import SpikeTrains
-from fefinger.support.checks import InputError
 
 
 def trains(*times):
@@ -64,22 +64,22 @@ def test_a_spike_left_the_end_organs_a_conduction_delay_before():
     np.testing.assert_allclose(far.at_end_organs(0), [0.49, 0.99])
     np.testing.assert_allclose(far.at_end_organs("SAI-2"), [0.23])
     np.testing.assert_array_equal(replace(both, delays=0.01).delays, [0.01, 0.01])
-    with pytest.raises(InputError, match="delays: expected one for each of 2 names, received 3"):
+    with refused("delays"):
         replace(both, delays=np.zeros(3))
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "field"),
     [
-        ({"names": (1, 0)}, r"names: expected a list of strings, .* received \(1, 0\)"),
-        ({"names": ("left", "left")}, "no two alike, received left more than once"),
-        ({"names": "ab"}, "names: expected a list of strings, .* received 'ab'"),
-        ({"times": (np.zeros(0),)}, "times: expected one for each of 2 names, received 1"),
-        ({"x_in": np.zeros((2, 3))}, "x_in: expected one for each of 2 names, received 3"),
+        ({"names": (1, 0)}, "names"),
+        ({"names": ("left", "left")}, "names"),
+        ({"names": "ab"}, "names"),
+        ({"times": (np.zeros(0),)}, "times"),
+        ({"x_in": np.zeros((2, 3))}, "x_in"),
     ],
 )
-def test_names_that_could_be_indices_and_fields_of_other_units_are_refused(change, message):
-    with pytest.raises(InputError, match=message):
+def test_names_that_could_be_indices_and_fields_of_other_units_are_refused(change, field):
+    with refused(field):
         replace(trains([0.5], [1.0]), **change)
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation.neural.preliminary import spring
+from refusals import refused
 
 from fefinger.neural import units
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
@@ -12,7 +13,6 @@ from fefinger.neural.generators import GAINS, transduce
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.neural.units import simulate_units
 from fefinger.neural.variation import Variation
-from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import RULES, TYPES
 
 
@@ -149,39 +149,39 @@ class Other:
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "field"),
     [
-        ({"unit": [0, 2]}, "each of 1 units; received \\[0, 2\\]"),
-        ({"unit": [0.0, 0.5]}, "index of the unit"),
-        ({"rule": "sum"}, "rule: expected one of 'mean', 'max', 'first'"),
-        ({"delays": -1.0}, "delays: expected one or 1 times"),
-        ({"depths": [1.0, 2.0]}, r"depths: expected \(1,\) mm for 1 units, received \(2,"),
-        ({"variation": Variation(seed=1, numbers=(0, 1))}, "numbers: expected one for each of 1"),
+        ({"unit": [0, 2]}, "unit"),
+        ({"unit": [0.0, 0.5]}, "unit"),
+        ({"rule": "sum"}, "rule"),
+        ({"delays": -1.0}, "delays"),
+        ({"depths": [1.0, 2.0]}, "depths"),
+        ({"variation": Variation(seed=1, numbers=(0, 1))}, "numbers"),
         (
             {"rule": "first", "membrane": Other()},
-            "rule: expected for 'first' a HodgkinHuxley membrane, received Other",
+            "rule",
         ),
     ],
 )
-def test_unusable_units_are_refused(change, message):
+def test_unusable_units_are_refused(change, field):
     options = {"types": ("SAI",), "unit": [0, 0]} | change
-    with pytest.raises(InputError, match=message):
+    with refused(field):
         simulate_units(TIME, np.zeros((len(TIME), 2)), **options)
 
 
 @pytest.mark.parametrize(
-    ("values", "message"),
+    ("values", "field"),
     [
-        ({"seed": -1}, "seed: expected a whole number"),
-        ({"seed": 1, "trial": -1}, "trial: expected a whole number"),
-        ({"seed": 1, "noise": -1.0}, "noise: expected"),
-        ({"seed": 1, "spread": np.inf}, "spread: expected"),
-        ({"seed": 1, "numbers": (0, -1)}, "numbers: expected whole numbers of 0 or more"),
-        ({"seed": 1, "numbers": (0.5,)}, "numbers: expected whole numbers .* received 0.5"),
+        ({"seed": -1}, "seed"),
+        ({"seed": 1, "trial": -1}, "trial"),
+        ({"seed": 1, "noise": -1.0}, "noise"),
+        ({"seed": 1, "spread": np.inf}, "spread"),
+        ({"seed": 1, "numbers": (0, -1)}, "numbers"),
+        ({"seed": 1, "numbers": (0.5,)}, "numbers"),
     ],
 )
-def test_unusable_variations_are_refused(values, message):
-    with pytest.raises(InputError, match=message):
+def test_unusable_variations_are_refused(values, field):
+    with refused(field):
         Variation(**values)
 
 
@@ -213,14 +213,14 @@ def test_draws_of_units_are_none_of_those_of_places():
 
 
 @pytest.mark.parametrize(
-    ("organs", "message"),
+    ("organs", "field"),
     [
-        ({"SA1": END_ORGANS["SAI"]}, "SA1: unknown key in .organs.. Did you mean 'SAI'"),
-        ({"SAI": None}, "organs.SAI: expected a filter such as PoleZero, received None"),
+        ({"SA1": END_ORGANS["SAI"]}, "organs.SA1"),
+        ({"SAI": None}, "organs.SAI"),
     ],
 )
-def test_filters_that_no_unit_would_have_are_refused(organs, message):
-    with pytest.raises(InputError, match=message):
+def test_filters_that_no_unit_would_have_are_refused(organs, field):
+    with refused(field):
         one([1.0], organs=organs)
 
 
