@@ -17,6 +17,7 @@ from fefinger.neural.drives import DEFAULT_DRIVE, Reference, in_plane
 from fefinger.neural.endorgans import END_ORGANS, modes_of
 from fefinger.neural.generators import GAINS, LARGEST_CURRENT
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire, vectorized
+from fefinger.neural.membranes.equations import Stepping
 from fefinger.neural.recorded import LONGEST, Recorded, parameters_of, units_of
 from fefinger.neural.recorded_compiled import blocks_of, rested
 from fefinger.neural.variation import numbered
@@ -179,7 +180,8 @@ class _Axons:
 
     def __init__(self, membrane: HodgkinHuxley, n: int, method: str, dt: float | None) -> None:
         choice("method", method, METHODS)
-        self.how = (membrane.step_ms(dt), method == "splitting", membrane.speed, 1.0)
+        splitting = method == "splitting"
+        self.how = Stepping(membrane.step_ms(dt), splitting, membrane.speed, 1.0)
         self.rest, self.block = membrane.rest(), membrane.block
         self.longest = 1e-3 * (ROOM - 1) / (PER_MS * max(1.0, membrane.speed))
         blocks = -(-n // vectorized.LANES)

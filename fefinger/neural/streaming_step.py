@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.neural.generators import LARGEST_CURRENT
+from fefinger.neural.membranes.equations import Block, Stepping
 from fefinger.neural.membranes.integrate_and_fire_compiled import eventful
 from fefinger.neural.membranes.vectorized import LANES, interval
 from fefinger.neural.recorded_compiled import Units, X, run
@@ -153,9 +154,9 @@ def hodgkin_huxley(
     s: "State",
     units: Array,
     last: Array,
-    how: tuple[float, bool, float, float],
+    how: Stepping,
     rest: Array,
-    block: tuple[float, float, float],
+    block: Block,
     dt: float,
 ) -> int:
     """Advance Hodgkin-Huxley units by dt ms; return the number of spikes, or CROWDED.

@@ -5,6 +5,7 @@ rate functions corrected (see `HodgkinHuxley`).
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,26 @@ from fefinger.support.compiled import njit
 CAPACITANCE, G_NA, G_K, G_LEAK = 1.0, 120.0, 36.0, 0.3  # uF/cm², mS/cm²
 V_NA, V_K, V_LEAK = 115.0, -12.0, 10.613  # mV above rest
 SPIKE_MV, REARM_MV = 40.0, 20.0  # a spike is an upward crossing, counted again after falling below
+
+
+class Block(NamedTuple):
+    """A depolarization block: potential in mV, current in µA/cm² and time in ms that it exceeds."""
+
+    potential: float
+    current: float
+    longest: float
+
+
+class Stepping(NamedTuple):
+    """Steps of a membrane: the longest in ms, splitting or not, and factors on its rates.
+
+    speed: on all rates; m_rate_factor: on the rate of m, 0 for frozen sodium activation, else 1.
+    """
+
+    longest: float
+    splitting: bool
+    speed: float
+    m_rate_factor: float
 
 
 @njit(cache=True, inline="always")
@@ -103,15 +124,14 @@ def race(
     dt_max: float,
     slow: float,
     rest: Array,
-    block: tuple[float, float, float],
+    block: Block,
     spikes: Array,
 ) -> tuple[int, float, float, Array]:
     """Integrate the branches of one unit from rest; the first to fire resets the others.
 
     time (n_t,) ms, current (n_t, n_branches); slow: factor on all rates. The branch that first
-    reaches a spike fires the unit, and the others take over its state. `block`: potential, current
-    and time of a depolarization block; the longest block of the branches counts. Returns the number
-    of spikes, the peak, the ms in block and the final states.
+    reaches a spike fires the unit, and the others take over its state. The longest block of the
+    branches counts. Returns the number of spikes, the peak, the ms in block and the final states.
     """
     n = current.shape[1]
     y = np.empty((n, 4))
@@ -137,10 +157,10 @@ def race(
                         winner, first = b, fraction
                 elif new[0] < REARM_MV:
                     armed[b] = True
-                high = new[0] > block[0] and start > block[1]
+                high = new[0] > block.potential and start > block.current
                 above[b] = above[b] + dt if high else 0.0
-                if above[b] > block[2]:
-                    blocked[b] += min(dt, above[b] - block[2])
+                if above[b] > block.longest:
+                    blocked[b] += min(dt, above[b] - block.longest)
                 peak = max(peak, new[0])
                 y[b, 0], y[b, 1], y[b, 2], y[b, 3] = new
             if winner >= 0:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +20,9 @@ from fefinger.neural.membranes.firing import (
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number
 
+
+if TYPE_CHECKING:
+    from fefinger.neural.membranes.equations import Block
 
 BLOCK_MV, BLOCK_CURRENT, BLOCK_AFTER = 6.5, 50.0, 0.010
 """Definition of a depolarization block: current above BLOCK_CURRENT and potential above BLOCK_MV
@@ -89,9 +93,11 @@ class HodgkinHuxley:
         return np.array([v, n, m, h])
 
     @property
-    def block(self) -> tuple[float, float, float]:
-        """Definition of a depolarization block: potential in mV, current in µA/cm², time in ms."""
-        return BLOCK_MV, BLOCK_CURRENT, 1e3 * BLOCK_AFTER / self.speed
+    def block(self) -> "Block":
+        """Definition of a depolarization block."""
+        from fefinger.neural.membranes.equations import Block
+
+        return Block(BLOCK_MV, BLOCK_CURRENT, 1e3 * BLOCK_AFTER / self.speed)
 
     def step_ms(self, dt: float | None) -> float:
         """Longest step in ms for `dt` in s (default LARGEST_STEP) at the speed of the membrane."""
@@ -170,9 +176,10 @@ class HodgkinHuxley:
     ) -> Run:
         """Integrate all units: spike times in ms; per unit final state, peak in mV, ms in block."""
         from fefinger.neural.membranes import vectorized
+        from fefinger.neural.membranes.equations import Stepping
 
         rest = self.rest()
-        how = (step, splitting, self.speed, 0.0 if frozen else 1.0)
+        how = Stepping(step, splitting, self.speed, 0.0 if frozen else 1.0)
         # 2 spikes per ms are ten times what the membrane fires.
         room = int(2.0 * max(1.0, self.speed) * (time_ms[-1] - time_ms[0])) + 16
 

@@ -18,6 +18,8 @@ from fefinger.neural.membranes.equations import (
     V_K,
     V_LEAK,
     V_NA,
+    Block,
+    Stepping,
     crossing,
     slope,
 )
@@ -123,7 +125,7 @@ def _runge_kutta(
     dt: float,
     slow: float,
     m_rate_factor: float,
-    block: tuple[float, float, float],
+    block: Block,
 ) -> int:
     """Advance `lanes` units (8 or 16) by a classical Runge-Kutta step of dt ms; return spikes.
 
@@ -150,7 +152,9 @@ def _runge_kutta(
         s[_N + i] = n + sixth * (b + 2.0 * (f + q) + x)
         s[_M + i] = m + sixth * (c + 2.0 * (g + r) + y)
         s[_H + i] = h + sixth * (d + 2.0 * (j + u) + z)
-        hits += _observe(s, i, new, dt, (new > block[0]) & (start > block[1]), block[2])
+        hits += _observe(
+            s, i, new, dt, (new > block.potential) & (start > block.current), block.longest
+        )
     return hits
 
 
@@ -172,7 +176,7 @@ def _split(
     dt: float,
     slow: float,
     m_rate_factor: float,
-    block: tuple[float, float, float],
+    block: Block,
 ) -> int:
     """Advance the gates by `gate_step` ms, then the potential by dt ms; return the spikes.
 
@@ -200,7 +204,9 @@ def _split(
         new = _relaxed(v, charge * drive, charge * (g_k + g_na + G_LEAK), 1.0)
         s[_BEFORE + i], s[_V + i] = v, new
         s[_N + i], s[_M + i], s[_H + i] = n, m, h
-        hits += _observe(s, i, new, dt, (new > block[0]) & (current > block[1]), block[2])
+        hits += _observe(
+            s, i, new, dt, (new > block.potential) & (current > block.current), block.longest
+        )
     return hits
 
 
@@ -256,23 +262,22 @@ def interval(
     begin: float,
     length: float,
     last: float,
-    how: tuple[float, bool, float, float],
+    how: Stepping,
     rest: Array,
-    block: tuple[float, float, float],
+    block: Block,
     spikes: Array,
     counts: Integers,
 ) -> float:
     """Advance a block through an interval from `begin` ms on, in which currents are linear.
 
-    before, after: current (n,) at its ends. how: longest step in ms, splitting or not, factor
-    on all rates, and 0 for frozen sodium (else 1). last: the previous step in ms. Returns the last
-    step of this interval. Other arguments as in `integrate`.
+    before, after: current (n,) at its ends. last: the previous step in ms. Returns the last step of
+    this interval. Other arguments as in `integrate`.
     """
-    dt_max, split, slow, m_rate_factor = how
+    split, slow, m_rate_factor = how.splitting, how.speed, how.m_rate_factor
     units = len(before)
     lanes = LANES // 2 if units <= LANES // 2 else LANES
     # 1e-9: rounding must not add a step to an interval that is a multiple of the step.
-    steps = math.ceil(length / dt_max - 1e-9)
+    steps = math.ceil(length / how.longest - 1e-9)
     for i in range(units):
         s[_START + i], s[_END + i] = before[i], after[i]
     if steps == 0 or _resting(s, rest):
@@ -300,18 +305,16 @@ def interval(
 def integrate(
     time: Array,
     current: Array,
-    how: tuple[float, bool, float, float],
+    how: Stepping,
     rest: Array,
-    block: tuple[float, float, float],
+    block: Block,
     spikes: Array,
     counts: Integers,
 ) -> Array:
     """Integrate n <= 16 units from rest over time (n_t,) ms with current (n_t, n), linear between.
 
-    how: as in `interval`. block: potential in mV, current in µA/cm² and time in ms of a
-    depolarization block. Fills spikes (n, :) with crossing times in ms and counts (n,), which keep
-    counting where `spikes` is full. Returns (n, 6): final v, n, m, h, the highest potential and the
-    ms in block.
+    Fills spikes (n, :) with crossing times in ms and counts (n,), which keep counting where
+    `spikes` is full. Returns (n, 6): final v, n, m, h, the highest potential and the ms in block.
     """
     s, last = at_rest(rest), 0.0
     for k in range(len(time) - 1):
@@ -319,9 +322,8 @@ def integrate(
         last = interval(
             s, current[k], current[k + 1], time[k], length, last, how, rest, block, spikes, counts
         )
-    _, split, slow, m_rate_factor = how
-    if split:  # the gates still lack their last half step
-        _split(s, 0.0, 0.5 * last, 0.0, slow, m_rate_factor, block)
+    if how.splitting:  # the gates still lack their last half step
+        _split(s, 0.0, 0.5 * last, 0.0, how.speed, how.m_rate_factor, block)
     units = len(counts)
     ends = np.empty((units, 6))
     for i in range(units):
