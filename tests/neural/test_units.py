@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fefinger.validation.neural.preliminary import spring
+from fefinger.validation.neural.filters import spring
 from refusals import refused
 
 from fefinger.neural import units

@@ -7,7 +7,7 @@ import pytest
 from fefinger.validation import suites
 from fefinger.validation.neural import drawings, gains, phases, sinusoids, sweep
 from fefinger.validation.neural.connor_stevens import ConnorStevens
-from fefinger.validation.neural.preliminary import derivative
+from fefinger.validation.neural.filters import derivative
 
 from fefinger.neural.membranes import IntegrateAndFire
 

@@ -4,7 +4,7 @@ import re
 
 import pytest
 from fefinger.validation import suites
-from fefinger.validation.afferents.misses import MISSES as OF_AFFERENTS
+from fefinger.validation.afferents.suite import MISSES as OF_AFFERENTS
 from fefinger.validation.case import Case, Expected, Outcome
 from fefinger.validation.human.misses import MISSES as OF_HUMANS
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
-from fefinger.validation.neural.preliminary import derivative
+from fefinger.validation.neural.filters import derivative
 from fefinger.validation.neural.sweep import SPRING
 
 from fefinger.neural.endorgans import END_ORGANS, Organ

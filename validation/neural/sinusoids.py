@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
-from fefinger.validation.neural.preliminary import derivative
+from fefinger.validation.neural.filters import derivative
 from fefinger.validation.neural.sweep import (
     DAMPER,
     FREQUENCIES,
