@@ -8,7 +8,7 @@ from fefinger.view.figures import figure
 
 
 def panel(width: float, height: float, **options: Any) -> tuple[Any, Any]:
-    """Return a figure in inches and its axes; options are those of `Axes.set`."""
+    """Return a figure in inches and its axes; options as of `Axes.set`."""
     drawn = figure(width, height)
     axis = drawn.subplots()
     axis.set(**options)

@@ -22,7 +22,7 @@ N = 41
 
 @pytest.fixture
 def pad() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return a flexibility like that of a layer, gaps of a paraboloid, and weights."""
+    """Return a flexibility like a layer's, gaps of a paraboloid, and weights."""
     x = np.linspace(-1, 1, N)
     matrix = 0.02 * np.exp(-np.abs(x[:, None] - x) / 0.4) + 0.005 * np.eye(N)
     weights = np.full(N, 0.05)

@@ -194,7 +194,7 @@ def test_a_calibrated_finger_has_the_law_of_its_subject_and_the_error_of_its_cal
 
 @pytest.mark.parametrize("subject", SUBJECTS)
 def test_a_finger_of_published_tissue_has_the_law_of_its_own_press(subject):
-    """Its relaxed force is that of `solid`, within twice what the spring of Eq. 2.1 leaves."""
+    """Its relaxed force equals `solid`, within twice what the spring of Eq. 2.1 leaves."""
     finger = ff.Finger.subject(subject, tissue="maeno1998")
     row = table.read("solid-force.json")["rows"][f"{subject}/flat-30"]
     depth, force = (np.array(x) for x in (row["depth_mm"], row["force_N"]["solid"]))

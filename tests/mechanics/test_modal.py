@@ -173,7 +173,7 @@ def test_in_a_loop_and_as_a_scene_it_is_the_same(loop: ff.Loop) -> None:
 
 
 def test_a_long_step_is_divided_so_that_all_modes_follow(loop: ff.Loop) -> None:
-    """A press at 400 mm/s in steps of 1 ms is that in steps of 0.1 ms, and not that of statics."""
+    """A press at 400 mm/s in steps of 1 ms equals one in steps of 0.1 ms, and not statics."""
     whole, still = [], ff.Loop(FINGER, ff.Flat(30), mechanics="condensed", deepest=1.2)
     for dt, finger in ((1e-4, loop), (1e-3, loop), (1e-3, still)):
         finger.reset()

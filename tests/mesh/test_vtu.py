@@ -34,7 +34,7 @@ def no_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def builds(mesh: FingerMesh, monkeypatch: pytest.MonkeyPatch) -> list[FingerMesh]:
-    """Build meshes that differ as those of a mesher that draws at random; return them."""
+    """Build meshes that differ as if a mesher had drawn them at random; return them."""
     built: list[FingerMesh] = []
 
     def build(recipe: Recipe, **_: object) -> FingerMesh:

@@ -1,4 +1,4 @@
-"""Suite `waves`: its closed forms are those of the books, and its modes are drawn."""
+"""Suite `waves`: its closed forms agree with the books, and its modes are drawn."""
 
 import numpy as np
 import pytest

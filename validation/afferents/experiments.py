@@ -109,7 +109,7 @@ def drives(
 def pressed(indenter: Indenter, depths: Array, distances: Array, **options: Any) -> Array:
     """Drives (n_depths, n) of end organs at depths (n_depths,) mm of a slow press.
 
-    The options are those of `drives`.
+    Options as of `drives`.
     """
     motion = Ramp(SLOW, float(np.max(depths)), corner=0.0)
     _, depth, driven = drives(indenter, motion, distances, **options)

@@ -282,7 +282,7 @@ def _of_places() -> Iterator[Case]:
 
 
 def _modulation(period: float) -> float:
-    """Modulation of the strain of SAI by a grating over that of FAI."""
+    """Modulation of the strain by a grating, at SAI over at FAI."""
     sai, fai = (
         measures.modulation(fitted()[kind].drive, experiments.DEPTHS[kind], period)
         for kind in ("SAI", "FAI")

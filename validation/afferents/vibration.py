@@ -67,7 +67,7 @@ class Probed:
         return states
 
     def rates(self, frequency: float, amplitudes: Array, *, single: bool = False) -> Array:
-        """Mean rates (n_amplitudes,) in Hz of a population, or those of its median unit."""
+        """Mean rates (n_amplitudes,) in Hz of a population, or of its median unit."""
         factors = np.ones(1) if single else self.gains()
         seconds, since = LASTING[frequency]
         times = self.times(frequency, amplitudes, factors, seconds)

@@ -142,7 +142,7 @@ def speeds(timings: dict[str, Timing]) -> list[Figure]:
 
 
 def errors(timings: dict[str, Timing], fine: Spikes) -> list[Figure]:
-    """Return the errors of Hodgkin-Huxley spike times, against those of the plain loop."""
+    """Return the errors of Hodgkin-Huxley spike times, against the plain loop."""
     base, figures = compare(timings[BASELINE].spikes, fine), []
     for name in (name for name in timings if name != CHEAP):
         error = compare(timings[name].spikes, fine)

@@ -31,7 +31,7 @@ COUNT = 40
 
 
 def split(calibration: Calibration) -> dict[str, float]:
-    """Return m in 1/mm of a subject by parts, which add up to that of Table 2.1."""
+    """Return m in 1/mm of a subject by parts, which add up to m of Table 2.1."""
     finger = targets.finger_of(
         calibration.target, resolution="coarse", pad_radius=calibration.finger["pad_radius"]
     )

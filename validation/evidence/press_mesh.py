@@ -316,7 +316,7 @@ def _described(measurement: Measurement) -> dict[str, Any]:
 
 
 def thirds() -> dict[str, Any]:
-    """Return the changes by the fine mesh under every object but those of ALIKE.
+    """Return the changes by the fine mesh under every object that is not in ALIKE.
 
     The fine mesh of the calibrated finger is drawn anew. As a morph of the published one its bone
     is 0.03 mm nearer to the pad, which changes the force by 0.5 % at small strain and by 3 % at

@@ -167,7 +167,7 @@ def _area(response: Response) -> tuple[float, float]:
 
 
 def _spread(response: Response) -> tuple[float, float]:
-    """Return by how many octaves the contact area differs from that of the points pressed."""
+    """Return by how many octaves the contact area differs from the area of the points pressed."""
     assert response.pad is not None
     assert response.pressure is not None
     assert response.contact_area is not None

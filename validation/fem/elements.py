@@ -253,7 +253,7 @@ def _symmetric(gradient: Array) -> Array:
 
 
 def _relative(computed: Array, exact: Array, weight: Array) -> float:
-    """Return the L2 norm of the difference over that of `exact`."""
+    """Return the L2 norm of the difference over the norm of `exact`."""
     axes = tuple(range(1, computed.ndim))
     square = np.sum((computed - exact) ** 2, axis=axes), np.sum(exact**2, axis=axes)
     return float(np.sqrt(weight @ square[0] / (weight @ square[1])))

@@ -70,7 +70,7 @@ def against(cause: str, sign: int) -> int:
 
 
 def not_above(model: Model, other: Model) -> int:
-    """Return for how many subjects m of a model is no larger than that of the other."""
+    """Return for how many subjects m of a model is no larger than m of the other."""
     return sum(steepness(s, *model) <= steepness(s, *other) for s in SUBJECTS)
 
 

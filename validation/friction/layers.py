@@ -82,7 +82,7 @@ def scanned(
 ) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
     """Rates in Hz, and mean and deviation of strain, over dots, by type.
 
-    As those of `dots.scanned`.
+    As `dots.scanned`.
     """
     scene = dots.scene(spacing, diameter)
     organs, speed = sites(scene), float(scene.to_dict()["motion"]["speed"])

@@ -31,7 +31,7 @@ def mean_force(mesh: str) -> float:
 
 @cache
 def extrapolated() -> float:
-    """Return the force in N that those of the three meshes tend to, with their own order."""
+    """Return the force in N that the forces of the three meshes tend to, with their own order."""
     coarse, standard, fine = map(mean_force, MESHES)
     ratio = (standard - coarse) / (fine - standard)
 

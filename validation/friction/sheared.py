@@ -168,7 +168,7 @@ def aside(body: Body, size: int) -> float:
 
 
 def cycle_ratio(body: Body, size: int) -> float:
-    """Return the work lost in a closed cycle over that of Mindlin and Deresiewicz."""
+    """Return the work lost in a closed cycle over the work by Mindlin and Deresiewicz."""
     run = cycled(body, size)
     lost = run.lost[-1] - run.lost[STEPS - 1]
     return float(lost / run.theory.loop(float(run.tangential[STEPS - 1])))

@@ -51,7 +51,7 @@ def means(resolution: str) -> Finger:
 
 
 def finger(name: str, resolution: str = "standard") -> Finger:
-    """Return the finger of a subject, or that of the means."""
+    """Return the finger of a subject, or of the means."""
     if name == "means":
         return means(resolution)
     return Finger.subject(name, resolution=resolution)

@@ -71,27 +71,27 @@ def stiffness(depth: Array, force: Array, at: float) -> float:
 
 
 def stiffness_ratio(subject: str, at: float) -> Noted:
-    """Return the stiffness of the finger over that of the subject at a force."""
+    """Return the stiffness of the finger over the subject's at a force."""
     ours = stiffness(pressed(subject).depth, pressed(subject).force, at)
     theirs = stiffness(*law(subject), at)
     return Noted(ours / theirs, f"{ours:.3g} N/mm; the subject {theirs:.3g} N/mm")
 
 
 def force_ratio(subject: str) -> Noted:
-    """Return the largest force of the finger over that of the subject at the same depth."""
+    """Return the largest force of the finger over the subject's at the same depth."""
     ours, theirs = float(pressed(subject).force.max()), float(law(subject)[1].max())
     return Noted(ours / theirs, f"{ours:.3g} N; the subject {theirs:.3g} N")
 
 
 def held_share(subject: str) -> Noted:
-    """Return the force after 5 s of hold over its peak, minus that of Table 2.1."""
+    """Return the force after 5 s of hold over its peak, minus the ratio of Table 2.1."""
     ours, theirs = pressed(subject).force, law(subject)[1]
     shares = float(ours[-1] / ours.max()), float(theirs[-1] / theirs.max())
     return Noted(shares[0] - shares[1], f"{shares[0]:.3f}; the subject {shares[1]:.3f}")
 
 
 def fast_share(subject: str) -> Noted:
-    """Return the share of the force lost 20 ms after its peak, minus that of Table 2.1."""
+    """Return the share of the force lost 20 ms after its peak, minus the share of Table 2.1."""
     response, shares = pressed(subject), []
     for force in (response.force, law(subject)[1]):
         top = int(np.argmax(force))

@@ -190,7 +190,7 @@ def retracting(organ: Organ, membrane: Membrane, frequency: float, currents: Arr
 
 
 def later(kind: str, other: str, frequency: float) -> float:
-    """Return the share in the retraction of an end organ, less that of another; rates / 6."""
+    """Return the share in the retraction of an end organ, less another's; rates / 6."""
     organs = END_ORGANS[kind], END_ORGANS[other]
     shares = [retracting(organ, SLOWED, frequency, IN_RANGE) for organ in organs]
     return shares[0] - shares[1]

@@ -38,7 +38,7 @@ def peak_at_depth(curvature: ArrayLike, *, finger: float = FINGER, reference: fl
 
 
 def contact_radius(curvature: ArrayLike, *, finger: float = FINGER) -> Array:
-    """Contact radius at one force relative to that of a plate (Eq. 3.25)."""
+    """Contact radius at one force over the radius under a plate (Eq. 3.25)."""
     return np.asarray(1 / np.cbrt(finger * _relative(finger, curvature)))
 
 

@@ -62,7 +62,7 @@ def compared(scene: Scene) -> dict[str, Any]:
 
 
 def relaxed_as_one(scene: Scene) -> Response:
-    """Answer a scene with a force that relaxes as that of small strain does: a work ratio of 1."""
+    """Answer a scene with a force that relaxes as at small strain: a work ratio of 1."""
     stages = Stages()
     press = Press.of(scene, METHOD, stages, mechanics=pressed.name, notes=())
     table = table_of(press, stages)

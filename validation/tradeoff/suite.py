@@ -1,6 +1,6 @@
 """Suite `tradeoff`: what speed costs in accuracy, and how well the planner knows it.
 
-The scenes are those of `held_out.py`, whose report has the errors of all candidates. The full suite
+The scenes come from `held_out.py`, whose report has the errors of all candidates. The full suite
 judges them again, by what the planner states now.
 """
 
@@ -51,7 +51,7 @@ def reported() -> dict[str, Any]:
 
 
 def cases(*, quick: bool) -> Iterator[Case]:
-    """Yield the cases; the quick ones are those of the report, read again."""
+    """Yield the cases; the quick ones read the report again."""
     data: Callable[[], dict[str, Any]] = reported if quick else judged
     yield from _held_out(data)
 

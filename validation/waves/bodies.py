@@ -95,7 +95,7 @@ def shear_speed(tissue: Elastic) -> float:
 
 
 def on_moving_base(cells: int, frequency: Array, count: int = 12) -> Array:
-    """Motion (n_f,) of the surface of a shear layer over that of its base, by modes."""
+    """Motion (n_f,) of the surface of a shear layer over the motion of its base, by modes."""
     body = shear_layer(cells, count)
     space, modulus = body.system.space, complex_modulus(WEIGHTS, RATES, frequency)
     along = np.zeros(space.n_displacements)
@@ -124,7 +124,7 @@ def exact_modulus(weights: Array, rates: Array, frequency: Array) -> Complex:
 
 
 def layer_exact(frequency: Array) -> Array:
-    """Motion (n_f,) of the surface of a shear layer over that of its base: 1 / cos(k h)."""
+    """Motion (n_f,) of the surface of a shear layer over the motion of its base: 1 / cos(k h)."""
     modulus = exact_modulus(WEIGHTS, RATES, frequency)
     k = 2 * np.pi * frequency / (shear_speed(PULP) * np.sqrt(modulus))
     return np.asarray(1 / np.cos(k * HEIGHT))

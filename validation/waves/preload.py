@@ -176,7 +176,7 @@ class Preloaded:
 
     @cached_property
     def factor(self) -> float:
-        """Static stiffness over that of the linear finger."""
+        """Static stiffness over the linear finger's."""
         return stiffening(self._linear, self.table, self.depth)
 
     def linear(self, finger: Finger, frequency: Array, share: float) -> Complex:

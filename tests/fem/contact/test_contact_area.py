@@ -169,7 +169,7 @@ def pressed_strip(profile: Profile, cells: int, shift: float) -> tuple[float, fl
     """Return the area under a profile pressed into a block in plane strain, and without edges.
 
     The block is 8 long, 2 cells wide and 3 high, and `shift` moves its cells past the obstacle. The
-    areas are those of a width of 1.
+    areas: of a width of 1.
     """
     width = 2 / cells
     space = box(

@@ -62,7 +62,7 @@ def test_hertz_at_every_poisson_ratio(poisson: float) -> None:
 
 @pytest.fixture
 def pad() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return a flexibility like that of a layer, gaps of a paraboloid, and weights."""
+    """Return a flexibility like a layer's, gaps of a paraboloid, and weights."""
     x = np.linspace(-1, 1, 21)
     matrix = 0.02 * np.exp(-np.abs(x[:, None] - x) / 0.4) + 0.005 * np.eye(21)
     weights = np.full(21, 0.1)

@@ -1,4 +1,4 @@
-"""The speed of this machine: measured once, kept, and not that of another machine."""
+"""The speed of this machine: measured once, kept, and not taken from another machine."""
 
 import pytest
 from damage import flip

@@ -1,4 +1,4 @@
-"""Stated errors under many objects: those of the presses of reports/press-mesh.json."""
+"""Stated errors under many objects: the presses of reports/press-mesh.json."""
 
 import json
 import re

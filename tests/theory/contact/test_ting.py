@@ -390,7 +390,7 @@ def test_the_depth_under_a_force_gives_that_force(force, measure):
 
 
 def test_with_its_force_for_a_measure_a_body_is_one_spring(force):
-    """Its force is that of Pawluk (1997), Eq. 2.3, as long as it does not pull."""
+    """Its force follows Pawluk (1997), Eq. 2.3, as long as it does not pull."""
     time = np.linspace(0, 0.6, 1201)
     depth = np.interp(time, [0, 0.2, 0.3, 0.45, 0.6], [0, 1.2, 1.2, 0.9, 1.4])
     rising = force + 1e-9 * NODES  # a measure rises from the first node on

@@ -96,7 +96,7 @@ def test_the_touch_of_the_thesis_is_as_unsure_as_its_line():
 
 
 def near(actual, deviations=3.5):
-    """Return whether every parameter is that of a.h. within its stated uncertainty."""
+    """Return whether every parameter agrees with a.h.'s within its stated uncertainty."""
     return all(
         abs(actual.parameters[key] - value) < deviations * actual.uncertainty[key]
         for key, value in truth().items()
@@ -228,7 +228,7 @@ def test_more_exponentials_than_there_are_get_a_warning():
 
 
 def test_a_search_of_the_thesis_that_is_cut_short_is_told(monkeypatch):
-    """As is that of a.h. with 4 terms or d.p. and p.w. with 5, after 500 evaluations."""
+    """As the fits of a.h. with 4 terms or d.p. and p.w. with 5, after 500 evaluations."""
     whole = identify.thesis(*trial())
     assert not any("converged" in each for each in whole.warnings)
     search = optimize.least_squares

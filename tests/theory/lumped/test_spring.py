@@ -80,7 +80,7 @@ def test_where_a_step_is_held_the_force_is_the_relaxation_function():
 
 
 def test_a_small_sinusoid_gives_the_spectrum_of_the_relaxation():
-    """P = K i w G(i w) X for a small amplitude; K is that of the relaxed preload."""
+    """P = K i w G(i w) X for a small amplitude; K: stiffness at the relaxed preload."""
     from fefinger.validation.oracles import impedance
 
     spring, prony = AH
