@@ -1,8 +1,8 @@
 """Spikes from the strain at the end organs, and a check of their counts on a coarser mesh.
 
 `scene/population.py` describes a population, `mechanics/press/population.py` places it under the
-skin. This module adds the published anatomy, and lets the units of a family fire: family
-`recorded` in `neural/recorded.py`, `thesis` in `neural/units.py`.
+skin. This module adds the published anatomy, and lets the units of a family fire
+(`neural/family.py`).
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -32,12 +32,6 @@ if TYPE_CHECKING:
     from fefinger.scene.scene import Scene
 
 
-RECORDED = (
-    "Afferents: the family recorded, fitted to units of monkeys under probes and spheres. The "
-    "input of a unit is its strain, expressed in mm of travel of a pin 1 mm wide that causes it."
-)
-"""Note on every result with units of the family `recorded`."""
-
 SILENT = "ask.trial: the units have no noise, so that every trial is the same."
 """Note on another trial of units that are not random."""
 
@@ -48,8 +42,8 @@ SLOW = 8.0
 def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any) -> "SpikeTrains":
     """Spikes of the population that `ask` describes, or of one unit of each of its types.
 
-    Those before `since` s do not count. Further options as in `neural.units.simulate_units`, or
-    `neural.recorded.simulate_recorded`, by the family of `ask.afferents`.
+    Those before `since` s do not count. Further options as of `fire` of the family that
+    `ask.afferents` names.
 
     Raises
     ------
@@ -59,7 +53,7 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
     from fefinger.neural.variation import Variation
 
     strain, sites, reference = _strain_at_sites(ask, response)
-    options["since"] = since
+    family, options["since"] = AFFERENTS[ask.afferents], since
     units: dict[str, Any] = {
         "types": sites.types,
         "positions": sites.points,
@@ -68,70 +62,24 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
     notes: tuple[str, ...] = ()
     if ask.population is not None:
         units, notes = _population(ask, ask.population, sites)
-    elif ask.afferents != "thesis":
+    elif family.noisy:
         units["variation"] = Variation(seed=0, noise=None, trial=ask.trial)
-    if ask.afferents == "recorded":
-        trains = _recorded(ask.population, response.time, strain, sites, units | options)
-    elif ask.afferents == "thesis":
-        trains = _thesis(ask, response.time, strain, sites, reference, units | options)
-    else:
-        trains = _own(ask, response.time, strain, sites, units | options)
+    if "generator" in family.choices:
+        units["generator"] = ask.generator
+    x_in = family.x_in(strain, sites.normals, sites.types, reference, ask.drives)
+    rule = None if ask.population is None else ask.population.rule
+    units |= {"rule": rule or family.rules[0]} | options
+    trains = family.fire(response.time, x_in, **units)
     if since > response.time[0]:
         notes = (f"Spikes count from {since:.6g} s on; those before it are left out.", *notes)
     if ask.trial and not _noisy(ask):
         notes += (SILENT,)
-    return replace(trains, notes=notes + trains.notes)
+    return replace(trains, notes=(*notes, *family.notes(), *trains.notes))
 
 
 def _noisy(ask: "Ask") -> bool:
     noise = None if ask.population is None else ask.population.noise
-    return ask.afferents != "thesis" if noise is None else noise > 0.0
-
-
-def _recorded(
-    layout: Layout | None, time: Array, strain: Array, sites: "Sites", options: dict[str, Any]
-) -> "SpikeTrains":
-    from fefinger.neural.drives import driven_displacements
-    from fefinger.neural.recorded import fitted, simulate_recorded
-
-    units = fitted()
-    drives = {kind: unit.drive for kind, unit in units.items()}
-    lengths = {kind: unit.length for kind, unit in units.items()}
-    x_in = driven_displacements(strain, sites.normals, sites.types, drives, lengths)
-    rule = "max" if layout is None or layout.rule is None else layout.rule
-    trains = simulate_recorded(time, x_in, rule=rule, **options)
-    return replace(trains, notes=(RECORDED, *trains.notes))
-
-
-def _own(
-    ask: "Ask", time: Array, strain: Array, sites: "Sites", options: dict[str, Any]
-) -> "SpikeTrains":
-    from fefinger.neural import family
-    from fefinger.neural.drives import driven_displacements
-
-    own = AFFERENTS[ask.afferents]
-    drives, lengths = {**own.drives, **ask.drives}, own.lengths
-    x_in = driven_displacements(strain, sites.normals, sites.types, drives, lengths)
-    rule = "max" if ask.population is None else ask.population.rule or "max"
-    return family.fire(own, time, x_in, rule=rule, **options)
-
-
-def _thesis(
-    ask: "Ask",
-    time: Array,
-    strain: Array,
-    sites: "Sites",
-    reference: "Reference",
-    options: dict[str, Any],
-) -> "SpikeTrains":
-    from fefinger.neural.drives import equivalent_displacements
-    from fefinger.neural.units import simulate_units
-
-    x_in = equivalent_displacements(
-        strain, sites.normals, sites.types, reference, drives=ask.drives
-    )
-    rule = "mean" if ask.population is None else ask.population.rule or "mean"
-    return simulate_units(time, x_in, generator=ask.generator, rule=rule, **options)
+    return AFFERENTS[ask.afferents].noisy if noise is None else noise > 0.0
 
 
 @contextmanager
@@ -215,7 +163,7 @@ def _population(
         numbers=each,
         trial=ask.trial,
     )
-    alike = ask.afferents == "thesis" and not (layout.spread or layout.noise)
+    alike = not (AFFERENTS[ask.afferents].noisy or layout.spread or layout.noise)
     units = {
         "types": types,
         "unit": sites.unit,

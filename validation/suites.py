@@ -1,13 +1,20 @@
 """List and run the validation suites by name."""
 
 import math
+import sys
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from importlib import import_module
-from typing import Any
+from importlib.metadata import entry_points
+from importlib.util import find_spec
+from pathlib import Path
+from types import ModuleType
+from typing import Any, cast
 
 from fefinger.validation.case import Case, Noted, Outcome
 
-from fefinger.support.checks import choice
+from fefinger.support.checks import InputError, suggestion
+from fefinger.support.registry import load_plugin
 from fefinger.view.figures import style
 
 
@@ -36,10 +43,50 @@ QUICK = (
 )
 
 
+GROUP = "fefinger.suites"
+"""Group of the entry points by which a distribution offers suites."""
+
+
+def module_of(suite: str) -> ModuleType:
+    """Import a suite: one of the package, an entry point, or a module of the user's own.
+
+    A module is looked up in the working folder, and then on the path of Python; its code is run.
+
+    Raises
+    ------
+    InputError
+        No such suite, a module whose code fails, or one without a function `cases`.
+    """
+    if suite in SUITES:
+        return import_module(f"fefinger.validation.{suite}.suite")
+    offered = {point.name: point for point in entry_points(group=GROUP)}
+    if suite in offered:
+        module = offered[suite].load()
+    elif Path(f"{suite}.py").is_file() or (suite.isidentifier() and find_spec(suite)):
+        load_plugin(suite, Path())
+        module = sys.modules[suite]
+    else:
+        expected = (*SUITES, *offered)
+        raise InputError(
+            f"suite: expected one of {', '.join(expected)}, or a module of your own in this folder "
+            f"or on the path of Python, received {suite!r}.{suggestion(suite, expected)}"
+        )
+    if not callable(getattr(module, "cases", None)):
+        raise InputError(
+            f"suite {suite!r}: expected a module with a function cases(quick), which returns Cases "
+            "(fefinger.validation.case), received one without it"
+        )
+    return cast(ModuleType, module)
+
+
+def about(suite: str) -> str:
+    """Return what a suite compares: of a user's own, the first line of its docstring."""
+    return ABOUT.get(suite) or (module_of(suite).__doc__ or suite).strip().split("\n")[0]
+
+
 def cases(suite: str, *, quick: bool) -> tuple[Case, ...]:
     """Return the cases of a suite; `quick` leaves out what takes more than a few seconds."""
-    module = import_module(f"fefinger.validation.{choice('suite', suite, SUITES)}.suite")
-    return tuple(module.cases(quick=quick))
+    return tuple(module_of(suite).cases(quick=quick))
 
 
 def figures(record: dict[str, Any]) -> dict[str, list[tuple[str, Any]]]:
@@ -66,24 +113,20 @@ def findings(record: dict[str, Any]) -> dict[str, dict[str, Any]]:
     for suite, module, cases in _recorded(record):
         finding = module.finding_of(cases) if hasattr(module, "finding_of") else {}
         finding = module.finding() if hasattr(module, "finding") else finding
-        results[suite] = {"about": ABOUT[suite]} | finding
+        results[suite] = {"about": about(suite)} | finding
     return results
 
 
 def subjects(record: dict[str, Any]) -> dict[str, dict[str, Any]]:
     """Return the subject of the suites of a record alone, for the page of a quick run."""
-    return {suite: {"about": ABOUT[suite], "texts": [QUICK]} for suite, _, _ in _recorded(record)}
+    return {suite: {"about": about(suite), "texts": [QUICK]} for suite, _, _ in _recorded(record)}
 
 
 def _recorded(record: dict[str, Any]) -> Iterator[tuple[str, Any, list[dict[str, Any]]]]:
     """Give name, module and cases of the suites of a record that are known here."""
     for suite in record["suites"]:
-        if suite["suite"] in SUITES:
-            yield (
-                suite["suite"],
-                import_module(f"fefinger.validation.{suite['suite']}.suite"),
-                suite["cases"],
-            )
+        with suppress(InputError):  # as one of a user's own, whose module is elsewhere
+            yield suite["suite"], module_of(suite["suite"]), suite["cases"]
 
 
 def run(
@@ -93,7 +136,9 @@ def run(
     progress: Callable[[str, float], None] = lambda stage, fraction: None,
 ) -> dict[str, tuple[Outcome, ...]]:
     """Measure every case of the suites named; by default of all."""
-    chosen = [choice("suite", suite, SUITES) for suite in suites] or list(SUITES)
+    chosen = suites or SUITES
+    for suite in chosen:
+        module_of(suite)  # an unknown one is refused before any is measured
     outcomes: dict[str, tuple[Outcome, ...]] = {}
     for suite in chosen:
         todo = cases(suite, quick=quick)

@@ -20,7 +20,7 @@ class Winkler(ff.Mechanics):
     name = "winkler"
 
     def refuse(self, case):
-        flat = case.indenter.flat is not None and case.motion.control == "depth"
+        flat = case.indenter.flat is not None and not case.motion.by_force
         return () if flat else (Refusal("winkler", "ability", "it presses plates, by depth"),)
 
     def cost(self, case):

@@ -36,7 +36,7 @@ OPTIONS = {
 @click.option(
     "--afferents",
     metavar="FAMILY",
-    help="recorded (the default), fitted to recorded units, or thesis.",
+    help="recorded (the default), fitted to recorded units, thesis, or a family of your own.",
 )
 @click.option(
     "--trial", type=int, default=0, metavar="N", help="Another trial is other noise of the units."

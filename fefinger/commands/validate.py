@@ -29,7 +29,9 @@ def validate(
 ) -> int:
     """Compare fefinger with theory and published numbers.
 
-    Runs the SUITES named, or all of them. If DIR has an index.html of validations, it is updated.
+    Runs the SUITES named, or all of the package. One of your own is the name of a module with a
+    function cases(quick), in this folder or on the path of Python; its code is run. If DIR has an
+    index.html of validations, it is updated.
     """
     from fefinger.support import outputs
     from fefinger.validation import suites as available

@@ -28,13 +28,14 @@ from fefinger.mechanics.loop_setup import SUBSTEP, LoopOptions, prepare
 from fefinger.mechanics.press import limits
 from fefinger.mechanics.press.prepared import Precision, medial_normal
 from fefinger.mechanics.press.tabulated_contact import TabulatedContact
-from fefinger.neural.streaming import Afferents, RecordedAfferents
+from fefinger.neural.streaming import SteppedUnits
 from fefinger.results.records import LoopState, Sites, Step
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter, Plate, direction
 from fefinger.scene.indenters import STANDARD, Flat
-from fefinger.support.checks import ConvergenceError, InputError, choice, number
+from fefinger.support.checks import ConvergenceError, InputError, number
 from fefinger.support.progress import Progress, Stages
+from fefinger.support.registry import AFFERENTS
 from fefinger.support.text import counted
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.support.vocabulary import FAMILIES
@@ -260,22 +261,20 @@ class Loop:
         """Restore a state."""
         self.restore(state)
 
-    def afferents(
-        self, *, family: str = FAMILIES[0], **options: Any
-    ) -> Afferents | RecordedAfferents:
+    def afferents(self, *, family: str = FAMILIES[0], **options: Any) -> SteppedUnits:
         """Return the units of the sites, to be stepped with the strain of every step.
 
-        Family "thesis": one per site, `options` as for `neural.streaming.Afferents`, scaled by a
-        reference press. "recorded": those of the sites, `options` as for
-        `neural.streaming.RecordedAfferents`. InputError for another family, or as these.
+        Family "recorded": `options` as for `neural.streaming.RecordedAfferents`. "thesis": one unit
+        per site, `options` as for `neural.streaming.Afferents`, scaled by a reference press. One of
+        your own: `drives` and `variation`. InputError for another, one without `stepper`, or as
+        these.
         """
-        sites = self.sites
-        if choice("family", family, FAMILIES) == "recorded":
-            types = sites.types
-            if sites.unit is not None:
-                types = tuple(types[i] for i in np.unique(sites.unit, return_index=True)[1])
-            return RecordedAfferents(types, sites.normals, unit=sites.unit, **options)
-        return Afferents.of(sites.types, sites.normals, self.prepared.reference(), **options)
+        sites, units = self.sites, AFFERENTS.named("family", family)
+        reference = self.prepared.reference
+        stepped: SteppedUnits = units.stepped(
+            sites.types, sites.normals, unit=sites.unit, reference=reference, **options
+        )
+        return stepped
 
     def _hold(self, seconds: float, depth: float | None, force: float | None) -> Step:
         """Hold a depth or a force as `rest` does."""

@@ -53,12 +53,12 @@ class UnitInput:
         lengths: ArrayLike,
         types: Sequence[str],
         *,
-        unit: ArrayLike | None,
-        names: Sequence[str] | None,
-        delays: ArrayLike,
-        positions: ArrayLike | None,
-        depths: ArrayLike | None,
-        since: float,
+        unit: ArrayLike | None = None,
+        names: Sequence[str] | None = None,
+        delays: ArrayLike = 0.0,
+        positions: ArrayLike | None = None,
+        depths: ArrayLike | None = None,
+        since: float = -np.inf,
     ) -> Self:
         """Check the arguments of `units.simulate_units`; InputError for those that do not fit."""
         types = checked_types(types)

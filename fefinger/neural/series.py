@@ -1,7 +1,7 @@
 """Spikes of afferent units driven by a displacement or strain series of the user."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -17,10 +17,12 @@ from fefinger.support.atomic_write import as_input_error
 from fefinger.support.checks import InputError, choice, integer, number, repeated, suggestion
 from fefinger.support.likely_units import in_milliseconds, seconds_or_milliseconds
 from fefinger.support.outputs import keep
-from fefinger.support.vocabulary import FAMILIES, GENERATORS, TYPE_SYNONYMS, TYPES
+from fefinger.support.registry import AFFERENTS
+from fefinger.support.vocabulary import FAMILIES, TYPE_SYNONYMS, TYPES
 
 
 if TYPE_CHECKING:
+    from fefinger.neural.family import Family
     from fefinger.neural.trains import SpikeTrains
 
 
@@ -89,7 +91,7 @@ def spikes(
     generator
         Law from end organ to current, of the family "thesis": "saturating" or "linear".
     family
-        "recorded" or "thesis".
+        "recorded", "thesis", or one of your own.
     trial
         Number of the trial, 0 or more: another trial has other noise, but the same units. The
         family "thesis" has no noise here.
@@ -144,23 +146,26 @@ def fire(
         raise InputError(msg)
     if length is not None:
         number("length", length, above=0.0, unit="mm")
-    simulate, poles, lengths = _family(family, tolerance, generator)
+    member = AFFERENTS.named("family", family)
+    options = _options(member, tolerance, generator)
+    lengths = member.lengths
     units = _units(signals, types, lengths if length is None else dict.fromkeys(TYPES, length))
     vary = None
-    if family == "recorded":
+    if member.noisy:
         vary = Variation(seed=0, noise=None, trial=trial)
     elif integer("trial", trial):
-        msg = f"trial: units of 'thesis' have no noise: expected trial 0, received {trial}"
+        msg = f"trial: units of {family!r} have no noise: expected trial 0, received {trial}"
         raise InputError(msg)
     left_out: list[str] = []
     if not corners:
-        coarse = _coarse(signals, units, poles, named)
+        coarse = _coarse(signals, units, member.corners, named)
         left_out = [
             f"{why}, {OR_CORNERS}; {unit.kind} was left out" for unit, why in coarse.items()
         ]
         units = [unit for unit in units if unit not in coarse]
     columns, kinds, names, mm = (list(each) for each in zip(*units, strict=True))
-    run = partial(simulate, types=kinds, lengths=mm, names=names, variation=vary, exact=corners)
+    units_of = {"types": kinds, "lengths": mm, "names": names, "variation": vary, "exact": corners}
+    run = partial(member.fire, **units_of, **options)
     trains = run(signals.time, signals.drive[:, columns])
     notes = (*left_out, *trains.notes, *_remarks(signals), *_silent(signals, columns, trains))
     if length is not None and None not in signals.lengths:
@@ -176,33 +181,14 @@ def fire(
     return replace(trains, notes=notes)
 
 
-def _family(
-    family: str, tolerance: float | None, generator: str
-) -> tuple[Callable[..., "SpikeTrains"], dict[str, float], dict[str, float]]:
-    """Choose a simulation, with the fastest pole in Hz and the mm per strain of each type.
-
-    The mm per strain come from the fit: the family "thesis" has none.
-    """
-    if choice("family", family, FAMILIES) == "recorded":
-        from fefinger.neural.recorded import fitted, simulate_recorded
-
-        given = {"tolerance": tolerance is not None, "generator": generator != GENERATORS[0]}
-        for name, value in given.items():
-            if value:
-                raise InputError(
-                    f"{name}: expected none for the afferents 'recorded', which have one integrator"
-                )
-        units = fitted()
-        lengths = {kind: unit.length for kind, unit in units.items()}
-        return simulate_recorded, {kind: unit.corner for kind, unit in units.items()}, lengths
-    from fefinger.neural.endorgans import END_ORGANS
-    from fefinger.neural.units import simulate_units
-
-    seconds = None
+def _options(family: "Family", tolerance: float | None, generator: str) -> dict[str, object]:
+    """Return the options of a family; InputError for those that it does not have."""
+    for name in family.refused(tolerance=tolerance is not None, generator=generator):
+        raise InputError(f"{name}: expected none for the afferents {family.name!r}, received one")
+    options: dict[str, object] = {"generator": generator}
     if tolerance is not None:
-        seconds = 1e-3 * number("tolerance", tolerance, above=0.0, at_most=10.0, unit="ms")
-    poles = {kind: max(organ.poles) for kind, organ in END_ORGANS.items()}
-    return partial(simulate_units, generator=generator, tolerance=seconds), poles, {}
+        options["tolerance"] = 1e-3 * number("tolerance", tolerance, above=0, at_most=10, unit="ms")
+    return {name: value for name, value in options.items() if name in family.choices}
 
 
 class _Unit(NamedTuple):
@@ -345,7 +331,8 @@ def _coarse(
 
     InputError if that is so for a type that the user has named, or for all units.
     """
-    reasons = {unit: _too_coarse(signals, unit, poles[unit.kind]) for unit in units}
+    known = [unit for unit in units if unit.kind in poles]
+    reasons = {unit: _too_coarse(signals, unit, poles[unit.kind]) for unit in known}
     coarse = {unit: reason for unit, reason in reasons.items() if reason}
     wanted = [u for u in coarse if u.kind in (*named, _prefix(signals.headers[u.column]))]
     if wanted or len(coarse) == len(units):

@@ -5,15 +5,15 @@ The steps are compiled and allocate no array.
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any, Self
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural import streaming_step as compiled
 from fefinger.neural.checked_signals import checked_types, organ_columns
-from fefinger.neural.drives import DEFAULT_DRIVE, Reference, in_plane
+from fefinger.neural.drives import DEFAULT_DRIVE, Reference, driven_displacements, in_plane
 from fefinger.neural.endorgans import END_ORGANS, modes_of
 from fefinger.neural.generators import GAINS, LARGEST_CURRENT
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire, vectorized
@@ -157,6 +157,75 @@ def drive_code(name: str, drive: str, whole: str) -> int:
             f"use {whole} on the whole strain"
         )
     return STREAMED.index(drive)
+
+
+class UnitStepper(Protocol):
+    """What advances the units of a family of a user's own by one step."""
+
+    def reset(self) -> None:
+        """Set all units to rest."""
+
+    def step(self, x_in: Array, dt: float) -> Iterable[tuple[int, float]]:
+        """Advance by `dt` s to x_in (n_units,); return (index of the unit, s from the start)."""
+
+
+class OwnAfferents(SteppedUnits):
+    """Units of a family of a user's own, advanced with the strain at their end organs.
+
+    types (n_organs,); normals (n_organs, 3); first (n_units,): the first end organ of each unit, of
+    which those up to the next one are its own: the largest of their inputs is the unit's. drives
+    and lengths (mm per strain): by type.
+    """
+
+    seconds, longest = 1.0, math.inf
+
+    def __init__(
+        self,
+        family: str,
+        stepper: UnitStepper,
+        types: Sequence[str],
+        normals: Array,
+        first: Integers,
+        drives: Mapping[str, str],
+        lengths: Mapping[str, float],
+    ) -> None:
+        self.family, self.stepper, self.first = family, stepper, first
+        self.organs, self.normals, self.drives, self.lengths = types, normals, drives, lengths
+        self._clock = 0.0
+        kinds = checked_types([types[i] for i in first])
+        counts = np.zeros(len(kinds), dtype=np.int64)
+        super().__init__(kinds, len(types), np.zeros((len(kinds), ROOM)), counts)
+
+    def rest(self) -> None:
+        """Set all units to rest, at time 0."""
+        self._counts[:], self._clock = 0, 0.0
+        self.stepper.reset()
+
+    def advance(self, strain: NDArray[np.floating], dt: float, share: float) -> int:
+        """Advance by `dt` s; return the number of spikes, REFUSED or CROWDED."""
+        if not np.abs(strain).max(initial=0.0) <= compiled.LARGEST_STRAIN:
+            return compiled.REFUSED
+        tensors = strain[None][..., FULL]
+        organs = driven_displacements(
+            tensors, self.normals, self.organs, self.drives, self.lengths
+        )[0]
+        self._counts[:] = 0
+        for unit, after in self.stepper.step(np.maximum.reduceat(organs, self.first), dt):
+            if not (0 <= unit < len(self.types) and 0.0 <= after <= dt):
+                raise InputError(
+                    f"family {self.family!r}: expected spikes of units 0 to {len(self.types) - 1} "
+                    f"within a step of {dt:g} s, received one of unit {unit} after {after!r} s"
+                )
+            if self._counts[unit] == ROOM:
+                return compiled.CROWDED
+            self._spikes[unit, self._counts[unit]] = self._clock + after
+            self._counts[unit] += 1
+        self._clock += dt
+        return int(self._counts.sum())
+
+
+FULL = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+"""Places of xx yy zz xy yz xz in the tensor."""
 
 
 class _Leaky:

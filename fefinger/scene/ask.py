@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 from fefinger.scene.key import Key, check
 from fefinger.scene.population import Layout
@@ -12,7 +12,6 @@ from fefinger.support.vocabulary import (
     DRIVES,
     FAMILIES,
     GENERATORS,
-    RECORDED_RULES,
     TYPE_SYNONYMS,
     TYPES,
 )
@@ -89,22 +88,12 @@ class Ask:
             raise InputError(
                 "ask.population: expected ask.spikes to name the types of its units, received none"
             )
-        if self.afferents == "recorded":
-            _check_recorded(self.drives, self.generator, self.population)
-
-
-def _check_recorded(drives: Mapping[str, Any], generator: str, population: Layout | None) -> None:
-    """Refuse choices that the family `recorded` does not have."""
-    rule = None if population is None else population.rule
-    refused = {
-        "ask.drives": (drives, bool(drives)),
-        "ask.generator": (generator, generator != GENERATORS[0]),
-        "ask.population.rule": (rule, rule not in (None, *RECORDED_RULES)),
-    }
-    for name, (value, wrong) in refused.items():
-        if wrong:
+        rule = None if self.population is None else self.population.rule
+        chosen = {"drives": self.drives, "generator": self.generator, "rule": rule}
+        for name in AFFERENTS[self.afferents].refused(**chosen):
+            where = "ask.population." if name == "rule" else "ask."
             raise InputError(
-                f"{name}: expected the default for afferents = 'recorded', whose parameters were "
-                f"fitted with it, received {value!r}; leave it out, or set ask.afferents to "
-                "'thesis'"
+                f"{where}{name}: expected the default for afferents = {self.afferents!r}, which "
+                f"have no such choice, received {chosen[name]!r}; leave it out, or set "
+                "ask.afferents to 'thesis'"
             )

@@ -207,13 +207,13 @@ AFFERENTS: Registry[Any] = Registry(
     "family",
     "simulate",
     {
-        "recorded": "fefinger.neural.recorded:simulate_recorded",
-        "thesis": "fefinger.neural.units:simulate_units",
+        "recorded": "fefinger.neural.family:RECORDED",
+        "thesis": "fefinger.neural.family:THESIS",
     },
     plural="afferents",
 )
-"""Families of afferents, `fefinger.Family`. The two of the package are functions: `recorded`, the
-default, fitted to recorded responses, and `thesis`, the chain of Pawluk (1997)."""
+"""Families of afferents, `fefinger.Family`: `recorded`, the default, fitted to recorded responses,
+`thesis`, the chain of Pawluk (1997), and those of users."""
 
 REGISTRIES = (INDENTERS, LAWS, MECHANICS, AFFERENTS)
 

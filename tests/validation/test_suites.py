@@ -1,12 +1,18 @@
 """The cases of every suite, before any of them is measured, and what makes their verdicts."""
 
+import json
 import re
+import sys
+from importlib.metadata import EntryPoint
 
 import pytest
 from fefinger.validation import suites
 from fefinger.validation.afferents.suite import MISSES as OF_AFFERENTS
 from fefinger.validation.case import Case, Expected, Outcome
 from fefinger.validation.human.misses import MISSES as OF_HUMANS
+
+from fefinger.__main__ import main
+from fefinger.support.checks import InputError
 
 
 DRAWN = (
@@ -76,3 +82,66 @@ def test_the_figures_of_the_thesis_are_drawn():
         for axis in drawn.axes:
             assert axis.get_xlabel() or axis.get_ylabel()
             assert axis.lines or axis.collections
+
+
+OWN = '''"""Our numbers against ours."""
+
+from fefinger.validation.case import Expected, Row, tabled
+
+
+def cases(quick):
+    rows = {"right": Row(lambda: 2.0, Expected(2.1, 0.2, "N"), "our record")}
+    if not quick:
+        rows["wrong"] = Row(lambda: 2.0, Expected(3.0, 0.2, "N"), "our record")
+    return tabled(rows)
+'''
+
+
+@pytest.fixture
+def beside(tmp_path, monkeypatch):
+    """Work in a folder for modules of a user's own, which are forgotten afterwards."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    before = set(sys.modules)
+    yield tmp_path
+    for name in set(sys.modules) - before:
+        if name.startswith("suite_of_"):
+            del sys.modules[name]
+
+
+def test_a_module_beside_is_a_suite(beside, capsys):
+    (beside / "suite_of_ours.py").write_text(OWN)
+    assert main(["validate", "suite_of_ours", "--quick", "-o", "out"]) == 0
+    page = (beside / "out" / "validation.html").read_text()
+    assert "Our numbers against ours." in page
+    assert "our record" in page
+    capsys.readouterr()
+    assert main(["validate", "suite_of_ours", "--json"]) == 1
+    (suite,) = json.loads(capsys.readouterr().out)["suites"]
+    verdicts = {case["name"]: case["verdict"] for case in suite["cases"]}
+    assert (suite["suite"], verdicts) == ("suite_of_ours", {"right": "pass", "wrong": "fail"})
+
+
+def test_an_entry_point_is_a_suite(beside, monkeypatch):
+    (beside / "suite_of_entry.py").write_text(OWN)
+    monkeypatch.syspath_prepend(str(beside))
+    point = EntryPoint("ours", "suite_of_entry", suites.GROUP)
+    monkeypatch.setattr(suites, "entry_points", lambda group: [point])
+    (outcome,) = suites.run(["ours"], quick=True)["ours"]
+    assert outcome.verdict == "pass"
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "sentence"),
+    [
+        ("suite_of_none", None, "expected one of fem, .* or a module of your own"),
+        ("femm", None, "Did you mean 'fem'"),
+        ("suite_of_nothing", "x = 1", r"expected a module with a function cases\(quick\)"),
+        ("suite_of_errors", "1 / 0", "ZeroDivisionError"),
+    ],
+)
+def test_what_is_no_suite_is_refused_before_any_is_measured(beside, name, text, sentence):
+    if text is not None:
+        (beside / f"{name}.py").write_text(text)
+    with pytest.raises(InputError, match=sentence):
+        suites.run(["thesis", name])
