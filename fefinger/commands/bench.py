@@ -15,8 +15,9 @@ def bench(suites: tuple[str, ...], output: str | None, as_json: bool) -> None:
 
     Runs all suites, or the SUITES named, each against a baseline in the same run.
     """
-    from fefinger.support.outputs import output_folder
     from fefinger.validation.bench import suites as benchmarks
+
+    from fefinger.support.outputs import output_folder
 
     folder = None if output is None else output_folder(output)
     with console.progress() as report:

@@ -33,8 +33,9 @@ def validate(
     function cases(quick), in this folder or on the path of Python; its code is run. If DIR has an
     index.html of validations, it is updated.
     """
-    from fefinger.support import outputs
     from fefinger.validation import suites as available
+
+    from fefinger.support import outputs
 
     if not name.strip() or Path(name).name != name:
         message = f"--name: expected a base name of files, such as validation, received {name!r}"
@@ -59,7 +60,8 @@ def _save(
     record: dict[str, Any], folder: Path, name: str, command: str, *, quick: bool
 ) -> list[str]:
     """Write the record, its page and an existing index; return a line of output per file."""
-    from fefinger.validation import index, page, suites
+    from fefinger.validation import index as pages
+    from fefinger.validation import page, suites
     from fefinger.validation.provenance import provenance
 
     pictures = {} if quick else suites.figures(record)
@@ -68,5 +70,5 @@ def _save(
     page.save(record, folder, pictures, made, name, findings)
     files = [folder / f"{name}.json", folder / f"{name}.html"]
     if (folder / "index.html").exists():
-        files.append(index.write(folder))
+        files.append(pages.write(folder))
     return [f"file  {file}" for file in files]

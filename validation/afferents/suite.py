@@ -292,7 +292,7 @@ def _modulation(period: float) -> float:
 
 def _background(kind: str) -> float:
     """Fall of the strain by each further probe at the larger depth of the array, over the other."""
-    fall = partial(predicted.strain_suppression, fitted()[kind].drive, predicted.DEPTHS[kind])
+    fall = partial(predicted.strain_suppression, fitted()[kind].drive, experiments.DEPTHS[kind])
     deeper, near = fall(predicted.DEEPER), fall(predicted.BACKGROUND)
     return deeper / near
 

@@ -23,8 +23,8 @@ SIZES = (4.0, 2.4)  # mm of the cells at the pole; the first compiles
 @one_thread
 def figures(progress: Progress) -> list[Figure]:
     """Measure the ramp and hold, and what its parts take."""
-    from fefinger.validation.fem.solid import MODULUS, SERIES, SPEED, TIMES, WEIGHTS
-    from fefinger.validation.problems.hemisphere import Hemisphere
+    from fefinger.validation.fem.solid import MODULUS, SERIES, TIMES, WEIGHTS
+    from fefinger.validation.problems.hemisphere import SPEED, Hemisphere
 
     law = material_of(Elastic(MODULUS * WEIGHTS[0], 0.49))
     for number, size in enumerate(SIZES):

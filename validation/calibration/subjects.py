@@ -79,7 +79,7 @@ def _force(subject: str) -> Iterator[Case]:
         for what, limit in PRINTED.items():
             yield Case(
                 f"{subject}: {what} error of {frequency} Hz, which was not fitted",
-                lambda f=f"{frequency} Hz", w=what: calibration.checks[f][w],
+                partial(lambda f, w: calibration.checks[f][w], f"{frequency} Hz", what),
                 Expected(0.0, limit),
                 "the lumped model of Table 2.1",
                 reason="what the thesis reached on its subjects",

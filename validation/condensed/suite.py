@@ -131,7 +131,7 @@ def figures() -> Iterator[tuple[str, Any]]:
         "force with Ting's history (dots). The contact is lost before the ball is back.",
         drawings.half_space(*half_space(poisson, cells)),
     )
-    tilt, time, depth = 10.0, np.arange(STEPS) * DT, sweep()
+    tilt, time, depth = 10.0, np.arange(STEPS, dtype=np.float64) * DT, sweep()
     yield (
         f"{STEPS} steps of {1e3 * DT:g} ms by the condensed finger of a.h. (coarse mesh, a plate "
         f"at 30 degrees tilted by {tilt:g}): pressed, held, shaken at 8 Hz, left and touched "
@@ -322,7 +322,7 @@ def _trades() -> Iterator[Case]:
     for tolerance in (1e-6, 1e-4):
         yield Case(
             f"force with a contact tolerance of {tolerance:g} {steps}",
-            lambda tolerance=tolerance: traded(roughly(tolerance)),
+            partial(lambda tolerance: traded(roughly(tolerance)), tolerance),
             Expected(0.0, 1e3 * tolerance, "%"),
             source,
             reason="penetration over the largest gap that counts as none",

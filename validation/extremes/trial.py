@@ -7,7 +7,7 @@ warning from Python, too long a time, and an end that is not the one that was ex
 import signal
 import threading
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
@@ -16,7 +16,7 @@ from typing import Literal
 from fefinger.support.checks import ConvergenceError, InputError
 
 
-Findings = Mapping[str, tuple[float, float]]
+Findings = dict[str, tuple[float, float]]
 """By invariant: how far it is violated, and the most that may be; both 0 or above, no unit."""
 
 SECONDS = 60.0

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
@@ -182,20 +182,18 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for nu in (0.49,) if quick else RATIOS:
         patch = f"patch test, nu {nu:g}: strain in randomly perturbed cells"
         linear = "a linear displacement"
-        yield Case(
-            patch, lambda n=nu: patch_error(n), Expected(0.0, 1e-9), linear, reason="rounding"
-        )
+        yield Case(patch, partial(patch_error, nu), Expected(0.0, 1e-9), linear, reason="rounding")
         for name, (expected, spread, limit) in MEASURES.items():
             yield Case(
                 f"manufactured, nu {nu:g}: order of {name}",
-                lambda q=name, n=nu: order(q, n),
+                partial(order, name, nu),
                 Expected(expected, spread),
                 MANUFACTURED,
                 reason="fitted over 4, 6 and 9 boxes along an edge",
             )
             yield Case(
                 f"manufactured, nu {nu:g}: {name} on 9³ boxes",
-                lambda q=name, n=nu: errors(n, CELLS[-1])[q],
+                partial(lambda q, n: errors(n, CELLS[-1])[q], name, nu),
                 Expected(0.0, limit),
                 MANUFACTURED,
                 reason="relative L2 error: an order alone may lead to a wrong answer",

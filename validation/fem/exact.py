@@ -5,7 +5,7 @@ Half-spaces have their own far field around the mesh; layers end where nothing m
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
@@ -225,7 +225,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         for quantity, limit in limits.items():
             yield Case(
                 f"{name}: {quantity}",
-                lambda n=name, q=quantity: solved(n).errors[q],
+                partial(lambda n, q: solved(n).errors[q], name, quantity),
                 Expected(0.0, limit, "%"),
                 source,
                 reason="what the mesh leaves",

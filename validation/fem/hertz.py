@@ -6,7 +6,7 @@ the proof.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
@@ -191,7 +191,7 @@ def _errors(nu: float, level: int) -> Iterator[Case]:
     for name, (limit, meaning) in TARGETS.items():
         yield Case(
             f"Hertz, nu {nu:g}, {BUDGETS[level]} nodes: {name}",
-            lambda n=name: errors(nu, level)[n],
+            partial(lambda n: errors(nu, level)[n], name),
             Expected(0.0, limit if level == FINEST else COARSER * limit, "%"),
             SOURCE,
             reason=meaning,
@@ -219,7 +219,7 @@ def _orders(nu: float) -> Iterator[Case]:
     for name, (expected, spread, reason) in ORDERS.items():
         yield Case(
             f"Hertz, nu {nu:g}: order of {name}",
-            lambda n=name: order(n, nu),
+            partial(order, name, nu),
             Expected(expected, spread),
             "regularity of the exact solution",
             reason=reason,

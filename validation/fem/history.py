@@ -220,7 +220,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for name in () if quick else UNLOADED:
         yield Case(
             f"bonded layer, {name}: order in the time step",
-            lambda n=name: step_order(n),
+            partial(step_order, name),
             Expected(2.0, 0.3),
             "exponentials exact for a pressure linear in each step",
             reason="contact that begins or ends inside a step is of second order too",

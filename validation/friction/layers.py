@@ -64,9 +64,13 @@ def strains(scene: Scene, organs: Sites) -> Array:
     mirror = np.array([-1.0, 1.0, 1.0])
     out = np.empty((count, n, 3, 3))
     pressure = np.maximum(0.0, 1.0 - np.hypot(*np.moveaxis(pad.places, -1, 0)) / START)
+
+    def rise_at(shift: Array) -> patterns.Shape:
+        return lambda at: profile.rise(at - shift)
+
     for k in range(count // 2 + 1):
         shift = np.array([spacing * k / count, 0.0])
-        pressure = pad.pressure_by_force(lambda at, s=shift: profile.rise(at - s), force, pressure)
+        pressure = pad.pressure_by_force(rise_at(shift), force, pressure)
         for z in np.unique(organs.depths):
             deep = organs.depths == z
             strain = pad.strain(pressure, float(z), both[np.tile(deep, 2)])
@@ -90,7 +94,7 @@ def scanned(
     count = round(spacing / speed / EVERY)
     passes = round(dots.DISTANCE / spacing)
     one = resample(dots.inputs(strain, organs), count, axis=0)
-    time = spacing / speed / count * np.arange(count * passes + 1)
+    time = spacing / speed / count * np.arange(count * passes + 1, dtype=np.float64)
     inputs = np.concatenate([np.tile(one, (passes, 1)), one[:1]])
     rates = dots.fired(organs, time, inputs, spacing / speed)
     return rates, dots.variations(strain, organs)

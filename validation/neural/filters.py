@@ -232,7 +232,7 @@ def _ratios() -> Iterator[Case]:
     for nerve, exact in ((1.0, 1.5), (20.0, 1.025)):
         yield Case(
             f"5.8 as printed, over the exact share, nerve {nerve:g} times as stiff as the rest",
-            lambda k=nerve: (1.0 / (k * 2.0)) / float(spring(1.0, 1.0, k).gain),
+            partial(lambda k: (1.0 / (k * 2.0)) / float(spring(1.0, 1.0, k).gain), nerve),
             Expected(exact, 1e-12),
             "1 + k / kn, with k of skin and end organ in series",
             printed=1.0,

@@ -200,7 +200,7 @@ def _ratios() -> Iterator[Case]:
     for current in (7, 100):
         yield Case(
             f"4.3.2: rate at {current} uA/cm², standard over rates / 6",
-            lambda current=current: rate(STANDARD, current) / rate(SLOWED, current),
+            partial(lambda current: rate(STANDARD, current) / rate(SLOWED, current), current),
             Expected(RATES[STANDARD][current] / RATES[SLOWED][current], 0.02),
             EXACT,
             printed=6.0,
@@ -213,7 +213,7 @@ def _ratios() -> Iterator[Case]:
     for current in (10, 20, 50, 100):
         yield Case(
             f"integrate-and-fire at {current} uA/cm²: rate over that of rates / 6",
-            lambda c=current: IntegrateAndFire().rate(float(c)) / RATES[SLOWED][c],
+            partial(lambda c: IntegrateAndFire().rate(float(c)) / RATES[SLOWED][c], current),
             Expected(1.0, 0.13),
             EXACT,
             reason="two constants cannot follow the curve any closer",
@@ -224,14 +224,14 @@ def _integrators() -> Iterator[Case]:
     for method, dt, worst in (("splitting", 2.4e-5, 0.12), ("runge-kutta", 5e-5, 5e-5)):
         yield Case(
             f"{method} at {1e6 * dt:g} us: worst error of a spike time",
-            lambda method=method, dt=dt: spike_times(method, dt)[0],
+            partial(lambda method, dt: spike_times(method, dt)[0], method, dt),
             Expected(worst / 2, worst / 2, "ms"),
             "order 8, rtol 1e-10; ramps to 5 to 60 uA/cm², held",
             reason="what the tolerance of the integrator promises",
         )
         yield Case(
             f"{method} at {1e6 * dt:g} us: units with another spike count",
-            lambda method=method, dt=dt: float(spike_times(method, dt)[1]),
+            partial(lambda method, dt: float(spike_times(method, dt)[1]), method, dt),
             Expected(0.0, 0.0, f"of {len(RAMPS)}"),
             "order 8, rtol 1e-10",
             reason="a count",

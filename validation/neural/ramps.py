@@ -175,7 +175,9 @@ def _slow() -> Iterator[Case]:
             )
             yield Case(
                 f"4.3.5, Fig. 4-14{figure}: {name}, {speed:g} mm/s: rate in the ramp over the hold",
-                lambda name=name, speed=speed: in_ramp(name, speed) / in_hold(name, speed),
+                partial(
+                    lambda name, speed: in_ramp(name, speed) / in_hold(name, speed), name, speed
+                ),
                 Expected.between(1.05, 3.0),
                 f"{THESIS}: both SA models fire faster in the ramp than in the hold",
                 reason="five percent faster or more",
@@ -276,7 +278,7 @@ def _faster() -> Iterator[Case]:
     for divisor, least in ((4.0, 1.2), (3.0, 1.5)):
         yield Case(
             f"4.3.5: SAI, 8 mm/s: rate in the hold with rates / {divisor:g}, over that with / 6",
-            lambda divisor=divisor: in_hold("SAI", 8.0, divisor) / in_hold("SAI", 8.0),
+            partial(lambda divisor: in_hold("SAI", 8.0, divisor) / in_hold("SAI", 8.0), divisor),
             Expected.between(least, 6.0 / divisor),
             note,
             reason="less than in proportion: the membrane equation is not slowed",

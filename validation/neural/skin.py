@@ -167,8 +167,11 @@ def _curvature(mechanics: str, forces: tuple[float, ...]) -> Iterator[Case]:
         )
         yield Case(
             f"3.6: {mechanics}, {force:g} N: width of the SAI profile, 340 1/m over the plate",
-            lambda f=force: (
-                profile(mechanics, CURVATURES[-1], f).width / profile(mechanics, FLAT, f).width
+            partial(
+                lambda f: (
+                    profile(mechanics, CURVATURES[-1], f).width / profile(mechanics, FLAT, f).width
+                ),
+                force,
             ),
             Expected.between(0.1, 0.9),
             f"{RULING}3.6; {goodwin}the profile becomes higher and narrower",

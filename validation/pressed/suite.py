@@ -103,7 +103,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
         for phase, quantity in (("loading", "force"), ("peak", "strain")):
             yield Case(
                 f"scene {number} of the rules: {quantity}, solved again",
-                lambda n=number, p=phase, q=quantity: solved(n)[p][q],
+                partial(lambda n, p, q: solved(n)[p][q], number, phase, quantity),
                 Expected.between(0.0, stated(phase, quantity, part)),
                 "`solid` on the same mesh",
                 reason="the stated error",

@@ -216,7 +216,7 @@ def _fit() -> Iterator[Case]:
     ):
         yield Case(
             f"Table 3.2: {name.replace('_', ' ')} of a.h. that its own slow press gives back",
-            lambda n=name: fitted(0.0)[n],
+            partial(lambda n: fitted(0.0)[n], name),
             Expected(expected, 2e-3 * expected, unit),
             "Table 3.2; procedure of section 3.4.2 on readings without noise",
             reason="table of the blurred cap between 120 contact radii",
@@ -224,7 +224,7 @@ def _fit() -> Iterator[Case]:
     for name, offset in (("early", TOUCH), ("late", -TOUCH)):
         yield Case(
             f"Section 3.4.2: c0 b when touch is found 80 um {name}, over that found right, a.h.",
-            lambda o=offset: fitted(o)["c0_b"] / fitted(0.0)["c0_b"],
+            partial(lambda o: fitted(o)["c0_b"] / fitted(0.0)["c0_b"], offset),
             Expected(found_without_blur(offset) / found_without_blur(0.0), 0.01),
             "second method: least squares on the pressures without the blur",
             printed=1.0,

@@ -1,7 +1,7 @@
 """Appendix A.3 of Pawluk (1997): the rubber ball, on a half-space and on a bonded cover."""
 
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
@@ -103,7 +103,12 @@ def cases(*, quick: bool) -> Iterator[Case]:
             force = unit == "N"
             yield Case(
                 f"A.3: {quantity.replace('_', ' ')} of the ball at 0.59 mm, {name}, bonded cover",
-                lambda n=name, q=quantity, s=1e-3 if force else 1.0: s * getattr(bonded(n), q),
+                partial(
+                    lambda n, q, s: s * getattr(bonded(n), q),
+                    name,
+                    quantity,
+                    1e-3 if force else 1.0,
+                ),
                 Expected(expected, 0.006, unit),
                 "recomputed: integral equation, 1 - L weighted by the share of the cover",
                 printed=PRINTED_FORCE if force else None,
@@ -118,7 +123,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for name, expected in (("nominal", 1.144), ("fitted", 1.078)):
         yield Case(
             f"A.3: printed force of the ball over that of Hertz, {name}",
-            lambda n=name: PRINTED_FORCE / (1e-3 * float(ball(n)[1].force)),
+            partial(lambda n: PRINTED_FORCE / (1e-3 * float(ball(n)[1].force)), name),
             Expected(expected, 1e-3),
             "section A.3, recomputed: 14 % above the nominal ball, 8 % above the fitted one",
             reason=DIGITS,
@@ -130,7 +135,7 @@ def _fits() -> Iterator[Case]:
     for name, nominal in NOMINAL.items():
         yield Case(
             f"A.3: {name} that the fit finds over the true one, cover a half-space",
-            lambda n=name: fitted("half-space")[n] / NOMINAL[n],
+            partial(lambda n: fitted("half-space")[n] / NOMINAL[n], name),
             Expected(1.0, 0.02),
             "readings made of the nominal ball, 0.5 kPa of noise",
             printed=PRINTED_FIT[name] / nominal,
@@ -143,7 +148,7 @@ def _fits() -> Iterator[Case]:
         expected = direct(name) / nominal
         yield Case(
             f"A.3: {name} that the fit finds over the true one, cover bonded",
-            lambda n=name: fitted("bonded")[n] / NOMINAL[n],
+            partial(lambda n: fitted("bonded")[n] / NOMINAL[n], name),
             Expected(expected, 0.03 * expected),
             "second method: least squares on the pressures without blur and noise",
             printed=PRINTED_FIT[name] / nominal,

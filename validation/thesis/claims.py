@@ -125,7 +125,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for subject, expected in HELD.items():
         yield Case(
             f"Figure 2-3: force after 5 s of hold over the steady force, {subject}",
-            lambda s=subject: float(finger(s)[1].relaxation(5.0)) / finger(s)[1].long_time,
+            partial(
+                lambda s: float(finger(s)[1].relaxation(5.0)) / finger(s)[1].long_time, subject
+            ),
             Expected(expected, 6e-5),
             "1 + (c3 / c0) exp(-5 v3) with Table 2.1; recomputed: 1.01 to 1.03",
             reason=DIGITS,
@@ -144,7 +146,7 @@ def _stiffness() -> Iterator[Case]:
         ):
             yield Case(
                 f"Figure 2-5: {name} of dT/dx against T, {subject}",
-                lambda s=subject, i=index: float(line(s)[i]),
+                partial(lambda s, i: float(line(s)[i]), subject, index),
                 Expected(expected, 1e-5 * expected, unit),
                 "Eq. 2.4 and Table 2.1; differences of Eq. 2.1",
                 reason="second differences over 4000 steps",
@@ -218,14 +220,14 @@ def _ranges() -> Iterator[Case]:
     for name, best, corner, steep in (("least", min, 29.1, -17.0), ("largest", max, 42.0, -18.2)):
         yield Case(
             f"2.4.2: {name} corner frequency v1 / 2 pi of a subject",
-            lambda b=best: b(finger(s)[1].v[0] / (2 * np.pi) for s in subjects),
+            partial(lambda b: b(finger(s)[1].v[0] / (2 * np.pi) for s in subjects), best),
             Expected(corner, 0.06, "Hz"),
             "section 2.4.2, recomputed: 29 to 42 Hz",
             reason=DIGITS,
         )
         yield Case(
             f"2.4.2: {name} fall of |G| from 30 to 200 Hz of a subject",
-            lambda b=best: -b(-slope(s, 30, 200) for s in subjects),
+            partial(lambda b: -b(-slope(s, 30, 200) for s in subjects), best),
             Expected(steep, 0.06, "dB/decade"),
             "section 2.4.2, recomputed: -17.0 to -18.2",
             printed=-20.0,

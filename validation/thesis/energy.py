@@ -96,7 +96,9 @@ def _energy() -> Iterator[Case]:
         for frequency, expected in zip(FREQUENCIES, values, strict=True):
             yield Case(
                 f"2.4.3: dissipated, {frequency} Hz, {size:g} mm about {offset:g} mm",
-                lambda o=offset, s=size, f=frequency: 100 * vibrated(o, s, f).steady.fraction,
+                partial(
+                    lambda o, s, f: 100 * vibrated(o, s, f).steady.fraction, offset, size, frequency
+                ),
                 Expected(expected, 0.06, "%"),
                 "section 2.4.3, recomputed; Figure 2-10",
                 reason=DIGITS,
@@ -104,7 +106,7 @@ def _energy() -> Iterator[Case]:
         loading, dissipated = periodic_work(offset, size, 30)
         yield Case(
             f"2.4.3: dissipated, 30 Hz, {size:g} mm about {offset:g} mm, after 16 s",
-            lambda o=offset, s=size: 100 * vibrated(o, s, 30, RELAXED).steady.fraction,
+            partial(lambda o, s: 100 * vibrated(o, s, 30, RELAXED).steady.fraction, offset, size),
             Expected(100 * dissipated / loading, 0.01, "%"),
             "second method: Fourier series of T; Figure 2-10",
             reason="samples of the two methods",
@@ -112,7 +114,7 @@ def _energy() -> Iterator[Case]:
     for (offset, size), expected in POWERS.items():
         yield Case(
             f"2.4.3: power at 16 Hz, {size:g} mm about {offset:g} mm",
-            lambda o=offset, s=size: vibrated(o, s, 16).steady.power,
+            partial(lambda o, s: vibrated(o, s, 16).steady.power, offset, size),
             Expected(expected, digits(expected), "mW"),
             "section 2.4.3, recomputed; Figure 2-10",
             reason=DIGITS,
@@ -121,8 +123,10 @@ def _energy() -> Iterator[Case]:
         transient = 2 * transient_work(1.5, size, frequency)
         yield Case(
             f"2.4.3: transient over steady power, {frequency} Hz, {size:g} mm about 1.5 mm",
-            lambda s=size, f=frequency: (
-                vibrated(1.5, s, f).transient.power / vibrated(1.5, s, f).steady.power
+            partial(
+                lambda s, f: vibrated(1.5, s, f).transient.power / vibrated(1.5, s, f).steady.power,
+                size,
+                frequency,
             ),
             Expected(transient / periodic_work(1.5, size, frequency)[1], 0.01),
             "second method: hereditary integral of sampled T over a Fourier series",
@@ -157,7 +161,7 @@ def _impedance() -> Iterator[Case]:
     for frequency, expected in PHASES:
         yield Case(
             f"2.4.2: phase of G at {frequency:g} Hz, means",
-            lambda f=frequency: float(phase(relaxation_spectrum(finger("means")[1], f))),
+            partial(lambda f: float(phase(relaxation_spectrum(finger("means")[1], f))), frequency),
             Expected(expected, 0.06, "degrees"),
             "section 2.4.2, recomputed; Figure 2-8",
             reason=DIGITS,
@@ -169,7 +173,7 @@ def _impedance() -> Iterator[Case]:
     ):
         yield Case(
             f"2.4.2: slope of |G| from {low:g} to {high:g} Hz, means",
-            lambda a=low, b=high: slope("means", a, b),
+            partial(slope, "means", low, high),
             Expected(expected, tolerance, "dB/decade"),
             "section 2.4.2, recomputed; Figure 2-6",
             printed=-20.0 if low == 30 else None,
@@ -182,7 +186,7 @@ def _impedance() -> Iterator[Case]:
         for frequency, expected, printed in rows:
             yield Case(
                 f"2.4.2: |Z| at {frequency} Hz, preload {preload:g} N, means",
-                lambda p=preload, f=frequency: magnitude(p, f),
+                partial(magnitude, preload, frequency),
                 Expected(expected, 0.6 if expected >= 20 else 0.06, "N s/m"),
                 "section 2.4.2, recomputed: K = m P0 / c0 + b",
                 printed=printed,

@@ -129,7 +129,7 @@ def _velocity() -> Iterator[Case]:
         printed = {0.2: 0.25, 60: 1.0}.get(speed)
         yield Case(
             f"2.3: P / T at {speed:g} mm/s, a.h., 2 mm",
-            lambda v=speed: ratio("a.h.", v),
+            partial(ratio, "a.h.", speed),
             Expected(expected, 6e-4),
             "section 2.3, recomputed: sum of ci m v / (m v + vi)",
             printed=printed,
@@ -144,7 +144,7 @@ def _velocity() -> Iterator[Case]:
     for subject in pawluk1997.lumped():
         yield Case(
             f"2.3: force at 0.2 mm/s above c0 T, {subject}",
-            lambda s=subject: 100 * (ratio(s, 0.2, DEEP) / finger(s)[1].long_time - 1),
+            partial(lambda s: 100 * (ratio(s, 0.2, DEEP) / finger(s)[1].long_time - 1), subject),
             Expected(
                 100 * (exponential_ratio(subject, 0.2) / finger(subject)[1].long_time - 1),
                 0.01,
@@ -161,7 +161,7 @@ def _forces() -> Iterator[Case]:
     for offset, name, expected, printed in FORCES:
         yield Case(
             f"2.4.3: {name.replace('_', ' ')} force, 16 Hz, 0.28 mm about {offset:g} mm, a.h.",
-            lambda o=offset, n=name: simulated(o, n),
+            partial(simulated, offset, name),
             Expected(expected, digits(expected), "N"),
             "section 2.4.3, recomputed with steps of 0.1 ms",
             printed=printed,
@@ -216,7 +216,7 @@ def _sinusoid() -> Iterator[Case]:
     for cycle, expected in enumerate(PEAKS):
         yield Case(
             f"Figure 2-4: peak of cycle {cycle + 1}, a.h., 0.4 mm at 4 Hz about 1.5 mm",
-            lambda c=cycle: peak(c),
+            partial(peak, cycle),
             Expected(expected, 0.006, "N"),
             "Figure 2-4, recomputed",
             reason=DIGITS,

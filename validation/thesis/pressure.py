@@ -202,7 +202,7 @@ def _profiles() -> Iterator[Case]:
     for subject, expected in (("a.h.", 2.75), ("means", 2.5)):
         yield Case(
             f"3.2: slope of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}",
-            lambda s=subject: stiffness_line(s)[0],
+            partial(lambda s: stiffness_line(s)[0], subject),
             Expected(expected, 0.06, "1/mm"),
             "section 3.2, recomputed",
             printed=pawluk1997.quasistatic()[subject].m,
@@ -212,7 +212,7 @@ def _profiles() -> Iterator[Case]:
     for subject, expected in (("a.h.", 0.998), ("means", 0.997), ("d.s.", 0.993)):
         yield Case(
             f"3.2: r² of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}",
-            lambda s=subject: stiffness_line(s)[1],
+            partial(lambda s: stiffness_line(s)[1], subject),
             Expected(expected, 6e-4),
             "section 3.2, recomputed: 0.996 or more; d.s. and p.w. have 0.993 and 0.994",
             reason=DIGITS,
@@ -224,7 +224,7 @@ def _goodwin() -> Iterator[Case]:
         flat = curvature == 0
         yield Case(
             f"3.6: relative peak pressure, 20 gf, curvature {curvature:g} 1/m",
-            lambda c=curvature: float(goodwin.peak_at_force(c / 1e3, 20.0)),
+            partial(lambda c: float(goodwin.peak_at_force(c / 1e3, 20.0)), curvature),
             Expected(peak, 6e-4),
             "section 3.6, recomputed: Eq. 3.23",
             printed=0.3 if flat else None,
@@ -238,7 +238,7 @@ def _goodwin() -> Iterator[Case]:
         )
         yield Case(
             f"3.6: relative contact radius, curvature {curvature:g} 1/m",
-            lambda c=curvature: float(goodwin.contact_radius(c / 1e3)),
+            partial(lambda c: float(goodwin.contact_radius(c / 1e3)), curvature),
             Expected(radius, 6e-4),
             "Eq. 3.25, recomputed; Figure 3-10",
             reason=DIGITS,
@@ -246,7 +246,10 @@ def _goodwin() -> Iterator[Case]:
     for force, expected in ((15.0, 0.909), (10.0, 0.794)):
         yield Case(
             f"3.6: peak pressure at {force:g} gf over that at 20 gf",
-            lambda f=force: float(goodwin.peak_at_force(0.0, f) / goodwin.peak_at_force(0.0, 20.0)),
+            partial(
+                lambda f: float(goodwin.peak_at_force(0.0, f) / goodwin.peak_at_force(0.0, 20.0)),
+                force,
+            ),
             Expected(expected, 6e-4),
             "section 3.6, recomputed",
             reason=DIGITS,
@@ -270,7 +273,7 @@ def _readings() -> Iterator[Case]:
     ):
         yield Case(
             f"3.6: relative peak pressure of a plate {name}",
-            lambda m=measure: float(m()),
+            partial(lambda m: float(m()), measure),
             Expected(expected, tolerance),
             "section 3.6, recomputed",
             reason=DIGITS,
@@ -291,7 +294,7 @@ def _others() -> Iterator[Case]:
     for subject in pawluk1997.quasistatic():
         yield Case(
             f"Eq. 3.16: T(2 mm) over the integral of the pressure, {subject}",
-            lambda s=subject: float(pad(s, "relaxed").force(2.0)) / integrated(s, 2.0),
+            partial(lambda s: float(pad(s, "relaxed").force(2.0)) / integrated(s, 2.0), subject),
             Expected(1.0, 1e-10),
             "(8/3) sqrt(R) x^(3/2) t(x) against quadrature of Eq. 3.15",
             reason="quadrature of 60 points",

@@ -1,7 +1,7 @@
 """Appendix A of Pawluk (1997): the tactile array, its blur and its rubber ball."""
 
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
@@ -59,7 +59,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for r, expected in FILTERED:
         yield Case(
             f"Figure A-5: filtered pressure of the fitted ball at {r} mm",
-            lambda r=r: float(array_pressure(np.array([float(r)]))[0]),
+            partial(lambda r: float(array_pressure(np.array([float(r)]))[0]), r),
             Expected(expected, 0.006 if expected < 1 else 0.06, "kPa"),
             "section A.3, recomputed: Eq. A.4 on a grid",
             reason=DIGITS,
@@ -100,8 +100,11 @@ def _coupling() -> Iterator[Case]:
     ):
         yield Case(
             f"3.2: coupling of the elements, {name}",
-            lambda i=rows, j=columns, c=over_center: (
-                neighbor(i, j) / (neighbor(0, 0) if c else 1.0)
+            partial(
+                lambda i, j, c: neighbor(i, j) / (neighbor(0, 0) if c else 1.0),
+                rows,
+                columns,
+                over_center,
             ),
             Expected(expected, 6e-4 if expected == 0.662 else 6e-5),
             "section 3.2, recomputed",

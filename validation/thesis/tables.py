@@ -1,7 +1,7 @@
 """The tables of Pawluk (1997): sums, means, correlations, and the creep that belongs to them."""
 
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
@@ -114,7 +114,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for name, (column, printed, tolerance) in FITS.items():
         yield Case(
             name,
-            lambda c=column: float(np.mean(c)),
+            partial(lambda c: float(np.mean(c)), column),
             Expected(printed, tolerance),
             "last row of the table; of the printed column, not of a fit: its data are not public",
             reason="half a unit of the last printed digit",
@@ -128,7 +128,7 @@ def _normalization() -> Iterator[Case]:
         for subject, printed in sums.items():
             yield Case(
                 f"{table}: G(0), {subject}",
-                lambda s=f"{table} {subject}": float(prony(s).relaxation(0.0)),
+                partial(lambda s: float(prony(s).relaxation(0.0)), f"{table} {subject}"),
                 Expected(1.0, 1e-12),
                 "Eq. 2.2, which divides by the sum of c",
                 printed=printed,
@@ -145,7 +145,7 @@ def _means(table: str, means: dict[str, tuple[float, float, str]]) -> Iterator[C
         wrong = (table, column) == ("3.2", "R")
         yield Case(
             f"Table {table}: mean of {column}",
-            lambda t=table, c=column: float(np.mean(columns(t)[c])),
+            partial(lambda t, c: float(np.mean(columns(t)[c])), table, column),
             Expected(expected, tolerance, unit),
             "mean of the printed column" if wrong else f"Table {table}, last row",
             printed=14 if wrong else None,
@@ -161,7 +161,7 @@ def _correlations() -> Iterator[Case]:
     ):
         yield Case(
             f"Table 2.1: correlation of m and {name}",
-            lambda c=column: correlation("m", c)[0],
+            partial(lambda c: correlation("m", c)[0], column),
             Expected(r, 0.0015),
             "section 2.4.1, recomputed",
             printed=printed,
@@ -170,7 +170,7 @@ def _correlations() -> Iterator[Case]:
         )
         yield Case(
             f"Table 2.1: p of the correlation of m and {name}",
-            lambda c=column: correlation("m", c)[1],
+            partial(lambda c: correlation("m", c)[1], column),
             Expected(p, 0.002),
             "recomputed: two-sided, n = 4",
             printed=0.05,
@@ -187,7 +187,7 @@ def _creep() -> Iterator[Case]:
         for index, expected in enumerate(weights):
             yield Case(
                 f"Creep weight k{index + 1}, {source}",
-                lambda s=source, i=index: float(prony(s).creep()[1][i]),
+                partial(lambda s, i: float(prony(s).creep()[1][i]), source, index),
                 Expected(expected, 1e-4),
                 "recomputed: residues of 1 / (s G(s))",
                 reason="four digits of the recomputation",
@@ -196,7 +196,7 @@ def _creep() -> Iterator[Case]:
         for time, expected in points:
             yield Case(
                 f"Creep: a / a(0) at {1e3 * time:g} ms of a step force, {source}",
-                lambda s=source, t=time: growth(prony(s), t),
+                partial(lambda s, t: growth(prony(s), t), source, time),
                 Expected(expected, 6e-4),
                 "recomputed: a³ follows J(t)",
                 reason="three digits of the recomputation",

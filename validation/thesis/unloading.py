@@ -1,7 +1,7 @@
 """Eq. 3.13 of Pawluk (1997) on the way back: what it pulls, and what a contact does."""
 
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
@@ -59,7 +59,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for r, expected in UNLOADED.items():
         yield Case(
             f"3.3: pressure {r:g} mm from the center by Eq. 3.13, back from 2 to 1 mm",
-            lambda r=r: float(retracted()[0][PLACES.index(r)]),
+            partial(lambda r: float(retracted()[0][PLACES.index(r)]), r),
             Expected(printed_by_parts(r), 1e-3, "kPa"),
             f"second method: Eq. 3.13 by parts; section 3.3, recomputed: {expected:g} kPa",
             reason="steps of 0.5 ms, where a place leaves the contact with the slope of a root",
