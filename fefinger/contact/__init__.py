@@ -5,7 +5,7 @@ frictionless.py, frictional.py, rolling.py, inertial.py    the four kinds
 march.py             a whole motion of any of them; a loop of one's own calls the same steps
 force_control.py     the depth at which a force is borne
 prony_history.py     what the past leaves, by exponentials
-active_set.py, coulomb.py (coulomb_state.py)    the solvers of one step: complementarity, Coulomb
+active_set.py, coulomb.py    the solvers of one step: complementarity, Coulomb
 complementarity.py   complementarity without time: many loads, one flexibility
 oscillators.py, closed_contact.py    modes of a body: through time, and harmonic
 """

@@ -64,9 +64,9 @@ def lcp_state(flexibility: Array) -> LcpState:
 
 
 @njit(cache=True, fastmath={"contract"})
-def accumulate(out: Floats, rows: Floats, chosen: Integers, factor: Floats, k: int) -> None:
-    """Add the sum over i < k of factor[i] rows[chosen[i]] to `out`, in either precision."""
-    n = len(out)
+def accumulate(out: Floats, rows: Floats, chosen: Integers, factor: Floats) -> None:
+    """Add the sum over i of factor[i] rows[chosen[i]] to `out`, in either precision."""
+    n, k = len(out), len(factor)
     whole = k - k % 4
     for i in range(0, whole, 4):
         a, b, c, d = factor[i], factor[i + 1], factor[i + 2], factor[i + 3]
@@ -92,7 +92,7 @@ def combine(out: Floats, rows: Floats, values: Array, chosen: Integers, factor: 
             chosen[k], factor[k] = i, values[i]
             k += 1
     out[:] = 0.0
-    accumulate(out, rows, chosen, factor, k)
+    accumulate(out, rows, chosen, factor[:k])
     return k
 
 
@@ -179,10 +179,10 @@ def product(s: LcpState) -> None:
     for i in range(k):
         s.work[0, i] = s.x[s.where[i]]
     s.moved[:] = 0.0
-    accumulate(s.moved, s.flexibility, s.where, s.work[0], k)
+    accumulate(s.moved, s.flexibility, s.where, s.work[0, :k])
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _residual(s: LcpState, offset: Array) -> float:
     """Compute the residual -(F x + b) of the active set into `work`; return its largest entry."""
     largest = 0.0
@@ -193,7 +193,7 @@ def _residual(s: LcpState, offset: Array) -> float:
     return largest
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _solve_active(s: LcpState, offset: Array, scale: float) -> bool:
     """Solve F x + b = 0 on the active set by iterative refinement; False if F is not definite."""
     last, fresh = np.inf, False
@@ -216,7 +216,7 @@ def _solve_active(s: LcpState, offset: Array, scale: float) -> bool:
             return True
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _mark_violations(s: LcpState, offset: Array, least: float) -> int:
     """List the vertices with tension or penetration in `wrong`; return their number."""
     count = 0
@@ -272,7 +272,7 @@ def solve(s: LcpState, offset: Array, tolerance: float) -> int:
     return ENDLESS
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def slope(s: LcpState, right: Array) -> float:
     """Compute right . z, with F z = `right` on the active set and z = 0 off it."""
     k = s.counts[K]

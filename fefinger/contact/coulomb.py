@@ -9,23 +9,17 @@ Gauss-Seidel) come before each step, and take over where no part of it comes clo
 from both projections is the residual.
 
 Vectors of 3n have the pressures first, then the tractions along x, then those along y. The vertices
-in question are compressed into a block with three rows for each of them.
+in question are compressed into a block with three rows for each of them. The outer iteration is in
+Python, as numba takes half a minute to compile all of it.
 """
 
+from typing import NamedTuple
+
 import numpy as np
+from scipy.linalg import lapack
 
 from fefinger.contact.active_set import DONE, ENDLESS, SINGULAR, combine
-from fefinger.contact.coulomb_state import (
-    INVERTED,
-    KEPT,
-    SOLVED,
-    SWEPT,
-    CoulombState,
-    K,
-    join,
-    leave,
-)
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.compiled import njit
 
 
@@ -36,8 +30,47 @@ SHORTEST = 1 / 16  # part of a Newton step
 FALLING = 0.2  # part of the residual that a step with an inverse leaves, or it is dropped
 REFRESHED = 8  # steps with an inverse after which it is computed anew, the next time
 ROUNDS = 60  # of vertices that join
+WORK = 64  # columns of the blocks in which LAPACK inverts a matrix
 
 KINDS = 5  # of unknowns
+
+SETTLED, SOLVE, INVERT = 0, -1, -2
+"""Outcomes of an iteration besides ENDLESS: solved; a matrix to solve with, or to invert, as its
+unknowns are the last ones."""
+
+K, SOLVED, TRIED, UNKNOWNS = 0, 1, 2, 3
+"""Indices of `CoulombSolver.counts`: vertices in the block; Newton steps; iterations of the present
+solution; unknowns of the matrix that it needs."""
+
+
+NONE, NO_INVERSE, NO_CODES = np.empty(0), np.empty((0, 0)), np.empty(0, dtype=np.int64)
+
+
+class Block(NamedTuple):
+    """The iterate on the vertices in question, and room for all.
+
+    matrix (3n, 3n): F; mu (n,); x, constant and rest (3n,): x, b and F x + b.
+    """
+
+    matrix: Array
+    mu: Array
+    x: Array
+    constant: Array
+    rest: Array
+
+
+class Unknowns(NamedTuple):
+    """The unknowns of a Newton step, and room for all.
+
+    vertex, code (3n,): the vertex in the block, and which vertex and kind it is; column, row
+    (3n, 3) and extra (3n,): entries of the matrix.
+    """
+
+    vertex: Integers
+    code: Integers
+    column: Array
+    row: Array
+    extra: Array
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -52,22 +85,22 @@ def _add_two(rest: Array, first: Array, a: float, second: Array, b: float, m: in
         rest[j] += a * first[j] + b * second[j]
 
 
-@njit(cache=True)
-def _target(s: CoulombState, i: int) -> tuple[float, float, float, float]:
+@njit(cache=True, inline="always")
+def _target(s: Block, i: int) -> tuple[float, float, float, float]:
     """Return pressure and traction before their projection, and the stiffness along the plane.
 
     A vertex that cannot move along a direction, as across a plane of symmetry, bears none there.
     """
-    x, rest, j = s.compressed, s.rest, 3 * i
-    a, b, c = s.block[j + 1, j + 1], s.block[j + 2, j + 2], s.block[j + 1, j + 2]
+    j = 3 * i
+    a, b, c = s.matrix[j + 1, j + 1], s.matrix[j + 2, j + 2], s.matrix[j + 1, j + 2]
     # The largest eigenvalue of the block in the plane; 0 where the vertex cannot move.
     stiff = (a + b) / 2 + np.sqrt((a - b) ** 2 / 4 + c * c)
-    u = x[j + 1] - rest[j + 1] / stiff if a > 0.0 else 0.0
-    v = x[j + 2] - rest[j + 2] / stiff if b > 0.0 else 0.0
-    return x[j] - rest[j] / s.block[j, j], u, v, stiff
+    u = s.x[j + 1] - s.rest[j + 1] / stiff if a > 0.0 else 0.0
+    v = s.x[j + 2] - s.rest[j + 2] / stiff if b > 0.0 else 0.0
+    return s.x[j] - s.rest[j] / s.matrix[j, j], u, v, stiff
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _on_disc(u: float, v: float, bound: float) -> tuple[float, float]:
     """Project a traction on the disc of a radius `bound`."""
     size = np.hypot(u, v)
@@ -75,292 +108,365 @@ def _on_disc(u: float, v: float, bound: float) -> tuple[float, float]:
 
 
 @njit(cache=True)
-def _visit(s: CoulombState, i: int, m: int) -> None:
-    """Project pressure and traction of a vertex, and update the gaps and slips of all."""
-    x, j = s.compressed, 3 * i
-    step = max(0.0, x[j] - s.rest[j] / s.block[j, j]) - x[j]
-    if step != 0.0:
-        x[j] += step
-        _add(s.rest, s.block[j], step, m)
-    _, u, v, _ = _target(s, i)
-    u, v = _on_disc(u, v, s.mu[s.where[i]] * x[j])
-    first, second = u - x[j + 1], v - x[j + 2]
-    if first != 0.0 or second != 0.0:
-        x[j + 1], x[j + 2] = u, v
-        _add_two(s.rest, s.block[j + 1], first, s.block[j + 2], second, m)
-
-
-@njit(cache=True)
-def _sweep(s: CoulombState) -> None:
-    """Visit all vertices of the block."""
-    k = s.counts[K]
-    s.counts[SWEPT] += 1
+def _sweep(s: Block, k: int) -> None:
+    """Visit all vertices: project pressure and traction, and update the gaps and slips of all."""
+    x, rest, m = s.x, s.rest, 3 * k
     for i in range(k):
-        _visit(s, i, 3 * k)
+        j = 3 * i
+        step = max(0.0, x[j] - rest[j] / s.matrix[j, j]) - x[j]
+        if step != 0.0:
+            x[j] += step
+            _add(rest, s.matrix[j], step, m)
+        _, u, v, _ = _target(s, i)
+        u, v = _on_disc(u, v, s.mu[i] * x[j])
+        first, second = u - x[j + 1], v - x[j + 2]
+        if first != 0.0 or second != 0.0:
+            x[j + 1], x[j + 2] = u, v
+            _add_two(rest, s.matrix[j + 1], first, s.matrix[j + 2], second, m)
 
 
 @njit(cache=True)
-def _residual(s: CoulombState) -> float:
+def _residual(s: Block, k: int) -> float:
     """Largest distance of pressures and tractions from their projections, over the pressure."""
-    x, largest, top = s.compressed, 0.0, 0.0
-    for i in range(s.counts[K]):
+    x, largest, top = s.x, 0.0, 0.0
+    for i in range(k):
         j = 3 * i
         p, u, v, _ = _target(s, i)
-        u, v = _on_disc(u, v, s.mu[s.where[i]] * x[j])
+        u, v = _on_disc(u, v, s.mu[i] * x[j])
         top = max(top, x[j])
         largest = max(largest, abs(x[j] - max(p, 0.0)), np.hypot(x[j + 1] - u, x[j + 2] - v))
     return largest / top if top > 0.0 else largest
 
 
 @njit(cache=True)
-def _unknowns(s: CoulombState) -> int:
+def _load(s: Block, k: int) -> None:
+    """Compute the rest F x + b of the block."""
+    m = 3 * k
+    for j in range(m):  # where slices are copied, numba compiles the messages of errors, for 3 s
+        s.rest[j] = s.constant[j]
+    for j in range(m):
+        if s.x[j] != 0.0:
+            _add(s.rest, s.matrix[j], s.x[j], m)
+
+
+@njit(cache=True)
+def _move(s: Block, before: Array, start: Array, part: float) -> float:
+    """Move by a part of the way from `before` to `start`, back into the cone; the residual there.
+
+    before, start (3k,).
+    """
+    x, k = s.x, len(before) // 3
+    for i in range(k):
+        j = 3 * i
+        for a in range(3):
+            x[j + a] = before[j + a] + part * (start[j + a] - before[j + a])
+        x[j] = max(0.0, x[j])
+        x[j + 1], x[j + 2] = _on_disc(x[j + 1], x[j + 2], s.mu[i] * x[j])
+    _load(s, k)
+    return _residual(s, k)
+
+
+@njit(cache=True, inline="always")
+def _set(rows: Array, q: int, a: float, b: float, c: float) -> None:
+    rows[q, 0], rows[q, 1], rows[q, 2] = a, b, c
+
+
+@njit(cache=True)
+def _unknowns(s: Block, where: Integers, k: int, out: Unknowns) -> int:
     """List the unknowns of a Newton step: their number.
 
     Pressures in contact, both tractions of what sticks, and of what slips the one across the slip,
     whose projection turns with it. Each is a column of up to three entries of a vertex, and a row
     of up to two; `code` tells of which vertex and kind it is.
     """
-    x, q = s.compressed, 0
-    for i in range(s.counts[K]):
+    x, q = s.x, 0
+    vertex, code, column, row, extra = out
+    for i in range(k):
         p, u, v, stiff = _target(s, i)
         if p <= 0.0:
             continue
-        bound, size = s.mu[s.where[i]] * x[3 * i], np.hypot(u, v)
+        bound, size = s.mu[i] * x[3 * i], np.hypot(u, v)
         slips = size > bound
-        s.vertex[q], s.extra[q], s.code[q] = i, 0.0, KINDS * s.where[i] + (1 if slips else 0)
-        s.column[q], s.row[q] = (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
+        vertex[q], extra[q], code[q] = i, 0.0, KINDS * where[i] + (1 if slips else 0)
+        _set(column, q, 1.0, 0.0, 0.0)
+        _set(row, q, 1.0, 0.0, 0.0)
         q += 1
         if slips:
             a, b = u / size, v / size
-            s.column[q - 1] = (1.0, s.mu[s.where[i]] * a, s.mu[s.where[i]] * b)
-            free = min(s.block[3 * i + 1, 3 * i + 1], s.block[3 * i + 2, 3 * i + 2]) > 0.0
+            _set(column, q - 1, 1.0, s.mu[i] * a, s.mu[i] * b)
+            free = min(s.matrix[3 * i + 1, 3 * i + 1], s.matrix[3 * i + 2, 3 * i + 2]) > 0.0
             if free and bound > 0.0:
-                s.vertex[q], s.extra[q] = i, (size / bound - 1.0) * stiff
-                s.column[q], s.row[q] = (0.0, -b, a), (0.0, -b, a)
-                s.code[q] = KINDS * s.where[i] + 2
+                vertex[q], extra[q] = i, (size / bound - 1.0) * stiff
+                _set(column, q, 0.0, -b, a)
+                _set(row, q, 0.0, -b, a)
+                code[q] = KINDS * where[i] + 2
                 q += 1
             continue
         for c in (1, 2):
-            if s.block[3 * i + c, 3 * i + c] > 0.0:
-                s.vertex[q], s.extra[q], s.code[q] = i, 0.0, KINDS * s.where[i] + 2 + c
-                s.column[q], s.row[q] = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-                s.column[q, c] = s.row[q, c] = 1.0
+            if s.matrix[3 * i + c, 3 * i + c] > 0.0:
+                vertex[q], extra[q], code[q] = i, 0.0, KINDS * where[i] + 2 + c
+                _set(column, q, 0.0, 2.0 - c, c - 1.0)
+                _set(row, q, 0.0, 2.0 - c, c - 1.0)
                 q += 1
     return q
 
 
 @njit(cache=True, fastmath={"contract"})
-def _matrix(s: CoulombState, q: int) -> Array:
-    """Assemble the matrix (q, q) of a Newton step."""
-    matrix, m, line = np.empty((q, q)), 3 * s.counts[K], np.empty(3 * s.counts[K])
+def _assemble(s: Block, k: int, unknowns: Unknowns, q: int) -> tuple[Array, Array]:
+    """Return the matrix (q, q) and the right side (q,) of a Newton step."""
+    m, line, matrix, right = 3 * k, np.empty(3 * k), np.empty((q, q)), np.zeros(q)
+    vertex, _, columns, row, extra = unknowns
     for a in range(q):
         line[:] = 0.0
         for c in range(3):
-            if s.row[a, c] != 0.0:
-                _add(line, s.block[3 * s.vertex[a] + c], s.row[a, c], m)
+            right[a] -= row[a, c] * s.constant[3 * vertex[a] + c]
+            if row[a, c] != 0.0:
+                _add(line, s.matrix[3 * vertex[a] + c], row[a, c], m)
         for b in range(q):
-            j, column = 3 * s.vertex[b], s.column[b]
+            j, column = 3 * vertex[b], columns[b]
             matrix[a, b] = column[0] * line[j] + column[1] * line[j + 1] + column[2] * line[j + 2]
-        matrix[a, a] += s.extra[a]
-    return matrix
-
-
-@njit(cache=True)
-def _solved(matrix: Array, right: Array, values: Array) -> bool:
-    """Solve a linear system; False if it is singular."""
-    try:
-        values[:] = np.linalg.solve(matrix, right)
-    except Exception:  # numba compiles no narrower clause; a singular matrix is the only error
-        return False
-    return True
-
-
-@njit(cache=True)
-def _inverted(matrix: Array, inverse: Array) -> bool:
-    """Invert a matrix; False if it is singular."""
-    try:
-        inverse[:] = np.linalg.inv(matrix)
-    except Exception:  # as in `_solved`
-        return False
-    return True
-
-
-@njit(cache=True)
-def _newton(s: CoulombState) -> int:
-    """Solve for the iterate at which all projections are as at this one, into `start`.
-
-    Return how many unknowns there are, 0 where they cannot be solved for. Where they are the same
-    as the last time, the inverse of that matrix is used again, which is out of date by the turn of
-    the slip.
-    """
-    q = _unknowns(s)
-    if q == 0:
-        return 0
-    same = q == s.counts[KEPT]
-    for a in range(q):
-        same = same and s.code[a] == s.kept[a]
-    values = np.empty(q)
-    if same:
-        if s.counts[INVERTED] == 0:
-            if not _inverted(_matrix(s, q), s.inverse[:q, :q]):
-                s.counts[KEPT] = 0
-                return 0
-            s.counts[INVERTED] = 1
-        _correct(s, values)
-    else:
-        s.counts[KEPT], s.counts[INVERTED] = q, 0
-        s.kept[:q] = s.code[:q]
-        right = np.empty(q)
-        for a in range(q):
-            i = 3 * s.vertex[a]
-            right[a] = -(
-                s.row[a, 0] * s.constant[i]
-                + s.row[a, 1] * s.constant[i + 1]
-                + s.row[a, 2] * s.constant[i + 2]
-            )
-        if not _solved(_matrix(s, q), right, values):
-            s.counts[KEPT] = 0
-            return 0
-    s.start[: 3 * s.counts[K]] = 0.0
-    for a in range(q):
-        for c in range(3):
-            s.start[3 * s.vertex[a] + c] += s.column[a, c] * values[a]
-    return q
+        matrix[a, a] += extra[a]
+    return matrix, right
 
 
 @njit(cache=True, fastmath={"contract", "reassoc"})
-def _correct(s: CoulombState, values: Array) -> None:
-    """Set `values` (q,) to the unknowns, corrected by the inverse times their residual."""
-    q = len(values)
-    right = np.empty(q)
+def _correct(s: Block, unknowns: Unknowns, inverse: Array) -> Array:
+    """Return the unknowns (q,), corrected by the inverse (q, q) times their residual."""
+    q = len(inverse)
+    values, right = np.empty(q), np.empty(q)
+    vertex, _, _, row, extra = unknowns
     for a in range(q):
-        i = 3 * s.vertex[a]
+        i = 3 * vertex[a]
         now = rest = 0.0
         for c in range(3):
-            now += s.row[a, c] * s.compressed[i + c]
-            rest += s.row[a, c] * s.rest[i + c]
-        values[a], right[a] = now, -rest - s.extra[a] * now
+            now += row[a, c] * s.x[i + c]
+            rest += row[a, c] * s.rest[i + c]
+        values[a], right[a] = now, -rest - extra[a] * now
     for a in range(q):
-        line, total = s.inverse[a], 0.0
+        line, total = inverse[a], 0.0
         for b in range(q):
             total += line[b] * right[b]
         values[a] += total
+    return values
 
 
 @njit(cache=True)
-def _go(s: CoulombState, part: float) -> None:
-    """Move by a part of the way from `before` to `start`, and back into the cone."""
-    for i in range(s.counts[K]):
-        j = 3 * i
-        for a in range(3):
-            s.compressed[j + a] = s.before[j + a] + part * (s.start[j + a] - s.before[j + a])
-        s.compressed[j] = max(0.0, s.compressed[j])
-        s.compressed[j + 1], s.compressed[j + 2] = _on_disc(
-            s.compressed[j + 1], s.compressed[j + 2], s.mu[s.where[i]] * s.compressed[j]
-        )
-    _load(s)
+def _step(s: Block, before: Array, start: Array, now: float) -> float:
+    """Go as far to `start` (3k,) as reduces the residual, or stay; return the residual there."""
+    k, part, after = len(start) // 3, 1.0, np.inf
+    for j in range(3 * k):
+        before[j] = s.x[j]
+    while part >= SHORTEST and not after < now:
+        after = _move(s, before, start, part)
+        part /= 2.0
+    if not after < now:
+        _move(s, before, before, 0.0)
+    return after
 
 
 @njit(cache=True)
-def _settle(s: CoulombState, offset: Array) -> bool:
-    """Find the iterate that no projection changes; False if that does not happen."""
-    n, k = len(s.where), s.counts[K]
-    for i in range(k):
-        for a in range(3):
-            s.constant[3 * i + a] = offset[a * n + s.where[i]]
-    _load(s)
-    inverse = s.counts[INVERTED] == 1
-    for number in range(ITERATIONS):
-        if not inverse:
-            _sweep(s)
-        now = _residual(s)
-        if now <= CONE:
-            _load(s)
-            if _residual(s) <= CONE:
-                if number > REFRESHED:
-                    s.counts[INVERTED] = 0
-                return True
-        s.before[: 3 * k] = s.compressed[: 3 * k]
-        if not np.isfinite(now):
-            return False
-        if _newton(s) == 0:  # nothing is in contact, or the matrix is singular: sweeps go on
-            inverse = False
-            continue
-        s.counts[SOLVED] += 1
-        inverse = s.counts[INVERTED] == 1
-        part, closer = 1.0, False
-        while part >= SHORTEST and not closer:
-            _go(s, part)
-            after = _residual(s)
-            closer = after < now
-            part /= 2.0
-        if inverse and not after <= FALLING * now:
-            s.counts[KEPT], s.counts[INVERTED] = 0, 0
-            inverse = False
-            if not closer:
-                _go(s, 0.0)
-        elif not closer:
-            _go(s, 0.0)
+def _scatter(unknowns: Unknowns, values: Array, start: Array) -> None:
+    """Set the iterate (3k,) of the values (q,) of the unknowns."""
+    start[:] = 0.0
+    for a in range(len(values)):
+        for c in range(3):
+            start[3 * unknowns.vertex[a] + c] += unknowns.column[a, c] * values[a]
+
+
+@njit(cache=True)
+def _iterate(
+    s: Block,
+    where: Integers,
+    k: int,
+    unknowns: Unknowns,
+    kept: Integers,
+    inverse: Array,
+    values: Array,
+    counts: Integers,
+) -> tuple[int, float]:
+    """Iterate until the solution, or until a matrix is needed; return the outcome and the residual.
+
+    kept (q,): codes of the unknowns of the last matrix; inverse (q, q), or (0, 0) for none; values:
+    the unknowns of the Newton step to begin with, or none.
+    """
+    before, start = np.empty(3 * k), np.empty(3 * k)
+    now = 0.0
+    if len(values):
+        now = _residual(s, k)
+        _scatter(unknowns, values, start)
+        counts[SOLVED] += 1
+        if not _step(s, before, start, now) < now:
             for _ in range(SMOOTHING):
-                _sweep(s)
-    return False
+                _sweep(s, k)
+    fresh = len(inverse) > 0
+    while counts[TRIED] < ITERATIONS:
+        if not fresh:
+            _sweep(s, k)
+        now = _residual(s, k)
+        if now <= CONE:
+            _load(s, k)
+            now = _residual(s, k)
+            if now <= CONE:
+                return SETTLED, now
+        if not np.isfinite(now):
+            return ENDLESS, now
+        q = _unknowns(s, where, k, unknowns)
+        same = q == len(kept)
+        for a in range(q):
+            same = same and unknowns.code[a] == kept[a]
+        if q > 0 and not (same and fresh):
+            counts[UNKNOWNS] = q
+            return INVERT if same else SOLVE, now
+        counts[TRIED] += 1
+        if q == 0:  # nothing is in contact: sweeps go on
+            fresh = False
+            continue
+        counts[SOLVED] += 1
+        _scatter(unknowns, _correct(s, unknowns, inverse), start)
+        if not _step(s, before, start, now) <= FALLING * now:
+            fresh, kept = False, kept[:0]
+    return ENDLESS, now
 
 
-@njit(cache=True)
-def _load(s: CoulombState) -> None:
-    """Compute the rest F x + b of the block."""
-    m = 3 * s.counts[K]
-    s.rest[:m] = s.constant[:m]
-    for j in range(m):
-        if s.compressed[j] != 0.0:
-            _add(s.rest, s.block[j], s.compressed[j], m)
+class CoulombSolver:
+    """Solver of contact with friction on n vertices; it starts from its last solution.
 
+    Parameters
+    ----------
+    flexibility
+        F (3n, 3n).
+    mu
+        Coefficient of every vertex at first.
 
-@njit(cache=True)
-def product(s: CoulombState) -> None:
-    """Compute moved = F x."""
-    combine(s.moved, s.flexibility, s.x, s.chosen, s.factor)
+    Attributes
+    ----------
+    x, moved
+        Pressures and tractions (3n,), and F times them.
+    mu
+        Coefficients (n,).
+    where, place
+        (n,): the vertices in the block, and the position in it of each vertex, or -1.
+    counts
+        (4,): vertices in the block, and Newton steps.
+    residual
+        Of the last solution.
+    """
 
+    def __init__(self, flexibility: Array, mu: float) -> None:
+        n = len(flexibility) // 3
+        # A copy: numba compiles read-only arrays as another type, which takes seconds.
+        self.flexibility = np.array(flexibility, order="C")
+        self.x, self.moved, self.mu = np.zeros(3 * n), np.zeros(3 * n), np.full(n, float(mu))
+        self.where, self.place = np.zeros(n, dtype=np.int64), np.full(n, -1, dtype=np.int64)
+        self.counts, self.residual = np.zeros(4, dtype=np.int64), 0.0
+        self._block = Block(np.zeros((3 * n, 3 * n)), np.zeros(n), *np.zeros((3, 3 * n)))
+        self._index, self._work = np.zeros((2, 3 * n), dtype=np.int64), np.zeros(3 * n)
+        (vertex, code), entries = np.zeros((2, 3 * n), dtype=np.int64), np.zeros((2, 3 * n, 3))
+        self._unknowns = Unknowns(vertex, code, entries[0], entries[1], np.zeros(3 * n))
+        self._forget()
 
-@njit(cache=True)
-def solve(s: CoulombState, offset: Array, tolerance: float) -> int:
-    """Solve for x with b = `offset` (3n,), from the last x; return DONE or a failure."""
-    n = len(s.where)
-    scale = 0.0
-    for j in range(n):
-        scale = max(scale, abs(offset[j]))
-    for number in range(ROUNDS):
-        joined = 0
-        for j in range(n):
-            if s.place[j] < 0 and s.moved[j] + offset[j] < -tolerance * scale:
-                if not s.flexibility[j, j] > 0.0:
-                    return SINGULAR
-                join(s, j)
-                joined += 1
-        if joined == 0 and (number > 0 or s.counts[K] == 0):
-            return DONE
-        for i in range(s.counts[K]):
-            for a in range(3):
-                s.compressed[3 * i + a] = s.x[a * n + s.where[i]]
-        if not _settle(s, offset):
-            return ENDLESS
-        s.residual[0] = _residual(s)
-        _unload(s)
-    return ENDLESS
+    def solve(self, offset: Array, tolerance: float) -> int:
+        """Solve for x with b = `offset` (3n,), from the last x; return DONE or a failure."""
+        n = len(self.where)
+        least = -tolerance * float(np.abs(offset[:n]).max())
+        for number in range(ROUNDS):
+            out = np.flatnonzero((self.place < 0) & (self.moved[:n] + offset[:n] < least))
+            if not (self.flexibility[out, out] > 0.0).all():
+                return SINGULAR
+            if len(out):
+                self._join(out)
+            elif number > 0 or self.counts[K] == 0:
+                return DONE
+            if not self._settle(offset):
+                return ENDLESS
+            self._unload()
+        return ENDLESS
 
+    def rebuild(self) -> None:
+        """Compress the vertices in `where` into the block anew; the last matrix is forgotten."""
+        vertices = self.where[: self.counts[K]].copy()
+        self.counts[K], self.place[:] = 0, -1
+        self._join(vertices)
+        self._forget()
 
-@njit(cache=True)
-def _unload(s: CoulombState) -> None:
-    """Write the block into x; vertices without pressure leave it."""
-    n = len(s.where)
-    s.x[:] = 0.0
-    for i in range(s.counts[K]):
-        for a in range(3):
-            s.x[a * n + s.where[i]] = s.compressed[3 * i + a]
-    i = 0
-    while i < s.counts[K]:
-        if s.x[s.where[i]] > 0.0:
-            i += 1
-        else:
-            leave(s, s.where[i])
-    product(s)
+    def _forget(self) -> None:
+        """Forget the matrix of the last Newton step: the codes of its unknowns, its inverse."""
+        self._kept: Integers = NO_CODES
+        self._inverse: Array = NO_INVERSE
+
+    def _join(self, vertices: Integers) -> None:
+        """Add vertices to the block."""
+        n, start = len(self.where), int(self.counts[K])
+        k = start + len(vertices)
+        self.where[start:k], self.place[vertices] = vertices, np.arange(start, k)
+        self.counts[K] = k
+        index, matrix = self._index[0, : 3 * k], self._block.matrix
+        index[3 * start :] = (vertices[:, None] + n * np.arange(3)).ravel()
+        rows = self.flexibility[np.ix_(index[3 * start :], index)]
+        matrix[3 * start : 3 * k, : 3 * k] = rows
+        matrix[: 3 * k, 3 * start : 3 * k] = rows.T
+
+    def _leave(self, at: int) -> None:
+        """Remove the vertex at a position from the block: the last one takes its place."""
+        last = int(self.counts[K]) - 1
+        self.place[self.where[at]] = -1
+        if at != last:
+            here, there = slice(3 * at, 3 * at + 3), slice(3 * last, 3 * last + 3)
+            matrix = self._block.matrix
+            matrix[here] = matrix[there]
+            matrix[:, here] = matrix[:, there]
+            self._index[0, here] = self._index[0, there]
+            self.where[at] = self.where[last]
+            self.place[self.where[at]] = at
+        self.counts[K] = last
+
+    def _unload(self) -> None:
+        """Write the block into x; vertices without pressure leave it."""
+        k = int(self.counts[K])
+        self.x[:] = 0.0
+        self.x[self._index[0, : 3 * k]] = self._block.x[: 3 * k]
+        at = 0 if (self._block.x[: 3 * k : 3] <= 0.0).any() else k
+        while at < self.counts[K]:
+            if self.x[self.where[at]] > 0.0:
+                at += 1
+            else:
+                self._leave(at)
+        combine(self.moved, self.flexibility, self.x, self._index[1], self._work)
+
+    def _settle(self, offset: Array) -> bool:
+        """Find the iterate that no projection changes; False if that does not happen."""
+        s, k = self._block, int(self.counts[K])
+        index = self._index[0, : 3 * k]
+        s.constant[: 3 * k], s.x[: 3 * k] = offset[index], self.x[index]
+        s.mu[:k] = self.mu[self.where[:k]]
+        _load(s, k)
+        self.counts[TRIED], values = 0, NONE
+        while True:
+            last = self._kept, self._inverse, values, self.counts
+            outcome, self.residual = _iterate(s, self.where, k, self._unknowns, *last)
+            if outcome not in {SOLVE, INVERT}:
+                if self.counts[TRIED] > REFRESHED:
+                    self._inverse = NO_INVERSE
+                return bool(outcome == SETTLED)
+            values = self._newton(k, invert=outcome == INVERT)
+
+    def _newton(self, k: int, *, invert: bool) -> Array:
+        """Solve for the unknowns of a Newton step (q,), or `invert` its matrix and return none.
+
+        Where it is singular, sweeps go on.
+        """
+        q = int(self.counts[UNKNOWNS])
+        matrix, right = _assemble(self._block, k, self._unknowns, q)
+        self._forget()
+        values, inverse = NONE, NO_INVERSE
+        factor, pivots, singular = lapack.dgetrf(matrix.T, overwrite_a=True)
+        if not singular and invert:
+            inverse = lapack.dgetri(factor, pivots, lwork=WORK * q, overwrite_lu=True)[0].T
+        elif not singular:
+            values, _ = lapack.dgetrs(factor, pivots, right, trans=1, overwrite_b=True)
+        if singular or not invert:
+            self.counts[TRIED] += 1
+        if singular:
+            return NONE
+        self._kept, self._inverse = self._unknowns.code[:q].copy(), inverse
+        return values

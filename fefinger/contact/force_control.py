@@ -36,7 +36,7 @@ def depth_search() -> Array:
     return np.zeros(10)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def begin(search: Array, touch: float, force: float, match: float) -> None:
     """Begin to search for a force in mN above 0, from the present depth or first touch (mm).
 
@@ -50,7 +50,7 @@ def begin(search: Array, touch: float, force: float, match: float) -> None:
     search[DEPTH] = max(search[DEPTH], touch + 1e-6 * (1.0 + abs(touch)))
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def judge(search: Array, excess: float, slope: float) -> int:
     """Judge the depth by the force beyond the wanted one, in mN, and set the next: a verdict.
 
@@ -79,7 +79,7 @@ def judge(search: Array, excess: float, slope: float) -> int:
     return TRY
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _secant(search: Array, excess: float) -> float:
     depth, last_depth, last = search[DEPTH], search[_LAST_DEPTH], search[_LAST_EXCESS]
     slope = (excess - last) / (depth - last_depth) if depth != last_depth else 0.0

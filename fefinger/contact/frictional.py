@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.contact import coulomb, coulomb_state, force_control
+from fefinger.contact import force_control
 from fefinger.contact.active_set import DONE, ENDLESS, MISSED, SINGULAR
-from fefinger.contact.coulomb_state import CoulombState
-from fefinger.contact.force_control import DEPTH, FOUND, LOST
+from fefinger.contact.coulomb import CoulombSolver
+from fefinger.contact.force_control import DEPTH, FOUND, TRY
 from fefinger.contact.frictionless import (
     excess_force,
     first_touch,
@@ -51,71 +51,22 @@ UNSOLVED = (
 
 
 @njit(cache=True)
-def _step(
-    s: CoulombState,
-    m: PronyHistory,
-    search: Array,
-    gap: Array,
-    projected: Array,
-    limits: Integers,
-    offset: Array,
-    dt: float,
-    x: float,
-    y: float,
-    value: float,
-    by_force: bool,
-) -> tuple[int, float]:
-    """Advance by `dt` s, with the object moved by (x, y) mm; return the outcome, and g."""
-    n = len(gap)
-    g = load_history(m, dt)
+def _begin(m: PronyHistory, areas: Array, offset: Array, dt: float, x: float, y: float) -> float:
+    """Set the offset (3n,) of the tractions, where the object moves by (x, y) mm; return g."""
+    n, g = len(areas), load_history(m, dt)
     for j in range(n):
         for a, moved in ((1, x), (2, y)):
             k = a * n + j
-            offset[k] = -m.moved_past[k] - g * (m.moved_elastic[k] + projected[j] * moved)
-    failed = _press(s, search, gap, m.moved_past, g, projected, offset, value, by_force)
-    return limit(s.x, limits, failed), g
-
-
-@njit(cache=True)
-def _press(
-    s: CoulombState,
-    search: Array,
-    gap: Array,
-    past: Array,
-    g: float,
-    projected: Array,
-    offset: Array,
-    value: float,
-    by_force: bool,
-) -> int:
-    """Solve for pressure and traction at a depth in mm or a force in mN, as `frictionless.press`.
-
-    The slope of the force is not known: the search takes secants.
-    """
-    if not by_force:
-        search[DEPTH] = value
-    else:
-        touch = first_touch(gap, past, g, projected)
-        if value <= 0.0:
-            lifted(search, touch, s.x, s.moved)
-            return DONE
-        force_control.begin(search, touch, value, MATCH)
-    while True:
-        load_at_depth(search, offset, gap, past, g, projected)
-        failed = coulomb.solve(s, offset, COMPLEMENTARITY)
-        if failed != DONE or not by_force:
-            return failed
-        verdict = force_control.judge(search, excess_force(projected, s.x, value), 0.0)
-        if verdict == FOUND:
-            return DONE
-        if verdict == LOST:
-            return MISSED
+            offset[k] = -m.moved_past[k] - g * (m.moved_elastic[k] + areas[j] * moved)
+    return g
 
 
 @njit(cache=True)
 def _finish(
-    s: CoulombState,
     m: PronyHistory,
+    x: Array,
+    moved: Array,
+    bounds: Array,
     mu: Array,
     slip: Array,
     lost: Array,
@@ -123,22 +74,22 @@ def _finish(
     dt: float,
     g: float,
 ) -> None:
-    """Update slip, coefficients, lost work and history from the solution of a step.
+    """Update history, slip (2n,), lost work (1,) and coefficients `bounds` (n,) after a step.
 
     The slip times g is F x + b: b, the history and the path, is still in `offset`. mu (2,): the
     static and the kinetic coefficient.
     """
-    n = len(s.mu)
+    n = len(bounds)
     for j in range(n):
-        pressed = s.x[j] > 0.0
-        slips = pressed and np.hypot(s.x[n + j], s.x[2 * n + j]) >= s.mu[j] * s.x[j] * (1 - STUCK)
-        s.mu[j] = mu[1] if slips else mu[0]
+        pressed = x[j] > 0.0
+        slips = pressed and np.hypot(x[n + j], x[2 * n + j]) >= bounds[j] * x[j] * (1 - STUCK)
+        bounds[j] = mu[1] if slips else mu[0]
         for a in range(2):
             k = (a + 1) * n + j
-            slid = (s.moved[k] + offset[k]) / g if pressed else 0.0
+            slid = (moved[k] + offset[k]) / g if pressed else 0.0
             slip[a * n + j] = slip[a * n + j] + slid if pressed else 0.0
-            lost[0] -= s.x[k] * slid
-    store_history(m, s.x, s.moved, dt, g)
+            lost[0] -= x[k] * slid
+    store_history(m, x, moved, dt, g)
 
 
 class FrictionalContact(Stepper):
@@ -176,7 +127,7 @@ class FrictionalContact(Stepper):
         self.gap = np.array(gap) if isinstance(gap, np.ndarray) else gap
         self.turns, self.mu = turns, np.array(mu, dtype=np.float64)
         self.projected = np.array(projected)
-        self.coulomb = coulomb_state.coulomb_state(flexibility, mu[0])
+        self.coulomb = CoulombSolver(flexibility, mu[0])
         self.bounds = self.coulomb.mu.copy()
         self.lost, self._slip, self._offset = np.zeros(1), np.zeros(2 * count), np.zeros(3 * count)
         no_limits = np.full(count, DONE, dtype=np.int64) if limits is None else limits
@@ -206,19 +157,41 @@ class FrictionalContact(Stepper):
     def _advance(self, dt: float, target: Target) -> int:
         gap, limits = gaps_at(self.gap, target, self.limits, turns=self.turns)
         x, y = target.shift[0] - self.pose[0], target.shift[1] - self.pose[1]
-        solver, history = self.coulomb, self.history
-        arrays = gap, self.projected, limits, self._offset
-        outcome, g = _step(
-            *(solver, history, self.search, *arrays),
-            *(dt, float(x), float(y), target.value, target.by_force),
-        )
+        g = _begin(self.history, self.projected, self._offset, dt, float(x), float(y))
+        outcome = int(limit(self.pressure, limits, self._press(gap, g, target)))
         if outcome == DONE:
+            solver = self.coulomb
             self.bounds[:] = solver.mu
-            _finish(solver, history, self.mu, self._slip, self.lost, self._offset, dt, g)
-        return int(outcome)
+            state = solver.x, solver.moved, solver.mu, self.mu, self._slip, self.lost
+            _finish(self.history, *state, self._offset, dt, g)
+        return outcome
+
+    def _press(self, gap: Array, g: float, target: Target) -> int:
+        """Solve for pressure and traction at a depth in mm or a force in mN, from an offset (3n,).
+
+        The slope of the force is not known: the search takes secants.
+        """
+        solver, search, offset, areas = self.coulomb, self.search, self._offset, self.projected
+        past, value = self.history.moved_past, target.value
+        if target.by_force:
+            touch = first_touch(gap, past, g, areas)
+            if value <= 0.0:
+                lifted(search, touch, solver.x, solver.moved)
+                return DONE
+            force_control.begin(search, touch, value, MATCH)
+        else:
+            search[DEPTH] = value
+        while True:
+            load_at_depth(search, offset, gap, past, g, areas)
+            failed = solver.solve(offset, COMPLEMENTARITY)
+            if failed != DONE or not target.by_force:
+                return failed
+            verdict = force_control.judge(search, excess_force(areas, solver.x, value), 0.0)
+            if verdict != TRY:
+                return DONE if verdict == FOUND else MISSED
 
     def _rebuild(self) -> None:
-        coulomb_state.rebuild(self.coulomb)
+        self.coulomb.rebuild()
 
     def reset(self) -> None:
         """Return to rest: no contact and no history."""
@@ -232,5 +205,5 @@ class FrictionalContact(Stepper):
     def record(self) -> dict[str, Any]:
         """Return the present values that a history holds, by their names."""
         friction = {"traction": self.traction, "slip": self.slip, "sticking": self.sticking}
-        work = {"lost": float(self.lost[0]), "cone": float(self.coulomb.residual[0])}
+        work = {"lost": float(self.lost[0]), "cone": self.coulomb.residual}
         return super().record() | {"slopes": self.push()} | friction | work

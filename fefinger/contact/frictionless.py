@@ -24,7 +24,7 @@ from fefinger.support.compiled import njit
 from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def load_at_depth(
     search: Array, offset: Array, gap: Array, past: Array, stiffness: float, projected: Array
 ) -> None:
@@ -33,7 +33,7 @@ def load_at_depth(
         offset[j] = (gap[j] - search[DEPTH] * projected[j]) * stiffness - past[j]
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def first_touch(gap: Array, past: Array, stiffness: float, projected: Array) -> float:
     """Compute the depth in mm at which the first of the gaps closes; arguments as of `press`."""
     depth = np.inf
@@ -42,7 +42,7 @@ def first_touch(gap: Array, past: Array, stiffness: float, projected: Array) -> 
     return depth
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def excess_force(projected: Array, pressure: Array, force: float) -> float:
     """Force in mN of a pressure (n,) kPa on areas (n,) mm² beyond a prescribed one."""
     excess = -force
@@ -51,7 +51,7 @@ def excess_force(projected: Array, pressure: Array, force: float) -> float:
     return excess
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def lifted(search: Array, touch: float, x: Array, moved: Array) -> None:
     """Set contact without force: open, where it was or where skin that creeps back pushes it to.
 
@@ -62,7 +62,7 @@ def lifted(search: Array, touch: float, x: Array, moved: Array) -> None:
     moved[:] = 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def limit(pressure: Array, limits: Integers, outcome: int) -> int:
     """Return the outcome of a step whose contact may be limited at some vertices."""
     for j in range(len(limits)):
@@ -71,7 +71,7 @@ def limit(pressure: Array, limits: Integers, outcome: int) -> int:
     return outcome
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def press(
     s: LcpState,
     search: Array,
@@ -128,9 +128,9 @@ def _step(
     tolerance: float,
 ) -> int:
     g = load_history(m, dt)
+    stiffness, past = g * stiffening, m.moved_past
     failed = press(
-        *(s, search, gap, m.moved_past, g * stiffening, projected, limits, offset),
-        *(value, by_force, tolerance),
+        s, search, gap, past, stiffness, projected, limits, offset, value, by_force, tolerance
     )
     if failed == DONE:
         store_history(m, s.x, s.moved, dt, g)

@@ -145,8 +145,7 @@ def _step(
         for j in range(len(gap)):
             free[j] += a * row[j]
     failed = press(
-        *(s, search, free, nothing, 1.0, projected, limits, offset),
-        *(value, by_force, COMPLEMENTARITY),
+        s, search, free, nothing, 1.0, projected, limits, offset, value, by_force, COMPLEMENTARITY
     )
     if failed == DONE:
         _store(s, m, o, f, dt, g)

@@ -41,7 +41,7 @@ def prony_history(branches: tuple[Array, Array], size: int) -> PronyHistory:
     return PronyHistory(weights, rates, rows[0].copy(), rows[1].copy(), *np.zeros((4, size)))
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _gain(m: PronyHistory, k: int, dt: float) -> float:
     exponent = m.rates[k] * dt
     return m.weights[k] * (-np.expm1(-exponent) / exponent if exponent > 0.0 else 1.0)

@@ -45,8 +45,7 @@ def _step(
         gap[j] = x * moments[0, j] + z * moments[1, j] - first * weights[j]
         past[j] = x * m.moved_past[j] + z * m.moved_past[n + j]
     failed = press(
-        *(s, search, gap, past, g, weights, limits, offset),
-        *(value, by_force, COMPLEMENTARITY),
+        s, search, gap, past, g, weights, limits, offset, value, by_force, COMPLEMENTARITY
     )
     return failed, g
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fefinger.contact import complementarity
 from fefinger.contact.active_set import DONE, ENDLESS, MISSED, SINGULAR, LcpState
-from fefinger.contact.coulomb_state import CoulombState
+from fefinger.contact.coulomb import CoulombSolver
 from fefinger.contact.force_control import CORRECTIONS, DEPTH, PEAK, depth_search
 from fefinger.contact.prony_history import PronyHistory
 from fefinger.support.arrays import Array, Flags, Integers
@@ -74,7 +74,7 @@ class Stepper(ABC):
 
     def __init__(
         self,
-        solver: LcpState | CoulombState,
+        solver: LcpState | CoulombSolver,
         history: PronyHistory,
         limits: Integers,
         kept: State = (),

@@ -155,7 +155,10 @@ class Loop:
         pressure, strain = self._contact.pressure, self._readout.strain.reshape(-1, 6)
         self.now = Step(pressure, strain, np.zeros(2), np.zeros(2))
         self.reset()
-        self._hold(0.0, 0.0, None)  # compiles or loads what a step needs: none of them waits
+        pose = self._pose(None, self._angles)
+        for value, by_force in ((deepest / 2, False), (1.0, True)):
+            # Compiles or loads what a step needs: none of them waits.
+            self._contact.advance(0.0, Target(value, by_force, *pose))
         self.reset()
 
     def __repr__(self) -> str:

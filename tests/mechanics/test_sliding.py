@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.contact import coulomb, coulomb_state
 from fefinger.contact.active_set import DONE
+from fefinger.contact.coulomb import CoulombSolver
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics import condensed, linear
 from fefinger.mechanics.loop import Loop
@@ -277,10 +277,10 @@ def test_friction_finds_the_law_for_every_coefficient_from_rest_and_from_before(
     basis = rng.normal(size=(60, 60))
     matrix = basis @ basis.T / 60 + 0.05 * np.eye(60)
     for mu in (0.0, 0.1, 0.5):
-        state = coulomb_state.coulomb_state(matrix, mu)
+        state = CoulombSolver(matrix, mu)
         for _ in range(5):
             offset = rng.normal(size=60)
-            assert coulomb.solve(state, offset, 1e-10) == DONE
+            assert state.solve(offset, 1e-10) == DONE
             x, rest = state.x, matrix @ state.x + offset
             p, t, w, s = x[:20], x[20:].reshape(2, 20), rest[:20], rest[20:].reshape(2, 20)
             assert p.min() >= 0
@@ -294,7 +294,7 @@ def test_friction_finds_the_law_for_every_coefficient_from_rest_and_from_before(
 def test_a_flexibility_without_an_inverse_ends_in_a_failure_not_in_an_exception():
     flat = np.zeros((6, 6))
     flat[:2, :2] = 1.0  # two vertices that move as one, and not along the plane
-    state = coulomb_state.coulomb_state(flat, 0.3)
+    state = CoulombSolver(flat, 0.3)
     offset = np.array([-1.0, -2.0, 0.0, 0.0, 0.0, 0.0])
-    outcome = coulomb.solve(state, offset, 1e-10)
+    outcome = state.solve(offset, 1e-10)
     assert outcome != DONE or (flat @ state.x + offset)[:2].min() > -1e-9

@@ -4,9 +4,9 @@ import numpy as np
 from fefinger.validation.friction.sheared import CONTACT, RADIUS, contact, limit
 from fefinger.validation.oracles.coulomb import projected
 
-from fefinger.contact import coulomb, coulomb_state
 from fefinger.contact.active_set import DONE
 from fefinger.contact.complementarity import Complementarity
+from fefinger.contact.coulomb import CoulombSolver
 from fefinger.support.arrays import Array
 from fefinger.support.tolerances import COMPLEMENTARITY
 
@@ -17,8 +17,8 @@ HUGE = 1e9
 
 def solved(flexibility: Array, offset: Array, mu: float) -> Array:
     """Return pressures and tractions (3n,) of one contact without a past."""
-    state = coulomb_state.coulomb_state(flexibility, mu)
-    outcome = coulomb.solve(state, offset, COMPLEMENTARITY)
+    state = CoulombSolver(flexibility, mu)
+    outcome = state.solve(offset, COMPLEMENTARITY)
     if outcome != DONE:
         message = f"friction: no solution, outcome {outcome}"
         raise ArithmeticError(message)
