@@ -62,18 +62,20 @@ class CandidateSurface:
         closed = pressed | (gap <= 0)  # pressures oscillate toward an edge, some are zero there
         source = _sources(pressed, gap)
         edge_areas: dict[bytes, float | None] = {}
-        times_of: dict[bytes, list[int]] = {}
+        times_of: dict[tuple[bytes, bool], list[int]] = {}
         for k in np.unique(source[source >= 0]).tolist():
             key = closed[k].tobytes()
             if key not in edge_areas:
                 edge_areas[key] = self._edge_area(closed[k])
             edge_area = edge_areas[key]
-            if edge_area is None:
-                times_of.setdefault(pressed[k].tobytes(), []).append(k)
+            if edge_area is None or np.isnan(edge_area):
+                kind = pressed[k].tobytes(), edge_area is not None
+                times_of.setdefault(kind, []).append(k)
             else:
                 measured[k] = edge_area
-        for times in times_of.values():
-            measured[times] = self._rim_area(pressed[times[0]], closed[times], gap[times])
+        for (_, near_edge), times in times_of.items():
+            counted = (closed if near_edge else pressed)[times]
+            measured[times] = self._rim_area(pressed[times[0]], counted, gap[times])
         return np.asarray(np.where(source >= 0, measured[source], 0.0))
 
     @cached_property
@@ -101,7 +103,9 @@ class CandidateSurface:
         return np.sqrt(2 * total / np.maximum(np.bincount(corners, minlength=count), 1))
 
     def _edge_area(self, closed: Flags) -> float | None:
-        """Area in mm² of a contact (n,) that ends at sharp edges; None where it ends elsewhere.
+        """Area in mm² of a contact (n,) that ends at sharp edges.
+
+        None where there is none along its rim, and nan where contact ends beside the edge.
 
         Between a vertex in contact and a free one it ends where the obstacle protrudes most over
         the chord between them; on a side without an edge, half way.
@@ -119,7 +123,7 @@ class CandidateSurface:
         start, end = closed[sides[..., 0]], closed[sides[..., 1]]
         cut = ((start != end) & sharp).any(axis=1)
         if not cut.any():
-            return None
+            return np.nan if sharp.any() else None
         at = np.where(sharp, at, 0.5)
         reach = np.where(start, at, 1 - at)
         alone = np.where(start != end, reach, 1.0).prod(axis=1)
@@ -137,10 +141,10 @@ class CandidateSurface:
         chord = (1 - places) * distance[..., :1] + places * distance[..., -1:]
         return distance, chord - distance
 
-    def _rim_area(self, pressed: Flags, closed: Flags, gap: Array) -> Array:
+    def _rim_area(self, pressed: Flags, counted: Flags, gap: Array) -> Array:
         """Areas (n_t,) mm² at times with gaps (n_t, n) mm and the same pressed vertices (n,).
 
-        closed (n_t, n): the pressed vertices and those that the obstacle touches without pressure.
+        counted (n_t, n): the pressed vertices; near an edge also those that the obstacle touches.
         """
         count = pressed[self.triangles].sum(axis=1)
         edge = np.zeros(len(pressed), dtype=bool)
@@ -157,11 +161,11 @@ class CandidateSurface:
         fitted = inner + np.concatenate([np.where(k, c, whole).sum(axis=1) for c, k in parts])
         # Near an edge of the obstacle the power 3/2 of the gap does not hold, nor does the fit. The
         # area is that of the vertices then, also of those whose pressure has oscillated to zero.
-        vertices = closed @ np.bincount(
-            self.triangles.ravel(), np.repeat(self._areas / 3, 3), minlength=len(pressed)
-        )
+        vertices = float((count * self._areas).sum()) / 3
         plausible = (vertices < PLAUSIBLE * fitted) & (fitted < PLAUSIBLE * vertices)
-        return np.asarray(np.where(plausible, fitted, vertices))
+        shares = np.repeat(self._areas / 3, 3)
+        touched = counted @ np.bincount(self.triangles.ravel(), shares, minlength=len(pressed))
+        return np.asarray(np.where(plausible, fitted, touched))
 
     def _cut(
         self, rim: Integers, crossed: Flags, pressed: Flags, gap: Array

@@ -155,14 +155,28 @@ def test_with_too_few_points_outside_whole_vertices_are_counted() -> None:
     assert surface.area(np.ones((1, 3), dtype=bool), np.zeros((1, 3))) == pytest.approx([0.5])
 
 
-def test_near_an_edge_a_vertex_that_is_touched_without_pressure_counts() -> None:
+def test_a_vertex_that_is_touched_without_pressure_counts_near_an_edge_alone() -> None:
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
-    surface = CandidateSurface(points, np.array([[0, 1, 2]]), UP)
+    bar = Obstacle(UP, np.array([-0.5, 0.0, 0.0]), Bar(2.0, 0.002))  # its edge is at x = 0.5
+    pressed = np.array([[True, False, True], [True, False, False]])
+    gap = np.array([[0.0, 0.1, 0.0], [0.0, 0.1, -1e-6]])
+    under = CandidateSurface(points, np.array([[0, 1, 2]]), UP, bar).area(pressed, gap)
+    assert under[1] == pytest.approx(under[0], rel=1e-12)
+    triangles, flat = np.array([[0, 1, 2]]), Obstacle(UP, np.zeros(3))
+    for smooth in (None, flat, Obstacle(UP, np.zeros(3), Ellipsoid((2.0, 2.0, 2.0)))):
+        found = CandidateSurface(points, triangles, UP, smooth).area(pressed, gap)
+        assert found == pytest.approx([1 / 3, 1 / 6])
+
+
+def test_vertices_touched_beside_an_edge_count_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(CandidateSurface, "_edge_area", lambda self, closed: np.nan)
+    surface = CandidateSurface(np.eye(3), np.array([[0, 1, 2]]), UP)
     pressed = np.array([[True, True, True], [True, True, False]])
     gap = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1e-6]])
-    assert surface.area(pressed, gap) == pytest.approx([0.5, 0.5])
+    whole, touched = surface.area(pressed, gap)
+    assert touched == pytest.approx(whole)
     gap[1, 2] = 0.1
-    assert surface.area(pressed, gap) == pytest.approx([0.5, 1 / 3])
+    assert surface.area(pressed, gap)[1] == pytest.approx(2 / 3 * whole)
 
 
 def pressed_strip(profile: Profile, cells: int, shift: float) -> tuple[float, float]:
