@@ -7,7 +7,7 @@ import pytest
 
 import fefinger as ff
 from fefinger.afferents import fire
-from fefinger.commands.console import fired_record
+from fefinger.commands.run import fired_record
 from fefinger.mechanics import get
 from fefinger.neural.drives import DRIVE_BY_NAME
 from fefinger.neural.recorded import fitted

@@ -1,11 +1,12 @@
-"""`fefinger calibrate`: fit a finger to subjects of Pawluk (1997) or to a record."""
+"""`fefinger calibrate` and `fefinger fit`: a tissue or a lumped model from records of presses."""
 
+from functools import partial
 from typing import Any
 
 import click
 
 from fefinger.commands import console
-from fefinger.commands.options import json_option, output_option
+from fefinger.commands.console import json_option, output_option
 
 
 NO_TISSUE = "no tissue.toml is written: t(u) scales the force, not a tissue; use --mechanics solid"
@@ -70,13 +71,45 @@ def calibrate(
     with jobs.folders(todo, output) as folders:
         with console.progress() as report:
             calibrations = jobs.run(todo, workers, report)
-        files: list[str] = []
-        try:
-            files = jobs.save(calibrations, folders)
-        finally:  # print the answer also where saving it fails
-            record = {"calibrations": [each.record() for each in calibrations], "files": files}
-            text = "\n\n".join(map(repr, calibrations))
-            lines = [text, *(f"file  {file}" for file in files)]
-            if not all(MECHANICS[each.mechanics].finite for each in calibrations):
-                lines.append(NO_TISSUE)
-            console.print_answer(record, "\n".join(lines), as_json=as_json)
+
+        def text(record: console.Record) -> str:
+            told = console.with_files("\n\n".join(map(repr, calibrations)), record)
+            finite = all(MECHANICS[each.mechanics].finite for each in calibrations)
+            return told if finite else f"{told}\n{NO_TISSUE}"
+
+        console.save_and_print(
+            lambda: jobs.save(calibrations, folders),
+            lambda files: {"calibrations": [c.record() for c in calibrations], "files": files},
+            text,
+            as_json=as_json,
+        )
+
+
+@click.command()
+@click.argument("data", metavar="DATA.csv")
+@click.option(
+    "--terms",
+    default=3,
+    type=click.IntRange(1, 5),
+    help="Number of exponentials of the relaxation function.",
+)
+@output_option("fit.json and fit.csv")
+@json_option
+def fit(data: str, terms: int, output: str | None, as_json: bool) -> None:
+    """Identify the lumped model of a finger from a ramp and hold.
+
+    DATA.csv has the columns time (s), position (mm) and force (N).
+    """
+    from fefinger.calibration import lumped_fit
+    from fefinger.support import outputs
+
+    with outputs.output(output) as folder:
+        if folder is not None:
+            lumped_fit.keep_others(folder)
+        identified = lumped_fit.fit(data, terms=terms)
+        console.save_and_print(
+            lambda: [] if folder is None else lumped_fit.save(identified, folder),
+            lambda files: lumped_fit.record(identified) | {"files": files},
+            partial(console.with_files, lumped_fit.summary(identified)),
+            as_json=as_json,
+        )

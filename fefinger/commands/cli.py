@@ -1,7 +1,7 @@
-"""The command line: group of commands, error messages and exit status.
+"""The command line: its commands, error messages and exit status.
 
-Exit status: 0 done, 1 the answer failed its check, 2 invalid input, 130 interrupted. Standard
-output holds the answer alone; progress, warnings and errors go to standard error.
+Exit status: 0 done, 1 the answer failed its check, 2 invalid input, 130 interrupted. The answer
+alone goes to standard output; progress, warnings and errors go to standard error.
 """
 
 import errno
@@ -12,8 +12,15 @@ from contextlib import suppress
 
 import click
 
-from fefinger.commands import COMMANDS
-from fefinger.commands.options import DONE, FAILED, UNUSABLE
+from fefinger.commands.afferents import field, spikes
+from fefinger.commands.calibrate import calibrate, fit
+from fefinger.commands.console import DONE, FAILED, UNUSABLE
+from fefinger.commands.resources import cache, mesh, scenes
+from fefinger.commands.run import explain
+from fefinger.commands.run import run as run_scene
+from fefinger.commands.study import study
+from fefinger.commands.validate import bench, validate
+from fefinger.commands.view import live, view
 from fefinger.support.atomic_write import FULL, write_error
 from fefinger.support.checks import ConvergenceError, InputError, address_space
 from fefinger.support.compiled import notice
@@ -22,10 +29,10 @@ from fefinger.support.version import VERSION
 
 
 LEAST_MEMORY = 800
-"""MB of address space below which compiled libraries cannot be loaded: some end, some wait."""
+"""MB of address space below which compiled libraries end the process or wait forever."""
 
 NO_ROOM = "failed to map segment"
-"""What the loader of glibc says of a library for which there is no memory."""
+"""Words of the loader of glibc where there is no memory for a library."""
 
 
 def run(arguments: list[str]) -> int:
@@ -62,7 +69,7 @@ def _check_memory() -> None:
 
 
 def _failure(error: Exception) -> tuple[int, str]:
-    """Return the exit status of an error and its sentence; "" where it is a fault of fefinger."""
+    """Return the exit status of an error and its sentence; "" for a bug of fefinger."""
     if isinstance(error, InputError):
         return UNUSABLE, f"error: {error}"
     if isinstance(error, ConvergenceError):
@@ -87,9 +94,9 @@ def _say(sentence: str) -> None:
 
 
 def _unless_full(write: Callable[[], object]) -> None:
-    """Write to standard error, and drop streams that are full.
+    """Write to standard error, and close streams that are full.
 
-    Python would else write to them at its end, and exit with 120.
+    Else Python writes to them when it ends, and exits with 120.
     """
     with suppress(OSError):
         write()
@@ -111,6 +118,12 @@ def cli() -> None:
     SCENE is the name of a built-in scene (`fefinger scenes` lists them) or a TOML file.
     """
 
+
+COMMANDS = (
+    *(run_scene, explain, scenes, study, mesh, spikes, field, view, live, fit, calibrate, validate),
+    *(bench, cache),
+)
+"""All commands, in the order of the help text."""
 
 for command in COMMANDS:
     cli.add_command(command)

@@ -1,12 +1,23 @@
-"""`fefinger run`: answer a scene with force, pressure, strain and spikes."""
+"""`fefinger run` and `fefinger explain`: answer a scene, or show which mechanics would."""
 
+import math
+import sys
 import time
+from functools import partial
+from typing import TYPE_CHECKING
 
 import click
 
 from fefinger.commands import console
-from fefinger.commands.options import changes_option, json_option, output_option
+from fefinger.commands.console import Record, changes_option, json_option, output_option
 from fefinger.support.checks import InputError, Stopped
+from fefinger.support.text import table
+
+
+if TYPE_CHECKING:
+    from fefinger.neural.trains import SpikeTrains
+    from fefinger.result import Result
+    from fefinger.results.records import Lateral
 
 
 @click.command()
@@ -48,19 +59,23 @@ def run(
                 if output is not None:
                     _save_partial(stop, output, replaced=replaced)
                 raise
-        seconds, written = dict(result.seconds), list[str]()
-        try:
-            if output is not None:
-                started = time.perf_counter()
-                written = result.save(output)
-                seconds["save"] = time.perf_counter() - started
-                _tell(output, replaced=replaced)
-        finally:  # print the answer also where saving it fails
+        seconds = dict(result.seconds)
+
+        def save() -> list[str]:
+            if output is None:
+                return []
+            started = time.perf_counter()
+            written = result.save(output)
+            seconds["save"] = time.perf_counter() - started
+            _tell(output, replaced=replaced)
+            return written
+
+        def text(record: Record) -> str:
             for warning in result.warnings:
                 click.echo(warning, err=True)
-            record = console.run_record(result, seconds, written)
-            text = console.run_summary(result, seconds, written, verbose=verbose)
-            console.print_answer(record, text, as_json=as_json)
+            return run_summary(result, seconds, record["files"], verbose=verbose)
+
+        console.save_and_print(save, partial(run_record, result, seconds), text, as_json=as_json)
 
 
 def _tell(output: str, *, replaced: bool) -> None:
@@ -75,3 +90,111 @@ def _save_partial(stop: Stopped, output: str, *, replaced: bool) -> None:
         _tell(output, replaced=replaced)
     except InputError as error:  # the caller still raises the reason of the stop
         click.echo(f"not saved: {error}", err=True)
+
+
+def run_record(result: "Result", seconds: dict[str, float], files: list[str]) -> Record:
+    """Return the record of `fefinger run`; area and centroid are at the peak."""
+    force, area, centroid = result.force, result.contact_area, result.centroid
+    peak = result.peak
+    return {
+        "status": result.status,
+        "mechanics": result.plan.mechanics,
+        "peak_force_N": None if force is None else float(force.max()),
+        "final_force_N": None if force is None else float(force[-1]),
+        "contact_area_mm2": None if area is None else float(area[peak]),
+        "centroid_mm": None if centroid is None else [float(x) for x in centroid[peak]],
+        **({} if result.lateral is None else slid_record(result.lateral)),
+        **({} if result.spikes is None else fired_record(result.spikes)),
+        "seconds": seconds,
+        "files": files,
+    }
+
+
+def slid_record(lateral: "Lateral") -> Record:
+    """Return the largest lateral force, and the outcome of friction in words."""
+    peak = max(math.hypot(*force) for force in lateral.force.tolist())
+    return {"peak_lateral_force_N": peak, "friction": lateral.outcome or None}
+
+
+def fired_record(trains: "SpikeTrains") -> Record:
+    """Return the family of the afferents, spikes of each type, and the mean rates of its units.
+
+    Rates in Hz are over the time in which spikes count.
+    """
+    counts = dict.fromkeys(trains.types, 0)
+    for kind, times in zip(trains.types, trains.times, strict=True):
+        counts[kind] += len(times)
+    span = trains.t_stop - trains.t_start
+    rates = {kind: n / span / trains.types.count(kind) for kind, n in counts.items()}
+    return {"afferents": trains.family, "spikes": counts, "rates_Hz": rates}
+
+
+def run_summary(
+    result: "Result", seconds: dict[str, float], files: list[str], *, verbose: bool = False
+) -> str:
+    """Return a dozen lines on a result; if `verbose`, also how it was computed, and all notes."""
+    from fefinger.results import key_numbers
+
+    rows = key_numbers.rows(result)
+    saving = f" (saved in {seconds['save']:.1f} s)" if "save" in seconds else ""
+    spent = f"{sum(result.seconds.values()):.1f} s{saving}"
+    rows.append(("computed", f"by {result.plan.on}, in {spent}"))
+    if result.plan.overridden:
+        reasons = "; ".join(dict.fromkeys(refusal.reason for refusal in result.plan.overridden))
+        rows.append(("WARNING", f"chosen by name despite: {reasons}"))
+    if verbose:
+        return "\n".join([table(rows), "", table(_details(result, seconds, files))])
+    report = [file for file in files if file.endswith(".html")]
+    notes = f"{len(result.notes)} notes"
+    where = f"{report[0]} ({notes})" if report else f"-o DIR writes it, -v prints its {notes}"
+    rows.append(("report", where))
+    return f"{result.scene.name}\n{table(rows)}"
+
+
+def _details(
+    result: "Result", seconds: dict[str, float], files: list[str]
+) -> list[tuple[str, str]]:
+    """Return rows on the computation of a result: choice, expected errors, stages, notes, files."""
+    rows = [("status", result.status), ("mechanics", result.plan.sentence)]
+    if result.centroid is not None:
+        x, y = result.centroid[result.peak]
+        rows.append(("centroid", f"x {x:.3f} mm, y {round(y, 3) + 0.0:.3f} mm at the peak"))
+    if result.plan.trust:
+        rows.append(("trust", f"{result.plan.trust} Source: {result.plan.chosen.evidence}."))
+    stages = ", ".join(f"{stage} {value:.1f}" for stage, value in seconds.items())
+    rows.append(("seconds", stages))
+    return [*rows, *(("note", note) for note in result.notes), *(("file", file) for file in files)]
+
+
+@click.command()
+@click.argument("scene")
+@changes_option
+@json_option
+def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
+    """Show which mechanics would answer SCENE.
+
+    Prints the expected error of the force and the time of every mechanics and mesh, and why the
+    others are refused. Times are those of computing, without compiling and saving.
+    """
+    from dataclasses import asdict
+
+    from fefinger import plan
+    from fefinger.mechanics.press.time_steps import time_grid
+    from fefinger.results.candidate import MECHANICS
+    from fefinger.scene import builtin
+    from fefinger.scene.finger import origin_notes, other_size
+    from fefinger.scene.inertia import quasistatic, samples, warnings
+
+    loaded = builtin.load(scene, builtin.settings(changes))
+    motion = loaded.motion
+    notes = [*origin_notes(loaded.finger), *other_size(loaded.finger)]
+    notes += [*warnings(motion), *samples(motion)]
+    try:
+        chosen = plan.explain(loaded)
+        console.print_answer(asdict(chosen), f"{chosen!r}\n\n{chosen.machine}", as_json=as_json)
+        if motion.control == "depth" and not MECHANICS[chosen.mechanics].inertia:
+            time = time_grid(motion, fast=True, most=sys.maxsize)
+            notes += quasistatic(loaded, time, motion.value(time))
+    finally:  # a refusal has its notes before it
+        for sentence in notes:
+            click.echo(sentence, err=True)

@@ -1,16 +1,27 @@
 """`fefinger study`: answer a grid of scenes in parallel."""
 
 import shlex
+from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from fefinger.commands import console
-from fefinger.commands.options import DONE, FAILED, changes_option, json_option, output_option
+from fefinger.commands.console import (
+    DONE,
+    FAILED,
+    Record,
+    changes_option,
+    json_option,
+    output_option,
+    short,
+)
 from fefinger.support.interrupt import advice
+from fefinger.support.text import brief, percent, table
 
 
 if TYPE_CHECKING:
@@ -95,18 +106,19 @@ def study(
     options = {"--over": grid, "--at": at, "--set": changes}
     command = _command(scene, options, mechanics)
     answered = replace(answered, about={"command": command, **answered.about})
-    files: list[str] = []
-    try:
-        files += [] if output is None else _saved(answered, output)
-        files += [write(answered, file, "--table") for file in tables]
-    finally:  # print the answers also where saving them fails
-        record = console.study_record(answered, files)
-        console.print_answer(record, console.study_summary(record), as_json=as_json)
+
+    def save() -> Iterator[str]:
+        if output is not None:
+            yield from _saved(answered, output)
+        for file in tables:
+            yield write(answered, file, "--table")
+
+    console.save_and_print(save, partial(study_record, answered), study_summary, as_json=as_json)
     return FAILED if answered.failures else DONE
 
 
 def _command(scene: str, options: dict[str, tuple[str, ...]], mechanics: str | None) -> str:
-    """Command line that repeats the study, without output folder and number of processes."""
+    """Return the command line of the study, without output folder and number of processes."""
     words = [word for option, texts in options.items() for text in texts for word in (option, text)]
     words += ["--mechanics", mechanics] if mechanics else []
     return shlex.join(["fefinger", "study", scene, *words])
@@ -120,3 +132,67 @@ def _saved(study: "Study", output: str) -> list[str]:
     for folder in dict.fromkeys(str(Path(file).parent) for file in files[len(NAMES) :]):
         click.echo(f"moved: the files of these names that were there are now in {folder}", err=True)
     return files
+
+
+def study_record(study: "Study", files: list[str]) -> Record:
+    """Return the record of `fefinger study`."""
+    return {
+        "scenes": study.scenes,
+        "reused": study.reused,
+        "failed": [{"scene": values, "error": error} for values, error in study.failures],
+        "over": list(study.over),
+        "chosen": study.about.get("chosen", ""),
+        "rows": list(study.rows),
+        "files": files,
+    }
+
+
+STUDY = {
+    **{"at": "at", "force_N": "force/N", "force_rel_error": "error", "depth_mm": "depth/mm"},
+    **{"contact_area_mm2": "area/mm²", "highest_pressure_1mm2_kPa": "kPa", "spikes": "spikes"},
+    **{"shift_distal_mm": "shift/mm", "asymmetry": "asym.", "ellipticity": "ellip."},
+    "stiffness_N_per_mm": "N/mm",
+}
+"""Columns of a study that a terminal shows, with short headings."""
+
+
+def study_summary(record: Record) -> str:
+    """Return a table of the main columns in a record, failed scenes, notes and files."""
+    from fefinger.studies.grid import remarks
+
+    available = {name for row in record["rows"] for name in row}
+    shown = [*record["over"], *(name for name in STUDY if name in available)]
+    finished = [row for row in record["rows"] if row["status"] == "done"]
+
+    def cell(name: str, value: Any) -> str:
+        if value is None:
+            return ""
+        return percent(value) if name == "force_rel_error" else short(value)
+
+    rows = [[cell(name, row.get(name)) for name in shown] for row in finished]
+    notes = [record["chosen"], *remarks(record["rows"], record["over"])]
+    below = []
+    for each in record["failed"]:
+        values = ", ".join(f"{field} = {value}" for field, value in each["scene"].items())
+        below.append(("failed", f"{values}: {brief(each['error'])}"))
+    below += [
+        *(("note", note) for note in notes if note),
+        *(("file", file) for file in record["files"]),
+    ]
+    done = record["scenes"] - len(record["failed"])
+    used = dict.fromkeys(f"{row['mechanics']} {row.get('mesh') or ''}".strip() for row in finished)
+    by = f" by {', '.join(used)}" if used else ""
+    total = f"{done} of {record['scenes']} scenes{by}, {record['reused']} of them reused"
+    headings = [STUDY.get(name) or _heading(name, record["over"]) for name in shown]
+    return "\n".join([table(rows, headings), total, *([table(below)] if below else [])])
+
+
+def _heading(name: str, names: list[str]) -> str:
+    """Return a short heading of a column, without the name of its table if others differ."""
+    from fefinger.scene.field_units import split
+
+    last, unit = split(name.rpartition(".")[2])
+    alone = sum(other.rpartition(".")[2] == name.rpartition(".")[2] for other in names) == 1
+    if not alone:
+        last, unit = split(name)
+    return f"{last}/{unit}" if unit else last

@@ -1,17 +1,20 @@
-"""Columns of a study's table: labels, what they hold, and the columns of their errors."""
+"""Columns of a study's table: their labels, meanings, and the columns of their errors."""
 
 from collections.abc import Mapping
+from typing import Any
 
 from fefinger.results.plan_text import true_range
 from fefinger.scene.field_units import split
 
 
+Row = Mapping[str, Any]
+"""A row of the table: numbers, texts and None by column, and the readings of the array."""
+
 MISSED = "not reached"
-"""Start of the `status` of a row at a force or depth that its scene does not reach."""
+"""Beginning of the `status` of a row at a force or depth that its scene does not reach."""
 
 READINGS = "readings_kPa"
-"""Column of the array's readings, element by element; a list, which tables leave out."""
-
+"""Column of the readings of the array, element by element: a list, which tables leave out."""
 
 MEASURES = {
     "force_N": "force",
@@ -72,14 +75,14 @@ MEANINGS = {
     "notes": "notes on the spikes",
     "scene": "hash of the inputs of the scene",
 }
-"""What the columns besides those of the grid hold."""
+"""Meanings of the columns, without the columns of the grid."""
 
 PREFIXES = {
     "sensor_": "by the array of the thesis, without noise: {}",
     "hertz_": "by elliptic Hertz contact on a half-space: {}",
     "spikes_": "spikes of the units of {}, at the end organs, up to the time of the row",
 }
-"""Columns that begin so hold the same of something else."""
+"""Meanings of columns with a prefix; {} is the meaning of the rest of the name."""
 
 ERRORS = {
     "depth_mm": "depth_rel_error",
@@ -88,36 +91,31 @@ ERRORS = {
     "contact_area_mm2": "contact_area_rel_error",
     "strain_rms_percent": "strain_rel_error",
 }
-"""Columns of the expected relative errors of measures."""
+"""Columns of the expected relative errors, by measure."""
 
 
 def meaning(name: str) -> str:
-    """Say what a column holds; KeyError for one that is not described."""
+    """Return the meaning of a column; KeyError for one that is not described."""
     for prefix, of in PREFIXES.items():
-        rest = name.removeprefix(prefix)
-        if rest != name and prefix == "spikes_":
-            return of.format(rest)
-        if rest != name and name != "sensor_note":
-            return of.format(MEANINGS.get(name) or MEANINGS[rest])
+        if name.startswith(prefix) and name != "sensor_note":
+            rest = name.removeprefix(prefix)
+            return of.format(rest if prefix == "spikes_" else MEANINGS.get(name) or MEANINGS[rest])
     return MEANINGS[name]
 
 
 def words(name: str) -> str:
-    """Label of a column with its unit, as on an axis."""
+    """Return the label of a column with its unit, for an axis."""
     short, unit = split(name)
     label = MEASURES.get(name, short)
     return f"{label} / {unit}" if unit else label
 
 
 TWICE = 2.0
-"""Largest upper bound of a measure over its value, for large or unbounded errors."""
+"""Largest upper bound of a measure over its value, for large or unlimited errors."""
 
 
-def bounds(row: Mapping[str, object], name: str) -> tuple[float, float] | None:
-    """Bounds of the true value of a measure by its expected error; None where it is unknown.
-
-    The error is relative to the true value, see `true_range`.
-    """
+def bounds(row: Row, name: str) -> tuple[float, float] | None:
+    """Return bounds of the true value of a measure by its expected error; None if not known."""
     value, share = row.get(name), row.get(ERRORS.get(name, ""))
     if not isinstance(value, int | float) or not isinstance(share, int | float):
         return None

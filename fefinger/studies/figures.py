@@ -1,41 +1,52 @@
-"""Figures of a study: every measure against a field, spikes, and readings of the array.
+"""Figures of a study: every measure against a field, spikes, and readings of the array."""
 
-Every function returns a matplotlib Figure.
-"""
-
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
 from fefinger.scene.field_units import split
-from fefinger.studies.columns import MEASURES, READINGS, bounds, words
+from fefinger.studies.columns import MEASURES, READINGS, Row, bounds, words
 from fefinger.studies.grid import DIGITS
 from fefinger.support.arrays import Array
 from fefinger.view import figures, quantities
 
 
-Rows = Sequence[Mapping[str, Any]]
-Groups = dict[str, list[Mapping[str, Any]]]
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+Rows = Sequence[Row]
+Groups = dict[str, list[Row]]
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#E69F00", "#56B4E9", "#1f2933", "#8b98a5")
-"""Okabe and Ito (2008), as the colors of the afferents."""
+"""Colors of series: Okabe and Ito (2008), as for the afferents."""
 
 MARKERS = "os^D"
-"""Markers of the series that have each color, of the first to the fourth."""
+"""Markers of the first to the fourth series of a color."""
 
-SHARED: dict[str, tuple[Any, str, dict[str, str]]] = {
-    "sensor_": (
+
+class Companion(NamedTuple):
+    """A measure from elsewhere, drawn in the same panel: line style, label, and other columns.
+
+    Its column is the prefix with the name of the measure, unless `columns` names another.
+    """
+
+    style: Literal["--", ":"]
+    label: str
+    columns: dict[str, str]
+
+
+COMPANIONS = {
+    "sensor_": Companion(
         "--",
         "from the array's readings",
-        {
-            "highest_pressure_1mm2_kPa": "sensor_peak_kPa",
-            "contact_area_mm2": "sensor_area_mm2",
-        },
+        {"highest_pressure_1mm2_kPa": "sensor_peak_kPa", "contact_area_mm2": "sensor_area_mm2"},
     ),
-    "hertz_": (":", "elliptic Hertz at that depth", {}),
+    "hertz_": Companion(":", "elliptic Hertz at that depth", {}),
 }
-"""Prefixes of columns that are drawn in the same panel: line style, label, other names."""
+"""Companions of the measures, by the prefix of their columns."""
 
 LEGEND = (
     "Solid lines are the finger that was simulated, with a point per scene; bars are its stated "
@@ -48,33 +59,30 @@ SAME = 0.005
 """Relative variation of a measure up to which it counts as constant."""
 
 NOTHING = 1e-9
-"""Value of a measure, in its unit, up to which it counts as zero (rounding)."""
+"""Value of a measure, in its unit, that counts as zero: it is rounding."""
 
 STEP = 4.0
-"""kPa between isobars, as in Figure 3-3."""
+"""kPa between isobars, as in Figure 3-3 of Pawluk (1997)."""
 
 
-def label(row: Mapping[str, Any], series: Sequence[str]) -> str:
-    """Label of a row's series: the values of the fields in `series`, with their units."""
-    return ", ".join(
-        row[name] if isinstance(row[name], str) else f"{_field(name)} {_value(row, name)}"
-        for name in series
+def label(row: Row, series: Sequence[str]) -> str:
+    """Return the label of a row's series: the values of the fields in `series` with their units."""
+    fields = {name: split(name)[0].rpartition(".")[2] for name in series}
+    texts = (
+        row[name] if isinstance(row[name], str) else f"{field} {_value(row, name)}"
+        for name, field in fields.items()
     )
+    return ", ".join(texts)
 
 
-def _field(name: str) -> str:
-    """Name of a field in a label: without its table and its unit."""
-    return split(name)[0].rpartition(".")[2]
-
-
-def _value(row: Mapping[str, Any], name: str) -> str:
+def _value(row: Row, name: str) -> str:
     value = row[name]
     text = f"{value:.{DIGITS}g}" if isinstance(value, float) else str(value)
     return f"{text} {split(name)[1]}".strip()
 
 
 def _look(number: int) -> dict[str, Any]:
-    """Color and marker of a series by its number; the markers tell equal colors apart."""
+    """Return the color and marker of a series; series of the same color differ in marker."""
     turn, color = divmod(number, len(PALETTE))
     return {"color": PALETTE[color], "marker": MARKERS[turn % len(MARKERS)]}
 
@@ -85,12 +93,12 @@ def panels(
     series: Sequence[str],
     skip: Sequence[str] = (),
     labels: Sequence[str] = (),
-) -> Any:
-    """Draw every measure of `rows` against the column `x`, one color per series.
+) -> "Figure":
+    """Draw every measure of `rows` against the column `x`, a color for each of the `series`.
 
-    Bars are the expected errors where the rows have them. A constant measure, such as the depth at
-    the end of equal presses, is left out. `labels`: of all series of a page, some of which
-    these rows may lack: they keep a series in its color.
+    Bars are expected errors. Measures in `skip` and constant ones, such as the depth at the end of
+    equal presses, are left out. `labels` of all series of a page keep each in its color, though
+    these rows may lack some.
     """
     from matplotlib.lines import Line2D
 
@@ -108,8 +116,8 @@ def panels(
                 axis.set_xlabel(words(x))
                 axis.tick_params(labelbottom=True)
         handles = [
-            Line2D([], [], color=figures.INK, linestyle=style, label=text)
-            for prefix, (style, text, _) in SHARED.items()
+            Line2D([], [], color=figures.INK, linestyle=other.style, label=other.label)
+            for prefix, other in COMPANIONS.items()
             if any(_number(row, name) for row in rows for name in row if name.startswith(prefix))
         ]
         _legend(drawn, groups, handles)
@@ -117,18 +125,17 @@ def panels(
 
 
 def varying(rows: Rows, skip: Sequence[str] = ()) -> list[str]:
-    """Measures that are not the same in all rows."""
+    """Return the measures that are not the same in all rows."""
     return [name for name in MEASURES if name not in skip and _varies(rows, name)]
 
 
-def _panel(axis: Any, groups: Groups, x: str, name: str) -> None:
-    """Draw one measure with its expected errors, and the same of the array and of Hertz."""
-    shared = ((style, more.get(name, to + name)) for to, (style, _, more) in SHARED.items())
-    styles = [("-", name), *shared]
+def _panel(axis: "Axes", groups: Groups, x: str, name: str) -> None:
+    """Draw one measure with its expected errors and its companions."""
+    others = [(each.style, each.columns.get(name, at + name)) for at, each in COMPANIONS.items()]
     for number, group in enumerate(groups.values()):
         look = _look(number)
         _bars(axis, group, x, name, number)
-        for style, column in styles:
+        for style, column in [("-", name), *others]:
             finite = [row for row in group if _number(row, column)]
             axis.plot(
                 [row[x] for row in finite],
@@ -144,15 +151,16 @@ def _panel(axis: Any, groups: Groups, x: str, name: str) -> None:
         axis.axhline(0, color=figures.STEEL, linewidth=0.7)
 
 
-def _bars(axis: Any, group: Rows, x: str, name: str, number: int) -> None:
-    """Draw the bounds of a measure by its expected error; caps grow with the series' number."""
+def _bars(axis: "Axes", group: Rows, x: str, name: str, number: int) -> None:
+    """Draw the bounds of a measure by its expected error; caps of series differ in size."""
     limits = [(row, bounds(row, name)) for row in group if _number(row, name)]
-    bars = [(row[x], row[name], ends) for row, ends in limits if ends is not None]
+    bars = [(row, each) for row, each in limits if each is not None]
     if not bars:
         return
-    values, ends = (np.array([each[i] for each in bars], float) for i in (1, 2))
+    values = np.array([row[name] for row, _ in bars], float)
+    ends = np.array([each for _, each in bars])
     axis.errorbar(
-        [each[0] for each in bars],
+        [row[x] for row, _ in bars],
         values,
         yerr=[values - ends[:, 0], ends[:, 1] - values],
         fmt="none",
@@ -171,7 +179,7 @@ def grouped(rows: Rows, series: Sequence[str], labels: Sequence[str] = ()) -> Gr
     return groups
 
 
-def _legend(drawn: Any, groups: Groups, others: Sequence[Any] = ()) -> None:
+def _legend(drawn: "Figure", groups: Groups, others: "Sequence[Line2D]" = ()) -> None:
     from matplotlib.lines import Line2D
 
     handles = [
@@ -184,20 +192,20 @@ def _legend(drawn: Any, groups: Groups, others: Sequence[Any] = ()) -> None:
         drawn.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 4))
 
 
-def _number(row: Mapping[str, Any], name: str) -> bool:
-    """Whether a row has a finite number in a column."""
+def _number(row: Row, name: str) -> bool:
+    """Return whether a row has a finite number in a column."""
     value = row.get(name)
     return isinstance(value, int | float) and bool(np.isfinite(value))
 
 
 def _varies(rows: Rows, name: str) -> bool:
-    """Whether a column has numbers that vary by more than SAME and NOTHING, or only one."""
+    """Return whether numbers of a column vary by more than SAME and NOTHING; so does one alone."""
     values = [row[name] for row in rows if _number(row, name)]
     most = max(SAME * np.abs(values).max(initial=0.0), NOTHING)
     return len(values) == 1 or (len(values) > 1 and np.ptp(values) > most)
 
 
-def spikes(rows: Rows, x: str, series: Sequence[str], labels: Sequence[str] = ()) -> Any:
+def spikes(rows: Rows, x: str, series: Sequence[str], labels: Sequence[str] = ()) -> "Figure":
     """Draw the spikes of each type against the column `x`, in the colors of `panels`."""
     groups = grouped(rows, series, labels)
     types = [kind for kind in figures.COLORS if any(f"spikes_{kind}" in row for row in rows)]
@@ -216,11 +224,8 @@ def spikes(rows: Rows, x: str, series: Sequence[str], labels: Sequence[str] = ()
         return drawn
 
 
-def isobars(rows: Rows, x: str) -> Any:
-    """Draw the readings of the 8 x 8 array in each row, tip up, as isobars 4 kPa apart.
-
-    Colors are the same in all panels. A cross marks first touch.
-    """
+def isobars(rows: Rows, x: str) -> "Figure":
+    """Draw the readings of the 8 x 8 array in each row as isobars, tip up; a cross: first touch."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 

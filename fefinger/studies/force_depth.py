@@ -1,4 +1,4 @@
-"""Force and depth through time: named times of the rows, stiffness, and dynamic stiffness."""
+"""Times of the rows of a study, and stiffness at them, from force and depth."""
 
 from typing import NamedTuple
 
@@ -14,26 +14,26 @@ SAME = 1e-9
 """Relative difference up to which two forces or depths are the same level."""
 
 WINDOW = 1.3
-"""The fit covers depths from 1 / WINDOW to WINDOW times the depth; where the loading ends before,
-the window is extended below by as much."""
+"""The fit covers depths from 1 / WINDOW to WINDOW times the depth; if the loading ends before, it
+begins that much lower."""
 
 POINTS = 5
 """Fewest time steps of a fit."""
 
 MOVING = 0.5
-"""Share of the top rate below which the motion counts as a hold: there the slope of force over
-depth would be that of relaxation."""
+"""Share of the top rate below which the motion counts as a hold, in which the force relaxes."""
 
 RESTING = "none: not on the loading, or slower than half the top rate of the motion"
 
 CYCLES = 4
-"""Cycles that are fitted, or as many as there are."""
+"""Cycles at the end of a vibration that are fitted, if it has so many."""
 
 
 class NamedTime(NamedTuple):
-    """A named time as a fractional index; nan, with the reason in `missed`, if never reached.
+    """A time of a row: its name, and where it is as a fractional index of the time steps.
 
-    given: "force" or "depth" for a time at a given level, "" for peak and end.
+    `where` is nan if the time is never reached; then `missed` is the reason. given: "force" or
+    "depth" at a given level of it, "" for peak and end.
     """
 
     name: str
@@ -45,7 +45,7 @@ class NamedTime(NamedTuple):
 def named_times(
     force: Array, depth: Array, forces: tuple[float, ...], depths: tuple[float, ...]
 ) -> list[NamedTime]:
-    """Find peak and end of a force (n_t,) in N and depth (n_t,) in mm, and crossings of levels.
+    """Find the peak and the end of force (n_t,) N and depth (n_t,) mm, and crossings of levels.
 
     A crossing is the first on the loading, by linear interpolation between two steps.
     """
@@ -64,12 +64,12 @@ def named_times(
 
 
 def first(signal: Array, level: float) -> int:
-    """Index at which a signal first reaches a level, within rounding."""
+    """Return the index at which a signal first reaches a level, within rounding."""
     return int(np.argmax(signal >= level - SAME * abs(level)))
 
 
 def _reached(signal: Array, level: float) -> float:
-    """Fractional index at which a signal first reaches a level; nan if it does not."""
+    """Return the fractional index at which a signal first reaches a level; nan if it does not."""
     if signal.max() < level * (1 - SAME):
         return float("nan")
     after = first(signal, level)
@@ -86,12 +86,12 @@ def at(signal: Array, where: float) -> Array:
 
 
 def until(signal: Array, where: float) -> Array:
-    """Cut a signal (n_t,) off at a fractional index, with the interpolated value as its last."""
+    """Return a signal (n_t,) up to a fractional index, where it is interpolated."""
     return np.append(signal[: int(where) + 1], at(signal, where))
 
 
 class Slope(NamedTuple):
-    """A slope in N/mm, the number of fitted time steps, and the reason where it is nan."""
+    """A slope in N/mm, the number of fitted time steps, and the reason if the slope is nan."""
 
     value: float
     points: int
@@ -101,14 +101,13 @@ class Slope(NamedTuple):
 def stiffness(time: Array, depth: Array, force: Array, where: float, *, control: str) -> Slope:
     """Fit the slope of force over depth at a fractional index.
 
-    The logarithm of the force is fitted by a parabola in the logarithm of the depth: exact for a
-    power law, and within 1 % inside and 3 % at the end for an exponential one, for any spacing of
-    the steps. Under plates at 0 to 60 degrees to 1 N, `linear` on the coarse mesh differs from the
-    standard one by 1 % at 0.5 N and 2 % at the end (RMS), the slope of a single step by 4 and 5 %.
+    The logarithm of the force is a parabola of the logarithm of the depth. The fit is exact for a
+    power law, and within 1 % inside and 3 % at the end for an exponential law, for any spacing of
+    the steps. Under plates at 0 to 60 degrees to 1 N, `linear` on the coarse and the standard mesh
+    differ by 1 % at 0.5 N and 2 % at the end (RMS); slopes of single steps differ by 4 and 5 %.
 
-    time (n_t,) s, depth (n_t,) mm, force (n_t,) N; control: "depth" or "force", whichever the
-    motion prescribes. Only steps that follow each other on the loading are fitted, on which both
-    rise and the motion is no slower than MOVING of its top rate.
+    time (n_t,) s, depth (n_t,) mm, force (n_t,) N; control: "depth" or "force", which the motion
+    prescribes. Fitted are consecutive steps in which both rise, no slower than MOVING.
     """
     driven = Control(control).of(depth, force)
     rate = np.diff(driven) / np.diff(time)
@@ -120,7 +119,7 @@ def stiffness(time: Array, depth: Array, force: Array, where: float, *, control:
     depth, force = depth[low:high], force[low:high]
     away = np.log(np.maximum(depth / here, 1e-300))
     above = min(np.log(WINDOW), away[-1])
-    # The margin of 1e-9 includes steps at the ends of the window despite rounding.
+    # 1e-9 is for rounding of steps at the ends of the window.
     near = (away >= above - 2 * np.log(WINDOW) - 1e-9) & (away <= above + 1e-9) & (force > 0)
     points = int(near.sum())
     if points < POINTS:
@@ -131,7 +130,7 @@ def stiffness(time: Array, depth: Array, force: Array, where: float, *, control:
 
 
 def _stretch(good: Flags, step: int) -> tuple[int, int]:
-    """Range of times around a step between which every step is good: first, and last + 1."""
+    """Return the range of times, first and last + 1, around a step with good steps alone."""
     bad = np.flatnonzero(~good)
     before, after = bad[bad < step], bad[bad > step]
     low = int(before[-1]) + 1 if before.size else 0
@@ -139,10 +138,10 @@ def _stretch(good: Flags, step: int) -> tuple[int, int]:
 
 
 def dynamic_stiffness(motion: Motion, time: Array, depth: Array, force: Array) -> complex | None:
-    """Fit force over depth in N/mm along the phase of a wave, force leading by its phase.
+    """Fit the complex ratio of force and depth, in N/mm, to the last cycles of a vibration.
 
-    time (n_t,) s, depth (n_t,) mm, force (n_t,) N. Means and slow drifts do not count. None without
-    a whole cycle, or where contact is lost in a cycle. Of a sweep it is that at its end.
+    Its phase is by how much the force leads. time (n_t,) s, depth (n_t,) mm, force (n_t,) N. Means
+    and slow drifts do not count. None without a whole cycle, or where contact opens in a cycle.
     """
     wave = motion.trajectory.wave
     if wave is None:

@@ -1,4 +1,4 @@
-"""Grid of a study: the values of the fields of a scene, and the forces and depths of its rows."""
+"""Grid of a study: the values of fields of its scenes, and the forces and depths of its rows."""
 
 import itertools
 import math
@@ -6,11 +6,14 @@ import tomllib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
-from fefinger.studies.columns import MISSED
+from fefinger.studies.columns import MISSED, Row
 from fefinger.support.checks import InputError, number
 from fefinger.support.inputs import parse_toml
 from fefinger.support.text import plain
 
+
+Values = tuple[Any, ...]
+"""Values of a field: numbers, texts, or whatever else TOML has."""
 
 EACH = "each"
 """Value of `mechanics` that takes the cheapest one for each scene."""
@@ -25,19 +28,15 @@ AT = "expected a force or a depth, as in 1N or 0.5mm"
 MESH = "finger.resolution"
 
 DIGITS = 12
-"""Significant digits of the values of a range, so that steps of 0.1 give 0.3 and not
-0.30000000000000004."""
+"""Significant digits of the values of a range: steps of 0.1 give 0.3, not 0.30000000000000004."""
 
 
-def parse_over(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
+def parse_over(texts: Iterable[str]) -> dict[str, Values]:
     """Parse the values of each field, from texts such as "indenter.angle=0:60:13".
 
-    Raises
-    ------
-    InputError
-        For a text of another form, or a field or value that appears twice.
+    Raises InputError for a text of another form, or a field or value that appears twice.
     """
-    values: dict[str, tuple[Any, ...]] = {}
+    values: dict[str, Values] = {}
     for text in texts:
         field, equals, listed = (part.strip() for part in text.partition("="))
         if not field or not equals or not listed:
@@ -48,12 +47,12 @@ def parse_over(texts: Iterable[str]) -> dict[str, tuple[Any, ...]]:
     return checked(values)
 
 
-def checked(over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
-    """Convert the values of each field to plain Python; InputError for none or duplicates."""
-    grid: dict[str, tuple[Any, ...]] = {}
+def checked(over: Mapping[str, Sequence[Any]]) -> dict[str, Values]:
+    """Return the values of each field as plain Python; InputError for none, or two alike."""
     for field, values in over.items():
         if isinstance(values, str) or not isinstance(values, Collection):
             raise InputError(f"--over {field}: expected a list of values, received {values!r}")
+    grid: dict[str, Values] = {}
     count = math.prod(len(values) for values in over.values())
     if count > MOST:
         msg = f"--over: expected at most {MOST} scenes, received {count}; take fewer values"
@@ -85,8 +84,8 @@ def _range(text: str, listed: str) -> tuple[float, ...]:
     return tuple(float(f"{start + i * step:.{DIGITS}g}") for i in range(count))
 
 
-def _list(text: str, field: str, listed: str) -> tuple[Any, ...]:
-    """Parse a list: TOML, or else numbers and unquoted texts."""
+def _list(text: str, field: str, listed: str) -> Values:
+    """Parse a list of TOML, or of numbers and texts without quotes."""
     try:
         return tuple(parse_toml(f"--over {field}", f"values = [{listed}]")["values"])
     except tomllib.TOMLDecodeError:
@@ -99,10 +98,7 @@ def _list(text: str, field: str, listed: str) -> tuple[Any, ...]:
 def parse_at(texts: Iterable[str]) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Parse forces in N and depths in mm, from texts such as "1N" and "0.5 mm".
 
-    Raises
-    ------
-    InputError
-        For a text that is neither, a duplicate, or one text in place of a list of them.
+    Raises InputError for a text that is neither, a duplicate, or one text in place of a list.
     """
     if isinstance(texts, str):
         raise InputError(f"--at: expected a list of forces and depths, received {texts!r} alone")
@@ -128,8 +124,8 @@ def product(over: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
     return [dict(zip(over, values, strict=True)) for values in itertools.product(*over.values())]
 
 
-def remarks(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> list[str]:
-    """Sentences on forces and depths not reached, and on rows of different mechanics."""
+def remarks(rows: Sequence[Row], over: Sequence[str]) -> list[str]:
+    """Return sentences on forces and depths not reached, and on rows of several mechanics."""
     levels: dict[str, list[str]] = {}
     for row in rows:
         if row["status"].startswith(MISSED):
@@ -140,7 +136,7 @@ def remarks(rows: Sequence[Mapping[str, Any]], over: Sequence[str]) -> list[str]
         many = f"{len(missed)} scenes have no row at {at}, the first of them: "
         sentences.append(f"{many if len(missed) > 1 else ''}{missed[0]}")
     answered = [row for row in rows if row.get("mechanics")]
-    if MESH in over:  # whose answers are meant to be of several meshes
+    if MESH in over:  # several meshes are wanted
         names = [row["mechanics"] for row in answered]
     else:
         names = [f"{row['mechanics']} {row.get('mesh') or ''}" for row in answered]

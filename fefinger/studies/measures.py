@@ -1,7 +1,6 @@
 """Rows of a study from a result: force, size, shape and place of the contact, and spikes.
 
-Positions are in the plane of the object, from the first touch on the smooth skin: toward the tip
-(distal) and sideways.
+Places are in the plane of the object, from first touch on the smooth skin: distal and sideways.
 """
 
 from collections.abc import Mapping
@@ -26,7 +25,7 @@ from fefinger.results.records import Pad, Rung
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motions import Ramp
-from fefinger.studies.columns import ERRORS, READINGS
+from fefinger.studies.columns import ERRORS, READINGS, Row
 from fefinger.studies.force_depth import (
     SAME,
     NamedTime,
@@ -47,41 +46,39 @@ from fefinger.theory.relaxation import hereditary_integral
 
 
 THRESHOLD = 4.0
-"""Reading of an array element that counts as contact, in standard deviations of its noise."""
+"""Least reading of an element that counts as contact, in standard deviations of its noise."""
 
 LEVEL = 4.0
-"""Pressure in kPa whose isobar bounds the contact, the step between those of Figure 3-3."""
+"""Pressure in kPa whose isobar bounds the contact: the lowest one in Figure 3-3."""
 
 ROUNDING = 1e-9
-"""Shift in mm, asymmetry or ellipticity that is set to zero as rounding of a symmetric value."""
+"""Shift in mm, asymmetry or ellipticity below which a value is rounding, and set to 0."""
 
 VIBRATES = Slope(float("nan"), 0, "none: the motion vibrates, see dynamic_stiffness_N_per_mm")
-"""Stiffness in the wave of a motion, where loading and unloading alternate."""
+"""Stiffness in a vibration, where loading and unloading alternate."""
 
 OPENS = "none: contact opens in the last cycles of the vibration, or no cycle is whole"
 """Why a vibration has no dynamic stiffness."""
 
 QUANTITIES = "depth", "force", "pressure", "area", "strain"
-"""Names that a plan gives to the quantities of ERRORS, in their order."""
+"""Names of the quantities of ERRORS in a plan."""
 
 SPEED = 10.0
-"""Speed in mm/s of the press whose errors are looked up.
-
-Only those of closed formulas depend on it, by a few percent of the error.
-"""
+"""Speed in mm/s of the press whose errors are looked up; it changes errors of formulas alone, by
+a few percent."""
 
 NODES = 64, 32
-"""Gauss points along the radius and over a quarter turn; more points change the mean by less than
-1e-6 for half axes of up to 50 mm."""
+"""Gauss points along the radius and over a quarter turn; more change a mean by less than 1e-6, for
+half axes of up to 50 mm."""
 
 
 def rows(
     result: Result, *, forces: tuple[float, ...] = (), depths: tuple[float, ...] = ()
-) -> list[dict[str, Any]]:
+) -> list[Row]:
     """Make the rows of a result: at its peak and end, and at forces in N and depths in mm.
 
-    The row of a force or depth is at its first crossing on the loading, by linear interpolation in
-    time; one that is not reached has a row whose `status` says so.
+    A force or depth is first crossed on the loading, by linear interpolation in time; the `status`
+    of a row says if it is not reached.
     """
     times = named_times(result.response.force, result.depth, forces, depths)
     highest: dict[float, float] = {}  # mean pressure over 1 mm² in kPa, by index in time
@@ -90,7 +87,7 @@ def rows(
         then = np.array([at(result.pressure, where) for where in places])
         highest = dict(zip(places, pressures.peaks(result.pad, then).tolist(), strict=True))
     view, plan = _view(result), result.plan
-    about = {
+    about: dict[str, object] = {
         "mechanics": plan.mechanics,
         "mesh": (plan.settings and plan.settings.resolution) or "",
         "evidence": plan.chosen.evidence,
@@ -100,16 +97,18 @@ def rows(
     if result.scene.ask.population is not None:
         about["seed"] = result.scene.ask.population.seed
     return [
-        {"at": time.name, "status": time.missed or "done"}
-        | ({} if time.missed else _row(result, view, time, highest.get(time.where)))
-        | about
+        {
+            "at": time.name,
+            "status": time.missed or "done",
+            **({} if time.missed else _row(result, view, time, highest.get(time.where))),
+            **about,
+        }
         for time in times
     ]
 
 
-def _row(
-    result: Result, view: "PlaneView | None", when: NamedTime, highest: float | None
-) -> dict[str, Any]:
+def _row(result: Result, view: "PlaneView | None", when: NamedTime, highest: float | None) -> Row:
+    """Make the columns of a row that depend on time; `highest`: pressure over 1 mm² then."""
     where, control = when.where, result.scene.motion.control
     wave, time = result.scene.motion.trajectory.wave, float(at(result.time, where))
     slope = VIBRATES
@@ -136,14 +135,14 @@ def _row(
     if result.spikes is not None:
         row |= _spikes(result, row["time_s"])
     if view is not None and row["force_N"] > 0:
-        row |= _shape(view, where) | _array(view, where)
+        row |= {**_shape(view, where), **_array(view, where)}
     if view is not None and view.touch is not None:
         row |= hertz(result, view.touch, where)
     return row
 
 
-def _oscillation(result: Result) -> dict[str, Any]:
-    """Make the columns of a vibration, or say why it has none; {} without one."""
+def _oscillation(result: Result) -> Row:
+    """Make the columns of a vibration; a note where it has no stiffness; {} without vibration."""
     motion, force = result.scene.motion, result.response.force
     if motion.trajectory.wave is None:
         return {}
@@ -157,7 +156,7 @@ def _oscillation(result: Result) -> dict[str, Any]:
 
 
 def _spikes(result: Result, time: float) -> dict[str, int]:
-    """Count the spikes that have left the end organs up to a time, of all units and each type."""
+    """Count the spikes of all units and of each type, at the end organs up to a time in s."""
     trains = result.spikes
     assert trains is not None
     counts = [int((trains.at_end_organs(i) <= time).sum()) for i in range(len(trains))]
@@ -169,11 +168,10 @@ def _spikes(result: Result, time: float) -> dict[str, int]:
 
 @dataclass(frozen=True)
 class PlaneView:
-    """The pad projected onto the plane of the object.
+    """The pad of a result projected onto the plane of the object.
 
-    places (n, 2) mm from first touch, toward the tip and sideways; areas (m,) mm² of the triangles
-    on the skin; pad and pressure (n_t, n) kPa of the result; touch: first touch on the
-    smooth skin, where the finger has one.
+    pressure (n_t, n_pad) kPa; places (n_pad, 2) mm from first touch, distal and sideways; areas
+    (n_triangles,) mm² on the skin; touch: first touch on the smooth skin, None without a mesh.
     """
 
     result: Result
@@ -185,7 +183,7 @@ class PlaneView:
 
 
 def _view(result: Result) -> PlaneView | None:
-    """Project the pad onto the plane of the object; None without a pressure or a first touch."""
+    """Project the pad onto the plane of the object; None if pressure or first touch is lacking."""
     pad, contact = result.pad, _first_touch(result)
     if pad is None or result.pressure is None or contact is None:
         return None
@@ -196,9 +194,9 @@ def _view(result: Result) -> PlaneView | None:
 
 
 def _first_touch(result: Result) -> tuple[Array, Array, FirstTouch | None] | None:
-    """Point (3,) mm of first touch, direction of travel (3,), and the curvature of the skin there.
+    """Return the point (3,) mm of first touch, the direction of travel (3,), and the skin there.
 
-    On a mesh it is the touch of the smooth skin; else the point above the end organs.
+    Without a mesh it is the point above the end organs.
     """
     scene, sites = result.scene, result.sites
     if "mesh" in result.response.sources and scene.indenter.place is None:
@@ -215,7 +213,7 @@ def _without_rounding(value: float) -> float:
     return 0.0 if abs(value) < ROUNDING else value
 
 
-def _columns(prefix: str, shape: Moments) -> dict[str, Any]:
+def _columns(prefix: str, shape: Moments) -> Row:
     return {
         f"{prefix}shift_distal_mm": _without_rounding(float(shape.center[0])),
         f"{prefix}shift_side_mm": _without_rounding(float(shape.center[1])),
@@ -225,14 +223,14 @@ def _columns(prefix: str, shape: Moments) -> dict[str, Any]:
     }
 
 
-def _shape(view: PlaneView, where: float) -> dict[str, Any]:
+def _shape(view: PlaneView, where: float) -> Row:
     now, triangles = at(view.pressure, where), view.pad.triangles
     shape = shape_of(view.places, triangles, view.areas, now)
-    return _columns("", shape) | _reach("", view.places, triangles, now)
+    return {**_columns("", shape), **_reach("", view.places, triangles, now)}
 
 
 def _reach(prefix: str, places: Array, triangles: Integers, pressure: Array) -> dict[str, float]:
-    """Distance of the outermost isobar from first touch, distal and proximal; {} without one."""
+    """Return how far the isobar of LEVEL is from first touch, distal and proximal; {} without."""
     line = isobar(places, triangles, pressure, LEVEL)[..., 0]
     if not line.size:
         return {}
@@ -242,11 +240,11 @@ def _reach(prefix: str, places: Array, triangles: Integers, pressure: Array) -> 
     }
 
 
-def _array(view: PlaneView, where: float) -> dict[str, Any]:
-    """Make the same columns from the readings of the thesis's array, without noise.
+def _array(view: PlaneView, where: float) -> Row:
+    """Make columns from readings of the array of Pawluk (1997), without noise; {} without a plate.
 
-    It is centered on the center of pressure at the largest force, as in section 3.2.1 of the
-    thesis; all elements are read at the same time.
+    Its center is the center of pressure at the largest force, as in section 3.2.1; all elements are
+    read at the same time.
     """
     sensor, pad, pressure = ArraySensor(), view.pad, view.pressure
     if view.result.scene.indenter.flat is None:
@@ -259,7 +257,7 @@ def _array(view: PlaneView, where: float) -> dict[str, Any]:
         return {"sensor_note": f"not read: {error}"}
     readings, element = weights @ at(pressure, where), sensor.pitch**2
     places = sensor.positions + middle
-    # With both diagonals of each square, which keeps the symmetry of the array.
+    # Both diagonals of each square, as one would break the symmetry of the array.
     mirrored = np.arange(sensor.elements**2).reshape(sensor.elements, -1)[:, ::-1].ravel()
     triangles = np.concatenate([sensor.triangles, mirrored[sensor.triangles]])
     halves = np.full(len(triangles), element / 4)
@@ -275,13 +273,12 @@ def _array(view: PlaneView, where: float) -> dict[str, Any]:
 
 
 def stated(result: Result, where: float, given: str) -> dict[str, float]:
-    """Look up the expected relative errors of a row's values, by column.
+    """Return the expected relative errors of a row's values by column, as far as they are known.
 
-    A row is at a `given` depth or force ("depth" or "force"), which has no error. From the largest
-    force on, where the motion prescribes the given quantity, the errors are those of the plan; else
-    those of the same mechanics for a press that ends at the depth of the row. The error of the
-    force is relative to its peak and so grows as the force falls; the others are unknown once the
-    indenter has withdrawn. Unknown errors are left out.
+    A row is at a `given` "depth" or "force", which has no error. If the motion prescribes it,
+    errors from the largest force on are those in the plan; else the same mechanics states them for
+    a press that ends at the depth of the row. The error of the force is relative to its peak and
+    grows as the force falls; the others are not known once the indenter withdraws.
     """
     force, depth = until(result.response.force, where), until(result.depth, where)
     rung, errors = result.plan.chosen, result.plan.chosen.errors
@@ -297,9 +294,9 @@ def stated(result: Result, where: float, given: str) -> dict[str, float]:
 
 
 def _pressed(result: Result, depth: float, given: str) -> tuple[Rung, Mapping[str, float]]:
-    """Errors of the same mechanics for the same finger and object pressed to a depth in mm.
+    """Return the errors of the same mechanics in a press to a depth in mm.
 
-    They are at that depth or, where the force is given, at that force.
+    At that depth or, where the force is given, at that force.
     """
     scene = settled(result.scene, result.plan)
     scene = replace(scene, motion=Ramp(SPEED, depth, corner=0))
@@ -309,13 +306,12 @@ def _pressed(result: Result, depth: float, given: str) -> tuple[Rung, Mapping[st
     return rung, at_force(rung.errors, rung.error, Situation.of(scene))
 
 
-def hertz(result: Result, touch: FirstTouch, where: float) -> dict[str, Any]:
+def hertz(result: Result, touch: FirstTouch, where: float) -> Row:
     """Make the columns of elliptic Hertz contact with the curvatures at first touch.
 
-    The result gives the depth over time. The half-space has the mean compliance of skin and
-    pulp and relaxes as the finger does: its instantaneous modulus is the relaxed one over
-    G(infinity). There are no columns for a concave skin, an object that is neither plate nor
-    sphere, or once the contact has shrunk.
+    The half-space is pressed as deep as the finger; it has the mean compliance of skin and pulp and
+    relaxes as the finger does. {} for a concave skin, an object that is neither plate nor sphere,
+    or once the contact has shrunk.
     """
     scene, indenter = result.scene, result.scene.indenter
     if indenter.flat is None and indenter.ball_radius is None:
@@ -347,9 +343,9 @@ def hertz(result: Result, touch: FirstTouch, where: float) -> dict[str, Any]:
 
 
 def share(semi_axes: Array) -> Array:
-    """Mean pressure over 1 mm² about the center, over the peak pressure, for axes (n, 2) in mm.
+    """Return the mean pressure over 1 mm² over the peak of Hertz's, for half axes (n, 2) in mm.
 
-    The mean is weighted by the Gaussian of `pressures.peaks`.
+    The mean is about the center, weighted as in `pressures.peaks`.
     """
     (s, ds), (t, dt) = (np.polynomial.legendre.leggauss(count) for count in NODES)
     near, turn = (s + 1) / 2, np.pi / 4 * (t + 1)  # dense about the middle; the angle

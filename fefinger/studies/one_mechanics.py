@@ -7,17 +7,17 @@ from typing import NamedTuple
 
 from fefinger.mechanics import names
 from fefinger.plan import choose
+from fefinger.results.candidate import Candidate
 from fefinger.results.result_record import Plan
 from fefinger.scene.finger import AUTO, RESOLUTIONS
 from fefinger.scene.scene import Scene
-from fefinger.studies import stored
 from fefinger.studies.grid import EACH
-from fefinger.studies.tasks import Task, key
+from fefinger.studies.tasks import Task, key, read_record, write_record
 from fefinger.support.checks import InputError
 
 
 MOST = 400
-"""Largest number of scenes that are planned to choose a mechanics; larger grids are sampled."""
+"""Largest number of scenes that are planned to choose a mechanics; of more, a sample is planned."""
 
 TURNING = "indenter.angle", "indenter.tilt", "indenter.at"
 """Fields that change the place of contact on the pad."""
@@ -25,12 +25,11 @@ TURNING = "indenter.angle", "indenter.tilt", "indenter.at"
 ROUND = "hertz", "layered"
 """Mechanics of an axisymmetric pad, whose response does not depend on the place of contact."""
 
-
 ALL, SOME = "All scenes are", "The scenes that can be answered are"
 
 
 class Choice(NamedTuple):
-    """Common mechanics and mesh of all scenes, None where each has its own, with a sentence."""
+    """Mechanics and mesh of all scenes, None where each has its own, and a sentence about them."""
 
     mechanics: str | None
     mesh: str | None
@@ -42,21 +41,22 @@ def agreed(
 ) -> tuple[dict[int, Task], str]:
     """Assign one mechanics and mesh to all tasks; also return a sentence on the choice.
 
-    The mechanics is the one named in the tasks or in all scenes (`ask.mechanics`), or the cheapest
-    that refuses none of the scenes; scenes that name different ones keep them. The mesh is the
-    finest that one of them needs, for those that do not state theirs. Where no mechanics can answer
-    all, the tasks are unchanged. The choice is stored in a `folder`, because the cheapest depends
-    on the caches of this machine, and a continued study must not change it. `over` are the fields
-    of the grid.
+    The mechanics is the one named in the tasks or in all scenes (`ask.mechanics`), or else the
+    cheapest that refuses no scene; scenes that name different ones keep them. The mesh is the
+    finest that a scene needs, for scenes that state none. Where no mechanics answers all, tasks
+    stay as they are. The choice is stored in a `folder`: the cheapest depends on the caches of this
+    machine, and a continued study must not change it. `over`: the fields of the grid.
     """
     keys = "".join(sorted(map(key, tasks.values()))).encode()
     place = folder / f"choice-{hashlib.sha256(keys).hexdigest()[:16]}.json" if folder else None
-    choice = _stored(place)
-    if choice is None:
+    record = None if place is None else read_record(place)
+    if record is not None:
+        choice = Choice(**record)
+    else:
         named = next(iter(tasks.values()))["mechanics"]
         choice = _choice(tasks, over)
         if place is not None and (named is None or choice.mesh is not None):
-            stored.write(place, choice._asdict())
+            write_record(place, choice._asdict())
     if choice.mechanics is None:
         return dict(tasks), choice.sentence
     planned = {"mechanics": choice.mechanics}
@@ -64,13 +64,8 @@ def agreed(
     return with_choice, choice.sentence
 
 
-def _stored(place: Path | None) -> Choice | None:
-    """Read the choice from a file; None if it is missing or damaged."""
-    record = None if place is None else stored.read(place)
-    return None if record is None else Choice(**record)
-
-
 def _choice(tasks: Mapping[int, Task], over: Collection[str]) -> Choice:
+    """Choose the mechanics and mesh of tasks over a grid of fields, see `agreed`."""
     sample = list(tasks.values())[:: -(-len(tasks) // MOST)]
     scenes = [Scene.from_dict(task["scene"]) for task in sample]
     named = sample[0]["mechanics"]
@@ -80,11 +75,11 @@ def _choice(tasks: Mapping[int, Task], over: Collection[str]) -> Choice:
             return Choice(None, None, "")
         (named,) = stated
     planned = [(scene, plan) for scene in scenes if (plan := _plan(scene, named)) is not None]
-    chosen = (_named(plan.mechanics, _mesh(scene, plan)) for scene, plan in planned)
+    chosen = (_on(plan.mechanics, _mesh(scene, plan)) for scene, plan in planned)
     used = list(dict.fromkeys(chosen))
     if named is not None:
         mesh = _finest(planned)
-        taken = _named(named, mesh)
+        taken = _on(named, mesh)
         others = ", ".join(each for each in used if each != taken)
         sentence = (
             f"{ALL} answered by {taken}, the finest that one of them needs; for others {others} "
@@ -101,7 +96,7 @@ def _choice(tasks: Mapping[int, Task], over: Collection[str]) -> Choice:
         if candidates and len(able) == len(candidates):
             mesh = _finest(able)
             which = ALL if len(planned) == len(sample) else SOME
-            return Choice(name, mesh, _sentence(_named(name, mesh), used, which))
+            return Choice(name, mesh, _sentence(_on(name, mesh), used, which))
     return Choice(None, None, "")
 
 
@@ -115,7 +110,7 @@ def _sentence(taken: str, used: Sequence[str], which: str) -> str:
 
 
 def _plan(scene: Scene, mechanics: str | None = None) -> Plan | None:
-    """Plan a scene; None where it has no plan: its error is reported when it is answered."""
+    """Plan a scene; None where that fails: the error is reported when the scene is answered."""
     try:
         return choose(scene, mechanics)
     except InputError:
@@ -123,13 +118,13 @@ def _plan(scene: Scene, mechanics: str | None = None) -> Plan | None:
 
 
 def _mesh(scene: Scene, plan: Plan) -> str | None:
-    """Mesh chosen by a plan; None without a mesh or where the scene states its mesh."""
+    """Return the mesh that a plan has chosen; None without one, or if the scene states it."""
     stated = scene.finger.resolution != AUTO
     return None if stated or plan.settings is None else plan.settings.resolution
 
 
-def _named(mechanics: str, mesh: str | None) -> str:
-    return f"{mechanics} on the {mesh} mesh" if mesh else mechanics
+def _on(mechanics: str, mesh: str | None) -> str:
+    return Candidate(mechanics, mesh).on
 
 
 def _finest(planned: Sequence[tuple[Scene, Plan]]) -> str | None:

@@ -1,12 +1,11 @@
-"""Page of a study as self-contained HTML."""
+"""Page of a study as one HTML file with its pictures."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 from fefinger.pages import page
 from fefinger.scene.field_units import split
 from fefinger.studies import figures
-from fefinger.studies.columns import ERRORS, MEASURES, READINGS
+from fefinger.studies.columns import ERRORS, MEASURES, READINGS, Row
 from fefinger.studies.force_depth import POINTS, WINDOW
 from fefinger.studies.grid import remarks
 from fefinger.studies.tables import StudyRows
@@ -54,6 +53,9 @@ SHAPE = (
 MOST = 15
 """Largest number of maps of the array on the page."""
 
+Part = dict[str, object]
+"""A section of the page: title, texts, and perhaps a picture, bullets or a table."""
+
 
 def html(study: StudyRows) -> str:
     """Render the page of a study."""
@@ -77,18 +79,18 @@ def html(study: StudyRows) -> str:
     )
 
 
-def part(title: str, *texts: str, **more: Any) -> dict[str, Any]:
+def part(title: str, *texts: str, **more: object) -> Part:
     """Make a section of the page; `more`: a picture, bullets or a table."""
     return {"title": title, "texts": texts, **more}
 
 
-def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> dict[str, Any]:
-    """Make a table of those columns that have a value in some row."""
+def table(rows: Sequence[Row], columns: Sequence[str]) -> dict[str, object]:
+    """Make a table of the columns that have a value in some row."""
     heading = [name for name in columns if any(row.get(name) is not None for row in rows)]
     return {"heading": heading, "rows": [[text(row.get(name)) for name in heading] for row in rows]}
 
 
-def text(value: Any) -> str:
+def text(value: object) -> str:
     """Format a value with at most four digits."""
     if value is None:
         return ""
@@ -97,8 +99,8 @@ def text(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def errors(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Explain the error bars of the figures, with the range of each expected error."""
+def errors(rows: Sequence[Row]) -> str:
+    """Explain the error bars of the figures, with the least and the largest expected errors."""
     done = [row for row in rows if row["status"] == "done"]
     ranges, unknown = [], []
     for name, column in ERRORS.items():
@@ -127,14 +129,14 @@ def errors(rows: Sequence[Mapping[str, Any]]) -> str:
     return " ".join(filter(None, (first, missing_errors, never)))
 
 
-def _given(name: str, row: Mapping[str, Any]) -> bool:
-    """Whether a measure is prescribed by the motion, and so has no error."""
+def _given(name: str, row: Row) -> bool:
+    """Return whether the motion prescribes a measure, which then has no error."""
     if name == "depth_mm":
         return row.get(ERRORS[name]) is None
     return name == "force_N" and row.get(ERRORS["depth_mm"]) is not None
 
 
-def _parts(study: StudyRows) -> Iterator[dict[str, Any]]:
+def _parts(study: StudyRows) -> Iterator[Part]:
     """Yield the sections: failures, figures at each time, spikes, maps and tables."""
     if study.failures:
         failed = [
@@ -169,12 +171,10 @@ def _parts(study: StudyRows) -> Iterator[dict[str, Any]]:
     yield part("Rows: shape, array, Hertz", more, table=table(done, (*study.over, *SHAPE)))
 
 
-def maps(
-    rows: Sequence[Mapping[str, Any]], x: str, series: Sequence[str]
-) -> Iterator[dict[str, Any]]:
-    """Yield the section with the readings of the array, of one series, at a force if any.
+def maps(rows: Sequence[Row], x: str, series: Sequence[str]) -> Iterator[Part]:
+    """Yield the section with readings of the array, if any: of the series with the most of them.
 
-    The series is the one with the most readings then.
+    The readings are at the first of the forces, or else of the depths, of the rows.
     """
     with_array = [row for row in rows if row.get(READINGS)]
     times = sorted({row["at"] for row in with_array}, key=lambda at: (not at.endswith("N"), at))

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -36,11 +36,14 @@ from fefinger.support.text import outline
 from fefinger.support.vocabulary import TYPE_SYNONYMS, TYPES
 
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 MOST = 1000
-"""Largest number of places: each is a press of its own."""
+"""Largest number of places, each a press of its own."""
 
 ASIDE = np.array([0.5, 0.5])
-"""Place in mm for which the mechanics is chosen: off the medial plane, as most places are."""
+"""Place in mm for which the mechanics is chosen: off the medial plane, like most places."""
 
 FILES = ("field.csv", "field.svg")
 """Files that `ReceptiveField.save` writes."""
@@ -53,9 +56,9 @@ PLACE = ("x_mm", "y_mm")
 class ReceptiveField:
     """Impulses (n_places, n_kinds) of one unit of each kind, by the place of the object.
 
-    places (n_places, 2): x, y in mm from the unit, on a square grid `spacing` mm apart; organs: by
-    kind, places (n_organs, 2) mm of the unit's end organs; scene, mechanics: how it was computed;
-    left_out: places of the square at which the object cannot be pressed, and why.
+    places (n_places, 2): x, y in mm from the unit, on a square grid with a `spacing` in mm; organs:
+    places (n_organs, 2) mm of the unit's end organs by kind; scene and mechanics: names; left_out:
+    places at which the object cannot be pressed, and why.
     """
 
     kinds: tuple[str, ...]
@@ -70,7 +73,7 @@ class ReceptiveField:
     __repr__ = outline
 
     def of(self, kind: str) -> Integers:
-        """Impulses (n_places,) of the unit of a kind; InputError for another kind."""
+        """Return the impulses (n_places,) of the unit of a kind; InputError for another kind."""
         return self.impulses[:, self.kinds.index(choice("kind", kind, self.kinds))]
 
     def area(self, kind: str, part: float = 0.5) -> float:
@@ -82,7 +85,7 @@ class ReceptiveField:
         reached = fired >= max(1.0, number("part", part, above=0, at_most=1) * fired.max())
         return float(np.count_nonzero(reached) * self.spacing**2)
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> dict[str, object]:
         """Return the numbers as plain values."""
         kinds = {
             kind: {"impulses": self.of(kind).tolist(), "half_area_mm2": self.area(kind)}
@@ -96,8 +99,8 @@ class ReceptiveField:
             "left_out": [{"place_mm": place, "reason": why} for place, why in self.left_out],
         }
 
-    def figure(self) -> Any:
-        """Draw the field of every unit as a matplotlib Figure."""
+    def figure(self) -> "Figure":
+        """Draw the field of every unit."""
         from fefinger.view.spatial_figures import receptive_fields
 
         fields = {kind: self.of(kind) for kind in self.kinds}
@@ -208,7 +211,7 @@ def receptive_field(
 
 
 def _grid(reach: float, spacing: float) -> Array:
-    """Places (n, 2) mm of a square grid about the unit; InputError for more than MOST."""
+    """Return places (n, 2) mm of a square grid about the unit; InputError for more than MOST."""
     count = int(number("reach", reach, at_least=spacing, unit="mm") / spacing + 1e-9)
     if (2 * count + 1) ** 2 > MOST:
         raise InputError(
@@ -234,8 +237,8 @@ def _moved(scene: Scene, place: Array) -> Scene:
 def cheapest(scene: Scene, count: int) -> str | None:
     """Return the mechanics that answers `count` such scenes first; None where all refuse.
 
-    What a mechanics builds once, as the operator of `condensed`, serves all of them; but a press at
-    finite strain is of an object at one place.
+    What a mechanics builds once, such as the operator of `condensed`, serves all scenes, except for
+    a press at finite strain, which holds at one place of the object.
     """
     case, total = Situation.of(scene), {}
     for rung in rungs(scene):

@@ -3,14 +3,13 @@
     study = ff.study("flat-press", {"indenter.angle": range(0, 61, 5)}, folder="out")
     study.table()                    # pandas, one row per scene and time
 
-Finished scenes are stored in the folder, under a hash of all their inputs, and not computed again;
-a scene that fails does not stop the others. `studies/grid.py` reads the grid, `tasks.py` makes the
-scenes and runs them, `measures.py` makes their rows, `tables.py` and `page.py` write the
-table and the page.
+Finished scenes are stored in the folder, by a hash of all their inputs, and not computed again; a
+scene that fails does not stop the others. `grid.py` reads the grid, `tasks.py` makes and runs the
+scenes, `measures.py` makes their rows, `tables.py` and `page.py` write table and page.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,16 +28,17 @@ from fefinger.studies.tasks import (
     Task,
     cluster,
     key,
-    load,
     local,
-    made,
+    place,
     provenance,
-    store,
+    read_record,
+    write_record,
 )
 from fefinger.support import atomic_write
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.outputs import output, output_folder
 from fefinger.support.progress import Progress
+from fefinger.support.provenance import software
 from fefinger.support.text import finite
 
 
@@ -57,16 +57,15 @@ class Study(StudyRows):
     def write(self, path: str | Path) -> str:
         """Write the table to a .csv, .parquet or .nc file and return its path.
 
-        InputError for another ending, or where the extra `parquet` is needed and not installed.
+        Raises InputError for another ending, or a missing extra `parquet`.
         """
         return tables.write(self, path)
 
     def save(self, folder: str | Path) -> list[str]:
         """Write table.csv, study.json and report.html into a folder, and return their paths.
 
-        An earlier table of other scenes in the folder, with its page, is moved into a subfolder,
-        and its new paths are returned too. InputError where the files cannot be written; none of
-        them is then left.
+        Files of an earlier study of other scenes are moved into a subfolder; their new paths are
+        returned too. Raises InputError where the files cannot be written, and leaves none.
         """
         from fefinger.studies.page import html
 
@@ -137,83 +136,73 @@ def study(
         msg = f"{field}: expected in --over or in --set, received in both; leave one out"
         raise InputError(msg)
     request = StudyRequest(scene, checked(over), changes or {}, mechanics, at)
-    tasks, failed = request.tasks()
-    request.check(failed)
+    tasks, unusable = request.tasks()
+    request.check(unusable)
+    total = len(request.points)
+
+    def run(left: Sequence[Task]) -> Iterator[tuple[int, Answer]]:
+        return local(left, count) if scheduler is None else cluster(left, scheduler)
+
+    def report(answered: int) -> None:
+        if progress is not None:
+            progress("scenes", (answered + len(unusable)) / total)
+
     with ExitStack() as opened:
-        place = None
+        place, chosen = None, ""
         if folder is not None:
             opened.enter_context(output(folder))
             place = opened.enter_context(output(Path(folder, "scenes")))
-        return _answers(request, tasks, failed, place, progress, count, scheduler)
-
-
-def _answers(
-    request: StudyRequest,
-    tasks: Mapping[int, Task],
-    unusable: Mapping[int, str],
-    place: Path | None,
-    progress: Progress | None,
-    processes: int | None,
-    scheduler: str | None,
-) -> Study:
-    """Run the scenes that are not stored in `place` yet, and store their answers there."""
-    answers: dict[int, Answer] = {}
-    chosen = ""
-    if request.mechanics != EACH:
-        tasks, chosen = agreed(tasks, request.over, place)
-    if place is not None:
-        stored = ((i, load(place, task)) for i, task in tasks.items())
-        answers = {i: answer for i, answer in stored if answer is not None}
-    reused, count = len(answers), len(request.points)
-    left = sorted(tasks.keys() - answers.keys())
-    remaining = [tasks[i] for i in left]
-    if scheduler is None:
-        finished = local(remaining, processes)
-    else:
-        finished = cluster(remaining, scheduler)
-    for nth, answer in finished:
-        i = left[nth]
-        answers[i] = {**finite(answer), **made()}
-        if place is not None and "rows" in answer:
-            with suppress(InputError):  # on a full disk the answer still goes into the table
-                store(place, tasks[i], answers[i])
-        if progress is not None:
-            progress("scenes", (len(answers) + len(unusable)) / count)
+        if mechanics != EACH:
+            tasks, chosen = agreed(tasks, request.over, place)
+        answers, reused = _answers(tasks, place, run, report)
     about = {**request.record(), **provenance(list(answers.values()), reused)}
-    if chosen:
-        about["chosen"] = chosen
-    return _collected(request, tasks, unusable, answers, reused, about)
-
-
-def _collected(
-    request: StudyRequest,
-    tasks: Mapping[int, Task],
-    unusable: Mapping[int, str],
-    answers: Mapping[int, Answer],
-    reused: int,
-    about: dict[str, Any],
-) -> Study:
-    """Collect the rows in the order of the grid, with the values and the hash of each scene."""
-    one, points = next(iter(tasks.values()))["scene"], request.points
+    about |= {"chosen": chosen} if chosen else {}
+    one = next(iter(tasks.values()))["scene"]
     columns = {field: column(field, one["motion"]["kind"]) for field in request.over}
-    lost = {i: answer["error"] for i, answer in answers.items() if "error" in answer}
-    failed = {**unusable, **lost}
+    failed = {**unusable, **{i: each["error"] for i, each in answers.items() if "error" in each}}
     rows: list[dict[str, Any]] = []
-    for i, values in enumerate(points):
+    for i, values in enumerate(request.points):
         first = {
             columns[field]: str(value) if isinstance(value, list | tuple | dict) else value
             for field, value in values.items()
         }
-        none = [{"at": "", "status": f"failed: {failed.get(i)}"}]
-        of_scene = none if i in failed else list(filter(request.wanted, answers[i]["rows"]))
         last = {"scene": key(tasks[i])} if i in tasks else {}
+        of_scene = [{"at": "", "status": f"failed: {failed.get(i)}"}]
+        if i not in failed:
+            of_scene = list(filter(request.wanted, answers[i]["rows"]))
         rows += [{**first, **row, **last} for row in of_scene]
     return Study(
         name=one["name"],
         over=tuple(columns.values()),
         rows=tuple(rows),
-        failures=tuple((points[i], failed[i]) for i in sorted(failed)),
-        scenes=len(points),
+        failures=tuple((request.points[i], failed[i]) for i in sorted(failed)),
+        scenes=total,
         reused=reused,
         about=about,
     )
+
+
+def _answers(
+    tasks: Mapping[int, Task],
+    folder: Path | None,
+    run: Callable[[Sequence[Task]], Iterator[tuple[int, Answer]]],
+    report: Callable[[int], None],
+) -> tuple[dict[int, Answer], int]:
+    """Return the answers of tasks, and how many of them were stored in the folder before.
+
+    The other tasks are `run`, and their answers stored. `report` is called with their number.
+    """
+    answers: dict[int, Answer] = {}
+    if folder is not None:
+        stored = ((i, read_record(place(folder, task))) for i, task in tasks.items())
+        answers = {i: answer for i, answer in stored if answer is not None}
+    reused = len(answers)
+    left = sorted(tasks.keys() - answers.keys())
+    for nth, answer in run([tasks[i] for i in left]):
+        i, now = left[nth], software()
+        answers[i] = {**finite(answer), "date": now["date"], "commit": now["commit"]}
+        if folder is not None and "rows" in answer:
+            with suppress(InputError):  # on a full disk the answer still goes into the table
+                write_record(place(folder, tasks[i]), answers[i])
+        report(len(answers))
+    return answers, reused

@@ -1,4 +1,4 @@
-"""The rows of a study and their files: CSV, Parquet or netCDF; an earlier table is set aside.
+"""The rows of a study and their files: CSV, Parquet or netCDF.
 
 CSV holds the numbers only; Parquet and netCDF also hold the inputs of the study.
 """
@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fefinger.pages.page import flat
 from fefinger.scene.field_units import split
@@ -35,9 +36,9 @@ NAMES = "table.csv", "study.json", "report.html"
 class StudyRows:
     """The rows of a study in the order of its grid.
 
-    name of the scene; over: the columns of the grid; rows: one per scene and time; failures:
-    (values of the grid, sentence); scenes: their number; reused: the number that were finished
-    before; about: the inputs of the study and its provenance.
+    name of the scene; over: columns of the grid; rows: one per scene and time; failures: (values of
+    the grid, sentence); scenes: how many; reused: how many of them were finished before; about:
+    inputs and provenance of the study.
     """
 
     name: str
@@ -55,10 +56,7 @@ class StudyRows:
         return f"<Study of {self.name} over {grid}: {done} of {self.scenes} scenes answered>"
 
     def table(self) -> "pd.DataFrame":
-        """Make a table with one row per scene and time, and units in the names of its columns.
-
-        Its `attrs` hold the inputs of the study.
-        """
+        """Return the rows as a table whose `attrs` hold the inputs of the study."""
         import pandas as pd
 
         plain = [{k: v for k, v in row.items() if not isinstance(v, list)} for row in self.rows]
@@ -69,7 +67,7 @@ class StudyRows:
 
 
 def check(path: str | PathLike[str], option: str) -> None:
-    """Raise InputError if no table can be written to `path`, which the user gave as `option`."""
+    """Raise InputError of `option` if no table can be written to `path`."""
     path = Path(path)
     if path.suffix.lower() not in ENDINGS:
         listed = ", ".join(ENDINGS)
@@ -92,12 +90,7 @@ def check(path: str | PathLike[str], option: str) -> None:
 def write(study: StudyRows, path: str | PathLike[str], option: str = "table") -> str:
     """Write the table of a study to a file that ends in one of ENDINGS, and return its path.
 
-    The file appears complete or not at all.
-
-    Raises
-    ------
-    InputError
-        Another ending, a file that cannot be written, or Parquet without the extra `parquet`.
+    The file appears complete or not at all. Raises InputError of `option` as `check`.
     """
     check(path, option)
     path = Path(path)
@@ -112,7 +105,7 @@ def write(study: StudyRows, path: str | PathLike[str], option: str = "table") ->
 
 
 def _uniform(table: "pd.DataFrame") -> "pd.DataFrame":
-    """Give every column one type: columns that are not numeric become texts."""
+    """Return the table with texts in the columns that are not numeric, as Parquet needs it."""
     from pandas.api.types import is_numeric_dtype
 
     for name in table:
@@ -124,7 +117,7 @@ def _uniform(table: "pd.DataFrame") -> "pd.DataFrame":
 def dataset(study: StudyRows) -> "xr.Dataset":
     """Convert the rows of a study to arrays over the fields of its grid and over `at`.
 
-    Entries of a failed scene, or at a force or depth that is not reached, are nan or empty.
+    Entries of failed scenes, and at forces or depths that are not reached, are nan or empty.
     """
     import pandas as pd
     import xarray as xr
@@ -164,8 +157,8 @@ def dataset(study: StudyRows) -> "xr.Dataset":
     return xr.Dataset(arrays, coordinates, table.attrs)
 
 
-def _plain(column: "pd.Series") -> Any:
-    """Return a column as an array of numbers, or of texts."""
+def _plain(column: "pd.Series") -> NDArray[Any]:
+    """Return a column as an array of numbers or of texts."""
     from pandas.api.types import is_numeric_dtype
 
     if is_numeric_dtype(column):
@@ -180,10 +173,10 @@ def _about(name: str, words: str) -> dict[str, str]:
 
 
 def set_aside(study: StudyRows, folder: Path) -> list[str]:
-    """Move an earlier table of other scenes into a subfolder; return the new paths.
+    """Move the files of an earlier study of other scenes into a subfolder; return the new paths.
 
-    A table whose scenes are all in the present study, as when it is repeated or extended, is not
-    moved, and will be replaced. Files of these names that no study wrote are moved too.
+    Files of a study whose scenes are all in the present one, which repeats or extends it, stay to
+    be replaced. Files of these names that no study wrote are moved too.
     """
     moved = [name for name in NAMES if (folder / name).exists()]
     with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):

@@ -1,6 +1,6 @@
-"""Scenes of a study as tasks of plain values, and the processes that answer them.
+"""Scenes of a study as tasks of plain values, their stored answers, and processes for them.
 
-A task is stored under a hash of all its inputs; its answer has "rows", or "error", a sentence.
+An answer has "rows", or "error", a sentence. It is stored by a hash of all inputs of its task.
 """
 
 import hashlib
@@ -13,23 +13,26 @@ from typing import Any
 
 from fefinger.scene.builtin import given
 from fefinger.scene.scene import Scene
-from fefinger.studies import stored
-from fefinger.studies.columns import MISSED
+from fefinger.studies.columns import MISSED, Row
 from fefinger.studies.grid import EACH, parse_at, product
-from fefinger.support import processes
+from fefinger.support import atomic_write, processes
 from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.inputs import read_json
 from fefinger.support.provenance import software
 from fefinger.support.version import VERSION
 
 
 FORMAT = 4
-"""Version of the measures in the hash; increased when they change, to compute scenes again."""
+"""Version of the measures, in the hash; a higher one makes all scenes be computed again."""
 
 AT = "1N", "1mm"
-"""Default force and depth of the rows, besides the peak and the end."""
+"""Force and depth of rows by default, besides the peak and the end."""
 
 LEAN = {"ask.fields": False}
-"""Changes to every scene: a study does not use fields on the mesh."""
+"""Changes to every scene, as a study uses no fields on the mesh."""
+
+CHECKSUM = "sha256"
+"""Key of the checksum of a stored record."""
 
 Task = dict[str, Any]
 Answer = dict[str, Any]
@@ -37,7 +40,7 @@ Answer = dict[str, Any]
 
 @dataclass(frozen=True)
 class StudyRequest:
-    """Inputs of a study: a scene, the grid of field values, and the settings of all scenes."""
+    """Inputs of a study: a scene, values of fields, and what holds for all scenes."""
 
     scene: Scene | str | Path
     over: Mapping[str, Sequence[Any]]
@@ -47,11 +50,11 @@ class StudyRequest:
 
     @property
     def points(self) -> list[dict[str, Any]]:
-        """The combinations of the values, in order."""
+        """The combinations of the values, the last field changing fastest."""
         return product(self.over)
 
     def check(self, unusable: Mapping[int, str]) -> None:
-        """Raise InputError for a value of the grid that makes every scene with it unusable."""
+        """Raise InputError for a value with which every scene is `unusable`, given their errors."""
         points = self.points
         for field, values in self.over.items():
             for value in values:
@@ -60,12 +63,12 @@ class StudyRequest:
                     count = f"none of the {len(points)} scenes was run"
                     raise InputError(f"{errors[0]} (--over {field} = {value}; {count})")
 
-    def wanted(self, row: Mapping[str, Any]) -> bool:
-        """Whether a row belongs into the table: at levels of AT only those that are reached."""
+    def wanted(self, row: Row) -> bool:
+        """Return whether a row belongs into the table: at levels of AT only if they are reached."""
         return bool(self.at) or not row["status"].startswith(MISSED)
 
     def tasks(self) -> tuple[dict[int, Task], dict[int, str]]:
-        """Make the tasks by their number in the grid; also the errors of unusable scenes."""
+        """Make the tasks, and the errors of unusable scenes, by their number in the grid."""
         forces, depths = parse_at(self.at or AT)
         named = None if self.mechanics == EACH else self.mechanics
         shared = {"mechanics": named, "forces": list(forces), "depths": list(depths)}
@@ -81,7 +84,7 @@ class StudyRequest:
         return tasks, unusable
 
     def record(self) -> dict[str, Any]:
-        """Record the inputs of the study as plain values."""
+        """Return the inputs of the study as plain values."""
         return {
             "grid": {field: list(values) for field, values in self.over.items()},
             "changes": dict(self.changes),
@@ -91,7 +94,7 @@ class StudyRequest:
 
 
 def key(task: Task) -> str:
-    """Hash of all inputs of a task, surface files, code of plugins and versions included."""
+    """Return the hash of all inputs of a task, with surface files, plugins and versions."""
     parts = {**task, "fefinger": VERSION, "format": FORMAT}
     for name in ("surface", "bone_surface"):
         file = task["scene"]["finger"].get(name)
@@ -104,35 +107,39 @@ def key(task: Task) -> str:
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def store(folder: Path, task: Task, answer: Answer) -> None:
-    """Write the answer of a task into a folder."""
-    stored.write(folder / f"{key(task)}.json", answer)
+def write_record(path: Path, record: Mapping[str, Any]) -> None:
+    """Write plain values with a checksum into a folder that exists, or raise InputError."""
+    text = json.dumps({**record, CHECKSUM: _checksum(record)}, allow_nan=False)
+    atomic_write.write(path.parent, {path.name: text})
 
 
-def load(folder: Path, task: Task) -> Answer | None:
-    """Read the answer of a task from a folder; None if it is missing or damaged."""
-    return stored.read(folder / f"{key(task)}.json")
+def read_record(path: Path) -> dict[str, Any] | None:
+    """Read what `write_record` has written; None if it is missing, damaged or edited."""
+    try:
+        record = read_json(path)
+    except InputError:
+        return None
+    if not isinstance(record, dict) or record.pop(CHECKSUM, None) != _checksum(record):
+        return None
+    return record
 
 
-def made() -> dict[str, str]:
-    """Date and commit of new answers, which are stored with them."""
-    now = software()
-    return {"date": now["date"], "commit": now["commit"]}
+def _checksum(record: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(record, sort_keys=True).encode()).hexdigest()
 
 
-def provenance(answers: Sequence[Answer], reused: int) -> dict[str, Any]:
-    """Provenance of a study's answers: software, dates, commits and seeds."""
-    record: dict[str, Any] = software()
+def place(folder: Path, task: Task) -> Path:
+    """Return where the answer of a task is stored in a folder."""
+    return folder / f"{key(task)}.json"
+
+
+def provenance(answers: Sequence[Answer], reused: int) -> dict[str, object]:
+    """Return software, dates, commits and seeds of a study's answers."""
+    record: dict[str, object] = software()
     dates = sorted(answer["date"] for answer in answers)
     commits = sorted({answer["commit"] for answer in answers})
-    seeds = sorted(
-        {
-            row["seed"]
-            for answer in answers
-            for row in answer.get("rows", ())
-            if row.get("seed") is not None
-        }
-    )
+    rows = (row for answer in answers for row in answer.get("rows", ()))
+    seeds = sorted({row["seed"] for row in rows if row.get("seed") is not None})
     record["answers"] = {
         "finished_before": f"{reused} of {len(answers)}",
         "dates": " to ".join(dict.fromkeys(dates[:1] + dates[-1:])),
@@ -143,7 +150,7 @@ def provenance(answers: Sequence[Answer], reused: int) -> dict[str, Any]:
 
 
 def answer(task: Task) -> Answer:
-    """Run the scene of a task with one BLAS thread; return its rows, or its error as a sentence."""
+    """Run the scene of a task with one BLAS thread; return its rows, or its error."""
     try:
         from threadpoolctl import threadpool_limits
 
@@ -160,9 +167,9 @@ def answer(task: Task) -> Answer:
 
 
 def local(tasks: Sequence[Task], workers: int | None = None) -> Iterator[tuple[int, Answer]]:
-    """Run tasks in local processes; yield the number and answer of each as it finishes.
+    """Run tasks in local processes, by default one per core; yield (number, answer) as they finish.
 
-    By default one process per core; a process that dies loses only its current scene.
+    A process that dies loses only its current scene.
     """
     for number, outcome in processes.each(answer, tasks, workers or processes.cores()):
         if isinstance(outcome, processes.WorkerExit):
@@ -173,10 +180,7 @@ def local(tasks: Sequence[Task], workers: int | None = None) -> Iterator[tuple[i
 def cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Answer]]:
     """Run tasks on the Dask cluster at `address`; yield as `local`.
 
-    Raises
-    ------
-    InputError
-        Without the extra `distributed`, or a scheduler at that address.
+    Raises InputError without the extra `distributed`, or without a scheduler at that address.
     """
     try:
         from dask.distributed import Client

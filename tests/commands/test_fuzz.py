@@ -19,7 +19,7 @@ import fefinger as ff
 from fefinger.__main__ import main
 from fefinger.scene import builtin
 from fefinger.scene.toml import parse
-from fefinger.studies import stored
+from fefinger.studies import tasks
 from fefinger.support.checks import InputError
 from fefinger.support.text import flat
 
@@ -177,6 +177,6 @@ def test_a_file_with_any_bytes(good: Path, tmp_path: Path, name: str, data: st.D
 def test_a_stored_answer_with_any_bytes(tmp_path: Path, data: st.DataObject) -> None:
     record = {"rows": [{"at": "peak", "force_N": 1.25, "seed": None}], "date": "2026-01-01"}
     file = tmp_path / "answer.json"
-    stored.write(file, record)
+    tasks.write_record(file, record)
     file.write_bytes(damaged(data, file.read_bytes()))
-    assert stored.read(file) in (None, record)
+    assert tasks.read_record(file) in (None, record)

@@ -12,7 +12,7 @@ from fefinger.validation.evidence import lumped as evidence_lumped
 
 import fefinger as ff
 from fefinger import mechanics
-from fefinger.commands.console import run_record, run_summary
+from fefinger.commands.run import run_record, run_summary
 from fefinger.mechanics import lumped
 from fefinger.mechanics.evidence import table
 from fefinger.mechanics.situation import Situation

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.commands import console
+from fefinger.commands import study as command
 from fefinger.studies import figures
 from fefinger.studies import page as report
 from fefinger.studies.columns import READINGS
@@ -166,7 +166,7 @@ def test_a_failure_with_a_table_is_told_by_its_first_and_its_last_line():
     study = Study("press", (X,), (), (({X: 1.0}, said),), 1, 0, about)
     short = "ask: no mechanics is able [...] Name a mechanics."
     assert short in report.html(study)
-    assert short in console.study_summary(console.study_record(study, []))
+    assert short in command.study_summary(command.study_record(study, []))
     assert "one line" in report.html(Study("p", (X,), (), (({X: 1.0}, "one line"),), 1, 0, about))
 
 

@@ -15,11 +15,11 @@ import pytest
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.commands import console
+from fefinger.commands import study as command
 from fefinger.mechanics.hertz import tissue
 from fefinger.pipeline import run
 from fefinger.scene.field_units import column
-from fefinger.studies import stored, tasks
+from fefinger.studies import tasks
 from fefinger.studies.columns import READINGS, meaning
 from fefinger.studies.grid import parse_at, parse_over, product
 from fefinger.studies.measures import rows
@@ -119,7 +119,7 @@ def test_every_column_has_a_meaning_and_the_console_is_narrow(pressed):
     assert meaning("sensor_ellipticity").startswith("by the array of the thesis, without noise: 1 ")
     assert meaning("spikes_SAI").startswith("spikes of the units of SAI, at the end organs")
     study = StudyRows("press", ("indenter.angle_deg",), tuple(told), (), 1, 0, {"grid": {}})
-    lines = console.study_summary(console.study_record(study, [])).splitlines()
+    lines = command.study_summary(command.study_record(study, [])).splitlines()
     assert lines[0].split()[:4] == ["angle/deg", "at", "force/N", "error"]
     assert max(map(len, lines[:3])) <= 100
     stated = study.rows[0]["force_rel_error"]
@@ -392,13 +392,13 @@ def test_a_damaged_file_is_answered_again(tmp_path):
     for name, damage in DAMAGES.items():
         file.write_text(damage(text))
         assert file.read_text() != text, name
-        assert stored.read(file) is None, name
+        assert tasks.read_record(file) is None, name
     again = ff.study("flat-press", {"indenter.angle": (30,)}, **options)
     assert again.reused == 0
     assert same(first.rows, again.rows)
     file.unlink()
     os.mkfifo(file)  # which nothing writes to
-    assert stored.read(file) is None
+    assert tasks.read_record(file) is None
 
 
 def test_a_scene_on_which_its_process_dies_is_a_failure_with_advice(monkeypatch):

@@ -9,7 +9,7 @@ import pytest
 from fefinger.validation import page, suites
 from fefinger.validation.case import Case, Expected
 
-from fefinger.commands import console
+from fefinger.commands import validate
 from fefinger.support.checks import InputError
 from fefinger.view import figures
 
@@ -186,7 +186,7 @@ def test_wide_figures_get_the_page_and_a_unit_of_1_is_not_written():
         ("", "narrow"),
     ]
     cases = [case("bare", "pass", unit="1"), case("slope", "pass", unit="1/mm")]
-    text = console.validation_summary({"suites": [{"suite": "one", "cases": cases}]})
+    text = validate.validation_summary({"suites": [{"suite": "one", "cases": cases}]})
     ends = [line.partition("+- ")[2].split() for line in text.splitlines()[1:3]]
     assert [len(end) for end in ends] == [2, 3]
     assert ends[1][1] == "1/mm"
@@ -207,6 +207,6 @@ def test_a_case_that_breaks_fails_alone_with_its_error(monkeypatch):
     assert [case["verdict"] for case in found] == ["fail", "pass", "fail"]
     assert [case["value"] for case in found] == [None, 1.05, None]
     assert json.loads(json.dumps(record, allow_nan=False)) == record
-    assert "fail InputError: depth: expected less" in console.validation_summary(record)
-    assert console.validation_summary(record).splitlines()[-1] == "1 pass, 2 FAIL"
+    assert "fail InputError: depth: expected less" in validate.validation_summary(record)
+    assert validate.validation_summary(record).splitlines()[-1] == "1 pass, 2 FAIL"
     assert "Not measured: InputError: depth" in page.html(record, {}, {})
