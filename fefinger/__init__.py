@@ -21,7 +21,7 @@ Public names are imported at first use, so that importing the package is cheap.
 
 import importlib
 
-from fefinger.support.version import VERSION
+from fefinger.support import VERSION
 
 
 TYPE_CHECKING = False  # that of typing, whose import Ctrl-C would end with a traceback

@@ -21,8 +21,8 @@ from fefinger.scene import builtin
 from fefinger.scene.finger import AUTO, PULP, RESOLUTIONS, STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError, choice
-from fefinger.support.likely_units import FORCE
 from fefinger.support.text import duration, format_excess
+from fefinger.support.units import FORCE
 
 
 if TYPE_CHECKING:

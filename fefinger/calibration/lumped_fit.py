@@ -17,9 +17,9 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.csv_columns import CsvTable, check_times, factor, read_table, shortened
 from fefinger.support.inputs import first_line
-from fefinger.support.likely_units import DURATION, FORCE, TRAVEL
 from fefinger.support.outputs import keep
 from fefinger.support.text import strict_json, table
+from fefinger.support.units import DURATION, FORCE, TRAVEL
 from fefinger.theory.lumped import identify, ramp_hold
 from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.lumped.identify import Identification

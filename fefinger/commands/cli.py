@@ -21,11 +21,11 @@ from fefinger.commands.run import run as run_scene
 from fefinger.commands.study import study
 from fefinger.commands.validate import bench, validate
 from fefinger.commands.view import live, view
+from fefinger.support import VERSION
 from fefinger.support.atomic_write import FULL, write_error
 from fefinger.support.checks import ConvergenceError, InputError, address_space
 from fefinger.support.compiled import notice
 from fefinger.support.interrupt import INTERRUPTED, MESSAGE
-from fefinger.support.version import VERSION
 
 
 LEAST_MEMORY = 800

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.support.checks import InputError, choice, number
-from fefinger.support.likely_units import MESHED
+from fefinger.support.units import MESHED
 
 
 RESOLUTIONS = ("coarse", "standard", "fine")

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from fefinger.geometry.finger_mesh import FACETS, FingerMesh
+from fefinger.support import VERSION
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import InputError
-from fefinger.support.version import VERSION
 
 
 LAYOUT = 1

@@ -15,9 +15,9 @@ from fefinger.neural.signals import SMALLEST_MM, Signals, given, likely_unit
 from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import as_input_error
 from fefinger.support.checks import InputError, choice, integer, number, repeated, suggestion
-from fefinger.support.likely_units import in_milliseconds, seconds_or_milliseconds
 from fefinger.support.outputs import keep
 from fefinger.support.registry import AFFERENTS
+from fefinger.support.units import in_milliseconds, seconds_or_milliseconds
 from fefinger.support.vocabulary import FAMILIES, TYPE_SYNONYMS, TYPES
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, repeated, suggestion
 from fefinger.support.csv_columns import FACTORS, check_times, factor, read_table, stated_unit
-from fefinger.support.likely_units import fitting
+from fefinger.support.units import fitting
 
 
 TIME = "time", "time_s", "time_ms"

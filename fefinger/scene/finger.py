@@ -10,7 +10,7 @@ from fefinger.scene.key import Key, check
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.inputs import check_input
-from fefinger.support.likely_units import FINGER, MESHED
+from fefinger.support.units import FINGER, MESHED
 from fefinger.theory.relaxation import Prony
 
 

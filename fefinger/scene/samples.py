@@ -15,8 +15,7 @@ from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, reject_unknown
 from fefinger.support.csv_columns import read_columns
-from fefinger.support.vocabulary import Control
-from fefinger.support.wave_file import read_wave
+from fefinger.support.inputs import read_wave
 
 
 FEWEST_SAMPLES = 64

@@ -15,11 +15,10 @@ from fefinger.scene.builtin import given
 from fefinger.scene.scene import Scene
 from fefinger.studies.columns import MISSED, Row
 from fefinger.studies.grid import EACH, parse_at, product
-from fefinger.support import atomic_write, processes
+from fefinger.support import VERSION, atomic_write, processes
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.inputs import read_json
 from fefinger.support.provenance import software
-from fefinger.support.version import VERSION
 
 
 FORMAT = 4

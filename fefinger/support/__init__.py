@@ -1,1 +1,3 @@
-"""Shared utilities: input checks, text, files, cache, child processes and progress."""
+"""What every room uses: checks, files, messages, names, processes; and the version."""
+
+VERSION = "0.2.0"

@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from typing import Any
+from typing import Any, SupportsFloat, TypedDict, Unpack
 
 
 PRESS_LESS = "press less deep, more slowly, or on another mesh (finger.resolution)"
@@ -14,23 +14,31 @@ PRESS_LESS = "press less deep, more slowly, or on another mesh (finger.resolutio
 
 
 LONGEST = 2000
-"""Characters of a line of a message; the middle of a longer one, a value, is left out."""
+"""Characters of a line of a message; the middle of a longer line, a value, is left out."""
 
 TINY, HUGE = 1e-30, 1e30
-"""Least number above 0, and largest size of a number: powers and quotients of several such numbers
-are numbers too."""
+"""Least number above 0, and largest size of a number: powers and quotients of them stay finite."""
 
 FIELD = re.compile(r"((?:--)?[\w.\[\]-]+):(?:\s|$)")
-"""Beginning of a message that names its field."""
+"""Beginning of a message with the name of its field."""
+
+
+class Limits(TypedDict, total=False):
+    """Limits and unit of a number, as `number` takes them."""
+
+    above: float | None
+    at_least: float | None
+    below: float | None
+    at_most: float | None
+    unit: str
 
 
 class InputError(ValueError):
     """Invalid input; the message names the field, the expected and the received value.
 
-    `field` is the name that the message begins with, as it is written in a scene file or on the
-    command line, such as "motion.depth", "indenter.heights[2]" or "--at"; "" where it names none.
-    A message on an unknown key is given it, with the table. Values may be long or hold characters
-    that move a cursor: the message is printable, and its lines are at most LONGEST characters long.
+    `field` is the name that the message begins with, as in a scene file or on the command line,
+    such as "motion.depth", "indenter.heights[2]" or "--at"; "" without one. As received values may
+    be anything, the message is made printable, and its lines are at most LONGEST characters long.
     """
 
     def __init__(self, message: str, *, field: str | None = None) -> None:
@@ -40,11 +48,11 @@ class InputError(ValueError):
 
 
 class ConvergenceError(RuntimeError):
-    """An iteration that failed; the message gives target, state reached and what to try."""
+    """A failed iteration; the message says what was wanted, what was reached and what to try."""
 
 
 class Stopped(ConvergenceError):
-    """A run that stopped early; `reached` is the Response or Result up to that point."""
+    """A run that stopped early; `reached` is its Response or Result up to there."""
 
     def __init__(self, message: str, reached: Any) -> None:
         super().__init__(message)
@@ -52,7 +60,7 @@ class Stopped(ConvergenceError):
 
 
 def _sentence(message: str) -> str:
-    """Return a message with its lines shortened, and what cannot be printed escaped."""
+    """Return a message with its lines shortened and unprintable characters escaped."""
     lines = []
     for line in message.split("\n"):
         if len(line) > LONGEST:
@@ -63,8 +71,8 @@ def _sentence(message: str) -> str:
     return "\n".join(lines)
 
 
-def shown(value: Any) -> str:
-    """Return a value as text, in messages: its type where it is too long or deep to print."""
+def shown(value: object) -> str:
+    """Return a value as text for messages; its type if it is too long or deep to print."""
     try:
         return repr(value)
     except (ValueError, RecursionError):  # ValueError: a whole number of thousands of digits
@@ -73,7 +81,7 @@ def shown(value: Any) -> str:
 
 def number(
     name: str,
-    value: Any,
+    value: object,
     *,
     above: float | None = None,
     at_least: float | None = None,
@@ -86,7 +94,7 @@ def number(
     Its size is at most HUGE and, if it is above a limit of 0, at least TINY.
     """
     result = math.nan
-    if hasattr(value, "__float__") and not isinstance(value, bool | str | bytes):
+    if isinstance(value, SupportsFloat) and not isinstance(value, bool | str | bytes):
         with suppress(OverflowError, TypeError):
             result = float(value)
     inside = (
@@ -107,16 +115,16 @@ def number(
     raise InputError(f"{name}: {expected}, received {shown(value)}")
 
 
-def set_number(record: object, field: str, **limits: Any) -> None:
-    """Check a number of a frozen record and store it as a float; limits as of `number`.
+def set_number(record: object, field: str, **limits: Unpack[Limits]) -> None:
+    """Check a number of a frozen record and store it as a float.
 
-    `field` is its name in messages, such as "indenter.edge", and ends with that in the record.
+    `field` is its name in messages, such as "indenter.edge", of the attribute `edge`.
     """
     name = field.rpartition(".")[2]
     object.__setattr__(record, name, number(field, getattr(record, name), **limits))
 
 
-def integer(name: str, value: Any, *, at_least: int = 0) -> int:
+def integer(name: str, value: object, *, at_least: int = 0) -> int:
     """Return `value` if it is a whole number of `at_least` or more, or raise InputError."""
     if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
         msg = f"{name}: expected a whole number of {at_least} or more, received {shown(value)}"
@@ -129,7 +137,7 @@ def suggestion(
 ) -> str:
     """Return the sentence " Did you mean 'x'?" for the closest option, or an empty string.
 
-    `synonyms`: other words for some of the options.
+    `synonyms`: options by other words for them.
     """
     meant = {option.lower(): option for option in options} | dict(synonyms or {})
     text = name if isinstance(name, str) else shown(name)
@@ -138,11 +146,11 @@ def suggestion(
 
 
 def choice(
-    name: str, value: Any, options: Iterable[str], synonyms: Mapping[str, str] | None = None
+    name: str, value: object, options: Iterable[str], synonyms: Mapping[str, str] | None = None
 ) -> str:
-    """Return `value` if it is one of `options`, or raise InputError with the nearest of them.
+    """Return `value` if it is one of `options`, or raise InputError that suggests one of them.
 
-    `synonyms`: other words for some of the options, which are not accepted, but understood.
+    `synonyms`: options by other words for them, which are not accepted.
     """
     allowed = list(options)
     if value not in allowed:
@@ -154,7 +162,7 @@ def choice(
 
 
 def repeated(values: Iterable[str]) -> list[str]:
-    """Values that occur more than once, each listed once, in their order."""
+    """Return the values that occur more than once, in their order."""
     return [value for value, count in Counter(values).items() if count > 1]
 
 
@@ -171,14 +179,14 @@ def names(field: str, values: Iterable[str]) -> tuple[str, ...]:
     return result
 
 
-def boolean(name: str, value: Any) -> bool:
+def boolean(name: str, value: object) -> bool:
     """Return `value` if it is true or false, or raise InputError."""
     if not isinstance(value, bool):
         raise InputError(f"{name}: expected true or false, received {shown(value)}")
     return value
 
 
-def reject_unknown(table: str, keys: Mapping[str, Any], options: Iterable[str]) -> None:
+def reject_unknown(table: str, keys: Iterable[str], options: Iterable[str]) -> None:
     """Raise InputError for the first key that is not among `options`, with the nearest name."""
     allowed = list(options)
     for key in keys:
@@ -190,33 +198,26 @@ def reject_unknown(table: str, keys: Mapping[str, Any], options: Iterable[str]) 
 
 
 def numbers(
-    name: str, values: Any, *, count: int | None = None, **limits: Any
+    name: str, values: object, *, count: int | None = None, **limits: Unpack[Limits]
 ) -> tuple[float, ...]:
-    """Return `values` as a tuple of `count` floats inside the limits that `checks.number` takes."""
+    """Return `values` as a tuple of `count` floats inside limits, or raise InputError."""
     wanted = "a list of numbers" if count is None else f"a list of {count} numbers"
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
         raise InputError(f"{name}: expected {wanted}, received {shown(values)}")
     result = tuple(values)
-    # A file may hold a million, which are of this kind already.
-    if limits.keys() - {"unit"} or set(map(type, result)) != {float} or not _sized(result):
+    # Quick for a million numbers of a file; the comparison is false for nan.
+    sized = set(map(type, result)) == {float} and all(-HUGE <= x <= HUGE for x in result)
+    if limits.keys() - {"unit"} or not sized:
         result = tuple(number(f"{name}[{i}]", value, **limits) for i, value in enumerate(result))
     if count is not None and len(result) != count:
         raise InputError(f"{name}: expected {wanted}, received {len(result)}: {list(result)}")
     return result
 
 
-def _sized(values: Iterable[float]) -> bool:
-    """Whether all numbers have sizes of at most HUGE: none of them is nan."""
-    return all(-HUGE <= value <= HUGE for value in values)
-
-
 def choices(
-    name: str, values: Any, options: Iterable[str], synonyms: Mapping[str, str] | None = None
+    name: str, values: object, options: Iterable[str], synonyms: Mapping[str, str] | None = None
 ) -> tuple[str, ...]:
-    """Return `values` as a tuple of different strings, all of them among `options`.
-
-    `synonyms`: as in `choice`.
-    """
+    """Return `values` as a tuple of different options, or raise InputError as `choice`."""
     allowed = list(options)
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
         advice = f'; write ["{values}"]' if values in allowed else ""
@@ -233,8 +234,7 @@ def choices(
 class FrozenDict(Mapping[str, Any]):
     """An immutable mapping, equal to a dict of the same items.
 
-    Unlike a MappingProxyType it can be pickled, which scenes need on their way to other processes,
-    and it copies its items, so that later changes of the original dict do not show.
+    Unlike MappingProxyType it can be pickled, for other processes, and copies its items.
     """
 
     __slots__ = ("_items",)

@@ -1,4 +1,4 @@
-"""Columns of numbers from a CSV file, with messages that name its lines."""
+"""Columns of numbers from a CSV file; messages name the line."""
 
 import csv
 import math
@@ -16,8 +16,8 @@ import numpy as np
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.inputs import unreadable
-from fefinger.support.likely_units import in_milliseconds, seconds_or_milliseconds
 from fefinger.support.text import plain
+from fefinger.support.units import in_milliseconds, seconds_or_milliseconds
 
 
 UNITS = {
@@ -33,16 +33,15 @@ FACTORS = {
     "kPa": {"kpa": 1.0},
     "degrees": {"degrees": 1.0, "deg": 1.0},
 }
-"""Units, in small letters, that a header may state instead of a unit, and their size in it."""
+"""By unit, the sizes in it of the units that a header may state, in small letters."""
 
 SHOWN = 60
-"""Longest first line of a file that a message quotes in full."""
+"""Characters of the first line of a file that a message quotes."""
 
 SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
-"""Separators other than commas that a file may have by mistake, with their names."""
+"""Names of wrong separators in messages."""
 
 DECIMAL = "write 0.5 for 0,5 if its commas are decimal"
-
 
 MOST = 4_000_000
 """Largest number of rows: an hour at 1 kHz."""
@@ -50,9 +49,9 @@ MOST = 4_000_000
 
 @dataclass(frozen=True)
 class CsvTable:
-    """The header of a CSV file, and the rows below it that are not blank, which are read on demand.
+    """A CSV file whose rows are read on demand, without blank ones.
 
-    `source` names the file in messages; `first`: the number of the first line below the header.
+    source: name of the file in messages; first: number of the first line below the header.
     """
 
     source: str
@@ -61,17 +60,14 @@ class CsvTable:
     first: int
 
     def numbers(self, columns: Sequence[int], most: int = MOST) -> Array:
-        """Convert some columns (n_columns,) to numbers (n_rows, n_columns).
+        """Read some columns as numbers (n_rows, n_columns).
 
-        Raises
-        ------
-        InputError
-            No row, or more than `most`, a row with more or fewer values than the header, or a value
-            that is not finite.
+        Raises InputError for more than `most` rows, a row with more or fewer values than the
+        header, or a value that is not a finite number.
         """
         columns = list(columns)
         values = self._quickly(most)
-        if values is None:  # it says what is wrong, and where
+        if values is None:  # reading line by line finds what is wrong, and where
             wanted = array("d")
             for line, cells in islice(self._rows(), most + 1):
                 wanted.extend(self._row(line, cells, columns))
@@ -86,11 +82,11 @@ class CsvTable:
         return values
 
     def line(self, row: int) -> int:
-        """Return the number of the line of a row of the numbers."""
+        """Return the number of the line of a row."""
         return next(islice(self._rows(), row, None))[0]
 
     def _quickly(self, most: int) -> Array | None:
-        """Read all columns, in a tenth of the time; None where they are not plain numbers."""
+        """Read all columns in a tenth of the time; None if they are not plain finite numbers."""
         with open(self.file, encoding="utf-8-sig") as stream, warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of a file without rows
             try:
@@ -110,7 +106,7 @@ class CsvTable:
         return islice(_lines(self.source, self.file), self.first > 1, None)
 
     def _row(self, line: int, cells: list[str], columns: Sequence[int]) -> list[float]:
-        """Convert some cells of a line."""
+        """Return some cells of a line as numbers, or raise InputError."""
         where = f"{self.source}: line {line}"
         if len(cells) != len(self.header):
             todo = f"; {DECIMAL}" if len(cells) > len(self.header) else ""
@@ -130,7 +126,7 @@ class CsvTable:
 
 
 def _lines(source: str, file: str | PathLike[str]) -> Iterator[tuple[int, list[str]]]:
-    """Yield the lines that are not blank, as (number, cells), separated by commas."""
+    """Yield the lines that are not blank as (number, cells)."""
     if reason := unreadable(file):
         msg = f"{source}: expected a CSV file, received a path that {reason}; check its name"
         raise InputError(msg)
@@ -148,7 +144,7 @@ def _lines(source: str, file: str | PathLike[str]) -> Iterator[tuple[int, list[s
 
 
 def _first(source: str, file: str | PathLike[str]) -> tuple[int, list[str]]:
-    """Return the first line that is not blank; 0 and no cells of an empty file."""
+    """Return the first line as `_lines`; (0, []) of an empty file."""
     line, first = next(_lines(source, file), (0, []))
     for mark, name in SEPARATORS.items():
         if len(first) == 1 and mark in first[0]:
@@ -163,10 +159,8 @@ def _first(source: str, file: str | PathLike[str]) -> tuple[int, list[str]]:
 def read_table(source: str, file: str | PathLike[str]) -> CsvTable:
     """Read the header of a CSV file; messages name the file `source`.
 
-    Raises
-    ------
-    InputError
-        A file that cannot be read, has nothing below its header, or other separators than commas.
+    Raises InputError for a file that cannot be read, has nothing below its header, or other
+    separators than commas.
     """
     line, header = _first(source, file)
     table = CsvTable(source, file, header, line + 1)
@@ -178,12 +172,10 @@ def read_table(source: str, file: str | PathLike[str]) -> CsvTable:
 
 
 def read_matrix(source: str, file: str | PathLike[str], most: int) -> Array:
-    """Read a CSV file of at most `most` numbers alone, without a header: (n_rows, n_columns).
+    """Read a CSV file of at most `most` numbers without a header: (n_rows, n_columns).
 
-    Raises
-    ------
-    InputError
-        A file that cannot be read, is empty or too long, has a header or rows of different lengths.
+    Raises InputError for a file that cannot be read, is empty or too long, has a header, or rows of
+    different lengths.
     """
     _, first = _first(source, file)
     if not first:
@@ -204,9 +196,9 @@ def is_numeric(cells: Sequence[str]) -> bool:
 
 
 def stated_unit(cell: str, name: str) -> str | None:
-    """Return the unit that a header states after `name`, in small letters: "" for none.
+    """Return the unit that a header states after `name`, in small letters; "" without a unit.
 
-    None for a header that is another name. "Time (s)", "time [s]" and "time_s" state s.
+    "Time (s)", "time [s]" and "time_s" state s. None for the header of something else.
     """
     text = cell.lower().replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
     found = re.fullmatch(rf"{name}(?:[^a-z0-9]+([a-z%][a-z0-9/%]*))?[^a-z0-9]*", text)
@@ -214,7 +206,7 @@ def stated_unit(cell: str, name: str) -> str | None:
 
 
 def factor(cell: str, name: str, unit: str) -> float | None:
-    """Return the size in `unit` of the unit of a column; None for another name or unit."""
+    """Return the size in `unit` of the unit that a header states; None for another quantity."""
     stated = stated_unit(cell, name)
     return 1.0 if stated == "" else FACTORS[unit].get(stated or "")
 
@@ -226,14 +218,9 @@ def check_times(where: str, cell: str, time: Array) -> None:
 
 
 def read_columns(field: str, file: Path, names: tuple[str, ...]) -> tuple[tuple[float, ...], ...]:
-    """Read columns of a CSV file whose header has `names`, alone or followed by their units.
+    """Read a CSV file with columns of these names, converted from the units they state to UNITS.
 
-    They are converted to UNITS.
-
-    Raises
-    ------
-    InputError
-        A file that cannot be read or used; the message names it `field`.
+    Raises InputError of `field` for a file that cannot be read or used.
     """
     table = read_table(f"{field}: {str(file)!r}", file)
     factors = [
@@ -253,6 +240,6 @@ def read_columns(field: str, file: Path, names: tuple[str, ...]) -> tuple[tuple[
 
 
 def shortened(header: Sequence[str]) -> str:
-    """Quote the first line of a file, its beginning where it is long."""
+    """Quote a header, or the beginning of a long one."""
     line = ",".join(header)
     return repr(line) if len(line) <= SHOWN else f"{line[:SHOWN]!r} ..."

@@ -1,26 +1,33 @@
-"""What is read from outside: regular files alone, and TOML and JSON within bounds.
+"""Reading of files: regular ones alone, TOML and JSON within bounds, and sound.
 
-Every reader asks here, because a pipe without a writer waits for ever, a device has no end, and the
-parsers of Python, with all that goes through their values later, recurse.
+A pipe without a writer makes a reader wait forever, and a device has no end. Parsers recurse into
+nested values, as does what uses the values later.
 """
 
 import json
 import os
 import stat
 import tomllib
+import warnings
 from collections.abc import Mapping
+from importlib import resources
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+import numpy as np
+
+from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, shown
 
 
+Value = TypeVar("Value")
+
 DEEPEST = 32
-"""Largest number of tables and lists around a value; scenes and records have six."""
+"""Largest number of tables and lists around a value; scenes and records have up to six."""
 
 WIDEST = 64
-"""Largest number of bits of a whole number, that of TOML."""
+"""Largest number of bits of a whole number, as in TOML."""
 
 LINE = 10_000
 """Characters of a first line that are read."""
@@ -37,11 +44,11 @@ KINDS = {
     stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
 }
-"""What is no file."""
+"""Things other than regular files, in messages."""
 
 
 def unreadable(path: str | PathLike[str]) -> str:
-    """Why no file can be read at `path`, as "does not exist"; empty where one can."""
+    """Return why no file can be read at `path`, such as "does not exist"; "" if one can."""
     try:
         kind = stat.S_IFMT(os.stat(path).st_mode)
     except (OSError, ValueError):  # ValueError: a null character in the name
@@ -52,7 +59,10 @@ def unreadable(path: str | PathLike[str]) -> str:
 
 
 def check_input(field: str, path: str | PathLike[str], expected: str) -> None:
-    """Raise InputError of `field`, which expects `expected`, unless `path` is a file to be read."""
+    """Raise InputError of `field` unless `path` is a file that can be read.
+
+    `expected` describes the file in messages.
+    """
     if not isinstance(path, str | PathLike):
         raise InputError(f"{field}: expected the path of {expected}, received {shown(path)}")
     if reason := unreadable(path):
@@ -61,10 +71,10 @@ def check_input(field: str, path: str | PathLike[str], expected: str) -> None:
 
 
 def read_text(field: str, path: str | PathLike[str], expected: str) -> str:
-    """Read a file of UTF-8 text; InputError of `field`, which expects `expected`, for another."""
+    """Read a file of UTF-8 text, or raise InputError as `check_input`."""
     check_input(field, path, expected)
     try:
-        return Path(path).read_text(encoding="utf-8-sig")  # editors on Windows put a mark first
+        return Path(path).read_text(encoding="utf-8-sig")  # without the mark of Windows
     except UnicodeDecodeError as error:
         received = f"no text (UTF-8): other bytes at {error.start}"
     except OSError as error:
@@ -73,7 +83,7 @@ def read_text(field: str, path: str | PathLike[str], expected: str) -> str:
 
 
 def first_line(path: str | PathLike[str]) -> str:
-    """Return the first line of a text file; "" where none can be read."""
+    """Return the first line of a text file; "" if it cannot be read."""
     if unreadable(path):
         return ""
     with open(path, encoding="utf-8", errors="replace") as file:
@@ -81,7 +91,7 @@ def first_line(path: str | PathLike[str]) -> str:
 
 
 def parse_toml(field: str, text: str) -> dict[str, Any]:
-    """Parse TOML within BOUNDS; InputError of `field` beyond them, TOMLDecodeError for no TOML."""
+    """Parse TOML; InputError of `field` beyond BOUNDS, TOMLDecodeError for other text."""
     try:
         return bounded(field, tomllib.loads(text))
     except (tomllib.TOMLDecodeError, InputError):
@@ -91,7 +101,7 @@ def parse_toml(field: str, text: str) -> dict[str, Any]:
 
 
 def read_json(path: str | PathLike[str]) -> Any:
-    """Read a JSON file within BOUNDS; InputError for another one, or none."""
+    """Read a JSON file, or raise InputError; also for values beyond BOUNDS."""
     text = read_text("record", path, "a JSON file")
     try:
         return bounded("record", json.loads(text, parse_constant=_refuse))
@@ -100,17 +110,22 @@ def read_json(path: str | PathLike[str]) -> Any:
         raise InputError(message) from None
 
 
+def read_report(name: str) -> str:
+    """Return the text of a report that is installed with the package."""
+    return resources.files("fefinger.reports").joinpath(name).read_text(encoding="utf-8")
+
+
 def _refuse(constant: str) -> None:
     raise ValueError(f"{constant} is no number of JSON")
 
 
-def bounded(field: str, values: Any) -> Any:
-    """Return nested values; InputError of `field` for such beyond BOUNDS."""
-    level = [values]
+def bounded(field: str, values: Value) -> Value:
+    """Return nested values, or raise InputError of `field` where they are beyond BOUNDS."""
+    level: list[object] = [values]
     for _ in range(DEEPEST + 1):
         if any(isinstance(value, int) and value.bit_length() > WIDEST for value in level):
             break
-        inner: list[Any] = []
+        inner: list[object] = []
         for value in level:
             if isinstance(value, Mapping):
                 inner.extend(value.values())
@@ -120,3 +135,34 @@ def bounded(field: str, values: Any) -> Any:
             return values
         level = inner
     raise InputError(f"{field}: {BOUNDS}")
+
+
+def read_wave(name: str, file: Path) -> tuple[int, Array]:
+    """Read a WAV file: samples per s, and the samples (n,) of its first channel, from -1 to 1.
+
+    Raises InputError of `name` for another file, or a silent one.
+    """
+    from scipy.io import wavfile
+
+    check_input(name, file, "a WAV file")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", wavfile.WavFileWarning)  # chunks without sound
+            rate, samples = wavfile.read(file)
+    except Exception as error:  # of any class, such as UnboundLocalError
+        raise InputError(f"{name}: expected a WAV file, received {str(file)!r}: {error}") from None
+    first = samples if samples.ndim == 1 else samples[:, 0]
+    if len(first) < 2:
+        message = f"{name}: expected at least 2 samples, received {len(first)} in {str(file)!r}"
+        raise InputError(message)
+    wave = first.astype(np.float64)
+    if first.dtype == np.uint8:
+        wave = (wave - 128.0) / 128.0
+    elif np.issubdtype(first.dtype, np.integer):
+        wave = wave / -float(np.iinfo(first.dtype).min)
+    if not (np.isfinite(wave).all() and np.abs(wave).max() <= 1.0):
+        raise InputError(f"{name}: expected samples from -1 to 1, received others in {str(file)!r}")
+    if not wave.any():
+        message = f"{name}: expected a WAV file with sound, received {str(file)!r}, which is silent"
+        raise InputError(message)
+    return int(rate), wave

@@ -39,7 +39,7 @@ def software() -> dict[str, Any]:
     from datetime import UTC, datetime
     from importlib.metadata import version
 
-    from fefinger.support.version import VERSION
+    from fefinger.support import VERSION
 
     return {
         "fefinger": VERSION,

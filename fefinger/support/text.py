@@ -1,4 +1,4 @@
-"""Formatting of tables, numbers, times and JSON for the console, messages and reports."""
+"""Formatting of tables, numbers, times and JSON."""
 
 import json
 import math
@@ -7,7 +7,7 @@ from typing import Any
 
 
 BRIEF = 60
-"""Longest value in the text of a record."""
+"""Longest value in the text of a record, in characters."""
 
 
 def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
@@ -17,13 +17,13 @@ def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
     return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in every)
 
 
-def strict_json(record: Any) -> str:
+def strict_json(record: object) -> str:
     """Format a record as strict JSON: numbers that are not finite become null."""
     return json.dumps(finite(record), indent=2, allow_nan=False)
 
 
 def finite(value: Any) -> Any:
-    """Convert nested values for JSON: tuples to lists, numbers that are not finite to None."""
+    """Return nested values for JSON, with None for numbers that are not finite."""
     if isinstance(value, Mapping):
         return {key: finite(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
@@ -31,7 +31,7 @@ def finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+def flat(table: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, object]]:
     """Yield the entries of nested tables as (dotted name, value)."""
     for key, value in table.items():
         if isinstance(value, Mapping):
@@ -41,13 +41,13 @@ def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]
 
 
 def counted(names: Sequence[str]) -> str:
-    """List names that differ, with their numbers where there are several, as in "4 SAI, FAI"."""
+    """List each name once, with its number if it occurs more often, as in "4 SAI, FAI"."""
     numbers = {name: names.count(name) for name in names}
     return ", ".join(name if n == 1 else f"{n} {name}" for name, n in numbers.items())
 
 
 def outline(record: object) -> str:
-    """Text of a record: arrays by their shapes; long values by their types; without None."""
+    """Return the text of a record: shapes of arrays, types of long values, nothing for None."""
     parts = []
     for name, value in vars(record).items():
         if hasattr(value, "shape"):
@@ -60,7 +60,7 @@ def outline(record: object) -> str:
 
 
 def plain(text: str) -> float | str:
-    """Convert a text to a number where it is one, also where TOML allows none (".3")."""
+    """Convert a text to a number if it is one, also as TOML does not write it (".3")."""
     try:
         return float(text)
     except ValueError:
@@ -68,7 +68,7 @@ def plain(text: str) -> float | str:
 
 
 def unit_suffix(unit: str) -> str:
-    """Text of a unit behind a number: empty for the unit "1"."""
+    """Return the unit as it stands behind a number: "" for "1"."""
     return "" if unit == "1" else unit
 
 
@@ -80,13 +80,13 @@ def percent(error: float) -> str:
 
 
 def format_excess(value: float, limit: float, unit: str = "") -> str:
-    """Format "value > limit" with enough digits to show that the value is above the limit."""
+    """Format "value > limit" with as many digits as show the difference."""
     shown = (float(f"{value:.{digits}g}") for digits in range(2, 18))
     return f"{next((x for x in shown if x > limit), value):.6g}{unit} > {limit:g}{unit}"
 
 
 def brief(message: str) -> str:
-    """Shorten a message with a table in it to its first and last lines."""
+    """Shorten a message of several lines to its first and last lines."""
     lines = message.splitlines()
     return message if len(lines) < 2 else f"{lines[0]} [...] {lines[-1]}"
 

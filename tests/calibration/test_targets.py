@@ -14,7 +14,7 @@ from fefinger.calibration.force import Forces, prony_of
 from fefinger.calibration.outcome import line
 from fefinger.scene import pawluk1997
 from fefinger.scene.finger import Finger
-from fefinger.support import package_data
+from fefinger.support import inputs
 from fefinger.support.checks import InputError
 from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.lumped.spring import Spring, force
@@ -190,7 +190,7 @@ def test_what_is_missed_is_taken_apart_into_independent_errors():
 
 
 def test_what_a_mesh_makes_is_that_of_its_report():
-    rows = json.loads(package_data.report("mesh-curves.json"))["rows"]
+    rows = json.loads(inputs.read_report("mesh-curves.json"))["rows"]
     for mesh, row in rows.items():
         assert targets.MESH[mesh] >= row["rms"]
         assert row["length_mm"] / 3 < targets.LENGTH < 3 * row["length_mm"]

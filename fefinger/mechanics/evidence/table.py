@@ -15,7 +15,7 @@ import numpy as np
 
 from fefinger.results.candidate import Candidate
 from fefinger.support.arrays import Array
-from fefinger.support.package_data import report
+from fefinger.support.inputs import read_report
 
 
 SMALL_STRAIN_COST = "small-strain-cost.json"
@@ -104,7 +104,7 @@ class Table:
 @cache
 def read(name: str) -> dict[str, Any]:
     """Return a report as it is written."""
-    measured: dict[str, Any] = json.loads(report(name))
+    measured: dict[str, Any] = json.loads(read_report(name))
     return measured
 
 

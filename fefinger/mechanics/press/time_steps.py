@@ -9,7 +9,7 @@ import numpy as np
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
-from fefinger.support.likely_units import SLOW
+from fefinger.support.units import SLOW
 
 
 MOVING_STEP = 1e-3  # s: filters up to FAI (10 Hz) and the 4 ms relaxation are resolved

@@ -23,11 +23,10 @@ from fefinger.scene.indenters import Bar, Cylinder, Flat, Pin, Sphere
 from fefinger.scene.motions import Ramp, RampHold
 from fefinger.scene.scene import Scene
 from fefinger.scene.textured import Grating, Relief
-from fefinger.support.package_data import report
 from fefinger.theory.relaxation import Prony
 
 
-ROWS = json.loads(report(PRESS_MESH))["rows"]
+ROWS = json.loads(read_report(PRESS_MESH))["rows"]
 
 GRATING = Grating(period=4.0, ridge=2.0, depth=0.6)
 CREST = Relief.of(lambda x, y: 0.1 * np.cos(x + y), np.arange(-4, 5.0), np.arange(-4, 5.0))
