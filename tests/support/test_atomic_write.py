@@ -135,12 +135,12 @@ def test_a_netcdf_without_room_leaves_nothing(study, tmp_path):
 
 
 def test_a_scene_of_a_study_that_cannot_be_kept_is_told_all_the_same(monkeypatch, study, tmp_path):
-    def store(folder, task, answer):
+    def store(place, answer):
         raise InputError(
-            atomic_write.write_error(OSError(errno.ENOSPC, "No space left on device"), folder)
+            atomic_write.write_error(OSError(errno.ENOSPC, "No space left on device"), place)
         )
 
-    monkeypatch.setattr("fefinger.studies.study.store", store)
+    monkeypatch.setattr("fefinger.studies.study.write_record", store)
     answered = study(folder=tmp_path)
     assert (answered.failures, answered.rows[0]["status"]) == ((), "done")
     assert list((tmp_path / "scenes").iterdir()) == []

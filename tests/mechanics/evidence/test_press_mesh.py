@@ -23,6 +23,7 @@ from fefinger.scene.indenters import Bar, Cylinder, Flat, Pin, Sphere
 from fefinger.scene.motions import Ramp, RampHold
 from fefinger.scene.scene import Scene
 from fefinger.scene.textured import Grating, Relief
+from fefinger.support.inputs import read_report
 from fefinger.theory.relaxation import Prony
 
 
