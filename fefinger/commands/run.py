@@ -192,7 +192,7 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     try:
         chosen = plan.explain(loaded)
         console.print_answer(asdict(chosen), f"{chosen!r}\n\n{chosen.machine}", as_json=as_json)
-        if motion.control == "depth" and not MECHANICS[chosen.mechanics].inertia:
+        if not motion.by_force and not MECHANICS[chosen.mechanics].inertia:
             time = time_grid(motion, fast=True, most=sys.maxsize)
             notes += quasistatic(loaded, time, motion.value(time))
     finally:  # a refusal has its notes before it

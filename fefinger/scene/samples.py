@@ -16,6 +16,7 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, reject_unknown
 from fefinger.support.csv_columns import read_columns
 from fefinger.support.inputs import read_wave
+from fefinger.support.vocabulary import Control
 
 
 FEWEST_SAMPLES = 64
