@@ -33,22 +33,19 @@ if TYPE_CHECKING:
 
 
 SILENT = "ask.trial: the units have no noise, so that every trial is the same."
-"""Note on another trial of units that are not random."""
+"""Note on another trial of units without noise."""
 
 SLOW = 8.0
-"""Expected seconds of an answer that is worth a process of its own for the check."""
+"""Expected seconds of an answer from which on the check has a process of its own."""
 
 
 def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any) -> "SpikeTrains":
-    """Spikes of the population that `ask` describes, or of one unit of each of its types.
+    """Simulate the spikes of the population that `ask` describes, or of one unit of each type.
 
-    Those before `since` s do not count. Further options as of `fire` of the family that
+    Spikes before `since` s do not count. Further options are those of `fire` of the family that
     `ask.afferents` names.
 
-    Raises
-    ------
-    InputError
-        A response without strain, or without the end organs of the population.
+    Raises InputError for a response without strain, or without the end organs of the population.
     """
     from fefinger.neural.variation import Variation
 
@@ -72,24 +69,20 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
     trains = family.fire(response.time, x_in, **units)
     if since > response.time[0]:
         notes = (f"Spikes count from {since:.6g} s on; those before it are left out.", *notes)
-    if ask.trial and not _noisy(ask):
+    noise = None if ask.population is None else ask.population.noise
+    if ask.trial and not (family.noisy if noise is None else noise > 0.0):
         notes += (SILENT,)
     return replace(trains, notes=(*notes, *family.notes(), *trains.notes))
-
-
-def _noisy(ask: "Ask") -> bool:
-    noise = None if ask.population is None else ask.population.noise
-    return AFFERENTS[ask.afferents].noisy if noise is None else noise > 0.0
 
 
 @contextmanager
 def mesh_check(
     mechanics: "Mechanics", scene: "Scene", seconds: float
 ) -> "Iterator[Callable[[SpikeTrains], SpikeTrains]]":
-    """Yield a function that adds notes on whether spike counts are the same on the coarser mesh.
+    """Yield a function that adds to spike trains notes on their counts on the coarser mesh.
 
-    There are none where the mechanics has no mesh, or no coarser one is at hand. An answer that is
-    expected to take SLOW `seconds` is checked meanwhile, by a process on another core.
+    It adds none where the mechanics has no mesh, or no coarser one is available. If the answer is
+    expected to take SLOW `seconds` or more, another process computes the counts meanwhile.
     """
     finger = mechanics.coarser(scene) if scene.ask.spikes else None
     if finger is None:
@@ -101,7 +94,7 @@ def mesh_check(
     def checked(coarser: "Callable[[], SpikeTrains]", spikes: "SpikeTrains") -> "SpikeTrains":
         try:
             notes = _count_changes(spikes, coarser(), mesh)
-        except Exception as error:  # Whatever it is, the answer itself is finished.
+        except Exception as error:  # of any kind: the answer itself is finished
             notes = (f"Spike counts could not be checked when {mesh}: {error}",)
         return replace(spikes, notes=spikes.notes + notes)
 
@@ -114,7 +107,7 @@ def mesh_check(
 
 @one_thread  # of BLAS, as in a process beside another
 def _spikes(case: "tuple[str, Scene]") -> "SpikeTrains":
-    """Spikes of a scene, by the mechanics of a name."""
+    """Answer a scene by the named mechanics, and return the spikes."""
     from fefinger.mechanics import get
 
     name, scene = case
@@ -122,14 +115,14 @@ def _spikes(case: "tuple[str, Scene]") -> "SpikeTrains":
 
 
 def delays(types: Sequence[str], distance: float) -> Array:
-    """Conduction delay (n,) in s of units of these types over `distance` mm of nerve."""
+    """Return the conduction delays (n,) in s of units of types over `distance` mm of nerve."""
     distance = number("distance", distance, at_least=0.0, unit="mm")
     rows = innervation()
     return np.array([1e-3 * distance / rows[choice("types", t, rows)].velocity for t in types])
 
 
 def _strain_at_sites(ask: "Ask", response: "Response") -> "tuple[Array, Sites, Reference]":
-    """Strain, end organs and reference press of a response; InputError where it lacks them."""
+    """Return strain, end organs and reference press of a response; InputError if one is missing."""
     strain, sites, reference = response.strain, response.sites, response.reference
     field = "ask.spikes" if ask.population is None else "ask.population"
     if strain is None or sites is None or reference is None:
@@ -143,9 +136,9 @@ def _strain_at_sites(ask: "Ask", response: "Response") -> "tuple[Array, Sites, R
 def _population(
     ask: "Ask", layout: Layout, sites: "Sites"
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Options of the simulation of the units of a population, and notes on places left out.
+    """Return arguments of the simulation for the units of a population, and notes on lost places.
 
-    A unit is where its end organs are in the mean.
+    The place of a unit is the mean of the places of its end organs.
     """
     from fefinger.neural.variation import Variation, numbered
 
@@ -155,12 +148,11 @@ def _population(
     types = tuple(sites.types[i] for i in first)
     numbers = numbered(types) if sites.number is None else sites.number[first]
     names, notes = _grid_names(layout, ask.spikes, types, numbers)
-    each = tuple(numbers.tolist())
     variation = Variation(
         seed=layout.seed,
         spread=layout.spread,
         noise=layout.noise,
-        numbers=each,
+        numbers=tuple(numbers.tolist()),
         trial=ask.trial,
     )
     alike = not (AFFERENTS[ask.afferents].noisy or layout.spread or layout.noise)
@@ -179,10 +171,9 @@ def _population(
 def _grid_names(
     layout: Layout, kinds: Sequence[str], types: tuple[str, ...], numbers: Integers
 ) -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
-    """Names of the units of a grid, and a note on places off the skin; None: default names.
+    """Return names of the units of a grid, None for default names, and notes on lost places.
 
-    The units of a grid are named after the places of the whole grid, so that a name is the same
-    unit on every mesh, whichever places lie off its skin.
+    Names count the places of the whole grid, so that a name is the same unit on every mesh.
     """
     if not isinstance(layout, Grid):
         return None, ()
@@ -204,7 +195,7 @@ def _grid_names(
 
 
 def _count_changes(spikes: "SpikeTrains", coarser: "SpikeTrains", mesh: str) -> tuple[str, ...]:
-    """Compare the units, by name, that both have, in notes; a coarser skin may end elsewhere."""
+    """Return notes on the counts of units that are on the skin of both meshes, by name."""
     from fefinger.neural.checked_signals import count_changes
 
     shared = set(coarser.names)

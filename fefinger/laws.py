@@ -1,17 +1,18 @@
-"""Hyperelastic laws of soft tissue: the strain energy of two invariants, with its derivatives.
+"""Hyperelastic laws of soft tissue: strain energy of two invariants, and its derivatives.
 
-W(I1, I2) is the energy of distortion for a shear modulus of 1, of the isochoric invariants I1 =
-J^(-2/3) tr C and I2 = J^(-4/3) (tr(C)² - tr C²) / 2 of C = F'F. Stress and moduli follow from it in
-`fem/hyperelastic/stress_kernels.py`, and nowhere else; the change of volume has an energy of its
-own. A law of a user's own is one more `Law`, registered by `fefinger.register`.
+W(I1, I2) is the energy of distortion for a shear modulus of 1. The invariants are isochoric, I1 =
+J^(-2/3) tr C and I2 = J^(-4/3) (tr(C)² - tr C²) / 2 of C = F'F; the change of volume has an energy
+of its own. `fem/hyperelastic/stress_kernels.py` alone computes stress and moduli from W. Users add
+a `Law` by `fefinger.register`.
 """
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fefinger.support import registry
 from fefinger.support.arrays import Array
@@ -20,18 +21,21 @@ from fefinger.support.registry import Registry
 
 
 LAWS: "Registry[Law]" = registry.LAWS
-"""The laws by name, also those of the user."""
+"""The laws of the package and of users, by name."""
 
 STRETCHES = np.exp(0.1 * np.array([[1.0, -0.5], [-1.0, 0.5], [1.0, 0.0], [0.1, -0.1], [0.4, 0.4]]))
-"""Two principal stretches (n, 2) of the states in which a law is checked; volume is kept."""
+"""Two principal stretches (n, 2) of states without change of volume, in which a law is checked."""
 
 STEP = 1e-4
-"""Change of I1 and I2 in differences of the energy."""
+"""Change of I1 and I2 for derivatives by differences."""
 
 FITS = 1e-6
-"""Relative error of a derivative, over that of a law of constant stiffness, that counts as none."""
+"""Relative error of a derivative, by which rounding may differ from differences of the energy."""
 
 DERIVATIVES = ("W", "dW/dI1", "dW/dI2", "d²W/dI1²", "d²W/dI1dI2", "d²W/dI2²")
+
+
+Values = tuple[Array | float, ...]
 
 
 class Density(NamedTuple):
@@ -62,10 +66,10 @@ class Law:
     """
 
     name: str
-    density: Callable[[Any, Any, Any], tuple[Any, ...]]
+    density: Callable[[Array, Array, Array], Values]
     parameters: Mapping[str, float | None] = field(default_factory=dict)
 
-    def at(self, i1: Any, i2: Any, values: Sequence[float] = ()) -> Density:
+    def at(self, i1: ArrayLike, i2: ArrayLike, values: Sequence[float] = ()) -> Density:
         """Return energy and derivatives at I1 - 3 and I2 - 3, numbers or arrays of one shape.
 
         Raises
@@ -109,10 +113,10 @@ class Law:
                 raise InputError(f"{name}: missing; expected a number for the law {self.name!r}")
         return tuple(number(name, value) for name, value in found.items())
 
-    def stiffening(self, i1: Any, i2: Any, values: Sequence[float]) -> Array:
-        """Return the logarithm of dW/dI1 over its value at rest; 0 where it is none there.
+    def stiffening(self, i1: ArrayLike, i2: ArrayLike, values: Sequence[float]) -> Array:
+        """Return the logarithm of dW/dI1 over its value at rest, 0 if that is not positive.
 
-        Of Demiray's law it is the exponent b (I1 - 3).
+        For Demiray's law it is the exponent b (I1 - 3).
         """
         rest, now = self.at(0.0, 0.0, values), self.at(i1, i2, values)
         if not rest.w1 > 0:
@@ -121,14 +125,14 @@ class Law:
             return np.asarray(np.log(now.w1 / rest.w1))
 
     def stiffens(self, values: Sequence[float]) -> bool:
-        """Whether the stiffness of the tissue depends on its strain, by other than its geometry."""
+        """Return whether a derivative of W, and so the stiffness, depends on the strain."""
         found = self.at(*_states(), values)
         return any(bool(np.any(each != 0)) for each in (found.w11, found.w12, found.w22))
 
     def check(self, values: Sequence[float]) -> None:
-        """Compare the derivatives with differences of the energy, at stretches of some 1.1.
+        """Compare the derivatives with differences of the energy, at rest and at STRETCHES.
 
-        States in which the energy is not finite are left out, but for rest.
+        Stretches at which the energy is not finite are left out.
 
         Raises
         ------
@@ -161,7 +165,7 @@ class Law:
     def _slope(
         self, i1: Array, i2: Array, values: Sequence[float], of: int, by: int
     ) -> tuple[Array, Array]:
-        """Return the derivative of one output by I1 (`by` 0) or I2 (1), and its uncertainty."""
+        """Return the derivative of output `of` by I1 (`by` 0) or I2 (1), and its uncertainty."""
 
         def difference(step: float) -> Array:
             one, two = (step, 0.0) if by == 0 else (0.0, step)
@@ -173,7 +177,7 @@ class Law:
             return (4 * narrow - wide) / 3, np.abs(narrow - wide)
 
     def fingerprint(self, values: Sequence[float]) -> str:
-        """Return a hash of what the law computes with these parameters."""
+        """Return a hash of the energy and derivatives with these parameters."""
         numbers = np.concatenate(self.at(*_states(), values))
         text = ",".join(f"{each:.12g}" for each in numbers)
         return hashlib.sha256(text.encode()).hexdigest()
@@ -189,23 +193,23 @@ def _states() -> tuple[Array, Array]:
     return squares.sum(axis=1) - 3, (1 / squares).sum(axis=1) - 3
 
 
-def _neo_hookean(i1: Any, i2: Any, p: Any) -> tuple[Any, ...]:
+def _neo_hookean(i1: Array, i2: Array, p: Array) -> Values:
     return i1 / 2, 0.5, 0.0, 0.0, 0.0, 0.0
 
 
-def _mooney_rivlin(i1: Any, i2: Any, p: Any) -> tuple[Any, ...]:
+def _mooney_rivlin(i1: Array, i2: Array, p: Array) -> Values:
     share = p[0]
     return (share * i1 + (1 - share) * i2) / 2, share / 2, (1 - share) / 2, 0.0, 0.0, 0.0
 
 
-def _demiray(i1: Any, i2: Any, p: Any) -> tuple[Any, ...]:
+def _demiray(i1: Array, i2: Array, p: Array) -> Values:
     b = p[0]
     grown = np.expm1(b * i1)
     rise = 1.0 + grown
     return grown / (2 * b), rise / 2, 0.0, b * rise / 2, 0.0, 0.0
 
 
-def _veronda_westmann(i1: Any, i2: Any, p: Any) -> tuple[Any, ...]:
+def _veronda_westmann(i1: Array, i2: Array, p: Array) -> Values:
     b = p[0]
     grown = np.expm1(b * i1)
     rise = 1.0 + grown
