@@ -32,7 +32,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
-    from typing import Any
 
     from fefinger.result import Result
     from fefinger.scene.scene import Scene
@@ -42,7 +41,7 @@ if TYPE_CHECKING:
 def run(
     scene: "Scene | str | Path",
     *,
-    changes: "Mapping[str, Any] | None" = None,
+    changes: "Mapping[str, object] | None" = None,
     mechanics: str | None = None,
     progress: "Progress | None" = None,
 ) -> "Result":

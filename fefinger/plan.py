@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fefinger.mechanics import QUICKEST, Mechanics, get, names
 from fefinger.mechanics.evidence import costs, machine, stated_errors, vibration
@@ -53,7 +53,7 @@ NOT_TIMED = (
 """What expected times leave out, as timed on the machine of the reports."""
 
 
-def explain(scene: Scene | str | Path, *, changes: Mapping[str, Any] | None = None) -> Plan:
+def explain(scene: Scene | str | Path, *, changes: Mapping[str, object] | None = None) -> Plan:
     """Return the choice for a scene and the whole ladder that it was chosen from; solve nothing.
 
     `scene` is a Scene, the name of a built-in one, or a TOML file; `changes` are values of its

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 from fefinger.results.key_numbers import rows
 from fefinger.results.result_record import ResultRecord
@@ -163,7 +163,7 @@ class Result(ResultRecord):
                         (target / name).unlink(missing_ok=True)
         return [str(target / name) for name in NAMES if (target / name).exists()]
 
-    def show(self) -> Any:
+    def show(self) -> object:
         """Open the strain field in a PyVista window, or inline in a notebook."""
         from fefinger.view import show
 

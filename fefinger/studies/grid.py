@@ -47,7 +47,7 @@ def parse_over(texts: Iterable[str]) -> dict[str, Values]:
     return checked(values)
 
 
-def checked(over: Mapping[str, Sequence[Any]]) -> dict[str, Values]:
+def checked(over: Mapping[str, Sequence[object]]) -> dict[str, Values]:
     """Return the values of each field as plain Python; InputError for none, or two alike."""
     for field, values in over.items():
         if isinstance(values, str) or not isinstance(values, Collection):
@@ -119,7 +119,7 @@ def parse_at(texts: Iterable[str]) -> tuple[tuple[float, ...], tuple[float, ...]
     return tuple(levels["N"]), tuple(levels["mm"])
 
 
-def product(over: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
+def product(over: Mapping[str, Sequence[object]]) -> list[dict[str, object]]:
     """List every combination of the values, the last field changing fastest."""
     return [dict(zip(over, values, strict=True)) for values in itertools.product(*over.values())]
 

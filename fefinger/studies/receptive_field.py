@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -136,7 +136,7 @@ def receptive_field(
     scene: Scene | str | Path,
     kinds: Sequence[str] = ("SAI", "FAI"),
     *,
-    changes: Mapping[str, Any] | None = None,
+    changes: Mapping[str, object] | None = None,
     reach: float = 3.0,
     spacing: float = 1.0,
     branched: bool = True,

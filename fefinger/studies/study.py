@@ -83,9 +83,9 @@ class Study(StudyRows):
 
 def study(
     scene: Scene | str | Path,
-    over: Mapping[str, Sequence[Any]],
+    over: Mapping[str, Sequence[object]],
     *,
-    changes: Mapping[str, Any] | None = None,
+    changes: Mapping[str, object] | None = None,
     at: Sequence[str] = (),
     mechanics: str | None = None,
     folder: str | Path | None = None,

@@ -44,7 +44,7 @@ class StudyRows:
     name: str
     over: tuple[str, ...]
     rows: tuple[dict[str, Any], ...]
-    failures: tuple[tuple[dict[str, Any], str], ...]
+    failures: tuple[tuple[dict[str, object], str], ...]
     scenes: int
     reused: int
     about: dict[str, Any]

@@ -42,13 +42,13 @@ class StudyRequest:
     """Inputs of a study: a scene, values of fields, and what holds for all scenes."""
 
     scene: Scene | str | Path
-    over: Mapping[str, Sequence[Any]]
-    changes: Mapping[str, Any]
+    over: Mapping[str, Sequence[object]]
+    changes: Mapping[str, object]
     mechanics: str | None
     at: Sequence[str]
 
     @property
-    def points(self) -> list[dict[str, Any]]:
+    def points(self) -> list[dict[str, object]]:
         """The combinations of the values, the last field changing fastest."""
         return product(self.over)
 
@@ -82,7 +82,7 @@ class StudyRequest:
                 tasks[i] = {"scene": scene.to_dict(), **shared}
         return tasks, unusable
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> dict[str, object]:
         """Return the inputs of the study as plain values."""
         return {
             "grid": {field: list(values) for field, values in self.over.items()},
@@ -106,7 +106,7 @@ def key(task: Task) -> str:
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def write_record(path: Path, record: Mapping[str, Any]) -> None:
+def write_record(path: Path, record: Mapping[str, object]) -> None:
     """Write plain values with a checksum into a folder that exists, or raise InputError."""
     text = json.dumps({**record, CHECKSUM: _checksum(record)}, allow_nan=False)
     atomic_write.write(path.parent, {path.name: text})
@@ -123,7 +123,7 @@ def read_record(path: Path) -> dict[str, Any] | None:
     return record
 
 
-def _checksum(record: Mapping[str, Any]) -> str:
+def _checksum(record: Mapping[str, object]) -> str:
     return hashlib.sha256(json.dumps(record, sort_keys=True).encode()).hexdigest()
 
 
