@@ -160,21 +160,23 @@ def study(
     one = next(iter(tasks.values()))["scene"]
     columns = {field: column(field, one["motion"]["kind"]) for field in request.over}
     failed = {**unusable, **{i: each["error"] for i, each in answers.items() if "error" in each}}
-    rows: list[dict[str, Any]] = []
-    for i, values in enumerate(request.points):
-        first = {
+
+    def rows(i: int) -> Iterator[dict[str, Any]]:
+        values = {
             columns[field]: str(value) if isinstance(value, list | tuple | dict) else value
-            for field, value in values.items()
+            for field, value in request.points[i].items()
         }
-        last = {"scene": key(tasks[i])} if i in tasks else {}
-        of_scene = [{"at": "", "status": f"failed: {failed.get(i)}"}]
-        if i not in failed:
-            of_scene = list(filter(request.wanted, answers[i]["rows"]))
-        rows += [{**first, **row, **last} for row in of_scene]
+        scene = {"scene": key(tasks[i])} if i in tasks else {}
+        if i in failed:
+            yield {**values, "at": "", "status": f"failed: {failed[i]}", **scene}
+        else:
+            for row in filter(request.wanted, answers[i]["rows"]):
+                yield {**values, **row, **scene}
+
     return Study(
         name=one["name"],
         over=tuple(columns.values()),
-        rows=tuple(rows),
+        rows=tuple(row for i in range(total) for row in rows(i)),
         failures=tuple((request.points[i], failed[i]) for i in sorted(failed)),
         scenes=total,
         reused=reused,
