@@ -138,14 +138,14 @@ def study(
     request = StudyRequest(scene, checked(over), changes or {}, mechanics, at)
     tasks, unusable = request.tasks()
     request.check(unusable)
-    total = len(request.points)
+    points = request.points
 
     def run(left: Sequence[Task]) -> Iterator[tuple[int, Answer]]:
         return local(left, count) if scheduler is None else cluster(left, scheduler)
 
     def report(answered: int) -> None:
         if progress is not None:
-            progress("scenes", (answered + len(unusable)) / total)
+            progress("scenes", (answered + len(unusable)) / len(points))
 
     with ExitStack() as opened:
         place, chosen = None, ""
@@ -164,7 +164,7 @@ def study(
     def rows(i: int) -> Iterator[dict[str, Any]]:
         values = {
             columns[field]: str(value) if isinstance(value, list | tuple | dict) else value
-            for field, value in request.points[i].items()
+            for field, value in points[i].items()
         }
         scene = {"scene": key(tasks[i])} if i in tasks else {}
         if i in failed:
@@ -176,9 +176,9 @@ def study(
     return Study(
         name=one["name"],
         over=tuple(columns.values()),
-        rows=tuple(row for i in range(total) for row in rows(i)),
-        failures=tuple((request.points[i], failed[i]) for i in sorted(failed)),
-        scenes=total,
+        rows=tuple(row for i in range(len(points)) for row in rows(i)),
+        failures=tuple((points[i], failed[i]) for i in sorted(failed)),
+        scenes=len(points),
         reused=reused,
         about=about,
     )
