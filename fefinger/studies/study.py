@@ -148,13 +148,13 @@ def study(
             progress("scenes", (answered + len(unusable)) / len(points))
 
     with ExitStack() as opened:
-        place, chosen = None, ""
+        scenes, chosen = None, ""
         if folder is not None:
             opened.enter_context(output(folder))
-            place = opened.enter_context(output(Path(folder, "scenes")))
+            scenes = opened.enter_context(output(Path(folder, "scenes")))
         if mechanics != EACH:
-            tasks, chosen = agreed(tasks, request.over, place)
-        answers, reused = _answers(tasks, place, run, report)
+            tasks, chosen = agreed(tasks, request.over, scenes)
+        answers, reused = _answers(tasks, scenes, run, report)
     about = {**request.record(), **provenance(list(answers.values()), reused)}
     about |= {"chosen": chosen} if chosen else {}
     one = next(iter(tasks.values()))["scene"]
