@@ -12,9 +12,9 @@ PACKAGES = ("numpy", "scipy", "scikit-fem", "numba")
 
 @cache
 def commit() -> str:
-    """Git commit of the source tree that runs; empty where that is not a repository.
+    """Return the git commit of the source tree that runs; "" unless the tree is a repository.
 
-    A repository that only contains an installation of the program does not count.
+    A repository around an installation does not count.
     """
     tree = Path(__file__).resolve().parents[2]
     try:

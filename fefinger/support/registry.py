@@ -29,7 +29,7 @@ UNKNOWN = (
     "One of your own is known when its module is loaded: import it, or name it in `plugins` of the "
     f"scene or in the variable {PLUGINS} of the environment"
 )
-"""What to do about a name that resembles none."""
+"""Advice on a name that is like no other."""
 
 NAME = re.compile("[a-z][a-z0-9]*(-[a-z0-9]+)*")
 """Names that fit into a scene file, a command line and a table."""
@@ -88,7 +88,7 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
             raise InputError(f"{error} {UNKNOWN}") from None
 
     def takes(self, thing: object) -> bool:
-        """Whether a thing is of this kind."""
+        """Return whether a thing is of this kind."""
         if isinstance(thing, type) and inspect.isabstract(thing):
             return False
         return hasattr(thing, self.mark) and (isinstance(thing, type) or not self.classes)
@@ -126,13 +126,13 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         return {self.origin(thing)[0] for thing in own}
 
     def _known(self) -> dict[str, EntryPoint]:
-        """Places of what is shipped or installed; loads the plugins of the environment."""
+        """Return where things are imported from, after the plugins of the environment are loaded."""
         load_of_environment()
         return self._installed
 
     @cached_property
     def _installed(self) -> dict[str, EntryPoint]:
-        """Places of what is shipped or installed; InputError for a name that is taken."""
+        """Where things of the package and of distributions are; InputError for a name that is taken."""
         for each in entry_points(group=self.group):
             if each.name in self._places:
                 owner = each.dist.name if each.dist else each.value

@@ -19,25 +19,25 @@ class Control(StrEnum):
 
     @property
     def unit(self) -> str:
-        """Unit of what is prescribed."""
+        """Unit of the prescribed quantity."""
         return self.of("mm", "N")
 
     @property
     def pace(self) -> str:
-        """Name of the key for its rate."""
+        """Key of a scene for its rate."""
         return self.of("speed", "loading_rate")
 
     @property
     def other(self) -> "Control":
-        """What answers to it."""
+        """The quantity that results: the force under a given depth, the depth under a given force."""
         return self.of(Control.FORCE, Control.DEPTH)
 
     def of(self, depth: Value, force: Value) -> Value:
-        """Return the first under control of the depth, the second under control of the force."""
+        """Return the first value if the depth is prescribed, the second if the force is."""
         return force if self is Control.FORCE else depth
 
     def __repr__(self) -> str:
-        """Return it as it can be given to a motion."""
+        """Return the text that a motion takes."""
         return repr(str(self))
 
     @classmethod
