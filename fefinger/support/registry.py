@@ -126,13 +126,13 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         return {self.origin(thing)[0] for thing in own}
 
     def _known(self) -> dict[str, EntryPoint]:
-        """Return where things are imported from, after the plugins of the environment are loaded."""
+        """Return where things are imported from; loads the plugins of the environment."""
         load_of_environment()
         return self._installed
 
     @cached_property
     def _installed(self) -> dict[str, EntryPoint]:
-        """Where things of the package and of distributions are; InputError for a name that is taken."""
+        """Where things are imported from; InputError for a name that is taken."""
         for each in entry_points(group=self.group):
             if each.name in self._places:
                 owner = each.dist.name if each.dist else each.value

@@ -29,7 +29,7 @@ class Control(StrEnum):
 
     @property
     def other(self) -> "Control":
-        """The quantity that results: the force under a given depth, the depth under a given force."""
+        """The quantity that results: the force of a given depth, the depth of a given force."""
         return self.of(Control.FORCE, Control.DEPTH)
 
     def of(self, depth: Value, force: Value) -> Value:
