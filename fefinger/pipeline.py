@@ -23,7 +23,7 @@ friction              `mechanics/press/sliding.py` at small strain (solved in
                       `contact/frictional.py`), `mechanics/press/dragged.py` at finite strain
 table of `pressed`    `mechanics/press/elastic_press.py`: `load_or_solve` reads it, or solves and
                       stores it; its files are written by `depth_table.write`
-stated error          `plan._rung`: `error` of the mechanics, and that of neglecting inertia
+stated error          `plan._rung`: `error` of the mechanics, and the error of neglecting inertia
 """
 
 from typing import TYPE_CHECKING
@@ -63,7 +63,7 @@ def run(
     InputError
         A scene that cannot be used, or that no mechanics answers.
     ConvergenceError
-        An iteration that failed; `Stopped` holds the Result up to there.
+        A failed iteration; `Stopped` holds the Result up to there.
     """
     # Imported here, so that `import fefinger` and its command line stay quick.
     from fefinger.afferents import fire, mesh_check

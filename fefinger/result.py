@@ -39,10 +39,10 @@ if TYPE_CHECKING:
 
 
 NOT_HARMONIC = (
-    "No harmonic answer: that of a sweep is given by `modal` alone, which is taken where inertia "
+    "No harmonic response to the sweep: `modal` alone computes one. It is chosen where inertia "
     "matters, or by name (--mechanics modal)."
 )
-"""Note on a sweep that another mechanics has answered."""
+"""Note on a sweep that another mechanics than `modal` has answered."""
 
 NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "units.csv", "report.html")
 """Files of a saved result."""
@@ -52,7 +52,7 @@ PARTS = {
     "spikes.csv": ("SpikeTrains", "times"),
     "units.csv": ("SpikeTrains", "times"),
 }
-"""Files that a result has only with a part of it, and an array of that part in `result.nc`."""
+"""Files of parts that a result may lack, and an array of the part by which `result.nc` shows it."""
 
 
 class Result(ResultRecord):
@@ -121,7 +121,7 @@ class Result(ResultRecord):
         return fire(ask, self.response, since=since, check=False)
 
     def to_xarray(self) -> "xr.Dataset":
-        """Return everything as a Dataset with units, as `result.nc` holds it."""
+        """Return all that `result.nc` holds as a Dataset with units."""
         from fefinger.results.netcdf import dataset
 
         return dataset(self)
@@ -129,9 +129,9 @@ class Result(ResultRecord):
     def save(self, folder: str | PathLike[str]) -> list[str]:
         """Write the result into `folder` and return the paths written, `result.nc` first.
 
-        `result.vtkhdf` is written only where there are fields, `spikes.csv` and `units.csv` only
-        where there are spikes. The files of an earlier result in the folder are replaced or
-        removed. An interruption or an error leaves the folder as it was.
+        `result.vtkhdf` needs fields, `spikes.csv` and `units.csv` need spikes. The files of an
+        earlier result in the folder are replaced or removed. An interruption or an error leaves
+        the folder as it was.
 
         Raises
         ------
@@ -155,7 +155,7 @@ class Result(ResultRecord):
                 self.spikes.to_csv(new["spikes.csv"])
                 self.spikes.units_to_csv(new["units.csv"])
             report.write(self, new["report.html"])
-            with shielded():  # a signal leaves all of the result before, or all of this one
+            with shielded():  # a signal leaves the earlier result or this one, but no mixture
                 for name, path in new.items():
                     if path.exists():
                         os.replace(path, target / name)
@@ -186,16 +186,16 @@ def earlier(folder: str | PathLike[str]) -> tuple[str, ...]:
     if stored is not None:
         others = {name for name, key in PARTS.items() if LAYOUT[key].name not in stored}
         if (place / "study.json").exists():
-            others.add("report.html")  # that of the study
+            others.add("report.html")  # of the study
         foreign = [name for name in present if name in others]
     keep(foreign, place, "result")
     return tuple(present)
 
 
 def load(path: str | PathLike[str]) -> Result:
-    """Return the Result that `save` wrote: `path` is its folder or its `result.nc`.
+    """Return the Result that `save` has written, from its folder or its `result.nc`.
 
-    Raises InputError when there is no such file, or when it is foreign or damaged.
+    Raises InputError where there is no such file, or it is damaged or not of fefinger.
     """
     from fefinger.results.netcdf import read
 
