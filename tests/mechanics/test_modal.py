@@ -337,7 +337,7 @@ def test_a_sweep_has_its_harmonic_answer_and_says_where_contact_opens() -> None:
     assert len(one.harmonic.frequency) == 200
     still = ff.run(calm, mechanics="condensed")
     assert still.harmonic is None
-    assert any("No harmonic answer" in note for note in still.notes)
+    assert any("No harmonic response" in note for note in still.notes)
     assert one.harmonic.preload_depth == pytest.approx(0.3)
     assert not any("mid-cycle" in note for note in one.notes)
     assert any("mid-cycle" in note for note in other.notes)
