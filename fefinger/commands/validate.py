@@ -1,6 +1,7 @@
 """`fefinger validate` and `fefinger bench`: comparison with theory and numbers, and speed."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -33,8 +34,9 @@ def validate(
     function cases(quick), in this folder or on the path of Python; its code is run. If DIR has an
     index.html of validations, it is updated.
     """
-    from fefinger.support import outputs
     from fefinger.validation import suites as available
+
+    from fefinger.support import outputs
 
     if not name.strip() or Path(name).name != name:
         message = f"--name: expected a base name of files, such as validation, received {name!r}"
@@ -54,7 +56,9 @@ def validate(
     return FAILED if "fail" in verdicts else DONE
 
 
-def _save(record: Record, folder: Path, name: str, command: str, *, quick: bool) -> list[str]:
+def _save(
+    record: dict[str, Any], folder: Path, name: str, command: str, *, quick: bool
+) -> list[str]:
     """Write the record, its page and an existing index; return the paths."""
     from fefinger.validation import index as pages
     from fefinger.validation import page, suites
@@ -79,8 +83,9 @@ def bench(suites: tuple[str, ...], output: str | None, as_json: bool) -> None:
 
     Runs all suites, or the SUITES named, each against a baseline in the same run.
     """
-    from fefinger.support.outputs import output_folder
     from fefinger.validation.bench import suites as benchmarks
+
+    from fefinger.support.outputs import output_folder
 
     folder = None if output is None else output_folder(output)
     with console.progress() as report:

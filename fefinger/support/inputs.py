@@ -13,13 +13,13 @@ from collections.abc import Mapping
 from importlib import resources
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-import numpy as np
-
-from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, shown
 
+
+if TYPE_CHECKING:
+    from fefinger.support.arrays import Array
 
 Value = TypeVar("Value")
 
@@ -137,11 +137,12 @@ def bounded(field: str, values: Value) -> Value:
     raise InputError(f"{field}: {BOUNDS}")
 
 
-def read_wave(name: str, file: Path) -> tuple[int, Array]:
+def read_wave(name: str, file: Path) -> "tuple[int, Array]":
     """Read a WAV file: samples per s, and the samples (n,) of its first channel, from -1 to 1.
 
     Raises InputError of `name` for another file, or a silent one.
     """
+    import numpy as np
     from scipy.io import wavfile
 
     check_input(name, file, "a WAV file")
