@@ -161,11 +161,10 @@ class CandidateSurface:
         fitted = inner + np.concatenate([np.where(k, c, whole).sum(axis=1) for c, k in parts])
         # Near an edge of the obstacle the power 3/2 of the gap does not hold, nor does the fit. The
         # area is that of the vertices then, also of those whose pressure has oscillated to zero.
-        vertices = float((count * self._areas).sum()) / 3
-        plausible = (vertices < PLAUSIBLE * fitted) & (fitted < PLAUSIBLE * vertices)
         shares = np.repeat(self._areas / 3, 3)
-        touched = counted @ np.bincount(self.triangles.ravel(), shares, minlength=len(pressed))
-        return np.asarray(np.where(plausible, fitted, touched))
+        vertices = counted @ np.bincount(self.triangles.ravel(), shares, minlength=len(pressed))
+        plausible = (vertices < PLAUSIBLE * fitted) & (fitted < PLAUSIBLE * vertices)
+        return np.asarray(np.where(plausible, fitted, vertices))
 
     def _cut(
         self, rim: Integers, crossed: Flags, pressed: Flags, gap: Array
