@@ -13,8 +13,8 @@ from damage import flip
 
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.geometry.mirror import whole
-from fefinger.mesh import shipped, store, vtu
-from fefinger.mesh.recipe import Recipe
+from fefinger.mesh import store, vtu
+from fefinger.mesh.recipe import Recipe, data_folder
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 
@@ -22,7 +22,7 @@ from fefinger.support.checks import InputError
 @pytest.fixture(scope="module")
 def mesh() -> FingerMesh:
     """Return the smallest shipped half."""
-    return vtu.read(shipped.data_folder() / "ah-coarse.vtu")
+    return vtu.read(data_folder() / "ah-coarse.vtu")
 
 
 @pytest.fixture

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from fefinger.validation.oracles import approach, compliance, fingerpad, synthetic
+from fefinger.validation.oracles import fingerpad, layer, synthetic
 from fefinger.validation.thesis.ball import fit_ball
-from fefinger.validation.thesis.force_filter import two_pole
+from fefinger.validation.thesis.claims import two_pole
 
 from fefinger.theory import relaxation
 from fefinger.theory.array import sensor
@@ -40,9 +40,9 @@ CALLS = [
     lambda: hertz.equivalent_radius(-1.0, -2.0),
     lambda: hertz.equivalent_radius(NAN, 2.0),
     lambda: hertz.equivalent_radius(0.0, 2.0),
-    lambda: compliance.series_modulus((NAN, 0.5)),
-    lambda: compliance.series_modulus((10.0, 0.6)),
-    lambda: compliance.series_modulus((10.0, NAN)),
+    lambda: fingerpad.series_modulus((NAN, 0.5)),
+    lambda: fingerpad.series_modulus((10.0, 0.6)),
+    lambda: fingerpad.series_modulus((10.0, NAN)),
     lambda: hertz.Hertz(NAN, 0.1, 34.0, 0.4),
     lambda: hertz.Hertz(10.0, 0.1, 34.0, 0.6),
     lambda: HERTZ.pressure(-1.0),
@@ -58,7 +58,7 @@ CALLS = [
     lambda: CONTACT.pressure(NAN),
     lambda: CONTACT.transform(NAN),
     lambda: indentation.paraboloid(STACK, NAN, contact_radius=1.0),
-    lambda: approach.paraboloid_at(STACK, 10.0, depth=NAN),
+    lambda: layer.paraboloid_at(STACK, 10.0, depth=NAN),
     lambda: indentation.flat_punch(STACK, 1.0, depth=NAN),
     lambda: fingerpad.Fingerpad(NAN, 1.0, 1.0, PRONY),
     lambda: fingerpad.Fingerpad(INF, 1.0, 1.0, PRONY),

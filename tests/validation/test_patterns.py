@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from fefinger.validation.afferents.patterns import Pad
-from fefinger.validation.oracles.approach import paraboloid_at
+from fefinger.validation.oracles.layer import paraboloid_at
 
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.contact import subsurface

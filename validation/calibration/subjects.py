@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.calibration import sensitivity
-from fefinger.validation.calibration.profile import profile
+from fefinger.validation.calibration.figures import profile
 from fefinger.validation.calibration.report import calibrated, rows
 from fefinger.validation.case import Case, Expected, Noted
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.validation.calibration import split
-from fefinger.validation.calibration.profile import profile
+from fefinger.validation.calibration.figures import profile
 from fefinger.validation.calibration.split import PARTS
 from fefinger.validation.problems.chain import SUBJECTS
 from fefinger.validation.provenance import save, saved

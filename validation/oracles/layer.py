@@ -1,16 +1,19 @@
-"""Exact compliance of one elastic layer on a rigid base.
+"""Exact compliance of one elastic layer on a rigid base, and a paraboloid at a given depth.
 
 `indentation.py` solves the contact on a `Sheet`. Lengths in mm, moduli in kPa. Source:
 Lebedev and Ufliand 1958 (kernels).
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import brentq
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
+from fefinger.theory.contact.indentation import Contact, LayeredBody, paraboloid
 from fefinger.theory.contact.stack import Base
 
 
@@ -91,3 +94,31 @@ class Faced:
     def _under(self) -> float:
         """Compliance 1 / E* of the sheet at high wavenumbers."""
         return 1 / elastic.plane_modulus(*self.sheet.surface)
+
+
+def paraboloid_at(body: LayeredBody, radius: float, *, depth: float) -> Contact:
+    """Solve the contact of a rigid paraboloid at an approach of `depth` mm, by a root in a.
+
+    ValueError as `indentation.paraboloid`.
+    """
+    elastic.require_positive("paraboloid", radius=radius, depth=depth)
+    guess = min(radius, math.sqrt(radius * depth))
+    widest = radius * (1 - 1e-12)
+
+    def excess(log_a: float) -> float:
+        contact = paraboloid(body, radius, contact_radius=min(math.exp(log_a), widest))
+        return math.log(contact.depth / depth)
+
+    low, high = math.log(guess) - 0.7, math.log(guess) + 0.7
+    # On a thin layer a tends to twice the Hertz value; under a stiff skin it falls far below it.
+    while excess(low) > 0:
+        low -= 0.7
+    while excess(high) < 0:
+        if high >= math.log(widest):
+            raise ValueError(
+                "paraboloid: expected a depth whose contact is at most as wide as the radius "
+                f"{radius:g} mm (small strain), received {depth:g}"
+            )
+        high += 0.7
+    a = math.exp(brentq(excess, low, high, xtol=1e-13, rtol=1e-13))
+    return paraboloid(body, radius, contact_radius=min(a, widest))

@@ -1,8 +1,9 @@
-"""Tangential contact of a sphere and a half-space under a constant normal force.
+"""Sphere sheared on a half-space under a constant normal force, and forces at a point of one.
 
 Lengths in mm, moduli in kPa, forces in mN. a is the contact radius of Hertz, P its force. Sources:
 Mindlin, J. Appl. Mech. 16:259, 1949; Mindlin and Deresiewicz, J. Appl. Mech. 20:327, 1953; Johnson,
-Contact Mechanics, 1985, 7.2 and 7.4; the force of Cerruti, Johnson 3.6.
+Contact Mechanics, 1985, 7.2 and 7.4; the forces of Boussinesq and Cerruti, Johnson 3.2
+and 3.6; z points into the body.
 """
 
 from dataclasses import dataclass
@@ -10,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.support.arrays import Array
+from fefinger.theory.contact import elastic
+from fefinger.theory.contact.elastic import Array
 
 
 @dataclass(frozen=True)
@@ -82,3 +84,14 @@ def cerruti(x: ArrayLike, y: ArrayLike, z: ArrayLike, *, shear: float, poisson: 
     across = x * y / rho**3 - free * x * y / (rho * (rho + z) ** 2)
     down = x * z / rho**3 + free * x / (rho * (rho + z))
     return np.asarray(np.array([along, across, down]) / (4 * np.pi * shear))
+
+
+def point_displacement(
+    r: ArrayLike, z: ArrayLike, *, force: float, modulus: float, poisson: float
+) -> Array:
+    """Displacement u_r, u_z (2, ...) in mm under a normal point force in mN, zero at infinity."""
+    r, z = np.broadcast_arrays(np.asarray(r, np.float64), np.asarray(z, np.float64))
+    rho = np.hypot(r, z)
+    scale = force / (4 * np.pi * elastic.shear_modulus(modulus, poisson))
+    outward = r * z / rho**3 - (1 - 2 * poisson) * r / (rho * (rho + z))
+    return scale * np.array([outward, z**2 / rho**3 + 2 * (1 - poisson) / rho])

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from fefinger.validation.oracles.mindlin import cerruti
-from fefinger.validation.oracles.point_force import point_displacement
+from fefinger.validation.oracles.mindlin import cerruti, point_displacement
 from fefinger.validation.problems.grids import box
 from fefinger.validation.problems.quarter import Indenter, top
 from scipy import sparse

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from fefinger.validation.oracles.point_force import point_displacement
+from fefinger.validation.oracles.mindlin import point_displacement
 
 from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import Patch, patch

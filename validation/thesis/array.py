@@ -5,8 +5,7 @@ from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
-from fefinger.validation.oracles.compliance import series_modulus
-from fefinger.validation.oracles.fingerpad import Fingerpad
+from fefinger.validation.oracles.fingerpad import Fingerpad, series_modulus
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import PROFILES, SENSOR, pad
 

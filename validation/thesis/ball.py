@@ -5,9 +5,8 @@ from functools import cache, partial
 
 import numpy as np
 from fefinger.validation.case import Case, Expected
-from fefinger.validation.oracles.approach import paraboloid_at
-from fefinger.validation.oracles.compliance import series_modulus
-from fefinger.validation.oracles.layer import Faced, Sheet
+from fefinger.validation.oracles.fingerpad import series_modulus
+from fefinger.validation.oracles.layer import Faced, Sheet, paraboloid_at
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import BALL_DEPTH, BALLS, SENSOR, ball
 from numpy.typing import ArrayLike

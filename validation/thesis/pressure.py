@@ -7,8 +7,7 @@ from functools import cache, partial
 import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles import goodwin
-from fefinger.validation.oracles.compliance import series_modulus
-from fefinger.validation.oracles.fingerpad import Fingerpad, Reading
+from fefinger.validation.oracles.fingerpad import Fingerpad, Reading, series_modulus
 from fefinger.validation.thesis.lumped import DIGITS, digits
 
 from fefinger.scene import pawluk1997

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from fefinger.validation.oracles.compliance import series_modulus
-from fefinger.validation.oracles.fingerpad import Fingerpad
+from fefinger.validation.oracles.fingerpad import Fingerpad, series_modulus
 from fefinger.validation.thesis.ball import fit_ball
-from fefinger.validation.thesis.force_filter import two_pole
+from fefinger.validation.thesis.claims import two_pole
 
 from fefinger.scene import pawluk1997
 from fefinger.theory.array.sensor import (

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from fefinger.validation.oracles.approach import paraboloid_at
+from fefinger.validation.oracles.layer import paraboloid_at
 from oracles.solved_contact import load_within
 
 from fefinger.theory.contact.contact_table import STEP, TooWideError, tabulate, tabulate_to

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from fefinger.validation.oracles.compliance import series_modulus
+from fefinger.validation.oracles.fingerpad import series_modulus
 
 from fefinger.theory.contact.hertz import equivalent_radius, relative_radius
 

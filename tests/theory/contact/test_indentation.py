@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from fefinger.validation.oracles.approach import paraboloid_at
-from fefinger.validation.oracles.layer import Sheet
+from fefinger.validation.oracles.layer import Sheet, paraboloid_at
 from fefinger.validation.oracles.punch import FlatPunch
 from oracles.solved_contact import load_within, surface_displacement
 from scipy.integrate import quad

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from fefinger.validation.oracles import synthetic
-from fefinger.validation.thesis.force_filter import two_pole
+from fefinger.validation.thesis.claims import two_pole
 
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array

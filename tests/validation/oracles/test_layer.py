@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from fefinger.validation.oracles.approach import paraboloid_at
-from fefinger.validation.oracles.layer import Faced, Sheet
+from fefinger.validation.oracles.layer import Faced, Sheet, paraboloid_at
 from oracles.solved_contact import surface_displacement
 
 from fefinger.theory.contact.hertz import Hertz
