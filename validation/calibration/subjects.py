@@ -47,13 +47,10 @@ STIFFER = (
 def cases(subject: str, *, quick: bool) -> Iterator[Case]:
     """Yield the cases of a shipped subject."""
     yield from _force(subject)
-    yield Case(
-        f"{subject}: shipped tissue set against the report",
-        partial(shipped, subject),
-        Expected(0.0, 5e-3),
-        "reports/calibrated.json",
-        reason="rounded to the digits that are shipped",
-    )
+    name = f"{subject}: shipped tissue set against the report"
+    measure = partial(shipped, subject)
+    reason = "rounded to the digits that are shipped"
+    yield Case(name, measure, Expected(0.0, 5e-3), "reports/calibrated.json", reason=reason)
     if not quick:
         yield Case(
             f"{subject}: R, m and c0 b of Table 3.2 through the array and back, the largest miss",
@@ -68,13 +65,10 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
 def _force(subject: str) -> Iterator[Case]:
     calibration, row = calibrated(subject), pawluk1997.lumped()[subject]
     sd, _ = line_sd(targets.subject(subject))
-    yield Case(
-        f"{subject}: m of stiffness against force of the calibrated finger",
-        lambda: calibration.residuals["m"],
-        Expected(row.m, 3 * sd, "1/mm"),
-        "Table 2.1",
-        reason="three standard deviations that VAF_k leaves over these forces",
-    )
+    name = f"{subject}: m of stiffness against force of the calibrated finger"
+    limits = Expected(row.m, 3 * sd, "1/mm")
+    reason = "three standard deviations that VAF_k leaves over these forces"
+    yield Case(name, lambda: calibration.residuals["m"], limits, "Table 2.1", reason=reason)
     for frequency in FREQUENCIES:
         for what, limit in PRINTED.items():
             yield Case(
@@ -89,13 +83,10 @@ def _force(subject: str) -> Iterator[Case]:
 def _pressed_again(subject: str) -> Iterator[Case]:
     row, calibration = pad.printed(subject), calibrated(subject)
     kept_curve = "the report, whose curves are between presses"
-    yield Case(
-        f"{subject}: a new press of the calibrated finger, coarse mesh",
-        partial(again, subject),
-        Expected(0.0, 0.05),
-        "the curve in the report",
-        reason="exponents and radii between those of the presses, and a mesh of its own",
-    )
+    name = f"{subject}: a new press of the calibrated finger, coarse mesh"
+    measure = partial(again, subject)
+    reason = "exponents and radii between those of the presses, and a mesh of its own"
+    yield Case(name, measure, Expected(0.0, 0.05), "the curve in the report", reason=reason)
     yield Case(
         f"{subject}: b of stiffness against force of a new press, coarse mesh",
         partial(first_stiffness, subject),

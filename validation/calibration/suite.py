@@ -89,12 +89,8 @@ def left_out(subject: str) -> float:
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield twins, predictions, the array and the shipped sets."""
     yield from _twin(0 if quick else SEEDS)
-    yield Case(
-        "order of the remainder with the Jacobian of the fit",
-        order,
-        Expected(2.0, 0.2),
-        "Taylor's theorem",
-    )
+    name = "order of the remainder with the Jacobian of the fit"
+    yield Case(name, order, Expected(2.0, 0.2), "Taylor's theorem")
     if not quick:
         yield from _other_mesh(SEEDS)
         yield from _of_solid(SEEDS)
@@ -109,13 +105,10 @@ def cases(*, quick: bool) -> Iterator[Case]:
             "tissue bears five times the force of the softest; the presses that are used are half "
             "as far apart.",
         )
-        yield Case(
-            "a.h.: ramp and hold of solid with the shipped set, off the prediction",
-            partial(relaxing, "a.h."),
-            Expected(0.0, 0.04),
-            "one G and the elastic curve in the report",
-            reason="the coarse mesh, and a stress that relaxes at finite strain: 1 to 2 % each",
-        )
+        name = "a.h.: ramp and hold of solid with the shipped set, off the prediction"
+        source = "one G and the elastic curve in the report"
+        reason = "the coarse mesh, and a stress that relaxes at finite strain: 1 to 2 % each"
+        yield Case(name, partial(relaxing, "a.h."), Expected(0.0, 0.04), source, reason=reason)
     for subject in rows():
         yield from subjects.cases(subject, quick=quick)
     yield from tip_shape.cases(quick=quick)
@@ -123,13 +116,10 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 def _recovered(twin: str, measure: Callable[[], float], name: str, seeds: int) -> Case:
     """Return the case that a calibration finds a parameter of a twin within its uncertainty."""
-    return Case(
-        f"{twin}: seeds of {seeds} in which {name} is within its stated uncertainty",
-        measure,
-        Expected(seeds, 1.0, "seeds"),
-        "the parameters of the twin",
-        reason="two standard deviations hold 95 %, so one of ten may be outside",
-    )
+    title = f"{twin}: seeds of {seeds} in which {name} is within its stated uncertainty"
+    limits = Expected(seeds, 1.0, "seeds")
+    reason = "two standard deviations hold 95 %, so one of ten may be outside"
+    return Case(title, measure, limits, "the parameters of the twin", reason=reason)
 
 
 def _twin(seeds: int) -> Iterator[Case]:
@@ -170,23 +160,17 @@ def _of_solid(seeds: int) -> Iterator[Case]:
         "each weight of G": partial(solid_twin.weights, seeds),
     }
     for name, measure in biased.items():
+        title = f"twin of solid: seeds of {seeds} in which {name} is within its stated uncertainty"
+        limits = Expected(solid_twin.WITHIN[name], 2.0, "seeds")
+        source = "the parameters of the twin"
         yield Case(
-            f"twin of solid: seeds of {seeds} in which {name} is within its stated uncertainty",
-            measure,
-            Expected(solid_twin.WITHIN[name], 2.0, "seeds"),
-            "the parameters of the twin",
-            wanted=seeds - 1,
-            shortfall=ONE_G,
-            reason="as found",
+            title, measure, limits, source, wanted=seeds - 1, shortfall=ONE_G, reason="as found"
         )
     for name in solid_twin.TRUTH:
-        yield Case(
-            f"twin of solid: {name} over the true one less 1, mean of {seeds} seeds",
-            partial(solid_twin.missed, name, seeds),
-            Expected(0.0, solid_twin.OFF),
-            "the parameters of the twin",
-            reason=ONE_G,
-        )
+        title = f"twin of solid: {name} over the true one less 1, mean of {seeds} seeds"
+        measured = partial(solid_twin.missed, name, seeds)
+        limits = Expected(0.0, solid_twin.OFF)
+        yield Case(title, measured, limits, "the parameters of the twin", reason=ONE_G)
 
 
 def finding() -> dict[str, Any]:

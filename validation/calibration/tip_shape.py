@@ -191,14 +191,11 @@ def measured() -> list[dict[str, Any]]:
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the cases of the report; without `quick`, of new presses of the shipped fingers too."""
     before = of_report(FIRST)
+    name = f"a.h., {FIRST}: distance of the highest pressure from the center, flat-press"
+    measure = partial(before.__getitem__, "off_center")
+    limits = Expected(3.34, 0.15, "mm")
     yield Case(
-        f"a.h., {FIRST}: distance of the highest pressure from the center, flat-press",
-        partial(before.__getitem__, "off_center"),
-        Expected(3.34, 0.15, "mm"),
-        f"reports/{ROUND_TIP}",
-        wanted=0.0,
-        shortfall=EDGE,
-        reason=MIDDLE,
+        name, measure, limits, f"reports/{ROUND_TIP}", wanted=0.0, shortfall=EDGE, reason=MIDDLE
     )
     for subject in SUBJECTS:
         row = of_report(subject)
@@ -217,13 +214,9 @@ def of_report(step: str) -> dict[str, Any]:
 
 def _fit(subject: str, row: dict[str, Any]) -> Iterator[Case]:
     source = f"Tables 2.1 and 3.2, by reports/{ROUND_TIP}"
-    yield Case(
-        f"{subject}: misfit of stiffness and relaxation",
-        partial(row.__getitem__, "misfit"),
-        Expected(0.0, 0.05),
-        source,
-        reason="1 is the scatter of the data; the fits are far below",
-    )
+    name = f"{subject}: misfit of stiffness and relaxation"
+    reason = "1 is the scatter of the data; the fits are far below"
+    yield Case(name, partial(row.__getitem__, "misfit"), Expected(0.0, 0.05), source, reason=reason)
     short = subject in SHORT
     yield Case(
         f"{subject}: R that the thesis's fit finds",
@@ -254,22 +247,14 @@ def _central(subject: str, by: str, measure: Callable[[], float]) -> Case:
 
 
 def _waves(row: dict[str, Any]) -> Iterator[Case]:
-    yield Case(
-        "a.h.: surface wave speed by the instantaneous modulus of skin",
-        partial(row.__getitem__, "skin_speed"),
-        Expected(7.0, 1.4, "m/s"),
-        MANFREDI,
-        reason="scatter of subjects and bands",
-    )
-    yield Case(
-        "a.h.: surface wave speed by the instantaneous modulus of pulp",
-        partial(row.__getitem__, "pulp_speed"),
-        Expected(2.25, 0.05, "m/s"),
-        MANFREDI,
-        wanted=7.0,
-        shortfall=PULP,
-        reason="as found",
-    )
+    name = "a.h.: surface wave speed by the instantaneous modulus of skin"
+    measure = partial(row.__getitem__, "skin_speed")
+    limits = Expected(7.0, 1.4, "m/s")
+    yield Case(name, measure, limits, MANFREDI, reason="scatter of subjects and bands")
+    name = "a.h.: surface wave speed by the instantaneous modulus of pulp"
+    measure = partial(row.__getitem__, "pulp_speed")
+    limits = Expected(2.25, 0.05, "m/s")
+    yield Case(name, measure, limits, MANFREDI, wanted=7.0, shortfall=PULP, reason="as found")
 
 
 def table() -> dict[str, Any]:

@@ -312,13 +312,10 @@ def _theory(*, quick: bool) -> Iterator[Case]:
 
 def _trades() -> Iterator[Case]:
     steps, source = f"over {STEPS} steps, whole finger", "the standard mesh, a tolerance of 1e-10"
-    yield Case(
-        f"force on the coarse mesh {steps}",
-        lambda: traded(stepped("coarse", tilt=10.0)),
-        Expected(0.0, 3.0, "%"),
-        source,
-        reason="what a step that is several times cheaper costs",
-    )
+    name = f"force on the coarse mesh {steps}"
+    limits = Expected(0.0, 3.0, "%")
+    reason = "what a step that is several times cheaper costs"
+    yield Case(name, lambda: traded(stepped("coarse", tilt=10.0)), limits, source, reason=reason)
     for tolerance in (1e-6, 1e-4):
         yield Case(
             f"force with a contact tolerance of {tolerance:g} {steps}",

@@ -57,12 +57,9 @@ def trials(*, quick: bool) -> tuple[Trial, ...]:
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield one case per trial."""
     for trial in trials(quick=quick):
-        yield Case(
-            f"{trial.group}, {trial.edge}: {trial.name}",
-            partial(_measured, trial),
-            Expected(0.0, 1.0, "of the limit"),
-            SOURCES[trial.wants or "either"],
-        )
+        name = f"{trial.group}, {trial.edge}: {trial.name}"
+        limits = Expected(0.0, 1.0, "of the limit")
+        yield Case(name, partial(_measured, trial), limits, SOURCES[trial.wants or "either"])
 
 
 def _measured(trial: Trial) -> Noted:

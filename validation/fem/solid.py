@@ -142,13 +142,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
             what = f"{name}, nu {nu:g}, squeezed to half"
             reason = "equilibrium is solved to 1e-7"
             for quantity, error in (("force", force_error), ("width", width_error)):
-                yield Case(
-                    f"finite strain: {quantity} error, {what}",
-                    partial(error, name, nu),
-                    Expected(0.0, 1e-3, "%"),
-                    CLOSED,
-                    reason=reason,
-                )
+                title = f"finite strain: {quantity} error, {what}"
+                measure = partial(error, name, nu)
+                yield Case(title, measure, Expected(0.0, 1e-3, "%"), CLOSED, reason=reason)
     if not quick:
         yield from tabled(THROUGH_TIME)
         yield from _hemisphere_cases()
@@ -179,13 +175,10 @@ THROUGH_TIME: dict[str, Row] = {
 
 def _hemisphere_cases() -> Iterator[Case]:
     for size in (COARSE, FINE):
-        yield Case(
-            f"hemisphere at 1.5 mm, nu 0.49, cells of {size:g} mm",
-            partial(hemisphere_force, size, 0.49),
-            Expected(1.625, 0.01, "N"),
-            PEER,
-            reason="its converged force lies between 1.62 and 1.63 N; ours has 0.3 % of mesh error",
-        )
+        name = f"hemisphere at 1.5 mm, nu 0.49, cells of {size:g} mm"
+        measure = partial(hemisphere_force, size, 0.49)
+        reason = "its converged force lies between 1.62 and 1.63 N; ours has 0.3 % of mesh error"
+        yield Case(name, measure, Expected(1.625, 0.01, "N"), PEER, reason=reason)
     yield Case(
         "hemisphere: force at nu 0.499 over that at nu 0.49",
         lambda: hemisphere_force(FINE, 0.499) / hemisphere_force(FINE, 0.49),

@@ -59,10 +59,7 @@ def apart(name: str) -> Noted:
 def cases() -> Iterator[Case]:
     """Yield the cases on mesh dependence of the strain at the end organs."""
     for name, limit in zip(INDENTERS, (1.5, 3.0), strict=True):
-        yield Case(
-            f"{name}: strain at the end organs, coarse against standard mesh, RMS",
-            partial(apart, name),
-            Expected(0.0, limit, "%"),
-            "the mesh of half the cell length",
-            reason="less than what the strain as it stands in the cells differs by",
-        )
+        title = f"{name}: strain at the end organs, coarse against standard mesh, RMS"
+        source = "the mesh of half the cell length"
+        reason = "less than what the strain as it stands in the cells differs by"
+        yield Case(title, partial(apart, name), Expected(0.0, limit, "%"), source, reason=reason)

@@ -138,13 +138,10 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield from causes.cases(quick=quick)
     if quick:
         return
-    yield Case(
-        "solid, coarse: an elastic bone of 17 GPa: change of the peak after 17 ms",
-        lambda: 100 * peak(QUICK),
-        Expected(0.0, 1.0, "%"),
-        "the rigid bone",
-        reason="bone does not relax, so that it bends more under tissue that has not yet",
-    )
+    name = "solid, coarse: an elastic bone of 17 GPa: change of the peak after 17 ms"
+    limits = Expected(0.0, 1.0, "%")
+    reason = "bone does not relax, so that it bends more under tissue that has not yet"
+    yield Case(name, lambda: 100 * peak(QUICK), limits, "the rigid bone", reason=reason)
     yield from tabled(finger_solid.CASES)
     yield from strain.cases()
     for mechanics, kind in product((linear.name, solid.name), KINDS):

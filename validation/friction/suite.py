@@ -134,12 +134,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for name, (measure, limit) in EQUAL.items():
         yield Case(name, measure, Expected(0.0, limit), ROUNDING)
     for mu, part in ((0.1, 0.2), (0.5, 0.7), (1.0, 3.0)):
-        yield Case(
-            f"projected gradients, nu = 0.3, mu = {mu:g}, {part:g} of the path to full slip",
-            partial(bonded.against_gradients, mu, part),
-            Expected(0.0, 1e-8),
-            "projected gradients on a boundary-element flexibility",
-        )
+        title = f"projected gradients, nu = 0.3, mu = {mu:g}, {part:g} of the path to full slip"
+        source = "projected gradients on a boundary-element flexibility"
+        yield Case(title, partial(bonded.against_gradients, mu, part), Expected(0.0, 1e-8), source)
     for speed in (1.0, 20.0, 400.0):
         yield Case(
             f"drag of a wave at {speed:g} mm/s over a relaxing half-space",
@@ -159,13 +156,8 @@ def sphere(body: Body, size: int, *, quick: bool) -> Iterator[Case]:
     what = f"{body}, {size} " + ("cells a radius" if body == "block" else "squares across")
     for name, (measure, loose, tight, why) in LIMITS.items():
         limit = loose if quick else tight
-        yield Case(
-            f"{name}: {what}",
-            partial(measure, body, size),
-            Expected(0.0, limit),
-            MINDLIN,
-            reason=why,
-        )
+        title = f"{name}: {what}"
+        yield Case(title, partial(measure, body, size), Expected(0.0, limit), MINDLIN, reason=why)
     yield Case(
         f"tangential over normal stiffness: {what}",
         partial(sheared.stiffness_ratio, body, size),
@@ -173,40 +165,28 @@ def sphere(body: Body, size: int, *, quick: bool) -> Iterator[Case]:
         "Mindlin 1949: 2 (1 - nu) / (2 - nu) at nu = 1/2",
         reason="a contact of whole vertices has the radius within a part of a cell",
     )
-    yield Case(
-        f"work lost in a cycle: {what}",
-        partial(sheared.cycle_ratio, body, size),
-        Expected(1.0, 0.03 if quick else 0.02),
-        MINDLIN,
-        reason="slip begins at a rim of whole vertices",
-    )
-    yield Case(
-        f"work that friction returns in a step of a cycle: {what}",
-        partial(sheared.returned_work, body, size),
-        Expected(0.0, 1e-12),
-        "second law",
-    )
+    title = f"work lost in a cycle: {what}"
+    measured = partial(sheared.cycle_ratio, body, size)
+    limits = Expected(1.0, 0.03 if quick else 0.02)
+    yield Case(title, measured, limits, MINDLIN, reason="slip begins at a rim of whole vertices")
+    title = f"work that friction returns in a step of a cycle: {what}"
+    measured = partial(sheared.returned_work, body, size)
+    yield Case(title, measured, Expected(0.0, 1e-12), "second law")
 
 
 def _verdicts(*, quick: bool) -> Iterator[Case]:
     """Yield what recorded fingers say of the model finger; nothing was tuned to them."""
     for q, recorded in ((0.25, 0.75), (0.5, 0.5), (0.75, 0.25)):
-        yield Case(
-            f"finger: stick area over contact area at {q:g} of the largest tangential force",
-            partial(_stick, q),
-            Expected(recorded, 0.12),
-            "Andre et al. 2011: falls about linearly from 1 to 0",
-            reason="read as a straight line; Mindlin's sphere is 0.08, 0.13 and 0.15 above it",
-        )
+        title = f"finger: stick area over contact area at {q:g} of the largest tangential force"
+        source = "Andre et al. 2011: falls about linearly from 1 to 0"
+        reason = "read as a straight line; Mindlin's sphere is 0.08, 0.13 and 0.15 above it"
+        yield Case(title, partial(_stick, q), Expected(recorded, 0.12), source, reason=reason)
     if quick:
         return
-    yield Case(
-        "finger: largest principal strain of the skin, dragged at 1 N with mu = 1",
-        _skin,
-        Expected.between(0.02, 0.5),
-        "Lee 2026: 0.02 to 0.075 in sliding at 0.5 to 3 N; Delhaye 2016: 0.5 at 5 N",
-        reason="two sources an order of magnitude apart; ours is small strain, 0.1 mm deep",
-    )
+    title = "finger: largest principal strain of the skin, dragged at 1 N with mu = 1"
+    source = "Lee 2026: 0.02 to 0.075 in sliding at 0.5 to 3 N; Delhaye 2016: 0.5 at 5 N"
+    reason = "two sources an order of magnitude apart; ours is small strain, 0.1 mm deep"
+    yield Case(title, _skin, Expected.between(0.02, 0.5), source, reason=reason)
     for name in mesh.MESHES:
         yield Case(
             f"mean force on scanned dots, error of the {name} mesh",
@@ -279,20 +259,13 @@ def _rates() -> Iterator[Case]:
                 else:
                     yield Case(name, measure, Expected(1.0, NEAR), CONNOR)
             if kind != "FAII" and scan == dots.scanned:
-                yield Case(
-                    f"{kind} over scanned dots: correlation of the deviation of strain in time",
-                    partial(_deviation, kind),
-                    Expected(1.0, NEAR),
-                    CONNOR,
-                    reason="with the recorded rates over spacing, before any model of units",
-                )
-    yield Case(
-        "FAII over dots 2.5 mm wide, 7.5 mm apart: rate on exact layers over that on the mesh",
-        _counted,
-        Expected(0.0, 0.1),
-        "exact layers",
-        reason="the widest dots, of 5.4 facets, at which a run still says that FAII count vertices",
-    )
+                title = f"{kind} over scanned dots: correlation of the deviation of strain in time"
+                measured = partial(_deviation, kind)
+                reason = "with the recorded rates over spacing, before any model of units"
+                yield Case(title, measured, Expected(1.0, NEAR), CONNOR, reason=reason)
+    title = "FAII over dots 2.5 mm wide, 7.5 mm apart: rate on exact layers over that on the mesh"
+    reason = "the widest dots, of 5.4 facets, at which a run still says that FAII count vertices"
+    yield Case(title, _counted, Expected(0.0, 0.1), "exact layers", reason=reason)
     yield Case(
         "strain at end organs of FAII over dots 1.41 mm apart: deviation in time, exact layers "
         "over mesh",

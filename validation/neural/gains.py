@@ -200,13 +200,10 @@ def cases(*, quick: bool) -> Iterator[Case]:
             reason="the table is rounded up to four digits",
         )
     for (kind, depth), (low, high, source) in BANDS.items():
-        yield Case(
-            f"gains: {kind} in a hold of {depth:g} mm",
-            partial(hold_rate, kind, depth),
-            Expected.between(low, high, "Hz"),
-            SOURCES[source],
-            reason="the acceptance band",
-        )
+        name = f"gains: {kind} in a hold of {depth:g} mm"
+        measure = partial(hold_rate, kind, depth)
+        limits = Expected.between(low, high, "Hz")
+        yield Case(name, measure, limits, SOURCES[source], reason="the acceptance band")
     for (kind, depth), (ours, edge) in OUTSIDE.items():
         yield Case(
             f"gains: {kind} in a hold of {depth:g} mm",
@@ -231,13 +228,9 @@ def _thresholds() -> Iterator[Case]:
     source = "Johansson, Landström & Lundström (1982), Brain Res 244:17, abstract"
     reason = "the published range"
     best = "gains: frequency of the lowest threshold of"
-    yield Case(
-        f"{best} FAI",
-        partial(best_tone, "FAI"),
-        Expected.between(*BEST["FAI"], "Hz"),
-        source,
-        reason=reason,
-    )
+    title = f"{best} FAI"
+    measure = partial(best_tone, "FAI")
+    yield Case(title, measure, Expected.between(*BEST["FAI"], "Hz"), source, reason=reason)
     yield Case(
         f"{best} FAII",
         partial(best_tone, "FAII"),
@@ -249,13 +242,8 @@ def _thresholds() -> Iterator[Case]:
     )
     for kind, (low, high) in BEST.items():
         name = f"gains: lowest threshold of {kind} at {low:g} to {high:g} Hz, amplitude"
-        yield Case(
-            name,
-            partial(lowest_in_band, kind),
-            Expected.between(*SMALLEST, "mm"),
-            source,
-            reason=reason,
-        )
+        measure = partial(lowest_in_band, kind)
+        yield Case(name, measure, Expected.between(*SMALLEST, "mm"), source, reason=reason)
 
 
 def _range() -> Iterator[Case]:
@@ -267,10 +255,7 @@ def _range() -> Iterator[Case]:
         reason="a tenth of a second or more",
     )
     for kind in GAINS:
-        yield Case(
-            f"4.4.3: {kind} at the default gain, 3 mm, saturating generator: seconds of block",
-            partial(blocked, kind, 3.0, "saturating"),
-            Expected.between(0.0, 0.0, "s"),
-            "Pawluk (1997), 4.4.3: a saturating channel would relieve that",
-            reason="none",
-        )
+        name = f"4.4.3: {kind} at the default gain, 3 mm, saturating generator: seconds of block"
+        measure = partial(blocked, kind, 3.0, "saturating")
+        source = "Pawluk (1997), 4.4.3: a saturating channel would relieve that"
+        yield Case(name, measure, Expected.between(0.0, 0.0, "s"), source, reason="none")

@@ -127,30 +127,20 @@ def _bisect(fires: Callable[[float], bool], low: float, high: float, digits: flo
 
 def cases(*, quick: bool) -> Iterator[Case]:
     """Yield the action potential, thresholds and rates, and the errors of the integrators."""
-    yield Case(
-        "peak after 1 ms of 20 uA/cm²",
-        peak,
-        Expected(105.5, 0.05, "mV"),
-        "Hodgkin & Huxley (1952), recomputed by an adaptive solution",
-        reason="rounding of the print",
-    )
+    name = "peak after 1 ms of 20 uA/cm²"
+    source = "Hodgkin & Huxley (1952), recomputed by an adaptive solution"
+    yield Case(name, peak, Expected(105.5, 0.05, "mV"), source, reason="rounding of the print")
     for divisor, table in RATES.items():
         kind = "rates / 6" if divisor == SLOWED else "standard"
-        yield Case(
-            f"onset of repetitive firing, {kind}",
-            partial(onset, divisor),
-            Expected(ONSETS[divisor], 5e-4, "uA/cm²"),
-            f"{EXACT}, bisected; a step from rest",
-            reason="bisection",
-        )
+        name = f"onset of repetitive firing, {kind}"
+        limits = Expected(ONSETS[divisor], 5e-4, "uA/cm²")
+        source = f"{EXACT}, bisected; a step from rest"
+        yield Case(name, partial(onset, divisor), limits, source, reason="bisection")
         for current, expected in table.items():
-            yield Case(
-                f"rate at {current} uA/cm², {kind}",
-                partial(rate, divisor, current),
-                Expected(expected, 2e-3 * expected, "Hz"),
-                EXACT,
-                reason="spikes in the window",
-            )
+            name = f"rate at {current} uA/cm², {kind}"
+            measure = partial(rate, divisor, current)
+            limits = Expected(expected, 2e-3 * expected, "Hz")
+            yield Case(name, measure, limits, EXACT, reason="spikes in the window")
     yield from _protocols()
     yield from _ratios()
     if not quick:
@@ -165,13 +155,10 @@ def _protocols() -> Iterator[Case]:
             ("firing stops on the way down from 8", stop, STOPS[divisor], 0.02, "bracketed"),
             ("peaks fail 40 mV above", block, BLOCKS[divisor], 0.15, "bisection"),
         ):
-            yield Case(
-                f"{name}, {kind}",
-                partial(measure, divisor),
-                Expected(expected, tolerance, "uA/cm²"),
-                f"{EXACT}, bracketed",
-                reason=reason,
-            )
+            title = f"{name}, {kind}"
+            measured = partial(measure, divisor)
+            limits = Expected(expected, tolerance, "uA/cm²")
+            yield Case(title, measured, limits, f"{EXACT}, bracketed", reason=reason)
 
     yield Case(
         "hysteresis: first impulse on a ramp of 200 uA/cm²/s, standard",
@@ -180,20 +167,12 @@ def _protocols() -> Iterator[Case]:
         f"{EXACT}; rest is stable up to 9.775, beside firing from 6.26 on",
         reason="time step; slower than 40 uA/cm²/s, rounding decides the moment",
     )
-    yield Case(
-        "hysteresis: a ramp of 2 uA/cm²/s fires only past 9.775, where rest is lost, standard",
-        lambda: float(9.775 < rising(2.0) < 16),
-        Expected(1.0, 0.0),
-        "Linear stability of rest; how far past it is the rounding's (12.26 to 12.35 seen)",
-        reason="none",
-    )
-    yield Case(
-        "accommodation: first impulse on a ramp of 20 uA/cm²/s to 16 (16: none), standard",
-        partial(rising, 20.0),
-        Expected(16.0, 0.0, "uA/cm²"),
-        EXACT,
-        reason="none",
-    )
+    title = "hysteresis: a ramp of 2 uA/cm²/s fires only past 9.775, where rest is lost, standard"
+    limits = Expected(1.0, 0.0)
+    source = "Linear stability of rest; how far past it is the rounding's (12.26 to 12.35 seen)"
+    yield Case(title, lambda: float(9.775 < rising(2.0) < 16), limits, source, reason="none")
+    title = "accommodation: first impulse on a ramp of 20 uA/cm²/s to 16 (16: none), standard"
+    yield Case(title, partial(rising, 20.0), Expected(16.0, 0.0, "uA/cm²"), EXACT, reason="none")
 
 
 def _ratios() -> Iterator[Case]:

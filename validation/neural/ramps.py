@@ -146,13 +146,10 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 def _spring() -> Iterator[Case]:
     for speed in (2.0, 8.0):
-        yield Case(
-            f"4.3.5, Fig. 4-13: spring, {speed:g} mm/s: impulses in the retraction",
-            partial(retracting, "spring", speed),
-            Expected.between(3.0, 40.0),
-            f"{THESIS}: the spring model goes on well into the retraction",
-            reason="three or more",
-        )
+        name = f"4.3.5, Fig. 4-13: spring, {speed:g} mm/s: impulses in the retraction"
+        measure = partial(retracting, "spring", speed)
+        source = f"{THESIS}: the spring model goes on well into the retraction"
+        yield Case(name, measure, Expected.between(3.0, 40.0), source, reason="three or more")
     yield Case(
         "4.3.5, Fig. 4-13: spring, 2 mm/s: highest rate in the ramp, over that in the hold",
         lambda: in_ramp("spring", 2.0) / in_hold("spring", 2.0),
@@ -166,13 +163,10 @@ def _slow() -> Iterator[Case]:
     for name in ("SAI", "SAII"):
         figure = "a" if name == "SAI" else "b"
         for speed in SPEEDS:
-            yield Case(
-                f"4.3.5, Fig. 4-14{figure}: {name}, {speed:g} mm/s: impulses in the retraction",
-                partial(retracting, name, speed),
-                Expected.between(0.0, 0.0),
-                f"{THESIS}: neither SA model continues to respond into the retraction",
-                reason="none",
-            )
+            title = f"4.3.5, Fig. 4-14{figure}: {name}, {speed:g} mm/s: impulses in the retraction"
+            measure = partial(retracting, name, speed)
+            source = f"{THESIS}: neither SA model continues to respond into the retraction"
+            yield Case(title, measure, Expected.between(0.0, 0.0), source, reason="none")
             yield Case(
                 f"4.3.5, Fig. 4-14{figure}: {name}, {speed:g} mm/s: rate in the ramp over the hold",
                 partial(
@@ -212,13 +206,10 @@ def _slow() -> Iterator[Case]:
             reason="a count",
         )
     for name, expected in FIRST.items():
-        yield Case(
-            f"4.3.5: {name}, 8 mm/s: first impulse",
-            partial(first, name, 8.0),
-            Expected(expected, 1e-4, "ms"),
-            "order 8, rtol 1e-10",
-            reason="the error of Runge-Kutta at 50 us",
-        )
+        title = f"4.3.5: {name}, 8 mm/s: first impulse"
+        limits = Expected(expected, 1e-4, "ms")
+        reason = "the error of Runge-Kutta at 50 us"
+        yield Case(title, partial(first, name, 8.0), limits, "order 8, rtol 1e-10", reason=reason)
 
 
 def _fast() -> Iterator[Case]:
@@ -228,28 +219,19 @@ def _fast() -> Iterator[Case]:
         ("FAII", "left open: "),
     ):
         for speed in SPEEDS:
-            yield Case(
-                f"4.3.5, {figure}{name}, {speed:g} mm/s: impulses in the hold",
-                partial(holding, name, speed),
-                Expected.between(0.0, 0.0),
-                f"{THESIS}: FA units have no static response",
-                reason="none",
-            )
-            yield Case(
-                f"4.3.5, {figure}{name}, {speed:g} mm/s: impulses between retraction and return",
-                partial(retracting, name, speed),
-                Expected.between(0.0, 0.0),
-                f"{THESIS}: the damper model and FAI do not respond to the retraction",
-                reason="none",
-            )
+            title = f"4.3.5, {figure}{name}, {speed:g} mm/s: impulses in the hold"
+            measure = partial(holding, name, speed)
+            source = f"{THESIS}: FA units have no static response"
+            yield Case(title, measure, Expected.between(0.0, 0.0), source, reason="none")
+            title = f"4.3.5, {figure}{name}, {speed:g} mm/s: impulses between retraction and return"
+            measure = partial(retracting, name, speed)
+            source = f"{THESIS}: the damper model and FAI do not respond to the retraction"
+            yield Case(title, measure, Expected.between(0.0, 0.0), source, reason="none")
     for name, figure in (("damper", "Fig. 4-16: "), ("FAI", "Fig. 4-17: ")):
-        yield Case(
-            f"4.3.5, {figure}{name}: rise of the rate in the ramp from 8 to 32 mm/s",
-            partial(rise, in_ramp, name, (8.0, 32.0)),
-            Expected.between(1.0, 30.0, "Hz"),
-            f"{THESIS}: the firing rate upon indentation increases with velocity",
-            reason="it rises",
-        )
+        title = f"4.3.5, {figure}{name}: rise of the rate in the ramp from 8 to 32 mm/s"
+        measure = partial(rise, in_ramp, name, (8.0, 32.0))
+        source = f"{THESIS}: the firing rate upon indentation increases with velocity"
+        yield Case(title, measure, Expected.between(1.0, 30.0, "Hz"), source, reason="it rises")
     for name, speed, expected in (
         *(("damper", speed, 0.0) for speed in SPEEDS),
         *(("FAI", speed, count) for speed, count in zip(SPEEDS, (1.0, 2.0, 3.0), strict=True)),
@@ -283,10 +265,7 @@ def _faster() -> Iterator[Case]:
             note,
             reason="less than in proportion: the membrane equation is not slowed",
         )
-        yield Case(
-            f"4.3.5: SAI, 8 mm/s, rates / {divisor:g}: impulses in the retraction",
-            partial(retracting, "SAI", 8.0, divisor=divisor),
-            Expected.between(0.0, 0.0),
-            f"{THESIS}: this is not expected to change the results qualitatively",
-            reason="none",
-        )
+        name = f"4.3.5: SAI, 8 mm/s, rates / {divisor:g}: impulses in the retraction"
+        measure = partial(retracting, "SAI", 8.0, divisor=divisor)
+        source = f"{THESIS}: this is not expected to change the results qualitatively"
+        yield Case(name, measure, Expected.between(0.0, 0.0), source, reason="none")

@@ -144,13 +144,9 @@ def _shapes() -> Iterator[Case]:
         ("4.3.4, Fig. 4-10a", "SAI", 4.0),
         ("4.3.4, Fig. 4-10b", "SAII", 4.0),
     ):
-        yield Case(
-            f"{section}: {name}: fall of impulses per cycle with frequency at 0 dB",
-            partial(fall, name),
-            Expected.between(-1.25, -0.75),
-            f"{THESIS}{section}: hyperbolic at large amplitudes",
-            reason=FALL,
-        )
+        title = f"{section}: {name}: fall of impulses per cycle with frequency at 0 dB"
+        source = f"{THESIS}{section}: hyperbolic at large amplitudes"
+        yield Case(title, partial(fall, name), Expected.between(-1.25, -0.75), source, reason=FALL)
         yield Case(
             f"{section}: {name}: peak at the smallest amplitude that fires at {middle:g} Hz",
             partial(smallest, name, middle),
@@ -166,13 +162,10 @@ def _shapes() -> Iterator[Case]:
         ("4.3.4, Fig. 4-11a", "FAI"),
         ("4.3.4, Fig. 4-11b", "FAII"),
     ):
-        yield Case(
-            f"{section}: {name}: octaves by which the peak moves up as the amplitude falls",
-            partial(shift, name),
-            Expected.between(2.0, 12.0),
-            f"{THESIS}{section}: the peak shifts to higher frequencies at lower amplitudes",
-            reason="two octaves or more",
-        )
+        title = f"{section}: {name}: octaves by which the peak moves up as the amplitude falls"
+        limits = Expected.between(2.0, 12.0)
+        source = f"{THESIS}{section}: the peak shifts to higher frequencies at lower amplitudes"
+        yield Case(title, partial(shift, name), limits, source, reason="two octaves or more")
         yield Case(
             f"{section}: {name}: rank correlation of the peak's frequency with the attenuation",
             partial(steadiness, name),
@@ -252,24 +245,18 @@ def _orders() -> Iterator[Case]:
         ("FAI, below its poles", END_ORGANS["FAI"], 0.125, 0.5, (1.0, 2.05)),
         ("FAII, below its poles", END_ORGANS["FAII"], 2.0, 16.0, (1.9, 2.05)),
     ):
-        yield Case(
-            f"4.3.1: {name}: slope of impulses per second over frequency",
-            partial(order, organ, low, high),
-            Expected.between(*limits),
-            source,
-            reason="0, 1 and 2 for the orders; a first-order corner lies between 0 and 1",
-        )
+        title = f"4.3.1: {name}: slope of impulses per second over frequency"
+        measure = partial(order, organ, low, high)
+        reason = "0, 1 and 2 for the orders; a first-order corner lies between 0 and 1"
+        yield Case(title, measure, Expected.between(*limits), source, reason=reason)
 
 
 def _poles(*, quick: bool) -> Iterator[Case]:
     for pole in (30.0,) if quick else (10.0, 30.0, 100.0):
-        yield Case(
-            f"4.3.3: damper with a pole at {pole:g} Hz: largest change in impulses per cycle",
-            partial(closed, pole),
-            Expected.between(0.0, 1.0),
-            f"{THESIS}4.3.3: a pole at 10 to 100 Hz keeps magnitude and range",
-            reason="one impulse, up to 8 Hz",
-        )
+        name = f"4.3.3: damper with a pole at {pole:g} Hz: largest change in impulses per cycle"
+        limits = Expected.between(0.0, 1.0)
+        source = f"{THESIS}4.3.3: a pole at 10 to 100 Hz keeps magnitude and range"
+        yield Case(name, partial(closed, pole), limits, source, reason="one impulse, up to 8 Hz")
         yield Case(
             f"4.3.3: damper with a pole at {pole:g} Hz: current at 512 Hz, times smaller",
             partial(lambda p: tallest(DAMPER, 512.0) / tallest(derivative(p), 512.0), pole),

@@ -192,13 +192,10 @@ def _curvature(mechanics: str, forces: tuple[float, ...]) -> Iterator[Case]:
         f"{RULING}5.2: compliance is a property that the population tells",
         reason="at one force a softer contact strains more",
     )
-    yield Case(
-        f"5.2: {mechanics}: width of the SAI profile on tissue of half the modulus",
-        partial(compliance, mechanics, "width"),
-        Expected.between(1.0, 2.0),
-        f"{RULING}5.2; Hertz: the contact radius goes with the modulus to -1/3",
-        reason="not narrower",
-    )
+    name = f"5.2: {mechanics}: width of the SAI profile on tissue of half the modulus"
+    measure = partial(compliance, mechanics, "width")
+    source = f"{RULING}5.2; Hertz: the contact radius goes with the modulus to -1/3"
+    yield Case(name, measure, Expected.between(1.0, 2.0), source, reason="not narrower")
 
 
 def _box(mechanics: str) -> Iterator[Case]:

@@ -111,13 +111,10 @@ def cases(*, quick: bool) -> Iterator[Case]:
     if quick:
         return
     for phase, quantity in WANTED:
-        yield Case(
-            f"scenes within the error that all others state: {quantity}, {phase}",
-            partial(share_held, phase, quantity),
-            Expected.between(0.95, 1.0),
-            SOURCE,
-            reason="stated errors hold in 95 % of the scenes",
-        )
+        name = f"scenes within the error that all others state: {quantity}, {phase}"
+        measure = partial(share_held, phase, quantity)
+        limits = Expected.between(0.95, 1.0)
+        yield Case(name, measure, limits, SOURCE, reason="stated errors hold in 95 % of the scenes")
     for draw in DRAWS:
         for (phase, quantity), limit in WANTED.items():
             yield _aimed_at(draw, phase, quantity, limit)

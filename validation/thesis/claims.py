@@ -165,13 +165,10 @@ def _not_instantaneous() -> Iterator[Case]:
             erratum="Section 2.3 takes the ramp at 60 mm/s for instantaneous.",
             reason="straight lines between the samples",
         )
-    yield Case(
-        "2.4.3: instantaneous over relaxed force, means",
-        lambda: 1 / finger("means")[1].long_time,
-        Expected(3.85, 0.006),
-        "section 2.4.3, recomputed; the text says a factor of about 4",
-        reason=DIGITS,
-    )
+    name = "2.4.3: instantaneous over relaxed force, means"
+    limits = Expected(3.85, 0.006)
+    source = "section 2.4.3, recomputed; the text says a factor of about 4"
+    yield Case(name, lambda: 1 / finger("means")[1].long_time, limits, source, reason=DIGITS)
 
 
 def _explanations() -> Iterator[Case]:
@@ -255,13 +252,9 @@ def _apparatus() -> Iterator[Case]:
             "so much of it can be the touch alone.",
             reason="straight lines between 15 000 samples",
         )
-    yield Case(
-        "Section 2.2.1: gain of the force filter at its corner of 1 kHz",
-        filter_gain,
-        Expected(-3.01, 0.01, "dB"),
-        "Butterworth of second order: 1 / sqrt(2); section 2.2.1",
-        reason=DIGITS,
-    )
+    title = "Section 2.2.1: gain of the force filter at its corner of 1 kHz"
+    source = "Butterworth of second order: 1 / sqrt(2); section 2.2.1"
+    yield Case(title, filter_gain, Expected(-3.01, 0.01, "dB"), source, reason=DIGITS)
     yield Case(
         "Section 2.2.1: what the force filter takes from a ramp at 60 mm/s to 2 mm, a.h.",
         partial(filtered_peak, "two_pole"),

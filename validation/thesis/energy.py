@@ -82,13 +82,10 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield from _energy()
     yield from _impedance()
     for speed, expected in TAPS:
-        yield Case(
-            f"2.4.3: dissipated in a tap to 2 mm at {speed} mm/s, a.h.",
-            partial(tapped, speed),
-            Expected(expected, 0.6, "%"),
-            "section 2.4.3, recomputed; measured taps dissipate 81 % (Jindrich et al. 2003)",
-            reason=DIGITS,
-        )
+        name = f"2.4.3: dissipated in a tap to 2 mm at {speed} mm/s, a.h."
+        measure = partial(tapped, speed)
+        source = "section 2.4.3, recomputed; measured taps dissipate 81 % (Jindrich et al. 2003)"
+        yield Case(name, measure, Expected(expected, 0.6, "%"), source, reason=DIGITS)
 
 
 def _energy() -> Iterator[Case]:
@@ -151,13 +148,10 @@ def _energy() -> Iterator[Case]:
 
 
 def _impedance() -> Iterator[Case]:
-    yield Case(
-        "2.4.2: corner frequency v1 / 2 pi, means",
-        lambda: finger("means")[1].v[0] / (2 * np.pi),
-        Expected(36.8, 0.06, "Hz"),
-        "recomputed; section 2.4.2 prints 37",
-        reason=DIGITS,
-    )
+    name = "2.4.2: corner frequency v1 / 2 pi, means"
+    limits = Expected(36.8, 0.06, "Hz")
+    source = "recomputed; section 2.4.2 prints 37"
+    yield Case(name, lambda: finger("means")[1].v[0] / (2 * np.pi), limits, source, reason=DIGITS)
     for frequency, expected in PHASES:
         yield Case(
             f"2.4.2: phase of G at {frequency:g} Hz, means",

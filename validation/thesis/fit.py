@@ -53,13 +53,10 @@ def cases(*, quick: bool) -> Iterator[Case]:
                 "printed parameters, 3 mN and 3 um of noise",
                 reason="the noise leaves a standard deviation of 1 to 2 % in b of one trial",
             )
-        yield Case(
-            f"2.3: error in b of that fit over its own uncertainty, {subject}",
-            partial(deviations, subject),
-            Expected(0.0, 3.0),
-            "printed parameters, 3 mN and 3 um of noise",
-            reason="three standard deviations",
-        )
+        title = f"2.3: error in b of that fit over its own uncertainty, {subject}"
+        measure = partial(deviations, subject)
+        source = "printed parameters, 3 mN and 3 um of noise"
+        yield Case(title, measure, Expected(0.0, 3.0), source, reason="three standard deviations")
 
 
 def _bias(subject: str) -> Iterator[Case]:

@@ -64,13 +64,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
             "section A.3, recomputed: Eq. A.4 on a grid",
             reason=DIGITS,
         )
-    yield Case(
-        "Figure A-5: force under the filtered pressure, fitted ball",
-        felt_force,
-        Expected(1.670, 6e-4, "N"),
-        "section A.3, recomputed; the blur conserves force",
-        reason=DIGITS,
-    )
+    name = "Figure A-5: force under the filtered pressure, fitted ball"
+    source = "section A.3, recomputed; the blur conserves force"
+    yield Case(name, felt_force, Expected(1.670, 6e-4, "N"), source, reason=DIGITS)
     yield from _coupling()
     yield Case(
         "3.2: noise of 0.5 kPa on an element of 2 x 2 mm",

@@ -311,12 +311,9 @@ def _along_the_skin() -> Iterator[Case]:
 
 def verdicts() -> Iterator[Case]:
     """Yield the comparisons with published fingers; none is tuned to pass."""
-    yield Case(
-        "modes of the free finger below 250 Hz, relaxed tissue",
-        partial(modes_below, 250.0),
-        Expected(7.0, 0.0),
-        "Serhat and Kuchenbecker (2021), Appl. Sci. 11:5709: seven, finite elements",
-    )
+    name = "modes of the free finger below 250 Hz, relaxed tissue"
+    origin = "Serhat and Kuchenbecker (2021), Appl. Sci. 11:5709: seven, finite elements"
+    yield Case(name, partial(modes_below, 250.0), Expected(7.0, 0.0), origin)
     yield from _along_the_skin()
     for tissue, found, shortfall in (
         (loops.TISSUE, -19.0, ""),
@@ -350,22 +347,15 @@ def verdicts() -> Iterator[Case]:
             "degrees) up to 200 Hz, and rises beyond, where the finger resonates"
         ),
     )
-    yield Case(
-        f"rise of the phase of the impedance from 30 to 200 Hz, {VISCOUS}",
-        partial(phase_rise, VISCOUS),
-        Expected.between(5.0, 60.0, "degrees"),
-        source,
-        reason="that it rises; how far was not read",
-    )
+    name = f"rise of the phase of the impedance from 30 to 200 Hz, {VISCOUS}"
+    measure = partial(phase_rise, VISCOUS)
+    limits = Expected.between(5.0, 60.0, "degrees")
+    yield Case(name, measure, limits, source, reason="that it rises; how far was not read")
     for tissue, found in ((loops.TISSUE, 30.1), (VISCOUS, 20.9)):
-        yield Case(
-            f"phase speed along the pad at 300 Hz, {tissue}",
-            partial(speed_noted, tissue),
-            Expected(found, 0.05 * found, "m/s"),
-            MANFREDI,
-            wanted=7.0,
-            shortfall=SPEED,
-        )
+        name = f"phase speed along the pad at 300 Hz, {tissue}"
+        measure = partial(speed_noted, tissue)
+        limits = Expected(found, 0.05 * found, "m/s")
+        yield Case(name, measure, limits, MANFREDI, wanted=7.0, shortfall=SPEED)
 
 
 WIERTLEWSKI = (

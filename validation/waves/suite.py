@@ -70,35 +70,22 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 
 def _closed_forms(*, quick: bool) -> Iterator[Case]:
-    yield Case(
-        "viscoelastic shear layer on a moving base, 1 Hz to 1 kHz: largest error",
-        partial(layer_error, 12),
-        Expected.between(0.0, TENTH_PERCENT),
-        "1 / cos(k h) with the complex modulus; 12 modes and the static term",
-    )
-    yield Case(
-        "layer held at its base: order of convergence of the third frequency",
-        layer_order,
-        Expected(4.0, 0.3),
-        "(2 n - 1) c / 4 h; quadratic elements",
-    )
+    title = "viscoelastic shear layer on a moving base, 1 Hz to 1 kHz: largest error"
+    origin = "1 / cos(k h) with the complex modulus; 12 modes and the static term"
+    yield Case(title, partial(layer_error, 12), Expected.between(0.0, TENTH_PERCENT), origin)
+    title = "layer held at its base: order of convergence of the third frequency"
+    yield Case(title, layer_order, Expected(4.0, 0.3), "(2 n - 1) c / 4 h; quadratic elements")
     finest = 3 if quick else 4
     for twisting, name, source in (
         (True, "torsional", "j2(x) = x j3(x)"),
         (False, "spheroidal", "no traction on a gradient and a double curl (Lamb 1882)"),
     ):
-        yield Case(
-            f"free incompressible ball, lowest {name} frequency: extrapolated error",
-            partial(ball_limit, twisting=twisting, finest=finest),
-            Expected(0.0, 3e-4 if quick else 5e-5),
-            source,
-        )
-        yield Case(
-            f"free incompressible ball, lowest {name} frequency: order of convergence",
-            partial(ball_order, twisting=twisting, finest=finest),
-            Expected(2.0, 0.05),
-            "flat facets on a ball",
-        )
+        title = f"free incompressible ball, lowest {name} frequency: extrapolated error"
+        measure = partial(ball_limit, twisting=twisting, finest=finest)
+        yield Case(title, measure, Expected(0.0, 3e-4 if quick else 5e-5), source)
+        title = f"free incompressible ball, lowest {name} frequency: order of convergence"
+        measure = partial(ball_order, twisting=twisting, finest=finest)
+        yield Case(title, measure, Expected(2.0, 0.05), "flat facets on a ball")
     yield Case(
         "disc of 1 mm that vibrates a lossy half-space, 300 to 700 Hz: largest error",
         partial(half_space_error, 0.5),
