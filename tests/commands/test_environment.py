@@ -17,10 +17,10 @@ resource = pytest.importorskip("resource", reason="limits of a process")
 COMMAND = [sys.executable, "-m", "fefinger"]
 
 
-def limited(megabytes: int) -> subprocess.CompletedProcess[str]:
+def limited(megabytes):
     """Run `explain` with so much address space."""
 
-    def limit() -> None:
+    def limit():
         resource.setrlimit(resource.RLIMIT_AS, 2 * (int(megabytes * 1e6),))
 
     words = [*COMMAND, "explain", "flat-press"]
@@ -36,7 +36,7 @@ def limited(megabytes: int) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_too_little_address_space_is_refused_and_enough_is_enough() -> None:
+def test_too_little_address_space_is_refused_and_enough_is_enough():
     for megabytes in (300, LEAST_MEMORY - 1):
         refused = limited(megabytes)
         assert (refused.returncode, refused.stdout) == (2, "")
@@ -56,10 +56,8 @@ def test_too_little_address_space_is_refused_and_enough_is_enough() -> None:
         ImportError("libvtkCommonCore.so: failed to map segment from shared object"),
     ],
 )
-def test_memory_that_runs_out_is_a_sentence(
-    error: Exception, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def load(*given: object) -> None:
+def test_memory_that_runs_out_is_a_sentence(error, monkeypatch, capsys):
+    def load(*given):
         raise error
 
     monkeypatch.setattr("fefinger.scene.builtin.load", load)
@@ -72,7 +70,7 @@ def test_memory_that_runs_out_is_a_sentence(
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
 @pytest.mark.parametrize("words", [["run", "nothing"], ["run", "--nothing"], ["scenes"]])
-def test_an_error_keeps_its_status_where_it_cannot_be_told(words: list[str]) -> None:
+def test_an_error_keeps_its_status_where_it_cannot_be_told(words):
     with open("/dev/full", "w") as full:
         buffered = {**os.environ, "PYTHONUNBUFFERED": ""}  # what is left is written at the end
         command = [*COMMAND, *words]
@@ -80,9 +78,7 @@ def test_an_error_keeps_its_status_where_it_cannot_be_told(words: list[str]) -> 
     assert done.returncode == 2
 
 
-def test_figures_need_no_window(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_figures_need_no_window(monkeypatch, capsys):
     """The variable is for windows, which no command opens by matplotlib."""
     monkeypatch.setenv("MPLBACKEND", "nonsense")
     assert main(["scenes"]) == 0

@@ -1,15 +1,12 @@
 """`fefinger view`: what it lists, refuses and says."""
 
-from pathlib import Path
-
 import pytest
 
 from fefinger.__main__ import main
-from fefinger.result import Result
 from fefinger.view import quantities
 
 
-def test_the_command_lists_the_fields(saved: Result, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_lists_the_fields(saved, capsys):
     assert main(["view", "out", "--field", "list"]) == 0
     assert [line.split(":")[0] for line in capsys.readouterr().out.splitlines()] == list(
         quantities.FIELDS
@@ -30,18 +27,13 @@ def test_the_command_lists_the_fields(saved: Result, capsys: pytest.CaptureFixtu
         (["--movie", "a.avi"], "--movie: expected a file that ends in .gif or .mp4"),
     ],
 )
-def test_the_command_refuses_in_a_sentence(
-    saved: Result, capsys: pytest.CaptureFixture[str], words: list[str], message: str
-) -> None:
+def test_the_command_refuses_in_a_sentence(saved, capsys, words, message):
     assert main(["view", "out", *words]) == 2
     assert message in capsys.readouterr().err
 
 
-def test_the_command_says_which_time_is_shown(
-    saved: Result, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_says_which_time_is_shown(saved, tmp_path, capsys):
     fields = saved.fields
-    assert fields is not None
     page = ["--html", str(tmp_path / "a.html")]
     assert main(["view", "out", "--time", "2.4", *page]) == 0
     assert capsys.readouterr().err == (

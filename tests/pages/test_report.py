@@ -3,13 +3,11 @@
 import dataclasses
 import math
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fefinger.pages import report
-from fefinger.result import Result
 from fefinger.results import key_numbers
 from fefinger.results.pressure import highest
 from fefinger.results.records import Rung
@@ -18,30 +16,28 @@ from fefinger.scene.scene import Scene
 from fefinger.view import figures, renderer
 
 
-def page(result: Result, folder: Path) -> str:
+def page(result, folder):
     report.write(result, folder / "report.html")
     return (folder / "report.html").read_text(encoding="utf-8")
 
 
-def sections(html: str) -> list[str]:
+def sections(html):
     return re.findall(r'<section id="([a-z]+)"', html)
 
 
 @pytest.fixture(autouse=True)
-def plain_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+def plain_pictures(monkeypatch):
     """Draw without a renderer: the pictures of view have their own tests."""
     monkeypatch.setattr(renderer, "renderer_lacking", lambda: "No renderer (said in the test).")
 
 
 @pytest.fixture
-def words_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+def words_alone(monkeypatch):
     """Leave drawings out of the page, where its words are the question."""
     monkeypatch.setattr("fefinger.pages.page.svg", lambda drawn: "data:,")
 
 
-def test_a_full_report_has_every_section_and_stands_alone(
-    synthetic: Result, tmp_path: Path
-) -> None:
+def test_a_full_report_has_every_section_and_stands_alone(synthetic, tmp_path):
     html = page(synthetic, tmp_path)
     parts = ["force", "pressure", "contact", "section", "strain", "current", "spikes"]
     assert sections(html) == [*parts, "limits", "plan", "files", "provenance"]
@@ -65,7 +61,7 @@ def test_a_full_report_has_every_section_and_stands_alone(
         assert text in html
 
 
-def test_what_was_not_asked_is_absent(synthetic: Result, tmp_path: Path) -> None:
+def test_what_was_not_asked_is_absent(synthetic, tmp_path):
     names = ("contact_area", "centroid", "pad", "pressure", "sites", "strain", "fields")
     response = dataclasses.replace(synthetic.response, **dict.fromkeys(names))
     bare = dataclasses.replace(synthetic, response=response, spikes=None, provenance={})
@@ -75,7 +71,7 @@ def test_what_was_not_asked_is_absent(synthetic: Result, tmp_path: Path) -> None
     assert "result.show()" not in html
 
 
-def test_the_answer_says_force_area_and_spikes(synthetic: Result) -> None:
+def test_the_answer_says_force_area_and_spikes(synthetic):
     peak = synthetic.response.force.max()
     said = report.answer(synthetic)
     assert f"peaks at {peak:.3g} N" in said
@@ -85,8 +81,8 @@ def test_the_answer_says_force_area_and_spikes(synthetic: Result) -> None:
 
 @pytest.mark.usefixtures("words_alone")
 def test_under_a_given_force_the_answer_is_the_depth_and_pictures_are_of_the_deepest_step(
-    synthetic: Result, tmp_path: Path
-) -> None:
+    synthetic, tmp_path
+):
     """The force is the same through the hold; its largest value is one of rounding."""
     motion = RampHold(loading_rate=1.0, force=1.0, hold=1.0)
     scene = dataclasses.replace(synthetic.scene, motion=motion)
@@ -102,10 +98,7 @@ def test_under_a_given_force_the_answer_is_the_depth_and_pictures_are_of_the_dee
 
 
 @pytest.mark.usefixtures("words_alone")
-def test_the_highest_pressure_at_a_point_has_its_own_time(
-    synthetic: Result, tmp_path: Path
-) -> None:
-    assert synthetic.pressure is not None
+def test_the_highest_pressure_at_a_point_has_its_own_time(synthetic, tmp_path):
     step = int(np.argmax(synthetic.pressure.max(axis=1)))
     top, when = synthetic.pressure[step].max(), key_numbers.format_instant(synthetic.time[step])
     html = page(synthetic, tmp_path)
@@ -115,9 +108,7 @@ def test_the_highest_pressure_at_a_point_has_its_own_time(
 
 
 @pytest.mark.usefixtures("words_alone")
-def test_the_first_tiles_are_the_numbers_that_matter_with_their_errors(
-    synthetic: Result, tmp_path: Path
-) -> None:
+def test_the_first_tiles_are_the_numbers_that_matter_with_their_errors(synthetic, tmp_path):
     html = page(synthetic, tmp_path)
     tiles = re.findall(r'<div class="tile"><span>(.*?)</span><b>(.*?)</b><i>(.*?)</i>', html)
     names = ["peak force", "largest contact area", "largest compressive strain at an end organ"]
@@ -130,14 +121,14 @@ def test_the_first_tiles_are_the_numbers_that_matter_with_their_errors(
 
 
 @pytest.mark.usefixtures("words_alone")
-def test_block_is_warned_of(synthetic: Result, tmp_path: Path) -> None:
+def test_block_is_warned_of(synthetic, tmp_path):
     assert synthetic.spikes is not None
     spikes = dataclasses.replace(synthetic.spikes, block_seconds=np.array([0.0, 2.5, 0.0, 0.0]))
     html = page(dataclasses.replace(synthetic, spikes=spikes), tmp_path)
     assert "SAII-1 spends 2.5 s in depolarization block" in html
 
 
-def test_names_are_escaped(synthetic: Result, tmp_path: Path) -> None:
+def test_names_are_escaped(synthetic, tmp_path):
     scene = dataclasses.replace(synthetic.scene, name="<script>alert(1)</script>")
     assert "<script>" not in page(dataclasses.replace(synthetic, scene=scene), tmp_path)
 
@@ -153,9 +144,7 @@ def test_names_are_escaped(synthetic: Result, tmp_path: Path) -> None:
         ),
     ],
 )
-def test_fast_and_slow_parts_get_their_own_panels(
-    synthetic: Result, motion: Ramp | RampHold | RampSinusoid, titles: list[str]
-) -> None:
+def test_fast_and_slow_parts_get_their_own_panels(synthetic, motion, titles):
     scene: Scene = dataclasses.replace(synthetic.scene, motion=motion)
     spans = figures.windows(scene, motion.duration)
     assert [title for title, _, _ in spans] == titles
@@ -163,14 +152,12 @@ def test_fast_and_slow_parts_get_their_own_panels(
     assert all(0 <= start < stop <= motion.duration for _, start, stop in spans)
 
 
-def test_the_same_result_gives_the_same_figure(synthetic: Result) -> None:
+def test_the_same_result_gives_the_same_figure(synthetic):
     assert figures.svg(figures.force(synthetic)) == figures.svg(figures.force(synthetic))
 
 
 @pytest.mark.usefixtures("words_alone")
-def test_an_error_beyond_100_percent_is_written_as_in_the_terminal(
-    synthetic: Result, tmp_path: Path
-) -> None:
+def test_an_error_beyond_100_percent_is_written_as_in_the_terminal(synthetic, tmp_path):
     plan = synthetic.plan
     rungs = (dataclasses.replace(plan.rungs[0], error=1.2), *plan.rungs[1:])
     wrong = dataclasses.replace(synthetic, plan=dataclasses.replace(plan, rungs=rungs))
@@ -178,9 +165,7 @@ def test_an_error_beyond_100_percent_is_written_as_in_the_terminal(
 
 
 @pytest.mark.usefixtures("words_alone")
-def test_a_mechanics_that_is_not_able_has_no_cost_and_no_error(
-    synthetic: Result, tmp_path: Path
-) -> None:
+def test_a_mechanics_that_is_not_able_has_no_cost_and_no_error(synthetic, tmp_path):
     unable = Rung("lumped", math.nan, math.nan, "not able")
     plan = dataclasses.replace(synthetic.plan, rungs=(unable, *synthetic.plan.rungs))
     html = page(dataclasses.replace(synthetic, plan=plan), tmp_path)

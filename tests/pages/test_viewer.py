@@ -5,20 +5,17 @@ import dataclasses
 import json
 import re
 import zlib
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from fefinger.pages import viewer
-from fefinger.result import Result
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.textured import Grating
 from fefinger.view import frames, indenter_pose, quantities, surfaces
 
 
-def page(results: Any, folder: Path, **options: Any) -> tuple[str, dict[str, Any], bytes]:
+def page(results, folder, **options):
     """Return the page, its record and its unpacked arrays."""
     viewer.write(results, folder / "a.html", **options)
     html = (folder / "a.html").read_text(encoding="utf-8")
@@ -27,13 +24,13 @@ def page(results: Any, folder: Path, **options: Any) -> tuple[str, dict[str, Any
     return html, json.loads(record), zlib.decompress(base64.b64decode(blob))
 
 
-def read(blob: bytes, place: dict[str, Any]) -> Any:
+def read(blob, place):
     """Return an array of the page."""
     kind = {"f4": "<f4", "u4": "<u4", "u2": "<u2"}[place["kind"]]
     return np.frombuffer(blob, kind, place["count"], place["at"])
 
 
-def test_the_page_stands_alone(synthetic: Result, tmp_path: Path) -> None:
+def test_the_page_stands_alone(synthetic, tmp_path):
     html, _, _ = page(synthetic, tmp_path)
     assert not re.findall(r'(?:src|href)="|url\(|@import|import\(|fetch\(|https?://', html)
     assert html.count("<script") == 3
@@ -42,14 +39,11 @@ def test_the_page_stands_alone(synthetic: Result, tmp_path: Path) -> None:
         assert f'<option value="{field}"' in html
 
 
-def test_the_page_holds_points_and_values_of_every_field_and_time(
-    synthetic: Result, tmp_path: Path
-) -> None:
+def test_the_page_holds_points_and_values_of_every_field_and_time(synthetic, tmp_path):
     _, record, blob = page(synthetic, tmp_path)
     (scene,) = record["scenes"]
     whole = frames.whole_result(synthetic)
     fields = whole.fields
-    assert fields is not None
     back = surfaces.cut_open(fields)
     count = sum(len(piece.edges) for piece in back)
     points = read(blob, scene["points"]).reshape(len(fields.times), -1, 3)
@@ -74,10 +68,7 @@ def test_the_page_holds_points_and_values_of_every_field_and_time(
     }  # fmt: skip
 
 
-def test_compared_results_have_one_scale_and_limits_are_kept(
-    synthetic: Result, tmp_path: Path
-) -> None:
-    assert synthetic.fields is not None
+def test_compared_results_have_one_scale_and_limits_are_kept(synthetic, tmp_path):
     fields = dataclasses.replace(synthetic.fields, strain=3 * synthetic.fields.strain)
     response = dataclasses.replace(synthetic.response, fields=fields)
     strong = dataclasses.replace(synthetic, response=response)
@@ -97,12 +88,11 @@ def test_compared_results_have_one_scale_and_limits_are_kept(
     assert [scene["title"].split(":")[0] for scene in both["scenes"]] == ["one", "two"]
 
 
-def test_rates_end_organs_and_other_indenters_are_in_it(synthetic: Result, tmp_path: Path) -> None:
+def test_rates_end_organs_and_other_indenters_are_in_it(synthetic, tmp_path):
     grating = Grating(ridge=1.0, period=2.5, depth=0.8)
     scene = dataclasses.replace(synthetic.scene, indenter=grating)
     _, record, blob = page(dataclasses.replace(synthetic, scene=scene), tmp_path, time=2.5)
     (shown,) = record["scenes"]
-    assert synthetic.spikes is not None
     rates = read(blob, shown["organs"]["rates"]).reshape(len(shown["times"]), -1)
     expected = [synthetic.spikes.rate(unit, shown["times"]) for unit in range(4)]
     np.testing.assert_allclose(rates.T, expected, rtol=1e-6)
@@ -113,9 +103,7 @@ def test_rates_end_organs_and_other_indenters_are_in_it(synthetic: Result, tmp_p
     assert np.ptp(front @ pose.axis) == pytest.approx(0.8, rel=0.05)
 
 
-def test_a_ball_is_drawn_round_and_a_plate_with_its_rim(
-    synthetic: Result, tmp_path: Path, recwarn: pytest.WarningsRecorder
-) -> None:
+def test_a_ball_is_drawn_round_and_a_plate_with_its_rim(synthetic, tmp_path, recwarn):
     for indenter, rim in ((Sphere(3.0), 8 * (viewer.GRID - 1)), (Flat(30.0), 8)):
         scene = dataclasses.replace(synthetic.scene, indenter=indenter)
         _, record, blob = page(dataclasses.replace(synthetic, scene=scene), tmp_path)

@@ -10,7 +10,7 @@ from fefinger.results.records import Pad
 from fefinger.theory.array.sensor import ArraySensor
 
 
-def disk(seed: int, n: int = 900) -> Pad:
+def disk(seed, n=900):
     """Return a flat round pad of radius 4 mm with points at random."""
     rng = np.random.default_rng(seed)
     r, angle = 4 * np.sqrt(rng.uniform(0, 1, n)), rng.uniform(0, 2 * np.pi, n)
@@ -29,7 +29,7 @@ def disk(seed: int, n: int = 900) -> Pad:
     return Pad(points, areas, np.tile([0.0, 0.0, -1.0], (len(flat), 1)), triangles)
 
 
-def bump(pad: Pad) -> np.ndarray:
+def bump(pad):
     """Return a smooth pressure in kPa: a Gaussian of 40 kPa and 1 mm off the middle."""
     off = pad.points[:, :2] - [0.3, -0.2]
     return 40 * np.exp(-(off**2).sum(axis=1) / 2)

@@ -1,17 +1,13 @@
 """The VTK series reads back through VTK's own reader, with one mesh for all times."""
 
-from pathlib import Path
-from typing import Any
-
 import h5py
 import numpy as np
 import pytest
 
-from fefinger.result import Result
 from fefinger.results import vtkhdf
 
 
-def read_step(path: Path, step: int) -> tuple[tuple[float, ...], Any]:
+def read_step(path, step):
     """Return all times, and the grid at one of them, from vtkHDFReader."""
     import pyvista as pv
     from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as Pipeline
@@ -26,9 +22,8 @@ def read_step(path: Path, step: int) -> tuple[tuple[float, ...], Any]:
 
 
 @pytest.mark.parametrize("step", [0, 1, 2])
-def test_vtk_reads_times_mesh_and_values(synthetic: Result, tmp_path: Path, step: int) -> None:
+def test_vtk_reads_times_mesh_and_values(synthetic, tmp_path, step):
     fields = synthetic.fields
-    assert fields is not None
     vtkhdf.write(fields, tmp_path / "a.vtkhdf")
     times, grid = read_step(tmp_path / "a.vtkhdf", step)
     assert times == pytest.approx(fields.times)
@@ -41,8 +36,7 @@ def test_vtk_reads_times_mesh_and_values(synthetic: Result, tmp_path: Path, step
         np.testing.assert_allclose(grid[name], expected, atol=atol, err_msg=name)
 
 
-def test_the_mesh_is_stored_once(synthetic: Result, tmp_path: Path) -> None:
-    assert synthetic.fields is not None
+def test_the_mesh_is_stored_once(synthetic, tmp_path):
     vtkhdf.write(synthetic.fields, tmp_path / "a.vtkhdf")
     with h5py.File(tmp_path / "a.vtkhdf") as file:
         root = file["VTKHDF"]

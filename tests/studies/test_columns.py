@@ -32,13 +32,13 @@ from fefinger.theory.relaxation import Prony
         ("finger.nail.modulus", "_kPa", "kPa"),
     ],
 )
-def test_the_table_of_a_field_decides_its_unit(field: str, ending: str, unit: str) -> None:
+def test_the_table_of_a_field_decides_its_unit(field, ending, unit):
     assert column(field) == field + ending
     assert split(column(field)) == (field, unit)
     assert words(column(field)) == (f"{field} / {unit}" if unit else field)
 
 
-def test_every_number_of_a_scene_has_a_unit_or_is_known_to_have_none() -> None:
+def test_every_number_of_a_scene_has_a_unit_or_is_known_to_have_none():
     pure = {
         "poisson",
         "exponent",

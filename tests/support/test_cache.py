@@ -32,13 +32,13 @@ DAY = 24 * 3600.0
 
 
 @pytest.fixture
-def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def root(tmp_path, monkeypatch):
     """Return an empty cache."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     return tmp_path / "fefinger"
 
 
-def keep(place: Path, *, days: float, megabytes: float = 1.0) -> Path:
+def keep(place, *, days, megabytes=1.0):
     """Keep an array that was last used so many days ago."""
     with cache.appearing(place, f"array {place.name}") as new:
         np.save(new / "array.npy", np.arange(int(megabytes * 125_000), dtype=float))
@@ -47,12 +47,12 @@ def keep(place: Path, *, days: float, megabytes: float = 1.0) -> Path:
     return place
 
 
-def read(place: Path) -> np.ndarray:
+def read(place):
     """Read the array of an entry."""
     return np.load(place / "array.npy", mmap_mode="r")
 
 
-def test_what_is_kept_is_listed_with_its_size(root: Path) -> None:
+def test_what_is_kept_is_listed_with_its_size(root):
     assert cache.entries() == ()
     keep(root / "patches" / "a", days=3)
     keep(root / "operators" / "b", days=1, megabytes=2)
@@ -63,7 +63,7 @@ def test_what_is_kept_is_listed_with_its_size(root: Path) -> None:
     assert time.time() - patch.used == pytest.approx(3 * DAY, abs=DAY / 2)
 
 
-def _remade(file: Path, make: Callable[[], object]) -> None:
+def _remade(file, make):
     file.unlink()
     make()
 
@@ -85,7 +85,7 @@ DAMAGE: dict[str, Callable[[Path], object]] = {
 
 @pytest.mark.parametrize("name", ["array.npy", "what.txt", "checksums.txt"])
 @pytest.mark.parametrize("damage", DAMAGE)
-def test_a_damaged_entry_is_none_and_goes(root: Path, damage: str, name: str) -> None:
+def test_a_damaged_entry_is_none_and_goes(root, damage, name):
     place = keep(root / "patches" / "a", days=0)
     assert cache.load(place, read)[-1] == 124_999
     DAMAGE[damage](place / name)
@@ -95,7 +95,7 @@ def test_a_damaged_entry_is_none_and_goes(root: Path, damage: str, name: str) ->
     assert cache.load(place, read)[-1] == 124_999
 
 
-def test_an_entry_that_is_no_folder_or_that_of_another_goes(root: Path) -> None:
+def test_an_entry_that_is_no_folder_or_that_of_another_goes(root):
     place, other = keep(root / "patches" / "a", days=0), root / "patches" / "b"
     place.rename(other)
     assert cache.load(other, read) is None
@@ -105,16 +105,14 @@ def test_an_entry_that_is_no_folder_or_that_of_another_goes(root: Path) -> None:
         assert not os.path.lexists(other)
 
 
-def test_an_entry_whose_reader_expects_another_version_goes(root: Path) -> None:
+def test_an_entry_whose_reader_expects_another_version_goes(root):
     place = keep(root / "patches" / "a", days=0)
     assert cache.load(place, lambda folder: np.load(folder / "later.npy")) is None
     assert not place.exists()
 
 
-def test_a_cache_that_may_not_be_written_is_read(
-    root: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refuse(*given: object, **options: object) -> None:
+def test_a_cache_that_may_not_be_written_is_read(root, monkeypatch):
+    def refuse(*given, **options):
         raise PermissionError
 
     place = keep(root / "patches" / "a", days=0)
@@ -125,7 +123,7 @@ def test_a_cache_that_may_not_be_written_is_read(
         pass
 
 
-def test_an_entry_that_is_there_stays_unless_it_is_replaced(root: Path) -> None:
+def test_an_entry_that_is_there_stays_unless_it_is_replaced(root):
     place = root / "elastic" / "a"
     for size, replacing in ((1, False), (2, False), (3, True)):
         with cache.appearing(place, "an array", replacing=replacing) as new:
@@ -134,18 +132,14 @@ def test_an_entry_that_is_there_stays_unless_it_is_replaced(root: Path) -> None:
     assert list(place.parent.iterdir()) == [place]
 
 
-def test_the_checksum_of_a_file_is_computed_once(
-    root: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_checksum_of_a_file_is_computed_once(root, monkeypatch):
     place = keep(root / "patches" / "a", days=0)
     cache.load(place, read)
     monkeypatch.setattr(zlib, "crc32", lambda *given: pytest.fail("computed again"))
     assert cache.load(place, read) is not None
 
 
-def test_what_was_not_used_for_days_is_pruned(
-    root: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_was_not_used_for_days_is_pruned(root, capsys):
     old, new = keep(root / "patches" / "old", days=40), keep(root / "patches" / "new", days=2)
     assert main(["cache"]) == 0
     assert "2 entries, 2 MB" in capsys.readouterr().out
@@ -160,9 +154,7 @@ def test_what_was_not_used_for_days_is_pruned(
 
 
 @pytest.mark.parametrize("make", [Path.touch, Path.mkdir], ids=["a file", "a folder"])
-def test_what_is_no_entry_is_listed_and_goes(
-    root: Path, capsys: pytest.CaptureFixture[str], make: Callable[[Path], object]
-) -> None:
+def test_what_is_no_entry_is_listed_and_goes(root, capsys, make):
     place = root / "meshes" / "x"
     place.parent.mkdir(parents=True)
     make(place)
@@ -174,9 +166,7 @@ def test_what_is_no_entry_is_listed_and_goes(
 
 
 @pytest.mark.parametrize("name", ["file", "x" * 300], ids=["a file", "a name too long"])
-def test_a_cache_that_cannot_be_written_is_one_that_keeps_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
-) -> None:
+def test_a_cache_that_cannot_be_written_is_one_that_keeps_nothing(tmp_path, monkeypatch, name):
     (tmp_path / "file").write_text("a file where the folder should be")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / name))
     assert cache.entries() == ()
@@ -194,7 +184,7 @@ def test_a_cache_that_cannot_be_written_is_one_that_keeps_nothing(
     assert _operator.reduced(finger, solid, patch, points, lambda: None) is made
 
 
-def test_who_reads_keeps_what_is_open(root: Path) -> None:
+def test_who_reads_keeps_what_is_open(root):
     place = keep(root / "patches" / "read", days=0)
     mapped = cache.load(place, read)
     assert len(cache.remove(cache.entries())) == 1
@@ -202,7 +192,7 @@ def test_who_reads_keeps_what_is_open(root: Path) -> None:
     assert mapped[-1] == len(mapped) - 1
 
 
-def test_what_is_being_made_is_left_alone_until_it_is_abandoned(root: Path) -> None:
+def test_what_is_being_made_is_left_alone_until_it_is_abandoned(root):
     with cache.appearing(root / "operators" / "x", "x") as building:
         (building / "values.npy").write_bytes(b"half")
         assert cache.unused(0.0) == ()
@@ -211,7 +201,7 @@ def test_what_is_being_made_is_left_alone_until_it_is_abandoned(root: Path) -> N
         assert entry.what == cache.UNFINISHED
 
 
-def test_what_a_killed_process_left_goes_when_the_next_one_builds(root: Path) -> None:
+def test_what_a_killed_process_left_goes_when_the_next_one_builds(root):
     pytest.importorskip("fcntl", reason="this system has no locks of files")
     killed = (
         "import os, signal, sys; from pathlib import Path; from fefinger.support import cache\n"
@@ -226,9 +216,7 @@ def test_what_a_killed_process_left_goes_when_the_next_one_builds(root: Path) ->
     assert {path.name for path in place.parent.iterdir()} == {"x", "y"}
 
 
-def test_a_kind_that_takes_too_much_loses_what_was_used_least_recently(
-    root: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_kind_that_takes_too_much_loses_what_was_used_least_recently(root, monkeypatch):
     monkeypatch.setitem(cache.LIMITS_MB, "patches", 2.5)
     for days in (3, 1, 2, 0):
         keep(root / "patches" / f"d{days}", days=days)
@@ -239,12 +227,10 @@ def test_a_kind_that_takes_too_much_loses_what_was_used_least_recently(
     assert [path.name for path in (root / "patches").iterdir()] == ["d0"]
 
 
-def test_an_operator_that_is_pruned_while_it_is_read_is_built_anew(
-    root: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_operator_that_is_pruned_while_it_is_read_is_built_anew(root, monkeypatch):
     made = []
 
-    def build(*mesh: object, odd: bool) -> Compliance:
+    def build(*mesh, odd):
         made.append(_made_up(float(len(made))))
         return made[-1]
 
@@ -257,7 +243,7 @@ def test_an_operator_that_is_pruned_while_it_is_read_is_built_anew(
     os.utime(place, (0, 0))
     read = _operator.read
 
-    def late(where: Path) -> object:
+    def late(where):
         assert time.time() - where.stat().st_mtime < DAY  # its use is noted before
         cache.remove(cache.entries())
         return read(where)
@@ -268,9 +254,7 @@ def test_an_operator_that_is_pruned_while_it_is_read_is_built_anew(
     assert place.is_dir()
 
 
-def test_an_operator_is_known_by_the_mesh_that_it_was_built_on(
-    root: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_operator_is_known_by_the_mesh_that_it_was_built_on(root, monkeypatch):
     finger = ff.Finger(14.2, 10.2, resolution="coarse", tissue="maeno1998")
     shipped = store.load_or_build(
         ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998"), half=True
@@ -279,7 +263,7 @@ def test_an_operator_is_known_by_the_mesh_that_it_was_built_on(
     store.keep(shipped, recipe)
     prepared, other = _operator.solid, replace(shipped, points=1.001 * shipped.points)
 
-    def late(*mesh: object) -> object:
+    def late(*mesh):
         cache.remove(cache.entries())
         store.keep(other, recipe)  # by another process
         return prepared(*mesh)
@@ -294,14 +278,14 @@ def test_an_operator_is_known_by_the_mesh_that_it_was_built_on(
     assert [expected["mesh_file_sha256"] for expected in actual.identities] == [old]
 
 
-def _made_up(value: float = 1.0) -> Compliance:
+def _made_up(value=1.0):
     """Return a compliance that can be kept."""
     one = np.ones((1, 1))
     front = Eliminated(Front(0, 1, 1, np.arange(1), ()), one, one, one)
     return Compliance(np.arange(1), (front,), value * one)
 
 
-def test_the_lock_of_a_process_that_was_killed_holds_up_nobody(root: Path) -> None:
+def test_the_lock_of_a_process_that_was_killed_holds_up_nobody(root):
     pytest.importorskip("fcntl", reason="this system has no locks of files")
     killed = (
         "import os, signal, sys; from pathlib import Path; from fefinger.support import cache\n"
@@ -317,7 +301,7 @@ def test_the_lock_of_a_process_that_was_killed_holds_up_nobody(root: Path) -> No
     assert not left.exists()
 
 
-def test_where_there_can_be_no_lock_nobody_waits(tmp_path: Path) -> None:
+def test_where_there_can_be_no_lock_nobody_waits(tmp_path):
     (tmp_path / "file").write_text("a file where the folder should be")
     place = tmp_path / "file" / "meshes" / "x.vtu"
     with cache.alone(place), cache.alone(place):

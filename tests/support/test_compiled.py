@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -24,14 +23,14 @@ print(square(3), notice().partition(",")[0])
 
 
 @pytest.fixture
-def script(tmp_path: Path) -> Path:
+def script(tmp_path):
     """Return a script in whose folder nothing compiled can be kept, also not by root."""
     (tmp_path / "__pycache__").write_text("a file where the folder should be")
     (tmp_path / "square.py").write_text(SQUARE)
     return tmp_path / "square.py"
 
 
-def printed(script: Path, cache: Path) -> str:
+def printed(script, cache):
     """Run a script with the user's cache in a folder, and return what it prints."""
     environment = {**os.environ, "XDG_CACHE_HOME": str(cache), "NUMBA_CACHE_DIR": ""}
     done = subprocess.run(
@@ -41,21 +40,16 @@ def printed(script: Path, cache: Path) -> str:
     return done.stdout.strip()
 
 
-def test_without_a_folder_code_is_compiled_every_time_and_it_is_said(script: Path) -> None:
+def test_without_a_folder_code_is_compiled_every_time_and_it_is_said(script):
     assert printed(script, script) == "9 Compiled code could not be kept"
 
 
-def test_code_is_kept_in_the_cache_where_that_can_be_written(script: Path, tmp_path: Path) -> None:
+def test_code_is_kept_in_the_cache_where_that_can_be_written(script, tmp_path):
     assert printed(script, tmp_path / "cache") == "9"
     assert list((tmp_path / "cache").rglob("*.nbi"))
 
 
-def test_a_command_and_its_result_say_it(
-    synthetic: Result,
-    answered: list,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_command_and_its_result_say_it(synthetic, answered, capsys, monkeypatch):
     assert main(["run", "flat-press"]) == 0
     assert "note:" not in capsys.readouterr().err
     monkeypatch.setattr(compiled, "_not_kept", [test_a_command_and_its_result_say_it])

@@ -29,7 +29,7 @@ class Marble(Indenter):
 
 
 @pytest.fixture(autouse=True)
-def own_registry(monkeypatch: pytest.MonkeyPatch) -> None:
+def own_registry(monkeypatch):
     """Forget what a test registers."""
     for each in registry.REGISTRIES:
         monkeypatch.setattr(each, "_things", dict(each._things))
@@ -37,13 +37,13 @@ def own_registry(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "modules", dict(sys.modules))
 
 
-def key_edge(kind: object = "key-edge") -> type[Indenter]:
+def key_edge(kind="key-edge"):
     @dataclass(frozen=True)
     class KeyEdge(Indenter):
         at: tuple[float, float] | None = None
         profile = None
 
-        def describe(self) -> str:
+        def describe(self):
             return "the edge of a key"
 
     KeyEdge.kind = kind
@@ -129,7 +129,7 @@ def test_a_child_process_knows_what_its_parent_knows(tmp_path):
         assert found()[-1] == "marble"
 
 
-def kinds(_: None) -> list[str]:
+def kinds(_):
     return list(INDENTERS)
 
 

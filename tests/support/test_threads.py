@@ -15,7 +15,7 @@ from fefinger.support import processes, threads
 
 
 @pytest.fixture(params=[1, 2, 5])
-def count(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> int:
+def count(request, monkeypatch):
     """Set a number of threads, whatever cores there are."""
     monkeypatch.setattr(threads, "threads", lambda: request.param)
     monkeypatch.setattr(threads, "_pool", lambda: pool)
@@ -24,20 +24,20 @@ def count(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> in
     pool.shutdown()
 
 
-def test_the_values_are_those_of_the_parts_in_order(count: int) -> None:
+def test_the_values_are_those_of_the_parts_in_order(count):
     assert threads.together(lambda part: part**2, range(17)) == [part**2 for part in range(17)]
     assert threads.together(lambda part: part, []) == []
 
 
-def test_parts_may_have_parts_of_their_own(count: int) -> None:
-    def inner(part: int) -> list[int]:
+def test_parts_may_have_parts_of_their_own(count):
+    def inner(part):
         return threads.together(lambda other: part * other, range(4))
 
     expected = [[part * other for other in range(4)] for part in range(6)]
     assert threads.together(inner, range(6)) == expected
 
 
-def test_another_thread_takes_parts_while_this_one_works() -> None:
+def test_another_thread_takes_parts_while_this_one_works():
     """Each of two parts waits for the other to begin."""
     barrier = threading.Barrier(2)
     with pytest.MonkeyPatch.context() as patch:
@@ -45,8 +45,8 @@ def test_another_thread_takes_parts_while_this_one_works() -> None:
         threads.together(lambda _: barrier.wait(timeout=20), range(2))
 
 
-def test_a_failure_is_raised_and_ends_the_work(count: int) -> None:
-    def fail(part: int) -> int:
+def test_a_failure_is_raised_and_ends_the_work(count):
+    def fail(part):
         message = "a defect"
         raise IndexError(message)
 
@@ -56,20 +56,18 @@ def test_a_failure_is_raised_and_ends_the_work(count: int) -> None:
 
 
 @pytest.fixture
-def body() -> solve.System:
+def body():
     space = box(*3 * (np.linspace(0, 1, 6),))
     held = np.flatnonzero(np.repeat(space.node_points[:, 2] == 0, 3))
     return solve.prepare(space, stiffness(space, {1: Elastic(5.0, 0.4999)}), held)
 
 
-def close(found: np.ndarray, expected: np.ndarray, part: float) -> bool:
+def close(found, expected, part):
     """Whether no number is further off than a part of the largest."""
     return bool(np.abs(found - expected).max() <= part * np.abs(expected).max())
 
 
-def test_factor_and_solution_are_the_same(
-    count: int, body: solve.System, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_factor_and_solution_are_the_same(count, body, monkeypatch):
     monkeypatch.setattr(multifrontal_indefinite, "STRIP", 64)  # several in a front of this body
     right = np.random.default_rng(0).normal(size=(len(body.free), 3))
     found = solve.approximate_factor(body.matrix, body)
@@ -84,7 +82,7 @@ def test_factor_and_solution_are_the_same(
     assert close(found.solve(right[:, 0]), alone.solve(right[:, 0]), 1e-2)
 
 
-def test_branches_are_disjoint_subtrees_and_the_fronts_above_them(body: solve.System) -> None:
+def test_branches_are_disjoint_subtrees_and_the_fronts_above_them(body):
     fronts = body.dissection.fronts
     *branches, above = body.dissection.branches
     numbers = np.concatenate([*branches, above])
@@ -95,9 +93,7 @@ def test_branches_are_disjoint_subtrees_and_the_fronts_above_them(body: solve.Sy
         assert inside == set(branch[:-1].tolist())
 
 
-def test_internal_forces_are_the_same(
-    count: int, body: solve.System, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_internal_forces_are_the_same(count, body, monkeypatch):
     cells = continuum(body.space, {1: material_of(Elastic(5.0, 0.4999))})
     values = 0.002 * np.random.default_rng(1).normal(size=body.space.n_unknowns)
     found, least = cells.residual(values, cells.at_rest)
@@ -112,9 +108,7 @@ def test_internal_forces_are_the_same(
 
 
 @pytest.mark.parametrize(("limit", "expected"), [("", 3), ("1", 1), ("2", 2), ("8", 3)])
-def test_threads_are_the_cores_or_fewer(
-    limit: str, expected: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_threads_are_the_cores_or_fewer(limit, expected, monkeypatch):
     monkeypatch.setattr(processes, "cores", lambda: 3)
     monkeypatch.setenv(processes.THREADS, limit)
     assert processes.threads() == expected

@@ -65,10 +65,7 @@ def test_each_change_is_one_line(changes, line):
 
 @pytest.mark.parametrize(
     "arrays",
-    [
-        {FORCE: np.array([1e-12, np.nan, 1.5 - 1e-12])},
-        {SPIKES: np.array([0.01, 0.02 + 5e-10])},
-    ],
+    [{FORCE: np.array([1e-12, np.nan, 1.5 - 1e-12])}, {SPIKES: np.array([0.01, 0.02 + 5e-10])}],
     ids=["rounding", "spikes"],
 )
 def test_rounding_is_no_difference(arrays):

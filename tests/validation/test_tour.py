@@ -17,15 +17,13 @@ from fefinger.scene import builtin
 README = Path(__file__).resolve().parents[2] / "README.md"
 
 
-def blocks(language: str) -> list[str]:
+def blocks(language):
     """Return the fenced blocks of the README in a language."""
     text = README.read_text(encoding="utf-8")
     return re.findall(rf"^```{language}\n(.*?)^```", text, re.S | re.M)
 
 
-def test_the_scene_and_the_python_of_the_readme_run_and_the_result_loads(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_scene_and_the_python_of_the_readme_run_and_the_result_loads(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (scene,), (code,) = blocks("toml"), blocks("python")
     coarse = scene.replace("[finger]", '[finger]\nresolution = "coarse"')
@@ -46,7 +44,7 @@ def test_the_scene_and_the_python_of_the_readme_run_and_the_result_loads(
     }
 
 
-def test_every_command_of_the_readme_is_one(capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_command_of_the_readme_is_one(capsys):
     text = README.read_text(encoding="utf-8")
     shown = set(re.findall(r"`fefinger ([a-z]+)", text)) | {"run"}
     assert main(["--help"]) == 0
@@ -56,7 +54,7 @@ def test_every_command_of_the_readme_is_one(capsys: pytest.CaptureFixture[str]) 
 
 
 @pytest.mark.parametrize("name", builtin.names())
-def test_every_built_in_scene_can_be_answered(name: str) -> None:
+def test_every_built_in_scene_can_be_answered(name):
     scene = builtin.load(name)
     plan = ff.explain(scene)
     if scene.ask.mechanics is None:
@@ -65,9 +63,7 @@ def test_every_built_in_scene_can_be_answered(name: str) -> None:
         assert plan.mechanics == scene.ask.mechanics
 
 
-def test_the_tour_a_press_and_its_strain_field_in_pictures(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_tour_a_press_and_its_strain_field_in_pictures(tmp_path, monkeypatch, capsys):
     """Press a finger, look at its strain: the section in the report, a picture, a page."""
     monkeypatch.chdir(tmp_path)
     coarse = ["--set", "finger.resolution=coarse", "--set", "motion.hold=0.1"]

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from xml.etree.ElementTree import Element, fromstring
+from xml.etree.ElementTree import fromstring
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from fefinger.view import figures
 from fefinger.view.compact_svg import SVG, compact, path
 
 
-def matplotlib_svg() -> str:
+def matplotlib_svg():
     """Return a figure with lines, many markers, clipped scatter, labels and a turned axis label."""
     import io
 
@@ -33,13 +33,13 @@ def matplotlib_svg() -> str:
 
 
 @pytest.fixture(scope="module")
-def pair() -> tuple[Element, Element]:
+def pair():
     """Return the tree that matplotlib writes, and the compact one of it."""
     text = matplotlib_svg()
     return fromstring(text), fromstring(compact(text))
 
 
-def points(data: str) -> list[tuple[str, float, float]]:
+def points(data):
     """Return (command, x, y) of path data with M, L, Q, C, Z of either case, letters implied."""
     tokens = re.findall(r"[A-Za-z]|-?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?", data)
     found, here, start, command, i = [], np.zeros(2), np.zeros(2), "", 0
@@ -61,11 +61,11 @@ def points(data: str) -> list[tuple[str, float, float]]:
     return found
 
 
-def local(element: Element) -> str:
+def local(element):
     return element.tag.rpartition("}")[2]
 
 
-def test_paths_keep_their_points_to_a_hundredth_without_drift() -> None:
+def test_paths_keep_their_points_to_a_hundredth_without_drift():
     steps = np.random.default_rng(1).uniform(0.01, 0.4, (3000, 2)).cumsum(axis=0)
     data = "M 1e-05 0.126 \n" + "".join(f"L {x:.6f} {y:.6f} \n" for x, y in steps)
     data += "z\nM 3 4 \nQ 5.111 6 7 8 \nC 1 2 3 4 5 6.789 \nL 5.5 5.5 \n"
@@ -76,12 +76,12 @@ def test_paths_keep_their_points_to_a_hundredth_without_drift() -> None:
     assert len(path(data)) < 0.6 * len(data)
 
 
-def test_lines_that_round_to_no_length_are_left_out_but_for_a_dot() -> None:
+def test_lines_that_round_to_no_length_are_left_out_but_for_a_dot():
     assert path("M 0 0 \nL 1 2 \nL 1.001 2 \nL 2 2 \n") == "m0 0 1 2 1 0"
     assert path("M 1 2 \nL 1 2 \n") == "m1 2 0 0"
 
 
-def test_every_mark_and_every_word_stays(pair: tuple[Element, Element]) -> None:
+def test_every_mark_and_every_word_stays(pair):
     counts = [
         Counter(local(e) for e in tree.iter() if local(e) in ("use", "path", "text", "tspan"))
         for tree in pair
@@ -97,8 +97,8 @@ def test_every_mark_and_every_word_stays(pair: tuple[Element, Element]) -> None:
     assert "a & b < c" in words[1]
 
 
-def test_uses_keep_their_places_and_what_they_point_at(pair: tuple[Element, Element]) -> None:
-    def drawn(tree: Element) -> list[tuple[float, float, list[tuple[str, float, float]]]]:
+def test_uses_keep_their_places_and_what_they_point_at(pair):
+    def drawn(tree):
         marks = {e.get("id"): e for e in tree.iter() if e.get("id")}
         return [
             (
@@ -120,7 +120,7 @@ def test_uses_keep_their_places_and_what_they_point_at(pair: tuple[Element, Elem
         assert np.allclose([r[1:] for r in new[2]], [r[1:] for r in old[2]], atol=0.0051)
 
 
-def looks(tree: Element) -> list[dict[str, str]]:
+def looks(tree):
     """Return the declarations of style of every element that is drawn, by class or its own."""
     sheet = next(e.text or "" for e in tree.iter() if local(e) == "style")
     classes = dict(re.findall(r"\.(\w+)\{([^}]*)\}", sheet))
@@ -134,7 +134,7 @@ def looks(tree: Element) -> list[dict[str, str]]:
     return [{k.strip(): re.sub(r"\s*,\s*", ",", v.strip()) for k, _, v in each} for each in split]
 
 
-def test_styles_become_classes_of_the_same_look(pair: tuple[Element, Element]) -> None:
+def test_styles_become_classes_of_the_same_look(pair):
     before, after = map(looks, pair)
     assert before == after
     clips = [
@@ -144,9 +144,7 @@ def test_styles_become_classes_of_the_same_look(pair: tuple[Element, Element]) -
     assert clips[0] == clips[1]
 
 
-def test_links_lead_somewhere_and_no_id_is_left_without_a_link(
-    pair: tuple[Element, Element],
-) -> None:
+def test_links_lead_somewhere_and_no_id_is_left_without_a_link(pair):
     elements = list(pair[1].iter())
     values = " ".join(" ".join(e.attrib.values()) for e in elements)
     ids = {e.attrib["id"] for e in elements if "id" in e.attrib}
@@ -155,7 +153,7 @@ def test_links_lead_somewhere_and_no_id_is_left_without_a_link(
     assert links == ids
 
 
-def test_the_text_is_small_and_in_single_quotes() -> None:
+def test_the_text_is_small_and_in_single_quotes():
     text = matplotlib_svg()
     assert len(compact(text)) < 0.5 * len(text)
     assert '"' not in compact(text)

@@ -1,7 +1,6 @@
 """`fefinger live`: what is on screen, and the file that it is recorded to."""
 
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,19 +21,19 @@ SHORT = ((0.0, 0.0, 25.0), (0.06, 0.6, 25.0), (0.12, 0.6, 20.0))
 
 
 @pytest.fixture(autouse=True)
-def _short_and_own_cache(operators: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def _short_and_own_cache(operators, monkeypatch):
     """Play a tenth of a second, with the operators of this session."""
     monkeypatch.setattr(live, "SCRIPT", SHORT)
 
 
 @pytest.fixture
-def _renderer() -> None:
+def _renderer():
     """Skip where VTK cannot draw."""
     if lacking := renderer_lacking():
         pytest.skip(lacking)  # a library of the system, which no Python package brings
 
 
-def test_a_frame_has_what_is_drawn() -> None:
+def test_a_frame_has_what_is_drawn():
     show = Show(FINGER)
     strain_at(show.rolling.solid.space, show.organs.points, (1,))  # all inside
     frames = list(show.frames())
@@ -51,7 +50,7 @@ def test_a_frame_has_what_is_drawn() -> None:
 
 
 @pytest.mark.usefixtures("_renderer")
-def test_it_is_recorded_with_the_rate(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_it_is_recorded_with_the_rate(tmp_path, capsys):
     file = tmp_path / "new" / "show.gif"
     assert main(["live", "-o", str(file), "--resolution", "coarse"]) == 0
     assert "121 steps of 1 ms at" in capsys.readouterr().out
@@ -61,7 +60,7 @@ def test_it_is_recorded_with_the_rate(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 @pytest.mark.usefixtures("_renderer")
-def test_it_is_recorded_as_a_film_that_browsers_play(tmp_path: Path) -> None:
+def test_it_is_recorded_as_a_film_that_browsers_play(tmp_path):
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
     file = tmp_path / "show.mp4"
     live.record(FINGER, file)
@@ -77,7 +76,7 @@ def test_it_is_recorded_as_a_film_that_browsers_play(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("_renderer")
-def test_a_window_shows_what_is_recorded() -> None:
+def test_a_window_shows_what_is_recorded():
     show = Show(FINGER)
     window = Window(show, off_screen=True)
     pictures = []
@@ -93,9 +92,7 @@ def test_a_window_shows_what_is_recorded() -> None:
     assert "steps/s" in window.text.GetText(2)
 
 
-def test_what_cannot_be_shown_gets_a_sentence(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_cannot_be_shown_gets_a_sentence(tmp_path, monkeypatch):
     with pytest.raises(InputError, match=r"ends in \.gif or \.mp4"):
         live.record(FINGER, tmp_path / "show.avi")
     for display in ("DISPLAY", "WAYLAND_DISPLAY"):
@@ -105,9 +102,7 @@ def test_what_cannot_be_shown_gets_a_sentence(
 
 
 @pytest.mark.parametrize("subject", ["d.p.", "p.w."])  # the thinnest and the thickest
-def test_the_script_stays_within_the_contact_of_every_subject(
-    monkeypatch: pytest.MonkeyPatch, subject: str
-) -> None:
+def test_the_script_stays_within_the_contact_of_every_subject(monkeypatch, subject):
     monkeypatch.setattr(live, "SCRIPT", SCRIPT)
     monkeypatch.setattr(live, "DT", 0.01)
     frames = list(Show(Finger.subject(subject, resolution="coarse", tissue=PUBLISHED)).frames())

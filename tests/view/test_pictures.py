@@ -1,9 +1,6 @@
 """Pictures come out where a renderer exists, and a sentence where none does."""
 
 import dataclasses
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +10,6 @@ from fefinger import view
 from fefinger.__main__ import main
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.pages import viewer
-from fefinger.result import Result
 from fefinger.scene.indenters import Flat
 from fefinger.support.checks import InputError
 from fefinger.view import (
@@ -36,7 +32,7 @@ needs_renderer = pytest.mark.skipif(
 
 
 @pytest.fixture
-def no_renderer(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def no_renderer(monkeypatch):
     """Make the probe end as VTK does where there is no renderer: by a crash of the process."""
     view.renderer_lacking.cache_clear()
     monkeypatch.setattr(renderer, "PROBE", "import os; os.abort()")
@@ -44,26 +40,24 @@ def no_renderer(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     view.renderer_lacking.cache_clear()
 
 
-def picture(path: Path) -> Any:
+def picture(path):
     """Return the PNG as an array (h, w, 3)."""
     from matplotlib.image import imread
 
     return imread(path)[..., :3]
 
 
-def section(result: Result, path: Path, **options: Any) -> None:
+def section(result, path, **options):
     """Draw the medial section to a PNG file."""
     section_figure.draw(result, **options).savefig(path)
 
 
-def test_a_crash_of_the_probe_becomes_a_sentence_with_the_packages(no_renderer: None) -> None:
+def test_a_crash_of_the_probe_becomes_a_sentence_with_the_packages(no_renderer):
     assert "libegl1 or libosmesa6" in view.renderer_lacking()
 
 
 @pytest.mark.parametrize("draw", [view.screenshot, view.movie, view.show])
-def test_without_a_renderer_views_in_space_are_refused(
-    synthetic: Result, tmp_path: Path, no_renderer: None, draw: Callable[..., Any]
-) -> None:
+def test_without_a_renderer_views_in_space_are_refused(synthetic, tmp_path, no_renderer, draw):
     arguments = () if draw is view.show else (tmp_path / "a.gif",)
     with pytest.raises(InputError, match=r"libosmesa6.*`fefinger view DIR --html FILE` works"):
         draw(synthetic, *arguments)
@@ -71,14 +65,14 @@ def test_without_a_renderer_views_in_space_are_refused(
 
 
 def test_without_a_renderer_the_command_ends_with_the_sentence(
-    saved: Result, tmp_path: Path, no_renderer: None, capsys: pytest.CaptureFixture[str]
-) -> None:
+    saved, tmp_path, no_renderer, capsys
+):
     assert main(["view", "out", "--screenshot", str(tmp_path / "a.png")]) == 2
     assert "No renderer for three-dimensional pictures was found" in capsys.readouterr().err
     assert main(["view", "out", "--html", str(tmp_path / "a.html")]) == 0
 
 
-def straddling(result: Result) -> Result:
+def straddling(result):
     """Return the result on a whole finger whose cells the medial plane passes through."""
     fields = frames.whole(result.response.fields)
     fields = dataclasses.replace(fields, points=fields.points - np.array([0.0, 0.4, 0.0]))
@@ -86,7 +80,7 @@ def straddling(result: Result) -> Result:
 
 
 @pytest.mark.parametrize("mesh", [lambda result: result, straddling], ids=["half", "whole"])
-def test_the_section_has_the_colors_of_its_values(synthetic: Result, mesh: Any) -> None:
+def test_the_section_has_the_colors_of_its_values(synthetic, mesh):
     """In the middle of every triangle of the section, as drawn, is the color of its mean value."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
@@ -107,13 +101,13 @@ def test_the_section_has_the_colors_of_its_values(synthetic: Result, mesh: Any) 
     assert (away < 0.1).mean() > 0.7
 
 
-def test_a_stage_too_short_to_be_timed_is_told_as_such(synthetic: Result) -> None:
+def test_a_stage_too_short_to_be_timed_is_told_as_such(synthetic):
     timed = dataclasses.replace(synthetic, seconds={"mesh": 1.5, "fields": 2.46e-6})
     (axis,) = figures.stages(timed).axes
     assert [each.get_text() for each in axis.texts] == [" 1.5 s", " < 1 ms"]
 
 
-def test_halved_triangles_cover_the_same_and_keep_linear_values() -> None:
+def test_halved_triangles_cover_the_same_and_keep_linear_values():
     corners = np.array([[0.0, 0, 1], [2, 0, 3], [0, 2, 5], [2, 2, 7]])
     triangles = np.array([[0, 1, 2], [1, 3, 2]])
     finer, quarters = section_figure._halved(corners, triangles)
@@ -127,14 +121,14 @@ def test_halved_triangles_cover_the_same_and_keep_linear_values() -> None:
 
 @needs_renderer
 @pytest.mark.parametrize("field", ["pressure", "compressive strain", "strain xz"])
-def test_a_view_in_space_shows_something(synthetic: Result, tmp_path: Path, field: str) -> None:
+def test_a_view_in_space_shows_something(synthetic, tmp_path, field):
     view.screenshot(synthetic, tmp_path / "a.png", field, 0.0)
     drawn = picture(tmp_path / "a.png")
     assert drawn.shape == (*pictures.size(1)[::-1], 3)
     assert 0.05 < (drawn.min(axis=2) < 0.98).mean() < 0.9
 
 
-def test_a_trimmed_picture_has_the_bars_beside_the_finger() -> None:
+def test_a_trimmed_picture_has_the_bars_beside_the_finger():
     width, height = pictures.size(1)
     drawn = np.full((height, width, 3), 255, np.uint8)
     drawn[200:400, 100:300] = 0
@@ -148,7 +142,7 @@ def test_a_trimmed_picture_has_the_bars_beside_the_finger() -> None:
 
 
 @needs_renderer
-def test_compared_results_have_one_scale(synthetic: Result, weaker: Result, tmp_path: Path) -> None:
+def test_compared_results_have_one_scale(synthetic, weaker, tmp_path):
     both = [drawing(result, "tensile strain", "") for result in (synthetic, weaker)]
     strong, weak = (colors([each], "tensile strain") for each in both)
     assert weak.high < 0.6 * strong.high
@@ -163,7 +157,7 @@ def test_compared_results_have_one_scale(synthetic: Result, weaker: Result, tmp_
 
 
 @needs_renderer
-def test_bars_of_all_panels_stand_beside_them_once(synthetic: Result, tmp_path: Path) -> None:
+def test_bars_of_all_panels_stand_beside_them_once(synthetic, tmp_path):
     silent = dataclasses.replace(synthetic, spikes=None)
     plotter = renderer.plotter((600, 200), 2, aside=100)
     actors = pictures.compose(plotter, [synthetic, silent], "tensile strain")
@@ -180,9 +174,7 @@ def test_bars_of_all_panels_stand_beside_them_once(synthetic: Result, tmp_path: 
 
 
 @needs_renderer
-def test_labels_of_end_organs_stand_clear_of_the_finger_and_each_other(
-    controls: window.Controls,
-) -> None:
+def test_labels_of_end_organs_stand_clear_of_the_finger_and_each_other(controls):
     (shown,) = controls.actors
     lines = next(
         prop.actor.mapper.dataset
@@ -195,13 +187,13 @@ def test_labels_of_end_organs_stand_clear_of_the_finger_and_each_other(
     assert np.abs(np.diff(np.sort(column[:, 2]))).min() > 1.0
 
 
-def turned(result: Result, angle: float) -> Result:
+def turned(result, angle):
     scene = dataclasses.replace(result.scene, indenter=Flat(angle))
     return dataclasses.replace(result, scene=scene)
 
 
 @needs_renderer
-def test_every_panel_says_which_scene_it_is(synthetic: Result) -> None:
+def test_every_panel_says_which_scene_it_is(synthetic):
     plotter = renderer.plotter((600, 200), 2, aside=100)
     both = [synthetic, turned(synthetic, 21.0)]
     actors = pictures.compose(plotter, both, "pressure", folders=("first", "second"))
@@ -219,9 +211,8 @@ def test_every_panel_says_which_scene_it_is(synthetic: Result) -> None:
 
 
 @pytest.fixture
-def weaker(synthetic: Result) -> Result:
+def weaker(synthetic):
     """Return the synthetic result with half of the strain."""
-    assert synthetic.fields is not None
     fields = dataclasses.replace(synthetic.fields, strain=0.5 * synthetic.fields.strain)
     return dataclasses.replace(
         synthetic, response=dataclasses.replace(synthetic.response, fields=fields)
@@ -229,24 +220,21 @@ def weaker(synthetic: Result) -> Result:
 
 
 @pytest.fixture
-def controls(synthetic: Result) -> Iterator[window.Controls]:
+def controls(synthetic):
     """Return the window's controls on an off-screen plotter."""
     plotter = renderer.plotter((400, 200), aside=100)
     yield window.Controls(plotter, [synthetic], "compressive strain")
     plotter.close()
 
 
-def surface(controls: window.Controls, part: str) -> Any:
+def surface(controls, part):
     """Return the first actor that needs a part."""
     return next(prop.actor for prop in controls.actors[0].props if part in prop.needs)
 
 
 @needs_renderer
-def test_the_slider_moves_the_finger_its_colors_and_the_indenter(
-    synthetic: Result, controls: window.Controls
-) -> None:
+def test_the_slider_moves_the_finger_its_colors_and_the_indenter(synthetic, controls):
     fields = synthetic.fields
-    assert fields is not None
     depths = np.interp(fields.times, synthetic.time, synthetic.depth)
     axis = indenter_pose.pose(synthetic, 0.0).axis
     seen = []
@@ -268,7 +256,7 @@ def test_the_slider_moves_the_finger_its_colors_and_the_indenter(
 
 
 @needs_renderer
-def test_every_box_hides_its_part_and_brings_it_back(controls: window.Controls) -> None:
+def test_every_box_hides_its_part_and_brings_it_back(controls):
     first = controls.actors[0]
     assert first.parts == [part for part in stage.PARTS if part != "bone"]
     for part in first.parts:
@@ -283,7 +271,7 @@ def test_every_box_hides_its_part_and_brings_it_back(controls: window.Controls) 
 
 
 @needs_renderer
-def test_pad_and_end_organs_are_colored_by_one_thing_at_a_time(controls: window.Controls) -> None:
+def test_pad_and_end_organs_are_colored_by_one_thing_at_a_time(controls):
     instead = [prop for prop in controls.actors[0].props if prop.without is not None]
     assert {prop.without for prop in instead} == {"pressure", "rates"}
     assert not any(prop.actor.GetVisibility() for prop in instead)
@@ -293,21 +281,18 @@ def test_pad_and_end_organs_are_colored_by_one_thing_at_a_time(controls: window.
 
 
 @needs_renderer
-def test_end_organs_have_the_rate_of_their_units(
-    synthetic: Result, controls: window.Controls
-) -> None:
+def test_end_organs_have_the_rate_of_their_units(synthetic, controls):
     controls.move(2.5)
     time = float(controls.actors[0].shown.fields.times[controls.actors[0].frame])
     actor = next(p.actor for p in controls.actors[0].props if p.needs == ("end organs", "rates"))
     rates = actor.mapper.dataset["rate"].reshape(4, -1)
-    assert synthetic.spikes is not None
     expected = [float(synthetic.spikes.rate(unit, time)) for unit in range(4)]
     assert expected[0] == pytest.approx(20.0)
     np.testing.assert_allclose(rates, np.tile(expected, (rates.shape[1], 1)).T)
 
 
 @needs_renderer
-def test_another_field_keeps_time_and_hidden_parts(controls: window.Controls) -> None:
+def test_another_field_keeps_time_and_hidden_parts(controls):
     controls.step(1)
     controls.toggle("indenter", False)
     controls.color("strain xz")
@@ -321,7 +306,7 @@ def test_another_field_keeps_time_and_hidden_parts(controls: window.Controls) ->
 
 
 @needs_renderer
-def test_a_film_has_a_picture_per_stored_time(synthetic: Result, tmp_path: Path) -> None:
+def test_a_film_has_a_picture_per_stored_time(synthetic, tmp_path):
     view.movie(synthetic, tmp_path / "a.gif", "pressure")
     with Image.open(tmp_path / "a.gif") as film:
         assert film.n_frames >= 3
@@ -334,9 +319,7 @@ def test_a_film_has_a_picture_per_stored_time(synthetic: Result, tmp_path: Path)
 
 
 @needs_renderer
-def test_without_a_display_the_window_is_refused(
-    synthetic: Result, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_a_display_the_window_is_refused(synthetic, monkeypatch):
     monkeypatch.setattr(renderer, "has_display", lambda: False)
     with pytest.raises(InputError, match="--screenshot"):
         view.show(synthetic)
@@ -344,11 +327,8 @@ def test_without_a_display_the_window_is_refused(
 
 @needs_renderer
 @pytest.mark.parametrize("thicker", [0.5, 1.0, 3.0])
-def test_a_mesh_is_drawn_cut_open_between_title_and_legend(
-    synthetic: Result, tmp_path: Path, thicker: float
-) -> None:
+def test_a_mesh_is_drawn_cut_open_between_title_and_legend(synthetic, tmp_path, thicker):
     fields = synthetic.fields
-    assert fields is not None
     mesh = FingerMesh(
         points=fields.points * [1.0, 1.0, thicker],
         cells=fields.cells,
@@ -371,9 +351,7 @@ def test_a_mesh_is_drawn_cut_open_between_title_and_legend(
 
 
 @pytest.mark.parametrize("draw", [section, view.screenshot, viewer.write])
-def test_what_cannot_be_shown_is_refused_in_a_sentence(
-    synthetic: Result, without_fields: Result, tmp_path: Path, draw: Callable[..., Any]
-) -> None:
+def test_what_cannot_be_shown_is_refused_in_a_sentence(synthetic, without_fields, tmp_path, draw):
     with pytest.raises(InputError, match="Did you mean 'pressure'"):
         draw(synthetic, tmp_path / "a.png", field="presure")
     with pytest.raises(InputError, match=r"ask\.fields=true"):
@@ -381,29 +359,27 @@ def test_what_cannot_be_shown_is_refused_in_a_sentence(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_nearest_stored_time_is_drawn(synthetic: Result) -> None:
+def test_the_nearest_stored_time_is_drawn(synthetic):
     assert synthetic.fields is not None
     nearest = [frames.nearest_frame(synthetic.fields, time) for time in (-1, 0.1, 2.4, 99)]
     assert nearest == [0, 0, 1, 2]
 
 
 @pytest.mark.parametrize("draw", [view.screenshot, viewer.write])
-def test_a_time_after_the_end_is_refused(
-    synthetic: Result, tmp_path: Path, draw: Callable[..., Any]
-) -> None:
+def test_a_time_after_the_end_is_refused(synthetic, tmp_path, draw):
     with pytest.raises(InputError, match="time: expected a time within the run, from 0 to 5 s"):
         draw(synthetic, tmp_path / "a.png", time=99.0)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_time_a_step_after_the_end_is_that_of_the_end(synthetic: Result) -> None:
+def test_a_time_a_step_after_the_end_is_that_of_the_end(synthetic):
     step = synthetic.time[-1] - synthetic.time[-2]
     frames.check("time", [synthetic], synthetic.time[-1] + 0.9 * step)
     assert "the last of its 3" in frames.deviations([synthetic], ["out"], 5.0 + 0.5 * step)[0]
 
 
 @pytest.mark.parametrize("limits", [(-2.0, 6.0), (-6.0, 2.0), (-3.0, 3.0), (0.0, 5.0)])
-def test_zero_has_the_middle_color_whatever_the_limits(limits: tuple[float, float]) -> None:
+def test_zero_has_the_middle_color_whatever_the_limits(limits):
     from matplotlib import colormaps
 
     shown = quantities.span([np.array([-9.0, 9.0])], "strain zz", limits)
@@ -414,15 +390,13 @@ def test_zero_has_the_middle_color_whatever_the_limits(limits: tuple[float, floa
     assert shown.map()(largest) == pytest.approx(colormaps[quantities.DIVERGING](largest))
 
 
-def test_limits_on_one_side_of_zero_take_the_even_map() -> None:
+def test_limits_on_one_side_of_zero_take_the_even_map():
     shown = quantities.span([np.array([-9.0, 9.0])], "strain zz", (2.0, 6.0))
     assert shown.colors == quantities.EVEN
     assert shown.beyond("%") == "first color: 2 % and less, last color: 6 % and more"
 
 
-def test_with_little_address_space_nothing_is_drawn_in_space(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_with_little_address_space_nothing_is_drawn_in_space(monkeypatch):
     """VTK and Mesa end the process where they run out of it."""
     view.renderer_lacking.cache_clear()
     monkeypatch.setattr(renderer, "address_space", lambda: renderer.LEAST_MEMORY - 1.0)

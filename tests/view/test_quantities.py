@@ -9,12 +9,10 @@ from matplotlib import colormaps
 
 from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic import stress_kernels
-from fefinger.fem.hyperelastic.material import Material, material_of
-from fefinger.result import Result
+from fefinger.fem.hyperelastic.material import material_of
 from fefinger.results.records import Fields
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
-from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.view import frames, quantities
 
@@ -22,7 +20,7 @@ from fefinger.view import frames, quantities
 STRETCH = np.array([[0.02, 0.03, 0.05], [0.03, -0.04, 0.07], [0.05, 0.07, 0.01]])
 
 
-def of_strain(result: Result, strain: Array, mechanics: str = "linear") -> Result:
+def of_strain(result, strain, mechanics="linear"):
     """Return a result with one tetrahedron of skin under a strain tensor (3, 3), and 7 kPa."""
     six = strain[[0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
     fields = Fields(
@@ -58,36 +56,36 @@ def of_strain(result: Result, strain: Array, mechanics: str = "linear") -> Resul
         ("strain xz", STRETCH, 5.0),
     ],
 )
-def test_fields_by_name(synthetic: Result, field: str, strain: Array, expected: float) -> None:
+def test_fields_by_name(synthetic, field, strain, expected):
     found = quantities.values(of_strain(synthetic, strain), field, 0)
     assert found == pytest.approx([expected] * 4, abs=1e-12)
 
 
-def test_every_field_has_a_unit_a_sentence_and_values(synthetic: Result) -> None:
+def test_every_field_has_a_unit_a_sentence_and_values(synthetic):
     assert tuple(quantities.ABOUT) == quantities.FIELDS
     for field in quantities.FIELDS:
         assert quantities.unit(field) in quantities.label(field)
         assert np.isfinite(quantities.values(synthetic, field, 1)).all()
 
 
-def test_an_unknown_field_gets_the_nearest_name_and_the_list(synthetic: Result) -> None:
+def test_an_unknown_field_gets_the_nearest_name_and_the_list(synthetic):
     with pytest.raises(InputError, match=r"'strain xz'.*Did you mean 'compressive strain'\?"):
         quantities.values(synthetic, "compresive strain", 0)
 
 
-def test_a_result_without_fields_says_how_to_get_them(without_fields: Result) -> None:
+def test_a_result_without_fields_says_how_to_get_them(without_fields):
     advice = r"`--set ask\.fields=true` and a mechanics that has a mesh"
     with pytest.raises(InputError, match=advice):
         quantities.values(without_fields, "strain xx", 0)
 
 
-def test_principal_strains_do_not_change_with_the_frame(synthetic: Result) -> None:
+def test_principal_strains_do_not_change_with_the_frame(synthetic):
     turn, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
     turned = of_strain(synthetic, turn @ np.diag([0.1, -0.3, 0.2]) @ turn.T)
     assert quantities.values(turned, "compressive strain", 0) == pytest.approx([30.0] * 4)
 
 
-def test_energy_of_uniaxial_stress_is_half_stress_times_strain(synthetic: Result) -> None:
+def test_energy_of_uniaxial_stress_is_half_stress_times_strain(synthetic):
     """In uniaxial stress W = E e² / 2, and the elastic one has the modulus E / G(infinity)."""
     finger = synthetic.scene.finger
     modulus, poisson = finger.skin.modulus, finger.skin.poisson
@@ -107,9 +105,7 @@ def test_energy_of_uniaxial_stress_is_half_stress_times_strain(synthetic: Result
         ("veronda-westmann", 1.5, None),
     ],
 )
-def test_energy_at_finite_strain_is_the_work_of_the_material_point(
-    synthetic: Result, law: str, exponent: float | None, share: float | None
-) -> None:
+def test_energy_at_finite_strain_is_the_work_of_the_material_point(synthetic, law, exponent, share):
     """Along a path of stretches the stress of the finite elements does the work that is stored.
 
     Volume is kept, so that the pressure does none: W = integral of S : dE.
@@ -132,16 +128,14 @@ def test_energy_at_finite_strain_is_the_work_of_the_material_point(
     assert shown == pytest.approx([work] * 4, rel=1e-4)
 
 
-def stress(law: Material, gradient: Array) -> Array:
+def stress(law, gradient):
     """Return the isochoric second Piola-Kirchhoff stress xx, yy, zz that the elements use."""
     isochoric, _ = stress_kernels.at_point(law, gradient)
     return isochoric[:3]
 
 
 @pytest.mark.parametrize(("mechanics", "rise"), [("linear", 0.3), ("solid", np.expm1(0.3))])
-def test_energy_of_swelling_is_that_of_the_bulk_modulus(
-    synthetic: Result, mechanics: str, rise: float
-) -> None:
+def test_energy_of_swelling_is_that_of_the_bulk_modulus(synthetic, mechanics, rise):
     skin = synthetic.scene.finger.skin
     bulk = skin.modulus / (3 * (1 - 2 * skin.poisson))
     swollen = of_strain(synthetic, 0.1 * np.eye(3), mechanics)
@@ -149,9 +143,7 @@ def test_energy_of_swelling_is_that_of_the_bulk_modulus(
     assert found == pytest.approx([bulk / 2 * rise**2] * 4)
 
 
-def test_energy_from_the_strain_leaves_out_volume_near_incompressibility(
-    synthetic: Result,
-) -> None:
+def test_energy_from_the_strain_leaves_out_volume_near_incompressibility(synthetic):
     """Results of earlier versions have no other; K times the volume of the strain is noise."""
     skin = dataclasses.replace(synthetic.scene.finger.skin, poisson=0.4999)
     finger = dataclasses.replace(synthetic.scene.finger, skin=skin)
@@ -160,9 +152,8 @@ def test_energy_from_the_strain_leaves_out_volume_near_incompressibility(
     assert quantities.values(swollen, "relaxed strain energy", 0) == pytest.approx([0.0] * 4)
 
 
-def test_energy_that_fields_hold_is_shown_and_mirrored(synthetic: Result) -> None:
+def test_energy_that_fields_hold_is_shown_and_mirrored(synthetic):
     fields = synthetic.fields
-    assert fields is not None
     density = np.arange(2.0 * fields.strain[..., 0].size).reshape(*fields.strain.shape[:2], 2)
     response = dataclasses.replace(
         synthetic.response, fields=dataclasses.replace(fields, energy=density)
@@ -175,8 +166,7 @@ def test_energy_that_fields_hold_is_shown_and_mirrored(synthetic: Result) -> Non
         assert len(shown) > len(density[1])
 
 
-def test_energy_between_tissues_is_their_mean_by_volume(synthetic: Result) -> None:
-    assert synthetic.fields is not None
+def test_energy_between_tissues_is_their_mean_by_volume(synthetic):
     strain = np.zeros_like(synthetic.fields.strain)
     strain[:, :, 3] = 0.1  # xy: W = 2 mu e²
     fields = dataclasses.replace(synthetic.fields, strain=strain)
@@ -193,7 +183,7 @@ def test_energy_between_tissues_is_their_mean_by_volume(synthetic: Result) -> No
     assert ((found[shared] > inner) & (found[shared] < skin)).all()
 
 
-def test_colors_hold_for_all_that_is_shown() -> None:
+def test_colors_hold_for_all_that_is_shown():
     few, many = np.linspace(0, 3, 50), np.linspace(0, 37, 1001)
     assert quantities.span([few, many], "tensile strain")[:2] == (0.0, 40.0)
     low, high, colors, extend = quantities.span([few, -many], "strain xx")
@@ -204,13 +194,13 @@ def test_colors_hold_for_all_that_is_shown() -> None:
 
 
 @pytest.mark.parametrize("value", [1e-7, 0.013, 1.0, 4.1, 77.8, 99.0, 12345.0])
-def test_bars_end_at_the_next_round_number(value: float) -> None:
+def test_bars_end_at_the_next_round_number(value):
     top = quantities.round_up(value)
     assert value <= top <= 1.34 * value
     assert float(f"{top:.2g}") == pytest.approx(top)
 
 
-def test_limits_are_read_or_refused_in_a_sentence() -> None:
+def test_limits_are_read_or_refused_in_a_sentence():
     assert quantities.limits("-3.5:12") == (-3.5, 12.0)
     for bad in ("12", "a:b", "5:5", "7:3", "0:inf", ":"):
         with pytest.raises(InputError, match="--limits"):
@@ -231,10 +221,9 @@ SIGHT = {
 
 @pytest.mark.parametrize("sight", SIGHT)
 @pytest.mark.parametrize(
-    "name",
-    [quantities.EVEN, quantities.DIVERGING, quantities.SKIN_DEEP, quantities.RATES],
+    "name", [quantities.EVEN, quantities.DIVERGING, quantities.SKIN_DEEP, quantities.RATES]
 )
-def test_color_maps_are_even_and_ordered_with_every_color_vision(name: str, sight: str) -> None:
+def test_color_maps_are_even_and_ordered_with_every_color_vision(name, sight):
     lab = seen(colormaps[name](np.linspace(0, 1, 33))[:, :3], np.array(SIGHT[sight]))
     steps = np.linalg.norm(np.diff(lab, axis=0), axis=1)
     assert steps.min() > 0.8  # told apart: a just noticeable difference is about 1 at the least
@@ -249,7 +238,7 @@ def test_color_maps_are_even_and_ordered_with_every_color_vision(name: str, sigh
         assert (light > 0).all() or (light < 0).all()
 
 
-def seen(rgb: Array, matrix: Array) -> Array:
+def seen(rgb, matrix):
     """Return CIELAB (n, 3) of sRGB colors as somebody with that color vision sees them."""
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
     linear = np.clip(linear @ matrix.T, 0, 1)

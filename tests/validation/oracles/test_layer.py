@@ -147,8 +147,7 @@ BALL = (31.0, 540.0)
 
 
 @pytest.mark.parametrize(
-    ("radius", "modulus", "force", "wide"),
-    [(*BALL, 2.34, 4.49), (32.6, 570.0, 2.53, 4.61)],
+    ("radius", "modulus", "force", "wide"), [(*BALL, 2.34, 4.49), (32.6, 570.0, 2.53, 4.61)]
 )
 def test_printed_ball_on_a_bonded_cover(radius, modulus, force, wide):
     cover = Faced(Sheet(2.0, 1000.0, 0.5), modulus, 0.5)
