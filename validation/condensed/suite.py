@@ -317,13 +317,10 @@ def _trades() -> Iterator[Case]:
     reason = "what a step that is several times cheaper costs"
     yield Case(name, lambda: traded(stepped("coarse", tilt=10.0)), limits, source, reason=reason)
     for tolerance in (1e-6, 1e-4):
-        yield Case(
-            f"force with a contact tolerance of {tolerance:g} {steps}",
-            partial(lambda tolerance: traded(roughly(tolerance)), tolerance),
-            Expected(0.0, 1e3 * tolerance, "%"),
-            source,
-            reason="penetration over the largest gap that counts as none",
-        )
+        title = f"force with a contact tolerance of {tolerance:g} {steps}"
+        measure = partial(lambda tolerance: traded(roughly(tolerance)), tolerance)
+        why = "penetration over the largest gap that counts as none"
+        yield Case(title, measure, Expected(0.0, 1e3 * tolerance, "%"), source, reason=why)
 
 
 def _physics(resolution: str) -> dict[str, Row]:

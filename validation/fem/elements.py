@@ -184,20 +184,14 @@ def cases(*, quick: bool) -> Iterator[Case]:
         linear = "a linear displacement"
         yield Case(patch, partial(patch_error, nu), Expected(0.0, 1e-9), linear, reason="rounding")
         for name, (expected, spread, limit) in MEASURES.items():
-            yield Case(
-                f"manufactured, nu {nu:g}: order of {name}",
-                partial(order, name, nu),
-                Expected(expected, spread),
-                MANUFACTURED,
-                reason="fitted over 4, 6 and 9 boxes along an edge",
-            )
-            yield Case(
-                f"manufactured, nu {nu:g}: {name} on 9³ boxes",
-                partial(lambda q, n: errors(n, CELLS[-1])[q], name, nu),
-                Expected(0.0, limit),
-                MANUFACTURED,
-                reason="relative L2 error: an order alone may lead to a wrong answer",
-            )
+            title = f"manufactured, nu {nu:g}: order of {name}"
+            measure = partial(order, name, nu)
+            reason = "fitted over 4, 6 and 9 boxes along an edge"
+            yield Case(title, measure, Expected(expected, spread), MANUFACTURED, reason=reason)
+            title = f"manufactured, nu {nu:g}: {name} on 9³ boxes"
+            measure = partial(lambda q, n: errors(n, CELLS[-1])[q], name, nu)
+            reason = "relative L2 error: an order alone may lead to a wrong answer"
+            yield Case(title, measure, Expected(0.0, limit), MANUFACTURED, reason=reason)
     yield from _stability(3 if quick else 4)
 
 
@@ -210,13 +204,10 @@ def _stability(cells: int) -> Iterator[Case]:
         why,
         reason="does not fall with the mesh",
     )
-    yield Case(
-        f"inf-sup constant on {cells}³ boxes, P1-P1, which is unstable",
-        lambda: inf_sup(UNSTABLE, cells),
-        Expected(0.0, 1e-6),
-        "pressures that no displacement sees",
-        reason="shows that the measure can fail",
-    )
+    name = f"inf-sup constant on {cells}³ boxes, P1-P1, which is unstable"
+    source = "pressures that no displacement sees"
+    reason = "shows that the measure can fail"
+    yield Case(name, lambda: inf_sup(UNSTABLE, cells), Expected(0.0, 1e-6), source, reason=reason)
 
 
 def _loads(space: Space, exact: Manufactured) -> Array:

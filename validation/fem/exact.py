@@ -223,10 +223,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
     for name in QUICK if quick else BODIES:
         limits, source = LIMITS[name]
         for quantity, limit in limits.items():
-            yield Case(
-                f"{name}: {quantity}",
-                partial(lambda n, q: solved(n).errors[q], name, quantity),
-                Expected(0.0, limit, "%"),
-                source,
-                reason="what the mesh leaves",
-            )
+            title = f"{name}: {quantity}"
+            measure = partial(lambda n, q: solved(n).errors[q], name, quantity)
+            expectation = Expected(0.0, limit, "%")
+            yield Case(title, measure, expectation, source, reason="what the mesh leaves")

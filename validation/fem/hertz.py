@@ -189,13 +189,10 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 def _errors(nu: float, level: int) -> Iterator[Case]:
     for name, (limit, meaning) in TARGETS.items():
-        yield Case(
-            f"Hertz, nu {nu:g}, {BUDGETS[level]} nodes: {name}",
-            partial(lambda n: errors(nu, level)[n], name),
-            Expected(0.0, limit if level == FINEST else COARSER * limit, "%"),
-            SOURCE,
-            reason=meaning,
-        )
+        title = f"Hertz, nu {nu:g}, {BUDGETS[level]} nodes: {name}"
+        measure = partial(lambda n: errors(nu, level)[n], name)
+        limits = Expected(0.0, limit if level == FINEST else COARSER * limit, "%")
+        yield Case(title, measure, limits, SOURCE, reason=meaning)
     yield Case(
         f"Hertz, nu {nu:g}: displacement nodes of that mesh",
         lambda: errors(nu, level)["nodes"],
@@ -217,10 +214,7 @@ def _balance(nu: float, level: int) -> Iterator[Case]:
 
 def _orders(nu: float) -> Iterator[Case]:
     for name, (expected, spread, reason) in ORDERS.items():
-        yield Case(
-            f"Hertz, nu {nu:g}: order of {name}",
-            partial(order, name, nu),
-            Expected(expected, spread),
-            "regularity of the exact solution",
-            reason=reason,
-        )
+        title = f"Hertz, nu {nu:g}: order of {name}"
+        measure = partial(order, name, nu)
+        limits = Expected(expected, spread)
+        yield Case(title, measure, limits, "regularity of the exact solution", reason=reason)

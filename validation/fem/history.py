@@ -218,13 +218,10 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield from _motions()
     yield _case("depth in creep under a held force", creep_error, 1.0, "%", CREEP, MESH)
     for name in () if quick else UNLOADED:
-        yield Case(
-            f"bonded layer, {name}: order in the time step",
-            partial(step_order, name),
-            Expected(2.0, 0.3),
-            "exponentials exact for a pressure linear in each step",
-            reason="contact that begins or ends inside a step is of second order too",
-        )
+        title = f"bonded layer, {name}: order in the time step"
+        source = "exponentials exact for a pressure linear in each step"
+        reason = "contact that begins or ends inside a step is of second order too"
+        yield Case(title, partial(step_order, name), Expected(2.0, 0.3), source, reason=reason)
 
 
 def _motions() -> Iterator[Case]:

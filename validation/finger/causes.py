@@ -83,18 +83,12 @@ def cases(*, quick: bool) -> Iterator[Case]:
             SAME,
             FRESH,
         )
-    yield Case(
-        "linear, coarse: the same under the plate on a.h.",
-        lambda: stale_coarse("linear", SUBJECTS[0]),
-        SAME,
-        FRESH,
-    )
+    title = "linear, coarse: the same under the plate on a.h."
+    yield Case(title, lambda: stale_coarse("linear", SUBJECTS[0]), SAME, FRESH)
     if not quick:
+        title = "solid, coarse: the same under the plate, all subjects"
         yield Case(
-            "solid, coarse: the same under the plate, all subjects",
-            lambda: max(stale_coarse("solid", subject) for subject in SUBJECTS),
-            SAME,
-            FRESH,
+            title, lambda: max(stale_coarse("solid", subject) for subject in SUBJECTS), SAME, FRESH
         )
         for model in ("linear", *ASIDE):
             name = f"{model}: the same on the standard mesh, a.h. under the plate"
@@ -104,18 +98,12 @@ def cases(*, quick: bool) -> Iterator[Case]:
         yield Case(name, partial(against, cause, sign), NONE, why)
     for name, (low, high, why) in ORDERED.items():
         yield Case(f"subjects on whom {name}", partial(not_above, high, low), NONE, why)
-    yield Case(
-        "force of linear with relaxation over the integral of G",
-        partial(unexplained, "a.h.", "flat-30", "linear"),
-        Expected(1.0, 5e-3),
-        "one G in a linear body: separable",
-    )
+    title = "force of linear with relaxation over the integral of G"
+    measure = partial(unexplained, "a.h.", "flat-30", "linear")
+    yield Case(title, measure, Expected(1.0, 5e-3), "one G in a linear body: separable")
     for press in PRESSES:
         error = row("a.h.", press)["mesh_error"]
         if error is not None:
-            yield Case(
-                f"solid, {press}: force on the standard mesh against the extrapolated one",
-                partial(lambda e: e["standard"], error),
-                Expected(0.0, 0.02),
-                "order 2 in the cell length",
-            )
+            title = f"solid, {press}: force on the standard mesh against the extrapolated one"
+            measure = partial(lambda e: e["standard"], error)
+            yield Case(title, measure, Expected(0.0, 0.02), "order 2 in the cell length")

@@ -145,12 +145,9 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield from tabled(finger_solid.CASES)
     yield from strain.cases()
     for mechanics, kind in product((linear.name, solid.name), KINDS):
-        yield Case(
-            f"{mechanics}: spikes of {kind} in flat-press, change with half the time step",
-            partial(lambda m, k: spikes(m, 2)[k] - spikes(m, 1)[k], mechanics, kind),
-            Expected(0.0, 0.0, "spikes"),
-            "the full step",
-        )
+        title = f"{mechanics}: spikes of {kind} in flat-press, change with half the time step"
+        measure = partial(lambda m, k: spikes(m, 2)[k] - spikes(m, 1)[k], mechanics, kind)
+        yield Case(title, measure, Expected(0.0, 0.0, "spikes"), "the full step")
 
 
 def _on_mesh(resolution: str) -> dict[str, Row]:

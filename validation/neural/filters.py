@@ -134,13 +134,10 @@ def cases(*, quick: bool) -> Iterator[Case]:
     """Yield phases, sensitivities, forces, and the arguments of 5.1."""
     for kind, frequencies in PHASED.items():
         for frequency in frequencies:
-            yield Case(
-                f"4.3.4: phase of {kind} at {frequency:g} Hz",
-                partial(phase, kind, frequency),
-                Expected(closed_phase(kind, frequency), 1e-6, "degrees"),
-                "Eq. 4.3 and 4.6, by arctangents of the poles and zeros",
-                reason="rounding",
-            )
+            name = f"4.3.4: phase of {kind} at {frequency:g} Hz"
+            limits = Expected(closed_phase(kind, frequency), 1e-6, "degrees")
+            source = "Eq. 4.3 and 4.6, by arctangents of the poles and zeros"
+            yield Case(name, partial(phase, kind, frequency), limits, source, reason="rounding")
     yield from _sensitivity()
     yield from _forces()
     yield from _ratios()
@@ -154,13 +151,10 @@ def _sensitivity() -> Iterator[Case]:
         ("pole 1 to 2 Hz", END_ORGANS["SAI"], PoleZero((0.1,), (2.0,))),
         ("zero 0.1 to 0.2 Hz", END_ORGANS["SAI"], PoleZero((0.2,), (1.0,))),
     ):
-        yield Case(
-            f"4.3.4: SA filter, {name}: mean change of impulses per cycle, 0.5 to 64 Hz",
-            partial(magnitude_change, organ, other),
-            Expected.between(0.0, 0.15),
-            f"{source}hardly changes the magnitude",
-            reason="fifteen percent",
-        )
+        title = f"4.3.4: SA filter, {name}: mean change of impulses per cycle, 0.5 to 64 Hz"
+        measure = partial(magnitude_change, organ, other)
+        origin = f"{source}hardly changes the magnitude"
+        yield Case(title, measure, Expected.between(0.0, 0.15), origin, reason="fifteen percent")
         yield Case(
             f"4.3.4: SA filter, {name}: largest change of phase, 0.5 to 64 Hz",
             partial(phase_change, organ, other),
@@ -191,13 +185,10 @@ def _forces() -> Iterator[Case]:
     chain = realize(PoleZero((0.1,), (1.0,), 0.5))
     for kind in ("SAI", "FAI"):
         organ = PoleZero(END_ORGANS[kind].zeros, END_ORGANS[kind].poles, 0.5)
-        yield Case(
-            f"4.4.1: serial {kind} model: response to a step of force after 10 s, over the first",
-            partial(held, under_force(organ, nerve=1.0, parallel=0.0), 10.0),
-            Expected(1.0, 1e-12),
-            f"{THESIS}4.4.1: in a serial chain every unit answers a force as the bare nerve",
-            reason="rounding",
-        )
+        name = f"4.4.1: serial {kind} model: response to a step of force after 10 s, over the first"
+        measure = partial(held, under_force(organ, nerve=1.0, parallel=0.0), 10.0)
+        source = f"{THESIS}4.4.1: in a serial chain every unit answers a force as the bare nerve"
+        yield Case(name, measure, Expected(1.0, 1e-12), source, reason="rounding")
     yield Case(
         "4.4.1: FAI model with a parallel spring: response to a step of force after 10 s",
         partial(held, under_force(END_ORGANS["FAI"], nerve=1.0, parallel=1.0), 10.0),
@@ -215,20 +206,14 @@ def _forces() -> Iterator[Case]:
 
 
 def _ratios() -> Iterator[Case]:
-    yield Case(
-        "5.1: springs k = m F + b, b of 1e-6 N/mm: change of x_nerve / x_in from 0.02 to 2 N",
-        partial(ratio_drift, 1e-6),
-        Expected.between(0.0, 0.05),
-        f"{THESIS}Eqs. 5.1 to 5.7: with b near 0 the ratio stays constant",
-        reason="b = 0 gives none at all",
-    )
-    yield Case(
-        "5.1: springs k = m F + b, b of 0.2 N/mm: change of x_nerve / x_in from 0.02 to 2 N",
-        partial(ratio_drift, 0.2),
-        Expected.between(0.2, 2.0),
-        "Eq. 5.1 with b not near 0, as Table 2.1 has it: b = 0.19 N/mm in the mean",
-        reason="then the argument does not hold",
-    )
+    name = "5.1: springs k = m F + b, b of 1e-6 N/mm: change of x_nerve / x_in from 0.02 to 2 N"
+    measure = partial(ratio_drift, 1e-6)
+    source = f"{THESIS}Eqs. 5.1 to 5.7: with b near 0 the ratio stays constant"
+    yield Case(name, measure, Expected.between(0.0, 0.05), source, reason="b = 0 gives none at all")
+    name = "5.1: springs k = m F + b, b of 0.2 N/mm: change of x_nerve / x_in from 0.02 to 2 N"
+    source = "Eq. 5.1 with b not near 0, as Table 2.1 has it: b = 0.19 N/mm in the mean"
+    reason = "then the argument does not hold"
+    yield Case(name, partial(ratio_drift, 0.2), Expected.between(0.2, 2.0), source, reason=reason)
     for nerve, exact in ((1.0, 1.5), (20.0, 1.025)):
         yield Case(
             f"5.8 as printed, over the exact share, nerve {nerve:g} times as stiff as the rest",
@@ -262,20 +247,14 @@ def _codes(*, quick: bool) -> Iterator[Case]:
     if quick:
         return
     low = tuple(2.0**k for k in range(-1, 7))
-    yield Case(
-        "5.1, Fig. 5-3: amplitude range with the same rate, 0.5 to 64 Hz, 0 dB less -12 dB",
-        lambda: width(low, 50.0) - width(low, 12.5),
-        Expected.between(0.0, 20.0, "dB"),
-        f"{THESIS}5.1: the range is quite large, particularly at higher amplitudes",
-        reason="larger",
-    )
-    yield Case(
-        "5.1, Fig. 5-3: amplitude range with the same rate at 128 Hz, 0 dB",
-        partial(same_rate, 128.0, 50.0),
-        Expected.between(0.0, 3.0, "dB"),
-        f"{THESIS}5.1, note 1: quite small at 128 Hz and above",
-        reason="a factor of 1.4",
-    )
+    name = "5.1, Fig. 5-3: amplitude range with the same rate, 0.5 to 64 Hz, 0 dB less -12 dB"
+    limits = Expected.between(0.0, 20.0, "dB")
+    source = f"{THESIS}5.1: the range is quite large, particularly at higher amplitudes"
+    yield Case(name, lambda: width(low, 50.0) - width(low, 12.5), limits, source, reason="larger")
+    name = "5.1, Fig. 5-3: amplitude range with the same rate at 128 Hz, 0 dB"
+    measure = partial(same_rate, 128.0, 50.0)
+    source = f"{THESIS}5.1, note 1: quite small at 128 Hz and above"
+    yield Case(name, measure, Expected.between(0.0, 3.0, "dB"), source, reason="a factor of 1.4")
 
 
 def spring(skin: float, organ: float, nerve: float) -> PoleZero:

@@ -190,13 +190,10 @@ def _ratios() -> Iterator[Case]:
             reason="spikes in the window",
         )
     for current in (10, 20, 50, 100):
-        yield Case(
-            f"integrate-and-fire at {current} uA/cm²: rate over that of rates / 6",
-            partial(lambda c: IntegrateAndFire().rate(float(c)) / RATES[SLOWED][c], current),
-            Expected(1.0, 0.13),
-            EXACT,
-            reason="two constants cannot follow the curve any closer",
-        )
+        name = f"integrate-and-fire at {current} uA/cm²: rate over that of rates / 6"
+        measure = partial(lambda c: IntegrateAndFire().rate(float(c)) / RATES[SLOWED][c], current)
+        reason = "two constants cannot follow the curve any closer"
+        yield Case(name, measure, Expected(1.0, 0.13), EXACT, reason=reason)
 
 
 def _integrators() -> Iterator[Case]:
@@ -208,10 +205,7 @@ def _integrators() -> Iterator[Case]:
             "order 8, rtol 1e-10; ramps to 5 to 60 uA/cm², held",
             reason="what the tolerance of the integrator promises",
         )
-        yield Case(
-            f"{method} at {1e6 * dt:g} us: units with another spike count",
-            partial(lambda method, dt: float(spike_times(method, dt)[1]), method, dt),
-            Expected(0.0, 0.0, f"of {len(RAMPS)}"),
-            "order 8, rtol 1e-10",
-            reason="a count",
-        )
+        name = f"{method} at {1e6 * dt:g} us: units with another spike count"
+        measure = partial(lambda method, dt: float(spike_times(method, dt)[1]), method, dt)
+        limits = Expected(0.0, 0.0, f"of {len(RAMPS)}")
+        yield Case(name, measure, limits, "order 8, rtol 1e-10", reason="a count")

@@ -257,10 +257,7 @@ def _poles(*, quick: bool) -> Iterator[Case]:
         limits = Expected.between(0.0, 1.0)
         source = f"{THESIS}4.3.3: a pole at 10 to 100 Hz keeps magnitude and range"
         yield Case(name, partial(closed, pole), limits, source, reason="one impulse, up to 8 Hz")
-        yield Case(
-            f"4.3.3: damper with a pole at {pole:g} Hz: current at 512 Hz, times smaller",
-            partial(lambda p: tallest(DAMPER, 512.0) / tallest(derivative(p), 512.0), pole),
-            Expected.between(2.0, 100.0),
-            f"{THESIS}4.3.3: the pole significantly reduces unrealistically high voltages",
-            reason="twofold or more",
-        )
+        title = f"4.3.3: damper with a pole at {pole:g} Hz: current at 512 Hz, times smaller"
+        measure = partial(lambda p: tallest(DAMPER, 512.0) / tallest(derivative(p), 512.0), pole)
+        origin = f"{THESIS}4.3.3: the pole significantly reduces unrealistically high voltages"
+        yield Case(title, measure, Expected.between(2.0, 100.0), origin, reason="twofold or more")

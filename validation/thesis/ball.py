@@ -120,13 +120,10 @@ def cases(*, quick: bool) -> Iterator[Case]:
                 reason=DIGITS,
             )
     for name, expected in (("nominal", 1.144), ("fitted", 1.078)):
-        yield Case(
-            f"A.3: printed force of the ball over that of Hertz, {name}",
-            partial(lambda n: PRINTED_FORCE / (1e-3 * float(ball(n)[1].force)), name),
-            Expected(expected, 1e-3),
-            "section A.3, recomputed: 14 % above the nominal ball, 8 % above the fitted one",
-            reason=DIGITS,
-        )
+        title = f"A.3: printed force of the ball over that of Hertz, {name}"
+        measure = partial(lambda n: PRINTED_FORCE / (1e-3 * float(ball(n)[1].force)), name)
+        source = "section A.3, recomputed: 14 % above the nominal ball, 8 % above the fitted one"
+        yield Case(title, measure, Expected(expected, 1e-3), source, reason=DIGITS)
     yield from _fits()
 
 

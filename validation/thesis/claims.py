@@ -216,13 +216,10 @@ def _explanations() -> Iterator[Case]:
 def _ranges() -> Iterator[Case]:
     subjects = tuple(HELD)
     for name, best, corner, steep in (("least", min, 29.1, -17.0), ("largest", max, 42.0, -18.2)):
-        yield Case(
-            f"2.4.2: {name} corner frequency v1 / 2 pi of a subject",
-            partial(lambda b: b(finger(s)[1].v[0] / (2 * np.pi) for s in subjects), best),
-            Expected(corner, 0.06, "Hz"),
-            "section 2.4.2, recomputed: 29 to 42 Hz",
-            reason=DIGITS,
-        )
+        title = f"2.4.2: {name} corner frequency v1 / 2 pi of a subject"
+        measure = partial(lambda b: b(finger(s)[1].v[0] / (2 * np.pi) for s in subjects), best)
+        limits = Expected(corner, 0.06, "Hz")
+        yield Case(title, measure, limits, "section 2.4.2, recomputed: 29 to 42 Hz", reason=DIGITS)
         yield Case(
             f"2.4.2: {name} fall of |G| from 30 to 200 Hz of a subject",
             partial(lambda b: -b(-slope(s, 30, 200) for s in subjects), best),

@@ -109,13 +109,10 @@ def _energy() -> Iterator[Case]:
             reason="samples of the two methods",
         )
     for (offset, size), expected in POWERS.items():
-        yield Case(
-            f"2.4.3: power at 16 Hz, {size:g} mm about {offset:g} mm",
-            partial(lambda o, s: vibrated(o, s, 16).steady.power, offset, size),
-            Expected(expected, digits(expected), "mW"),
-            "section 2.4.3, recomputed; Figure 2-10",
-            reason=DIGITS,
-        )
+        name = f"2.4.3: power at 16 Hz, {size:g} mm about {offset:g} mm"
+        measure = partial(lambda o, s: vibrated(o, s, 16).steady.power, offset, size)
+        limits = Expected(expected, digits(expected), "mW")
+        yield Case(name, measure, limits, "section 2.4.3, recomputed; Figure 2-10", reason=DIGITS)
     for size, frequency in ((0.28, 1), (0.28, 30), (0.14, 1), (0.14, 30)):
         transient = 2 * transient_work(1.5, size, frequency)
         yield Case(

@@ -176,15 +176,10 @@ def _forces() -> Iterator[Case]:
             reason=DIGITS,
         )
     for name, measure, expected, tolerance, printed, erratum in _factors():
-        yield Case(
-            f"2.4.3: {name}, a.h.",
-            measure,
-            Expected(expected, tolerance),
-            "section 2.4.3, recomputed",
-            printed=printed,
-            erratum=erratum,
-            reason=DIGITS,
-        )
+        title = f"2.4.3: {name}, a.h."
+        limits = Expected(expected, tolerance)
+        source = "section 2.4.3, recomputed"
+        yield Case(title, measure, limits, source, printed=printed, erratum=erratum, reason=DIGITS)
 
 
 def _factors() -> Iterator[tuple[str, Callable[[], float], float, float, float | None, str]]:
@@ -214,17 +209,10 @@ def _factors() -> Iterator[tuple[str, Callable[[], float], float, float, float |
 
 def _sinusoid() -> Iterator[Case]:
     for cycle, expected in enumerate(PEAKS):
-        yield Case(
-            f"Figure 2-4: peak of cycle {cycle + 1}, a.h., 0.4 mm at 4 Hz about 1.5 mm",
-            partial(peak, cycle),
-            Expected(expected, 0.006, "N"),
-            "Figure 2-4, recomputed",
-            reason=DIGITS,
-        )
-    yield Case(
-        "Figure 2-4: least force by Eq. 2.3, which pulls where contact is lost",
-        lambda: float(sinusoid()[1].min()),
-        Expected(-0.12, 0.006, "N"),
-        "Figure 2-4, recomputed",
-        reason=DIGITS,
-    )
+        name = f"Figure 2-4: peak of cycle {cycle + 1}, a.h., 0.4 mm at 4 Hz about 1.5 mm"
+        limits = Expected(expected, 0.006, "N")
+        yield Case(name, partial(peak, cycle), limits, "Figure 2-4, recomputed", reason=DIGITS)
+    name = "Figure 2-4: least force by Eq. 2.3, which pulls where contact is lost"
+    limits = Expected(-0.12, 0.006, "N")
+    source = "Figure 2-4, recomputed"
+    yield Case(name, lambda: float(sinusoid()[1].min()), limits, source, reason=DIGITS)

@@ -182,22 +182,16 @@ def _profiles() -> Iterator[Case]:
     for reading, rows in PROFILES.items():
         for newtons, *values in rows:
             for index, (name, unit) in enumerate(names):
-                yield Case(
-                    f"Figure 3-4: {name} at {newtons:g} N quasi-static, means, b {reading}",
-                    partial(profile, reading, newtons, index),
-                    Expected(values[index], 0.06 if unit == "kPa" else 0.006, unit),
-                    "section 3.2, recomputed",
-                    reason=DIGITS,
-                )
+                title = f"Figure 3-4: {name} at {newtons:g} N quasi-static, means, b {reading}"
+                measure = partial(profile, reading, newtons, index)
+                limits = Expected(values[index], 0.06 if unit == "kPa" else 0.006, unit)
+                yield Case(title, measure, limits, "section 3.2, recomputed", reason=DIGITS)
     for reading, moduli in MODULI.items():
         for subject, expected in zip(pawluk1997.quasistatic(), moduli, strict=True):
-            yield Case(
-                f"3.2: modulus where 60 mm/s gives 3 N, {subject}, b {reading}",
-                partial(modulus_at, subject, reading),
-                Expected(expected, 0.6, "kPa"),
-                "recomputed; section 3.2.1 has typically 234 kPa",
-                reason=DIGITS,
-            )
+            title = f"3.2: modulus where 60 mm/s gives 3 N, {subject}, b {reading}"
+            measure = partial(modulus_at, subject, reading)
+            source = "recomputed; section 3.2.1 has typically 234 kPa"
+            yield Case(title, measure, Expected(expected, 0.6, "kPa"), source, reason=DIGITS)
     for subject, expected in (("a.h.", 2.75), ("means", 2.5)):
         yield Case(
             f"3.2: slope of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}",
@@ -209,13 +203,10 @@ def _profiles() -> Iterator[Case]:
             reason=DIGITS,
         )
     for subject, expected in (("a.h.", 0.998), ("means", 0.997), ("d.s.", 0.993)):
-        yield Case(
-            f"3.2: r² of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}",
-            partial(lambda s: stiffness_line(s)[1], subject),
-            Expected(expected, 6e-4),
-            "section 3.2, recomputed: 0.996 or more; d.s. and p.w. have 0.993 and 0.994",
-            reason=DIGITS,
-        )
+        title = f"3.2: r² of stiffness against force by Eq. 3.16, 0 to 3 N, {subject}"
+        measure = partial(lambda s: stiffness_line(s)[1], subject)
+        source = "section 3.2, recomputed: 0.996 or more; d.s. and p.w. have 0.993 and 0.994"
+        yield Case(title, measure, Expected(expected, 6e-4), source, reason=DIGITS)
 
 
 def _goodwin() -> Iterator[Case]:
@@ -235,13 +226,10 @@ def _goodwin() -> Iterator[Case]:
             ),
             reason=DIGITS,
         )
-        yield Case(
-            f"3.6: relative contact radius, curvature {curvature:g} 1/m",
-            partial(lambda c: float(goodwin.contact_radius(c / 1e3)), curvature),
-            Expected(radius, 6e-4),
-            "Eq. 3.25, recomputed; Figure 3-10",
-            reason=DIGITS,
-        )
+        name = f"3.6: relative contact radius, curvature {curvature:g} 1/m"
+        measure = partial(lambda c: float(goodwin.contact_radius(c / 1e3)), curvature)
+        limits = Expected(radius, 6e-4)
+        yield Case(name, measure, limits, "Eq. 3.25, recomputed; Figure 3-10", reason=DIGITS)
     for force, expected in ((15.0, 0.909), (10.0, 0.794)):
         yield Case(
             f"3.6: peak pressure at {force:g} gf over that at 20 gf",
@@ -270,13 +258,10 @@ def _readings() -> Iterator[Case]:
             *(0.2995, 6e-5, lambda: goodwin.peak_at_force(0.0, 20.0, reference=(0.34, 20.0))),
         ),
     ):
-        yield Case(
-            f"3.6: relative peak pressure of a plate {name}",
-            partial(lambda m: float(m()), measure),
-            Expected(expected, tolerance),
-            "section 3.6, recomputed",
-            reason=DIGITS,
-        )
+        title = f"3.6: relative peak pressure of a plate {name}"
+        measured = partial(lambda m: float(m()), measure)
+        limits = Expected(expected, tolerance)
+        yield Case(title, measured, limits, "section 3.6, recomputed", reason=DIGITS)
 
 
 def integrated(subject: str, depth: float) -> float:
