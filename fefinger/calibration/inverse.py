@@ -20,7 +20,7 @@ Residual = Callable[[Values], Array]
 STEP = 1e-4
 """Step of the central differences, in the logarithm of a parameter or in its unit."""
 
-EVALUATIONS = 200
+EVALUATIONS = 200  # of one search; LONGER ones follow along directions that the data leave flat
 
 LONGER, LEVEL = 2000, 1e-6
 """Evaluations of a search along a direction that the data hardly determine, and the relative change

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fefinger.support.arrays import Array, Integers
 
 
-SKIN, SUBCUTANEOUS, BONE = 1, 2, 3
+SKIN, SUBCUTANEOUS, BONE = 1, 2, 3  # regions of a mesh, as stored in files
 REGIONS = {"skin": SKIN, "subcutaneous": SUBCUTANEOUS, "bone": BONE}
 
 FACETS = ("pad", "nail", "cut", "bone", "medial", "bone-cut")

@@ -15,7 +15,7 @@ from fefinger.results.records import Fields
 from fefinger.support.arrays import Integers
 
 
-VERSION = (2, 2)
+VERSION = (2, 2)  # of VTKHDF; steps in time exist from 2.0 on
 TETRAHEDRON = 10  # type of cell in VTK
 
 

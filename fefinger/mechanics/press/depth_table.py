@@ -55,7 +55,7 @@ FORMAT = 6
 PREFIX = "press-"
 """Of the names of shipped tables, which end with the first DIGITS of their key."""
 
-DIGITS = 16
+DIGITS = 16  # of a hexadecimal key: 64 bits keep tables apart in short names
 
 FILE = "table.npz"
 """File of a cached table."""

@@ -38,7 +38,7 @@ REACH = 1.25  # candidate vertices are those whose gap at first touch is below t
 
 GROW = 1.4  # factor on the reach when contact meets the border of the candidates
 
-ATTEMPTS = 4
+ATTEMPTS = 4  # with GROW: up to 2.7 times the first reach
 
 AROUND = 4.0  # mm about first touch in which facets are measured
 

@@ -14,8 +14,8 @@ from fefinger.support.units import SLOW
 
 MOVING_STEP = 1e-3  # s: filters up to FAI (10 Hz) and the 4 ms relaxation are resolved
 FAST_STEP = 2e-4  # s: FAII takes a second derivative of up to 1 kHz
-STEPS_PER_CYCLE = 40
-STEPS_PER_MOVE = 60
+STEPS_PER_CYCLE = 40  # the error of these steps is measured: reports/time-steps.json
+STEPS_PER_MOVE = 60  # likewise
 STEPS_PER_PART = 10  # in which a part of a texture passes, as a dot or a groove
 LONG = 5.0  # s: ramps and cycles that are longer take steps longer by as much, after their start
 GROWTH = 1.25  # of successive steps while at rest, and at the start of a long ramp
