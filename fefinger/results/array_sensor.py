@@ -25,10 +25,7 @@ def read(
     The array is centered at the largest force, as in section 3.2.1 of Pawluk (1997); its x axis
     points distally along the plate, y sideways. `seed` draws the noise; None simulates none.
 
-    Raises
-    ------
-    InputError
-        Without a plate or a pressure, or on a pad too coarse for the elements.
+    Raises InputError without a plate or a pressure, or on a pad too coarse for the elements.
     """
     from fefinger.theory.array.sensor import ArraySensor
 
@@ -56,10 +53,7 @@ def response(sensor: "ArraySensor", pad: Pad, places: Array) -> Array:
     places (n_pad, 2) mm: points of the pad in the plane of the array, between which the pressure
     varies linearly.
 
-    Raises
-    ------
-    ValueError
-        If the triangles of the pad are too large for the elements.
+    Raises ValueError if the triangles of the pad are too large for the elements.
     """
     between, loads = net(pad, cuts(pad, sensor.sigma))
     areas = np.asarray(loads.sum(axis=1)).ravel()
@@ -71,10 +65,7 @@ def response(sensor: "ArraySensor", pad: Pad, places: Array) -> Array:
 def plane(indenter: Indenter, points: Array) -> Array:
     """Project points (n, 3) mm onto the plane of the plate: (n, 2) mm, distal and sideways.
 
-    Raises
-    ------
-    InputError
-        For an indenter that is no plate.
+    Raises InputError for another indenter.
     """
     if indenter.flat is None:
         msg = f"indenter: expected a plate to put the array on, received a {indenter.kind}"
