@@ -423,7 +423,6 @@ class CoulombSolver:
     def _unload(self) -> None:
         """Write the block into x; vertices without pressure leave it."""
         k = int(self.counts[K])
-        self.x[:] = 0.0
         self.x[self._index[0, : 3 * k]] = self._block.x[: 3 * k]
         at = 0 if (self._block.x[: 3 * k : 3] <= 0.0).any() else k
         while at < self.counts[K]:
