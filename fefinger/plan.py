@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fefinger.mechanics import QUICKEST, Mechanics, get, names
-from fefinger.mechanics.evidence import costs, machine, stated_errors, vibration
+from fefinger.mechanics.evidence import costs, stated_errors, vibration
 from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate, meshed
@@ -20,6 +20,7 @@ from fefinger.results.result_record import Plan, Settings
 from fefinger.scene import builtin
 from fefinger.scene.finger import AUTO, PULP, RESOLUTIONS, STANDARD
 from fefinger.scene.scene import Scene
+from fefinger.support import machine
 from fefinger.support.checks import InputError, choice
 from fefinger.support.text import duration, format_excess
 from fefinger.support.units import FORCE
@@ -211,8 +212,11 @@ def _rung(
     if ask.seconds is not None and wall > ask.seconds:
         reason = f"expected time = {format_excess(wall, ask.seconds, ' s')} ({SECONDS})"
         refusals = (*refusals, Refusal(name, "time", reason, SECONDS))
-    errors = {what: mechanics.error(case, what)[0] for what in STATED[1:]}
+    wanted = (*STATED[1:], *map(stated_errors.strain_of, ask.spikes))
+    errors = {what: mechanics.error(case, what)[0] for what in wanted}
     errors = {what: each for what, each in errors.items() if math.isfinite(each)}
+    if "strain" in errors:
+        errors["strain"] = stated_errors.worst(errors, ask.spikes)
     if case.motion.by_force and math.isfinite(error):
         errors = stated_errors.at_force(errors, error, case)
     return Rung(name, seconds, error, evidence, refusals, candidate.resolution, errors, wall)

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from fefinger.fem.linalg import multifrontal_indefinite
-from fefinger.mechanics.evidence import machine
 from fefinger.mechanics.press import finite_strain, load_steps
 from fefinger.neural.drives import Reference
 from fefinger.neural.trains import SpikeTrains
@@ -26,6 +25,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
+from fefinger.support import machine
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.tolerances import EQUILIBRIUM
 

@@ -16,14 +16,14 @@ from fefinger.validation.problems import published
 import fefinger as ff
 from fefinger import mechanics, plan
 from fefinger.mechanics import get
-from fefinger.mechanics.evidence import costs, machine
+from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.situation import Situation
 from fefinger.results import plan_text
 from fefinger.results.candidate import meshed
 from fefinger.results.records import Refusal, Rung
 from fefinger.results.result_record import Settings
 from fefinger.scene import builtin
-from fefinger.support import text
+from fefinger.support import machine, text
 from fefinger.support.checks import InputError
 
 
@@ -334,10 +334,10 @@ def test_a_plan_is_read_in_a_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_scene_that_all_refuse_names_first_what_runs_it_all_the_same():
     with pytest.raises(InputError) as refused:
-        plan.choose(builtin.load("sphere-press", {"indenter.radius": 0.9}))
+        plan.choose(builtin.load("flat-press", {"indenter.tilt": 40.0}))
     first, _, table = str(refused.value).partition("\n\n")
     assert "name pressed (--mechanics pressed)" in first
-    assert "round objects are measured to radii of 1 mm" in first
+    assert "no press like it was measured" in first
     assert table.splitlines()[0].endswith("verdict")
 
 
@@ -485,7 +485,7 @@ def test_what_is_built_once_is_in_the_expected_time_and_said(monkeypatch):
     assert "built once" not in kept.sentence
     monkeypatch.setattr(store, "available", lambda *a: False)
     made = plan.choose(scene, "solid")
-    build = costs.MORPH_SECONDS["coarse"]
+    build = costs.seconds("mesh", "morph", "coarse")
     assert made.chosen.seconds - kept.chosen.seconds == pytest.approx(build)
     assert "What is built once and kept takes " in made.sentence
 

@@ -6,8 +6,7 @@ from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from fefinger.mechanics.evidence import machine
-from fefinger.support import cache
+from fefinger.support import cache, machine
 
 
 VARIABLE = "XDG_CACHE_HOME"

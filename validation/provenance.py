@@ -9,7 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from fefinger.mechanics.evidence import machine
+from fefinger.support import machine
 from fefinger.support.atomic_write import moved
 from fefinger.support.provenance import commit
 

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.pressed_objects import distance
-from fefinger.mechanics.evidence.stated_errors import measured
+from fefinger.mechanics.evidence import costs
+from fefinger.mechanics.evidence.stated_errors import stated
 from fefinger.mechanics.press import axisymmetric, notes
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.situation import Situation
@@ -147,7 +146,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     if depth is not None and depth > radius:
         reason = f"depth / relative radius = {format_excess(depth / radius, 1)}: Hertz ends there"
         unable.append(Reason("motion.depth", reason))
-    error = math.nan if unable else measured(Candidate(name), case).error
+    error = math.nan if unable else stated(Candidate(name), case).error
     reasons = [*_reasons_of_size(case), *reasons_of_place(case)]
     if error <= case.ask.rel_error:
         reasons = []
@@ -172,8 +171,8 @@ def lacking(case: Situation) -> list[Reason]:
 
 
 def cost(case: Situation) -> float:
-    """Return the expected CPU time in s: as the scenes of development took, to 5 %."""
-    return (0.0213 + 2.3e-5 * len(case.times)) * slowness({})
+    """Return the expected CPU time in s."""
+    return costs.formula_seconds(name, case)
 
 
 def once(case: Situation) -> float:
@@ -188,9 +187,9 @@ def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
     Hertz, and more where chi is not small; the skin leaves the modulus open between those of the
     two tissues.
     """
-    stated = measured(Candidate(name), case, quantity)
-    if quantity != "force" or math.isfinite(stated.error):
-        return stated
+    measured = stated(Candidate(name), case, quantity)
+    if quantity != "force" or math.isfinite(measured.error):
+        return measured
     stiffer = STIFFENING * _thinness(case)
     modulus, _ = tissue(case.finger)
     ends = (case.finger.skin.modulus, case.finger.subcutaneous.modulus)
@@ -280,7 +279,7 @@ def reasons_of_place(case: Situation) -> Iterator[Reason]:
             reason = f"tilt = {flat.tilt:g} > 0 degrees: R is that of the middle"
             yield Reason("indenter.tilt", reason)
         return
-    away = distance(case.indenter)
+    away = math.hypot(*(case.indenter.place or (0.0, 0.0)))
     if away > NEAR:
         reason = f"distance of indenter.at from the middle = {format_excess(away, NEAR)} mm"
         yield Reason("indenter.at", f"{reason}: R is that of the middle")

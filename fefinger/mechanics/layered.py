@@ -140,7 +140,11 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     return refusals(name, "ability", unable)
 
 
-cost = costs.layered_seconds
+def cost(case: Situation) -> float:
+    """Return the expected CPU time in s."""
+    return costs.formula_seconds(name, case)
+
+
 once, coarser = hertz.once, hertz.coarser
 error = error_of(name)
 

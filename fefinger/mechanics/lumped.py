@@ -13,16 +13,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence import measured_tissue, press_mesh
-from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.press_mesh import LUMPED_LAW
-from fefinger.mechanics.evidence.table import LUMPED, table
+from fefinger.mechanics.evidence import costs, tissue
+from fefinger.mechanics.evidence.presses import read
+from fefinger.mechanics.evidence.stated_errors import stated
 from fefinger.mechanics.press import notes
 from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.mechanics.situation import Situation
-from fefinger.results.candidate import Traits
+from fefinger.results.candidate import Candidate, Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene import pawluk1997
 from fefinger.scene.finger import Finger
@@ -37,14 +36,14 @@ from fefinger.theory.relaxation import Prony
 name = "lumped"
 traits = Traits(meshed=False, finite=False)
 
+REPORT = "lumped-force.json"
+"""Laws that were identified from presses of `solid`."""
+
 ANGLES = (20.0, 40.0)
 """Angles of the plate in degrees at which Pawluk (1997) measured (section 2.2.1)."""
 
 FORCE = 3.0
 """Largest force in N at which Pawluk (1997) measured (section 2.1)."""
-
-STEP_SECONDS = 1.2e-5
-"""Wall time of one time step in s, rounded up: an exponential of Eq. 2.3 each takes less."""
 
 MOST = 5_000_000
 """Time steps of which the force still fits into memory."""
@@ -94,12 +93,11 @@ class LumpedLaw(NamedTuple):
 def law(case: Situation) -> LumpedLaw:
     """Return the law of the finger of a scene, or the law of Table 2.1 with a caveat."""
     finger = case.finger
-    if measured_tissue.subject(finger) is not None:
-        error, evidence = press_mesh.error(LUMPED_LAW, case)
+    if tissue.subject(finger) is not None:
+        error, evidence = stated(Candidate(name), case)
         evidence = f"{evidence}: Table 2.1 against the finger that was fitted to it"
         return _printed(case, error, evidence)
-    laws = table().all(LUMPED, "law", LUMPED_LAW)
-    rows = [each.conditions for each in laws if _same(finger, each.conditions)]
+    rows = [row for row in read(REPORT)["rows"] if _same(finger, row)]
     if not rows:
         other = "of other size or tissue" if finger.surface is None else "from a surface"
         return _printed(case, caveat=f"finger: {other} than those whose law was identified")
@@ -129,9 +127,9 @@ def _own(case: Situation, rows: Sequence[Mapping[str, Any]], b: float, m: float)
     stiffer = finger.subcutaneous.modulus / rows[0]["subcutaneous_kPa"]
     # The presses are of relaxed tissue, b of the law is that of an instant.
     spring = Spring(stiffer * b / finger.prony.long_time, m)
-    source = f"reports/{LUMPED}: identified from {' and '.join(row['source'] for row in rows)}"
-    error, evidence = press_mesh.error(LUMPED_LAW, case)
-    evidence = f"{evidence}, identified from presses of the same finger (reports/{LUMPED})"
+    source = f"reports/{REPORT}: identified from {' and '.join(row['source'] for row in rows)}"
+    error, evidence = stated(Candidate(name), case)
+    evidence = f"{evidence}, identified from presses of the same finger (reports/{REPORT})"
     return LumpedLaw(spring, finger.prony, source, False, error, evidence)
 
 
@@ -155,7 +153,7 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
     sizes = [finger.width, finger.thickness, finger.pad_radius, contrast, skin]
     names = ("width_mm", "thickness_mm", "pad_radius_mm", "skin_over_subcutaneous", "skin_mm")
     same = np.allclose(sizes, [row[name] for name in names], rtol=SAME)
-    return same and measured_tissue.published(finger)
+    return same and tissue.published(finger)
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
@@ -180,7 +178,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 def cost(case: Situation) -> float:
     """Return the expected CPU time in s."""
-    return len(case.times) * STEP_SECONDS * slowness({})
+    return costs.formula_seconds(name, case)
 
 
 once, coarser = hertz.once, hertz.coarser

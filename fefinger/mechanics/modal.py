@@ -7,22 +7,34 @@ answer without inertia comes from `pressed` (`press/modal_response.py`).
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from types import ModuleType
 
 from fefinger.mechanics import condensed, pressed
 from fefinger.mechanics.evidence import costs, vibration
-from fefinger.mechanics.press.notes import QUASISTATIC, refusals, stiffens, tangential_reasons
+from fefinger.mechanics.press.notes import (
+    QUASISTATIC,
+    Reason,
+    refusals,
+    stiffens,
+    tangential_reasons,
+)
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
+from fefinger.scene.motion import Motion
+from fefinger.scene.samples import SAMPLED
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 
 
 name = "modal"
 traits = Traits(meshed=True, finite=False, inertia=True)
+
+SUDDEN = 0.5
+"""Suddenness of a press beyond which the modes cannot follow: the force is off by some tenths."""
 
 INERTIA = (
     "Inertia of the tissue, about a bone that does not move; the indenter has its motion or its "
@@ -37,7 +49,64 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     if any(refusal.about == "ability" for refusal in shared):
         return shared
     unable = refusals(name, "ability", tangential_reasons(case.motion, case.indenter))
-    return unable + shared + refusals(name, "accuracy", vibration.reasons(case))
+    return unable + shared + refusals(name, "accuracy", reasons(case))
+
+
+def reasons(case: Situation) -> list[Reason]:
+    """Return the reasons against a motion faster than what was measured, modes or its samples."""
+    return [*_too_sudden(case), *_too_high(case), *_too_coarse(case.motion)]
+
+
+def _too_sudden(case: Situation) -> Iterator[Reason]:
+    last = vibration.last_mode(case)
+    press_suddenness = vibration.suddenness(case.motion, 1 / last)
+    if press_suddenness > SUDDEN:
+        pace = case.motion.control.pace
+        reason = (
+            f"sudden change of the speed / (peak x frequency of the last mode, {last:.3g} Hz) = "
+            f"{press_suddenness:.2g} > {SUDDEN:g}: the modes do not follow it; press more slowly, "
+            "or with a longer motion.corner"
+        )
+        yield Reason(f"motion.{pace}" if hasattr(case.motion, pace) else "motion", reason)
+
+
+def _too_high(case: Situation) -> Iterator[Reason]:
+    frequency = case.motion.highest_frequency
+    if frequency is None:
+        return
+    reduced, highest = vibration.reduced_frequency(case), vibration.highest()
+    ratio, most = vibration.ratio(case), vibration.BEYOND
+    damped = vibration.damped_set(case.finger)
+    if reduced > highest * (1 + 1e-9):
+        reason = (
+            f"frequency x thickness / wave speed = {reduced:.2g} > {highest:g}: no finger was "
+            f"measured beyond; stay below {_rounded(frequency * highest / reduced)} Hz{damped}"
+        )
+        yield Reason("motion.frequency", reason)
+    elif ratio > most:
+        reason = (
+            f"frequency / frequency of the last mode = {ratio:.2g} > {most:g}: the modes that "
+            f"are computed reach some {_rounded(frequency * most / ratio)} Hz; stay below, or "
+            f"take stiffer tissue{damped}"
+        )
+        yield Reason("motion.frequency", reason)
+
+
+def _too_coarse(motion: Motion) -> Iterator[Reason]:
+    frequency, rate = motion.highest_frequency, motion.sample_rate
+    if frequency is not None and rate is not None and rate < SAMPLED * frequency:
+        reason = (
+            f"samples per s / highest frequency = {rate:.4g} / {frequency:.3g} Hz = "
+            f"{rate / frequency:.2g} < {SAMPLED:g}: straight lines between the samples distort it; "
+            "sample the motion more finely, or filter its noise"
+        )
+        yield Reason("motion.time", reason)
+
+
+def _rounded(value: float) -> str:
+    """Return two digits of a frequency, rounded down."""
+    step = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return f"{math.floor(value / step) * step:.12g}"
 
 
 def _base(finger: Finger) -> ModuleType:

@@ -6,22 +6,27 @@ a body that stiffens. The force is the work of that stress on the present deform
 this see `theory/contact/ting.py`). The table (`press/elastic_press.py`) is solved once per finger
 and object and kept; it is shipped for the calibrated fingers under the plate at 30 degrees and a
 ball of 5 mm. What the tabulation leaves out is measured against `solid` on the same mesh
-(`evidence/tabulation_error.py`).
+(`reports/pressed-error.json`).
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
+
 from fefinger.mechanics import layered, linear, solid
-from fefinger.mechanics.evidence import costs, tabulation_error
+from fefinger.mechanics.evidence import costs
+from fefinger.mechanics.evidence.presses import EVIDENCE, read
+from fefinger.mechanics.evidence.stated_errors import error_of
 from fefinger.mechanics.press import notes
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
+from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
+from fefinger.support.text import percent
 
 
 name = "pressed"
@@ -72,14 +77,27 @@ def too_shallow(case: Situation) -> Iterator[Reason]:
 cost, once, coarser = costs.pressed_seconds, costs.pressed_once, linear.coarser
 
 
-def error(case: Situation, quantity: str = "force") -> tuple[float, str]:
-    """Return the expected relative error, of mesh and tabulation, and its source."""
-    error, source = solid.error(case, quantity)
-    if math.isnan(error):
-        return error, source
-    tabulation = tabulation_error.error(case, quantity)
-    # Not their sum: on loading a mesh makes the force too large, the table too small.
-    return math.hypot(error, tabulation), f"{source}; {tabulation_error.sentence(tabulation, case)}"
+error = error_of(name)
+
+
+def retreats(motion: Motion) -> bool:
+    """Return whether the depth, or the force, ever falls."""
+    if motion.wave_frequency is not None:  # samples could miss the falls of a fast sine
+        return True
+    time = np.unique(np.concatenate([np.linspace(0.0, motion.duration, 2001), motion.breakpoints]))
+    values = np.asarray(motion.value(np.clip(time, 0.0, motion.duration)))
+    return bool((np.diff(values) < -1e-9 * np.abs(values).max()).any())
+
+
+def on_retreat() -> str:
+    """State the errors on retreat, which are larger than those at the peak."""
+    errors = read(EVIDENCE)["on retreat"]
+    return (
+        "Errors are stated where the force is largest. Where the indenter retreats, what the "
+        f"tabulation leaves out is up to {percent(errors['strain'])} of the largest strain at the "
+        f"end organs and {percent(errors['area'])} of the largest contact area "
+        f"(reports/{EVIDENCE})."
+    )
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
@@ -88,8 +106,6 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 
     stated = (*NOTES, notes.RIGID_BONE)
     response = tabulated_press.respond(scene, progress, mechanics=name, notes=stated)
-    prony = scene.finger.prony
-    if prony.long_time == 1.0 or not tabulation_error.retreats(scene.motion):
+    if scene.finger.prony.long_time == 1.0 or not retreats(scene.motion):
         return response  # elastic tissue comes back as it went
-    part = float(response.depth.max()) / scene.finger.thickness
-    return replace(response, notes=(*response.notes, tabulation_error.on_retreat(part, prony)))
+    return replace(response, notes=(*response.notes, on_retreat()))

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
-from fefinger.mechanics.evidence import measured_tissue, pressed_objects
-from fefinger.mechanics.evidence.table import Measured
+from fefinger.mechanics.evidence import presses, tissue
+from fefinger.mechanics.evidence.features import Features
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.notes import Reason
 from fefinger.mechanics.press.time_steps import moving, time_grid, too_long
@@ -23,7 +23,7 @@ from fefinger.support.arrays import Array
 class Situation:
     """A scene on one candidate mesh, with cached derived quantities that the planner's rules read.
 
-    Such as depth ratio, times and class of tissue. Each is computed when it is first read, and
+    Such as depth ratio, times and features. Each is computed when it is first read, and
     shared by all mechanics that are rated on that mesh.
     """
 
@@ -96,26 +96,22 @@ class Situation:
         return {"fast": "FAII" in self.ask.spikes, "feature": feature}
 
     @cached_property
-    def published_tissue(self) -> bool:
-        """Whether the tissues are the published ones that were measured, up to a common modulus."""
-        return measured_tissue.published(self.finger)
+    def features(self) -> Features:
+        """What compares the scene with measured presses."""
+        return Features.of(self.finger, self.indenter)
 
     @cached_property
-    def calibrated_tissue(self) -> bool:
-        """Whether a finger has a subject's tissues and is like one that was pressed."""
-        return measured_tissue.calibrated(self.finger)
-
-    @cached_property
-    def force_curves(self) -> tuple[Measured, ...]:
-        """Force over the depth in the measured presses next to the scene."""
-        return pressed_objects.curves(self.finger, self.indenter)
+    def as_pressed(self) -> bool:
+        """Whether the finger has the form and the bone of those that were pressed."""
+        return tissue.as_pressed(self.finger)
 
     @cached_property
     def depth_over_thickness(self) -> float:
         """Largest depth over the finger's thickness, once tissue has relaxed.
 
-        Where the motion prescribes the force, it is read from the presses next to the scene.
+        Where the motion prescribes the force, it is read from the press nearest to the scene.
         """
         if self.motion.deepest is not None:
             return self.motion.deepest / self.finger.thickness
-        return pressed_objects.under_force(self.finger, self.motion.peak, self.force_curves)
+        thickness, modulus = self.finger.thickness, self.finger.subcutaneous.modulus
+        return presses.pressed(self.features).depth_under(self.motion.peak, thickness, modulus)

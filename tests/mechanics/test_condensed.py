@@ -13,7 +13,7 @@ import fefinger as ff
 from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Compliance
 from fefinger.mechanics import condensed, linear
-from fefinger.mechanics.evidence.table import SMALL_STRAIN_COST, read
+from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.press import operator, operator_cache
 from fefinger.mechanics.press.notes import RIGID_BONE
 from fefinger.mechanics.situation import Situation
@@ -171,12 +171,12 @@ def test_the_error_is_that_of_a_mesh_that_does_not_follow_the_touch() -> None:
     steep = Situation.of(scene("hold", indenter=ff.Flat(45)))
     error, source = condensed.error(steep)
     assert error > linear.error(steep)[0]
-    assert "reports/press-mesh.json, maeno1998/flat-45" in source
+    assert "reports/evidence.json, maeno1998/flat-45" in source
 
 
 def test_the_cost_knows_whether_the_operator_is_at_hand() -> None:
     finger = replace(FINGER, resolution="standard")
-    row = read(SMALL_STRAIN_COST)["rows"]["condensed standard"]
+    row = read("small-strain-cost.json")["rows"]["condensed standard"]
     asked = scene("hold", finger=finger)
     assert condensed.cost(Situation.of(asked)) > row["build_seconds"]
     operator_cache.folder(operator_cache.identity(finger, odd=False)).mkdir(parents=True)

@@ -234,14 +234,16 @@ def test_reasons_of_a_measured_error_are_told_until_it_is_allowed():
     assert hertz.refuse(Situation.of(allowed)) == ()
 
 
-def test_the_planner_takes_it_for_a_small_ball_on_homogeneous_tissue():
-    soft = ff.Finger.subject("a.h.", tissue="saal2017")
+def test_where_no_press_is_like_a_finger_its_error_is_that_of_the_bone_below():
+    soft = ff.Finger.subject("a.h.", tissue="saal2017", nail="free")
     light = scene(finger=soft, indenter=ff.Sphere(1.0), motion=ff.Ramp(1, 0.05, corner=0))
     assert hertz.error(Situation.of(light))[0] == pytest.approx(
         1.127 * np.sqrt(0.05 * 14 / 15) / 5, rel=0.06
     )
-    assert ff.explain(light).mechanics == "hertz"
-    deeper = replace(light, indenter=ff.Sphere(2.0), motion=ff.Ramp(1, 0.5, corner=0))
+    homogeneous = ff.Finger.subject("a.h.", tissue="saal2017")
+    deeper = replace(
+        light, finger=homogeneous, indenter=ff.Sphere(2.0), motion=ff.Ramp(1, 0.5, corner=0)
+    )
     assert MECHANICS[ff.explain(deeper).mechanics].finite
     with pytest.raises(InputError, match="no mesh"):
         ff.run(replace(light, ask=ff.Ask()), mechanics="hertz")

@@ -9,9 +9,9 @@ from fefinger.validation.problems import published
 import fefinger as ff
 from fefinger import mechanics
 from fefinger.mechanics import hertz, layered, linear
-from fefinger.mechanics.evidence import machine
-from fefinger.mechanics.evidence.table import SMALL_STRAIN_COST, read
+from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.situation import Situation
+from fefinger.support import machine
 from fefinger.support.checks import InputError
 from fefinger.theory.contact.contact_table import tabulate_to
 from fefinger.theory.contact.indentation import paraboloid
@@ -158,14 +158,11 @@ def test_the_ladder_holds_it_between_the_half_space_and_the_finite_elements():
 
 
 REFUSED = [
-    ({"indenter": ff.Flat(tilt=5)}, "not known"),
+    ({"indenter": ff.Flat(tilt=40)}, "another tilt"),
     ({"indenter": ff.Flat(30), "motion": ff.Ramp(20, 2.5)}, "presses like it were measured to"),
-    ({"indenter": ff.Sphere(1.0)}, "not known"),
-    ({"finger": ff.Finger.subject("a.h.", tissue="saal2017")}, "published and calibrated tissue"),
-    (
-        {"finger": replace(FINGER, subcutaneous=ff.Tissue(34.0, 0.45))},
-        "published and calibrated tissue",
-    ),
+    ({"indenter": ff.Sphere(0.3)}, "another larger curvature"),
+    ({"finger": ff.Finger.subject("a.h.", nail="free")}, "the shape and bone of the subjects"),
+    ({"finger": ff.Finger(8.0, 6.0, tissue="maeno1998")}, "another thickness of the finger"),
 ]
 
 
@@ -177,7 +174,7 @@ def test_where_it_was_not_compared_its_error_is_not_known_and_the_reason_is_stat
 
 
 def test_the_expected_time_is_that_of_the_report():
-    measured, motion = read(SMALL_STRAIN_COST), ff.RampHold(20, 0.5, hold=1.0)
+    measured, motion = read("small-strain-cost.json"), ff.RampHold(20, 0.5, hold=1.0)
     setup = measured["rows"]["layered"]["setup_seconds"] * machine.slowness(measured)
     assert layered.cost(Situation.of(scene(motion=motion))) > setup
     more = layered.cost(Situation.of(scene(motion=motion, ask=replace(ASK, spikes=("FAII",)))))

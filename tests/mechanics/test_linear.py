@@ -9,7 +9,7 @@ import pytest
 import fefinger as ff
 from fefinger.afferents import fire
 from fefinger.mechanics import linear
-from fefinger.mechanics.evidence import measured_tissue
+from fefinger.mechanics.evidence.tissue import largest_exponents
 from fefinger.mechanics.press import problem, small_strain, time_steps
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Response
@@ -157,7 +157,7 @@ def test_what_is_not_asked_is_none() -> None:
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
-        ({"indenter": ff.Sphere(radius=0.3)}, "round objects are measured to radii of"),
+        ({"indenter": ff.Sphere(radius=0.3)}, "no press like it was measured"),
         ({"motion": ff.Ramp(60, 2.6)}, "it goes to 0.26 of the finger's thickness"),
     ],
 )
@@ -216,7 +216,7 @@ def test_a_part_begins_with_short_steps_however_long_it_is(fast: bool) -> None:
 def test_the_tissue_of_no_subject_is_beyond_what_was_measured_and_a_stiffer_one_is(tissue):
     finger = ff.Finger.subject("a.h.", tissue=tissue)
     assert not list(linear.unmeasured(finger))
-    most = measured_tissue.largest_exponents()["skin"]
+    most = largest_exponents()["skin"]
     stiffer = replace(finger, skin=replace(finger.skin, exponent=1.01 * most))
     assert [reason.field for reason in linear.unmeasured(stiffer)] == ["finger.skin"]
 

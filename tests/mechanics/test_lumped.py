@@ -14,7 +14,7 @@ import fefinger as ff
 from fefinger import mechanics
 from fefinger.commands.run import run_record, run_summary
 from fefinger.mechanics import lumped
-from fefinger.mechanics.evidence import table
+from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.situation import Situation
 from fefinger.pages import report
 from fefinger.result import load
@@ -106,7 +106,7 @@ def test_spikes_are_beyond_it():
 OTHER = "finger: of other size or tissue than those whose law was identified; that of Table 2.1, "
 
 REASONS = [
-    ({"indenter": ff.Sphere(radius=0.8)}, "indenter = sphere: it was measured with a flat plate"),
+    ({"indenter": ff.Sphere(radius=0.3)}, "indenter = sphere: it was measured with a flat plate"),
     ({"indenter": ff.Flat(angle=30, tilt=40)}, "indenter.angle, tilt = 30, 40 degrees: it was"),
     ({"finger": ff.Finger(14, 10, pad_radius=13, tissue="maeno1998")}, f"{OTHER}means, is taken"),
     (
@@ -147,21 +147,22 @@ def test_what_was_not_measured_is_refused_for_accuracy_but_answered_when_named(p
 )
 def test_under_another_object_the_law_of_a_finger_errs_as_in_a_press_of_it(name, indenter):
     """The force of a plate changes with its angle, which the law does not see."""
-    row = table.read(table.PRESS_MESH)["rows"][f"a.h./{name}"]
+    row = read("press-mesh.json")["rows"][f"a.h./{name}"]
     depth, true = row["depth_mm"][5], row["force_N"][5]
     asked = scene(indenter=indenter, motion=ff.Ramp(0.001, depth, corner=0))  # relaxed
     printed = pawluk1997.lumped()["a.h."]
     known = abs(printed.prony.long_time * law.Spring(printed.b, printed.m).force(depth) / true - 1)
     error, evidence = lumped.error(Situation.of(asked))
-    assert known < error < 1.2 * known + 0.05
-    assert f"press-mesh.json, a.h./{name}" in evidence
+    factor = read("evidence.json")["factors"]["lumped"]["force"]  # what was found, times a margin
+    assert known < error < 1.1 * factor * known + 0.05
+    assert f"evidence.json, a.h./{name} and 4 more" in evidence
     assert ff.explain(asked).mechanics != "lumped"
     assert ff.run(asked, mechanics="lumped").force.max() > 0
 
 
 @pytest.mark.parametrize("object_", ["flat-45", "sphere-5"])
 def test_the_error_of_the_law_in_a_press_is_that_of_its_relaxed_force(object_):
-    row = table.read(table.PRESS_MESH)["rows"][f"a.h./{object_}"]
+    row = read("press-mesh.json")["rows"][f"a.h./{object_}"]
     printed = pawluk1997.lumped()["a.h."]
     depth, true = np.array(row["depth_mm"]), np.array(row["force_N"])
     relaxed = printed.prony.long_time * printed.b / printed.m * np.expm1(printed.m * depth)
@@ -181,8 +182,7 @@ def test_a_calibrated_finger_has_the_law_of_its_subject_and_the_error_of_its_cal
         ask=replace(FORCE_ONLY, rel_error=0.9),
     )
     assert lumped.refuse(Situation.of(asked)) == ()
-    plan = ff.explain(asked)
-    assert plan.mechanics == "lumped"
+    plan = ff.choose(asked, "lumped")  # not the cheapest for p.w., whose law is 41 % off
     assert "18 % at the peaks of sinusoids against the measured" in plan.chosen.evidence
     row = pawluk1997.lumped()[subject]
     peak = law.constant_velocity(law.Spring(row.b, row.m), row.prony, 1.0, 60.0)
@@ -196,7 +196,7 @@ def test_a_calibrated_finger_has_the_law_of_its_subject_and_the_error_of_its_cal
 def test_a_finger_of_published_tissue_has_the_law_of_its_own_press(subject):
     """Its relaxed force equals `solid`, within twice what the spring of Eq. 2.1 leaves."""
     finger = ff.Finger.subject(subject, tissue="maeno1998")
-    row = table.read("solid-force.json")["rows"][f"{subject}/flat-30"]
+    row = read("solid-force.json")["rows"][f"{subject}/flat-30"]
     depth, force = (np.array(x) for x in (row["depth_mm"], row["force_N"]["solid"]))
     deepest = depth <= 0.18 * finger.thickness
     for x, known in zip(depth[deepest], force[deepest], strict=True):
@@ -207,7 +207,7 @@ def test_a_finger_of_published_tissue_has_the_law_of_its_own_press(subject):
 
 
 def test_the_laws_are_those_of_the_presses_that_the_reports_hold():
-    kept = table.read("lumped-force.json")
+    kept = read("lumped-force.json")
     for row, fresh in zip(kept["rows"], evidence_lumped.rows(), strict=True):
         for key, value in fresh.items():
             close = value if isinstance(value, str) else pytest.approx(value, rel=1e-3)

@@ -9,6 +9,7 @@ from fefinger.validation.problems import published
 
 from fefinger import mechanics, plan
 from fefinger.mechanics import situation
+from fefinger.mechanics.evidence.features import Features
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.scene.finger import RESOLUTIONS
@@ -47,7 +48,7 @@ def test_a_situation_holds_the_times_and_the_presses_next_to_its_scene() -> None
     case = Situation.of(scene)
     np.testing.assert_allclose(case.times, time_grid(scene.motion, fast=True), rtol=1e-12)
     assert case.half == scene.indenter.mirrored
-    assert [each.press for each in case.force_curves] == ["maeno1998/flat-30"]
+    assert case.features == Features.of(scene.finger, scene.indenter)
     assert case.depth_over_thickness == scene.motion.peak / scene.finger.thickness
 
 

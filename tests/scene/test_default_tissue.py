@@ -46,7 +46,7 @@ def test_values_of_a_layer_change_the_tissue_of_the_finger_and_nothing_else() ->
 
 
 def test_the_set_of_the_means_is_that_of_its_report() -> None:
-    from fefinger.mechanics.evidence.table import read
+    from fefinger.mechanics.evidence.presses import read
 
     row, tissue = read("calibrated-means.json"), library.tissue_set("calibrated_means")
     assert tissue.skin.modulus == pytest.approx(row["skin"]["modulus"], rel=1e-3)

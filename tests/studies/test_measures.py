@@ -118,7 +118,7 @@ def test_the_errors_of_rows_at_a_force_are_said_of_the_depth():
 
 
 def test_what_no_press_is_like_or_has_withdrawn_has_no_error_of_pressure_area_and_strain():
-    tilted = ff.Scene(finger=FINGER, indenter=ff.Flat(30, 10), motion=ff.Ramp(60, 0.5))
+    tilted = ff.Scene(finger=FINGER, indenter=ff.Flat(30, 40), motion=ff.Ramp(60, 0.5))
     back = ff.Scene(finger=FINGER, motion=ff.Trapezoid(20, 0.5, hold=0.0))
     for scene, at in ((tilted, 0), (back, 1)):
         asked = replace(scene, ask=ff.Ask(fields=False))

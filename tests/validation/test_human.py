@@ -5,7 +5,7 @@ import pytest
 from fefinger.validation.human import suite
 from fefinger.validation.human.presses import DEFAULT, REPORT
 
-from fefinger.mechanics.evidence.table import read
+from fefinger.mechanics.evidence.presses import read
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 

@@ -1,15 +1,13 @@
 """Suite `pressed`: its scenes are the same each time, and its report is about them."""
 
-import pytest
+import numpy as np
 from fefinger.validation.pressed import suite
-from fefinger.validation.pressed.measure import errors
+from fefinger.validation.pressed.measure import TABULATION, TABULATION_SETS, errors
 from fefinger.validation.pressed.scenes import COUNTS, STANDARD, drawn
 
 import fefinger as ff
 from fefinger.mechanics import pressed
-from fefinger.mechanics.evidence.table import TABULATION, TABULATION_SETS, read
-from fefinger.mechanics.evidence.tabulation_error import ABOUT, MARGIN, error
-from fefinger.mechanics.situation import Situation
+from fefinger.mechanics.evidence.presses import read
 from fefinger.scene.ask import Ask
 
 
@@ -32,21 +30,15 @@ def test_the_report_is_of_these_scenes() -> None:
         assert len(measured) >= 0.9 * len(rows)
 
 
-def test_what_is_stated_is_the_largest_error_of_the_scenes_about_as_deep_with_the_margin() -> None:
-    case = Situation.of(
-        ff.Scene(finger=ff.Finger.subject("a.h."), motion=ff.Ramp(60, 1.0), ask=Ask(fields=False))
-    )
-    near = {
-        key: row["peak"]["strain"]
-        for key, row in suite.every().items()
-        if 0.1 / ABOUT <= row["part"] <= 0.1 * ABOUT
-    }
-    worst = max(near, key=near.__getitem__)
-    expected = pytest.approx(MARGIN * near[worst], rel=1e-12)
-    assert error(case, "strain") == expected == suite.stated("peak", "strain", 0.1)
-    second = max(value for scene, value in near.items() if scene != worst)
-    stated = suite.stated("peak", "strain", 0.1, worst)
-    assert stated == pytest.approx(MARGIN * second, rel=1e-12)
+def test_what_is_stated_holds_in_95_of_100_scenes_that_it_is_stated_without() -> None:
+    every = suite.every()
+    held = [
+        row["peak"]["strain"] <= suite.stated("peak", "strain", row["part"], key)
+        for key, row in every.items()
+    ]
+    assert 0.93 <= np.mean(held) < 1.0
+    shallow, deep = (suite.stated("peak", "strain", part) for part in (0.02, 0.2))
+    assert 0 < shallow < deep < 0.05
 
 
 def test_a_response_has_no_error_against_itself() -> None:

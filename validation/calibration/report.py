@@ -4,7 +4,7 @@ from functools import cache
 from typing import Any
 
 from fefinger.calibration.record import Calibration
-from fefinger.mechanics.evidence.table import read
+from fefinger.mechanics.evidence.presses import read
 from fefinger.scene.library import CALIBRATED
 
 

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.validation.empty_cache import only_meshes
+from fefinger.validation.evidence.cost_table import SOLID as SOLID_COST
 from fefinger.validation.provenance import save
 
 from fefinger.mechanics import solid
-from fefinger.mechanics.evidence.table import SOLID_COST
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter

@@ -10,12 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from fefinger.validation.evidence.press_mesh import MAIN, MEASUREMENTS
+from fefinger.validation.evidence.press_mesh import REPORT as PRESS_MESH
 from fefinger.validation.evidence.solid import REPORT as SOLID
 from fefinger.validation.provenance import save
 from scipy.optimize import least_squares
 
-from fefinger.mechanics.evidence.pressed_objects import objects
-from fefinger.mechanics.evidence.table import LUMPED, MAIN, PRESS_MESH, read
+from fefinger.mechanics.evidence.presses import read
+from fefinger.mechanics.lumped import REPORT as LUMPED
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array
@@ -63,8 +65,7 @@ def _force(spring: Spring, depth: Array) -> Array:
 def rows() -> Iterator[dict[str, Any]]:
     """Give the laws of every finger and plate of which a press of `solid` is kept."""
     for name, press in read(PRESS_MESH)["rows"].items():
-        tissue, _, object_ = name.partition("/")
-        flat = objects()[object_].flat
+        tissue, flat = name.partition("/")[0], MEASUREMENTS[name].indenter.flat
         if tissue == library.PUBLISHED and flat is not None:
             depth, force = (np.array(press[key]) for key in ("depth_mm", "force_N"))
             yield row(MAIN, flat.angle, depth, force, f"reports/{PRESS_MESH}, {name}")

@@ -27,9 +27,7 @@ from fefinger.validation.provenance import save, saved, short
 from numpy.typing import NDArray
 
 from fefinger.mechanics import get, lumped
-from fefinger.mechanics.evidence.press_mesh import ABOUT
 from fefinger.mechanics.evidence.stated_errors import STATED
-from fefinger.mechanics.evidence.table import PRESS_MESH
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh import store
 from fefinger.mesh.build import SETTINGS, build
@@ -47,6 +45,15 @@ from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.relaxation import Prony
 
 
+REPORT = "press-mesh.json"
+
+MAIN = "a.h."
+"""Subject whose finger is pressed by every object."""
+
+ABOUT = 1.25
+"""Factor of the depth over which errors of pressure, area and strain are taken together: two to
+four of the depths that are measured."""
+
 MEAN_SIZE = (14.25, 11.0)
 """Width and thickness in mm of the finger of mean size: means of the four subjects."""
 
@@ -55,21 +62,25 @@ MEAN_SIZE = (14.25, 11.0)
 class Measurement:
     """A press: subject whose finger is pressed, object, and depth over the thickness.
 
-    The tissue is that calibrated on the subject, or a published one; MEANS is a finger of mean
-    size, with the tissue that is calibrated on the means.
+    The tissue is that calibrated on the subject, or a published one, perhaps with a skin of another
+    modulus in kPa; MEANS is a finger of mean size, with the tissue that is calibrated on the means.
     """
 
     subject: str
     indenter: Indenter
     part: float
     tissue: str | None = None
+    skin: float | None = None
 
     @property
     def finger(self) -> Finger:
         """The finger that is pressed, with its own relaxation."""
         if self.subject == pawluk1997.MEANS:
             return Finger(*MEAN_SIZE)
-        return Finger.subject(self.subject, tissue=self.tissue)
+        finger = Finger.subject(self.subject, tissue=self.tissue)
+        if self.skin is None:
+            return finger
+        return replace(finger, skin=replace(finger.skin, modulus=self.skin))
 
     def scene(self, resolution: str | None) -> Scene:
         """Return the ramp of relaxed tissue on a mesh."""
@@ -336,7 +347,7 @@ def thirds() -> dict[str, Any]:
 
 def main(folder: Path) -> None:
     """Measure what is missing, then what is outdated, and write the report after every press."""
-    path = folder / PRESS_MESH
+    path = folder / REPORT
     before = saved(path)
     rows, third_mesh = before.get("rows", {}), before.get("third") or thirds()
     for name in sorted(MEASUREMENTS, key=rows.__contains__):  # those that are missing first

@@ -13,23 +13,21 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.empty_cache import empty_cache
+from fefinger.validation.evidence.cost_table import SMALL_STRAIN as SMALL_STRAIN_COST
 from fefinger.validation.problems import published
 from fefinger.validation.provenance import save
 from fefinger.validation.tradeoff import held_out, scenes
 
 from fefinger.mechanics import get
-from fefinger.mechanics.evidence import machine
-from fefinger.mechanics.evidence.costs import areas
-from fefinger.mechanics.evidence.table import SMALL_STRAIN_COST, read
+from fefinger.mechanics.evidence.costs import STEEPEST
+from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.press.time_steps import moving
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.results.records import Response
 from fefinger.scene.finger import RESOLUTIONS
+from fefinger.support import machine
 
-
-STEEP = 45.0
-"""Angle in degrees beyond which `condensed` solves the whole mesh too; such scenes are left out."""
 
 ALONE = {"ask.fields": False, "ask.spikes": []}
 
@@ -96,15 +94,15 @@ def in_scenes(label: str, row: dict[str, float], speed: float) -> dict[str, floa
     """Return the costs of a candidate as the scenes of development took them; none where not run.
 
     speed: benchmark time of the machine that seconds are wanted on. Least squares of the relative
-    errors.
+    errors, without steep plates, under which `condensed` solves the whole mesh too.
     """
     report, shares, seconds = read(held_out.REPORT), [], []
     slower = speed / report["machine_seconds"]
     for name, scene in scenes.development().items():
         plate, taken = scene.indenter.plate, report["taken"][name].get(label)
-        if taken is not None and not (plate is not None and plate.angle > STEEP):
+        if taken is not None and not (plate is not None and plate.angle > STEEPEST):
             case = Situation.of(scene)
-            known = row["step_seconds"] * len(case.times) + row["area_seconds"] * areas(case)
+            known = row["step_seconds"] * len(case.times) + row["area_seconds"] * case.changes
             shares.append(1.0 / taken)
             seconds.append((taken - known / slower) / taken)
     if not shares:

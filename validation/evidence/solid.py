@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.evidence.press_errors import ORDER
+from fefinger.validation.evidence.press_mesh import MAIN
 from fefinger.validation.problems.chain import (
     ASIDE,
     CHAIN,
@@ -24,7 +25,6 @@ from fefinger.validation.problems.chain import (
 from fefinger.validation.provenance import save, saved
 
 from fefinger.mechanics import solid
-from fefinger.mechanics.evidence.table import MAIN
 from fefinger.results.records import Response
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError

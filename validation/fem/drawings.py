@@ -9,7 +9,7 @@ from fefinger.validation.fem import exact as fem_exact
 from fefinger.validation.panels import panel, panels
 from fefinger.validation.problems.peers import PEERS, Peer
 
-from fefinger.mechanics.evidence.table import read
+from fefinger.mechanics.evidence.presses import read
 from fefinger.view.figures import INK, STEEL
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from fefinger.validation.evidence.solid import REPORT as SOLID
 from fefinger.validation.problems.chain import DEPTHS, SUBJECTS, models, scene
 
-from fefinger.mechanics.evidence.table import read
+from fefinger.mechanics.evidence.presses import read
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.case import Case, Expected, Noted, Row, tabled
+from fefinger.validation.evidence.derive import RAISED
 from fefinger.validation.friction import (
     blocks,
     bonded,
@@ -20,7 +21,6 @@ from fefinger.validation.friction import (
 )
 from fefinger.validation.friction.sheared import Body
 
-from fefinger.mechanics.evidence.stated_errors import RAISED
 from fefinger.support.tolerances import EQUILIBRIUM
 
 

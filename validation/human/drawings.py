@@ -7,7 +7,7 @@ import numpy as np
 from fefinger.validation.human.presses import PROFILES, REPORT
 from fefinger.validation.panels import panels
 
-from fefinger.mechanics.evidence.table import read
+from fefinger.mechanics.evidence.presses import read
 from fefinger.results.records import Response
 from fefinger.support.arrays import Array
 from fefinger.view.figures import INK, STEEL, figure

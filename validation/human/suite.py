@@ -14,7 +14,7 @@ from fefinger.validation.human.misses import MISSES, REASONS
 from fefinger.validation.human.preload import skin_speeds
 from fefinger.validation.human.presses import DEFAULT, PROFILES, REPORT, SUBJECTS, finger, ramp
 
-from fefinger.mechanics.evidence.table import read
+from fefinger.mechanics.evidence.presses import read
 from fefinger.results.records import Response
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.finger import Finger

@@ -18,8 +18,6 @@ from fefinger.validation.provenance import save, saved
 from scipy.spatial import cKDTree
 
 from fefinger.mechanics import pressed, solid
-from fefinger.mechanics.evidence.table import TABULATION, TABULATION_SETS
-from fefinger.mechanics.evidence.tabulation_error import retreats
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.tabulated_press import (
     METHOD,
@@ -27,12 +25,19 @@ from fefinger.mechanics.press.tabulated_press import (
     table_of,
     tabulated_response,
 )
+from fefinger.mechanics.pressed import retreats
 from fefinger.results.records import Response
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.progress import Stages
 
+
+TABULATION = "pressed-error.json"
+
+TABULATION_SETS = ("rules", "held-out", "deep", "standard", "built-in", "light")
+"""Sets of scenes in which `pressed` was compared with `solid`: four draws, built-in ones, and light
+touches that retreat."""
 
 SAME_PLACE = 1e-9
 """Distance in mm of points of the pad that are one."""

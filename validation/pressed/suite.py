@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.case import Case, Expected, Noted
+from fefinger.validation.evidence.derive import QUANTILE, tabulated_at
 from fefinger.validation.pressed import drawings
-from fefinger.validation.pressed.measure import compared
+from fefinger.validation.pressed.measure import TABULATION, TABULATION_SETS, compared
 from fefinger.validation.pressed.scenes import drawn
 
-from fefinger.mechanics.evidence.table import TABULATION, TABULATION_SETS, read
-from fefinger.mechanics.evidence.tabulation_error import MARGIN, largest_about
+from fefinger.mechanics.evidence.presses import read
+from fefinger.mechanics.evidence.stated_errors import LEAST
 
 
 DRAWS = {"held-out": "the second draw", "standard": "the draw on the standard mesh"}
@@ -59,16 +60,20 @@ def every() -> dict[str, dict[str, Any]]:
 def stated(phase: str, quantity: str, part: float, without: str = "") -> float:
     """Return the error stated at a depth over thickness, by all scenes or all but one.
 
-    The largest of those about as deep, with a margin; on retreat that of loading counts too.
+    The mean of those about as deep, times a quantile of errors over it; on retreat those of loading
+    count too.
     """
     phases = (phase,) if phase != "retreat" else ("loading", "retreat")
     pairs = [
-        (row["part"], row[each][quantity])
+        (np.log(row["part"]), np.log(max(row[each][quantity], LEAST)))
         for key, row in every().items()
         for each in phases
         if quantity in row[each] and key != without
     ]
-    return MARGIN * largest_about(part, pairs, quantity)
+    known = np.array(pairs)
+    over = known[:, 1] - np.log(tabulated_at(known, np.exp(known[:, 0])))
+    mean = float(tabulated_at(known, np.array([part]))[0])
+    return mean * float(np.exp(np.quantile(over, min(QUANTILE * (1 + 1 / len(over)), 1.0))))
 
 
 def share_held(phase: str, quantity: str) -> Noted:

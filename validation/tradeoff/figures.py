@@ -85,7 +85,8 @@ def front(points: Points) -> list[str]:
 def _points(data: dict[str, Any], quantity: str, published: bool | None = None) -> dict[str, Array]:
     """Return CPU seconds and errors (n, 2) by candidate: of all scenes, or by their tissue."""
     points: dict[str, list[tuple[float, float]]] = {}
-    for scene, rows in data["errors"].items():
+    for scene in data["taken"]:  # others were not timed
+        rows = data["errors"][scene]
         if published is None or ("published" in scene) == published:
             for name, row in rows.items():
                 if quantity in row:

@@ -11,7 +11,8 @@ from typing import Any
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.tradeoff import held_out, scenes
 
-from fefinger.mechanics.evidence import table
+from fefinger.mechanics.evidence.presses import EVIDENCE, read
+from fefinger.mechanics.evidence.stated_errors import NEAREST
 from fefinger.results.plan_text import QUANTITIES
 
 
@@ -22,32 +23,27 @@ AS_THE_ORACLE = 0.1
 """By how much the share of the picks may be smaller than that of the oracle."""
 
 RULES = (
-    "Stated errors are those of measured presses (reports/press-mesh.json): of a plate between two "
-    "plates, by their angle; of a ball between two balls, by their curvature, where the plate at "
-    "30 degrees has 0; of another object the largest of those that it lies between. They are read "
-    "at the depth over the thickness of the finger. Margins are added for what lies between two "
-    "presses, for other edges and, on the part that was measured on another finger, for that: the "
-    "95th percentile of what presses that are left out state too little, as a share of the error; "
-    "of highest pressure and area as a difference. On tissue that stiffens the error of small "
-    "strain is carried through the motion, and reached less deep by the root of the exponent. "
-    "Highest pressure and area are no better known than the mesh under the same object; under "
-    "edges, than at the depths around. Finite strain through time has the errors of "
-    "reports/pressed-error.json, and what shorter time steps change (reports/time-steps.json) is "
-    "added. Margins of independent causes are added as squares. The scenes that were held out "
-    f"before (seeds {min(scenes.DEVELOPMENT)} to {max(scenes.DEVELOPMENT)}) are those of "
-    "development."
+    "Stated errors follow one rule. A press is an object and a finger, compared by curvatures, "
+    "width of edges, angle, tilt and place of the object, size, contrast and stiffening of the "
+    "finger. The estimate of an error is the weighted mean of the errors in the "
+    f"{NEAREST} nearest measured presses (reports/{EVIDENCE}) at the depth over the thickness. The "
+    "stated error is that times the 95th percentile of actual errors over estimates in the scenes "
+    "of development "
+    f"(seeds {min(scenes.DEVELOPMENT)} to {max(scenes.DEVELOPMENT)}), one factor for each "
+    "mechanics and quantity; of the strain of each type of afferent in presses that are left out. "
+    "Nothing is stated far from all presses, or deeper."
 )
 
 
 @cache
 def judged() -> dict[str, Any]:
     """Return the held-out scenes and their summary, with what the planner states now."""
-    return held_out.judgment(table.read(held_out.REPORT))
+    return held_out.judgment(read(held_out.REPORT))
 
 
 def reported() -> dict[str, Any]:
     """Return the held-out scenes and their summary as in the report."""
-    return table.read(held_out.REPORT)
+    return read(held_out.REPORT)
 
 
 def cases(*, quick: bool) -> Iterator[Case]:
@@ -58,23 +54,24 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 def _held_out(data: Callable[[], dict[str, Any]]) -> Iterator[Case]:
     """Yield the cases on the planner's picks for scenes that its rules were not derived from."""
+    run, drawn = float(reported()["summary"]["scenes"]), float(scenes.N_HELD_OUT)
+    short = run < drawn - 2.0
     yield Case(
         "held-out scenes",
         partial(_share_of, data, "scenes"),
-        Expected(float(scenes.N_HELD_OUT), 2.0),
+        Expected(run if short else drawn, 0.5 if short else 2.0),
         "drawn by seed; `solid` answers them",
+        wanted=drawn if short else None,
+        shortfall="the others are not run yet, which takes 10 s of a core each" if short else "",
     )
     name, summary = "tolerance met by the planner's choices", reported()["summary"]
-    yield _kept(
-        name, partial(_share_of, data, "tolerance_met"), float(summary["tolerance_met"]), "force"
-    )
+    yield _kept(name, partial(_share_of, data, "tolerance_met"), float(summary["tolerance_met"]))
     for quantity, name in QUANTITIES.items():
         for whose, key in WHOSE.items():
             yield _kept(
                 f"stated error kept by {whose}: {name}",
                 partial(_share_of, data, key, quantity),
                 float(reported()["summary"][key][quantity]),
-                quantity,
             )
     yield from _cost(data)
 
@@ -88,17 +85,11 @@ KEPT = 0.95
 """Share of the scenes in which a stated error is to hold."""
 
 
-WHY = {
-    "force": (
-        "six of 14 misses are in one scene, a plate held 1.31 mm deep on published tissue, where "
-        "small strain is 16 to 22 % farther off than stated; five are less than 0.6 % of the force"
-    ),
-    "strain": "strain is spread by chance over the few end organs that are compared",
-}
+FEW = "some scenes of twelve, which are too few to tell nine tenths from 95 %"
 """Why errors are not kept as often as wanted."""
 
 
-def _kept(name: str, measure: Callable[[], float], share: float, quantity: str) -> Case:
+def _kept(name: str, measure: Callable[[], float], share: float) -> Case:
     """Return the case of a share in which something holds, which may be short of KEPT."""
     if share >= KEPT:
         return Case(name, measure, Expected.between(KEPT, 1.0), "95 % of the scenes")
@@ -108,7 +99,7 @@ def _kept(name: str, measure: Callable[[], float], share: float, quantity: str) 
         Expected(share, 0.01),
         "what the report says",
         wanted=KEPT,
-        shortfall=WHY.get(quantity, ""),
+        shortfall=FEW,
     )
 
 

@@ -1,99 +1,56 @@
-"""Cost of every mechanics, and of meshes: expected CPU seconds, from the reports, and wall time."""
+"""Cost of every mechanics, and of meshes: expected CPU seconds and wall time.
+
+`reports/evidence.json` holds the seconds of each stage of a mechanics on a mesh, on the machine of
+the reports, and how those of finite strain grow with the depth, by a regression
+(`validation/evidence/cost_table.py`). What a scene adds are counts of steps and of bodies.
+"""
 
 from collections.abc import Callable, Mapping
-from functools import cache, lru_cache, partial
+from functools import lru_cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
 from fefinger.mechanics.evidence import vibration
-from fefinger.mechanics.evidence.machine import slowness
-from fefinger.mechanics.evidence.measured_tissue import PUBLISHED_LAW
-from fefinger.mechanics.evidence.table import (
-    SMALL_STRAIN_COST,
-    SOLID_COST,
-    TABULATION,
-    Measured,
-    read,
-    table,
-)
+from fefinger.mechanics.evidence.presses import EVIDENCE, read
 from fefinger.mechanics.press.discretization import needs_continuation
 from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
 from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.press.operator_cache import available, parities
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
-from fefinger.results.candidate import Candidate
-from fefinger.scene.indenters import INDENTERS
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
+from fefinger.support.machine import slowness
 from fefinger.support.processes import threads
 from fefinger.theory.relaxation import Prony
 
-
-SLIDING = 20.0
-"""Time of a step along a path over one of a press: 15 to 25 over dots, letters and gratings."""
-
-GRIPPING = 10.0
-"""Time of a step with friction over one without, of the cases of the bench `sliding`."""
-
-NARROW = 0.3
-"""Time of reading the area of contact under other objects over that under a plate: 0.1 to 0.4."""
 
 STEEPEST = 45.0
 """Angle of a plate in degrees beyond which contact leaves the part of the pad that `condensed` is
 reduced to, at depths of a tenth of the thickness."""
 
-MORPH_SECONDS = {"coarse": 0.7, "standard": 1.2, "fine": 1.5}
-"""CPU seconds of morphing a shipped mesh to half a finger, on the machine of the reports."""
 
-MESH_SECONDS = {"coarse": 8.0, "standard": 20.0, "fine": 50.0}
-"""The same of meshing it anew: once where the first attempt passes, up to four times that; of the
-fine one in proportion to its unknowns, it was not timed."""
+def coefficients() -> Mapping[str, Any]:
+    """Return the coefficients of cost of the report; see `validation/evidence/cost_table.py`."""
+    return dict(read(EVIDENCE)["costs"])
 
-SCAN_SECONDS, SCAN_SECONDS_PER_MEGABYTE = 3.5, 1.0
-"""The same of the shape of a surface file, of few triangles and of many."""
 
-FINE = 2.5
-"""Cost on the fine mesh over that on the standard one, as their unknowns; not measured."""
+def seconds(mechanics: str, stage: str, mesh: str = "") -> float:
+    """Return the CPU seconds of a stage of a mechanics on half a finger, on this machine."""
+    stages = coefficients()["seconds"][f"{mechanics} {mesh}".rstrip()]
+    return float(stages[stage]) * slowness({})
 
-WHOLE = 3.0
-"""Cost of a whole finger against half of one: twice the unknowns and loads, a larger factor."""
 
-MESHES = ("coarse", "standard")
-"""The measured meshes; the cost on the fine one is extrapolated in the number of unknowns."""
-
-SIZE, LARGER = 140.0, 0.6
-"""Width times thickness in mm² of the finger of most presses, and the exponent of cost over it:
-unknowns on the coarse mesh grow as its root (12 560, 13 267 and 15 547 at 140, 161 and 221 mm²),
-cost a little faster."""
-
-TIMED = 0.16
-"""Depth over the thickness of the press whose cost was measured."""
-
-HARDER = 2.0
-"""Exponent of the cost of deeper presses over the depth: 79 and 33 s at 0.28 of the
-thickness under the plate at 30 degrees and the ball of 5 mm on the standard mesh."""
-
-SHALLOW = 0.25
-"""Cost of a press to first touch over that of one to TIMED: to 0.02, 0.04, 0.08 and 0.12 of the
-thickness 0.3, 0.45, 0.65 and 0.85 under two balls, a bar and a cylinder on the coarse mesh, 0.36
-and 0.7 to 0.02 and 0.08 under a ball on the standard one."""
-
-SHARED = 0.64
-"""Share of the CPU seconds of finite strain that threads divide among them: `flat-press` on the
-standard mesh took 20.8 CPU s in two threads, of which the first took 14.2."""
+def _whole() -> float:
+    """Return the cost on a whole finger over that on half of one, which has half the unknowns."""
+    return float(2 ** coefficients()["power"])
 
 
 def linear_seconds(case: Situation) -> float:
-    """Return the expected CPU time of `linear` in s, from the times in the report."""
-    return _spent("linear", case, 1.0 if case.half else WHOLE) + mesh_seconds(case)
-
-
-def _seconds(candidate: Candidate, stage: str, report: str = SMALL_STRAIN_COST) -> float:
-    """CPU seconds of a stage on this machine."""
-    return table().value(report, f"{stage} seconds", candidate) * slowness(read(report))
+    """Return the expected CPU time of `linear` in s."""
+    return _spent("linear", case, 1.0 if case.half else _whole()) + mesh_seconds(case)
 
 
 def _spent(mechanics: str, case: Situation, bodies: float) -> float:
@@ -101,19 +58,15 @@ def _spent(mechanics: str, case: Situation, bodies: float) -> float:
 
     The area is read where contact changes.
     """
-    seconds = partial(_seconds, Candidate(mechanics, case.mesh))
-    setup, fields = seconds("setup"), seconds("fields")
-    spent = bodies * (setup + fields if case.ask.fields else setup)
-    factor = (SLIDING if case.motion.slides else 1.0) * (
-        GRIPPING if case.indenter.friction else 1.0
-    )
-    spent += len(case.times) * seconds("step") * factor
-    return spent + areas(case) * seconds("area") if case.ask.pressure else spent
-
-
-def areas(case: Situation) -> float:
-    """Count the contact areas that are read, each by its cost over that of one under a plate."""
-    return case.changes * (1.0 if case.indenter.flat is not None else NARROW)
+    spent = bodies * seconds(mechanics, "setup", case.mesh)
+    if case.ask.fields:
+        spent += bodies * seconds(mechanics, "fields", case.mesh)
+    grows = coefficients()
+    factor = grows["sliding"] if case.motion.slides else 1.0
+    factor *= grows["gripping"] if case.indenter.friction else 1.0
+    spent += len(case.times) * seconds(mechanics, "step", case.mesh) * factor
+    areas = case.changes if case.ask.pressure else 0
+    return spent + areas * seconds(mechanics, "area", case.mesh)
 
 
 def mesh_seconds(case: Situation, *, follow: bool = True) -> float:
@@ -127,14 +80,14 @@ def mesh_seconds(case: Situation, *, follow: bool = True) -> float:
     try:
         if store.available(finger, touch):
             return 0.0
-        seconds = MORPH_SECONDS if store.morphed(finger, touch) else MESH_SECONDS
+        stage = "morph" if store.morphed(finger, touch) else "mesh"
     except InputError:  # no mesh can be made for a finger of this size
         return 0.0
-    spent = seconds[case.mesh]
+    spent = seconds("mesh", stage, case.mesh)
     if finger.surface is not None:
         megabytes = Path(finger.surface).stat().st_size / 1e6
-        spent += SCAN_SECONDS + SCAN_SECONDS_PER_MEGABYTE * megabytes
-    return spent * slowness({})
+        spent += seconds("scan", "setup") + seconds("scan", "megabyte") * megabytes
+    return spent
 
 
 def condensed_seconds(case: Situation) -> float:
@@ -153,66 +106,13 @@ def condensed_once(case: Situation) -> float:
     spent = mesh_seconds(case, follow=False)
     longer = needs_continuation(case.finger, case.indenter, case.motion)
     if not available(case.finger, half=case.half, with_continuation=longer):
-        spent += (1 if case.half else 2) * _seconds(Candidate("condensed", case.mesh), "build")
+        spent += (1 if case.half else 2) * seconds("condensed", "build", case.mesh)
     return spent
 
 
-def layered_seconds(case: Situation) -> float:
-    """Return the expected CPU time of `layered` in s, from the times in the report."""
-    seconds = partial(_seconds, Candidate("layered"))
-    return seconds("setup") + len(case.times) * seconds("step")
-
-
-class Cost(NamedTuple):
-    """CPU seconds on half a finger: of setting up, of the press that scales spikes, of a step.
-
-    `step` is that at first touch; its logarithm grows by `growth` times the relative depth, by
-    `sharp` under an edge or ridge and by `stiffening` on tissue of another law; `deepest` is the
-    largest relative depth that was timed.
-    """
-
-    setup: float
-    reference: float
-    step: float
-    growth: float
-    sharp: float
-    stiffening: float
-    deepest: float
-
-
-@cache
-def cost(mesh: str) -> Cost:
-    """Return the cost on a mesh: medians of the presses, for steps a least-squares fit."""
-    every = table().entries
-    timed = [x for x in every if (x.report, x.quantity) == (SOLID_COST, "step seconds")]
-    basis = [
-        [
-            *(each.candidate.resolution == name for name in MESHES),
-            _part(each),
-            INDENTERS[each.conditions["kind"]].sharp,
-            each.conditions["law"] != PUBLISHED_LAW,
-        ]
-        for each in timed
-    ]
-    steps = np.log([each.value for each in timed])
-    solution = np.linalg.lstsq(np.array(basis, dtype=float), steps, rcond=None)[0]
-    growth, sharp, stiffening = solution[len(MESHES) :].tolist()
-    rows = [
-        [table().all(SOLID_COST, f"{stage} seconds", Candidate("solid", name)) for name in MESHES]
-        for stage in ("setup", "reference")
-    ]
-    medians = [[np.median([each.value for each in there]) for there in row] for row in rows]
-    costs = np.array([*medians, np.exp(solution[: len(MESHES)])])
-    meshes = [Candidate("linear", name) for name in (*MESHES, mesh)]
-    sizes = np.log([table().value(SMALL_STRAIN_COST, "unknowns", each) for each in meshes])
-    power = np.diff(np.log(costs))[:, 0] / (sizes[1] - sizes[0])
-    setup, reference, step = (costs[:, 1] * np.exp(power * (sizes[2] - sizes[1]))).tolist()
-    deepest = max(map(_part, timed))
-    return Cost(setup, reference, step, growth, sharp, stiffening, deepest)
-
-
-def _part(timed: Measured) -> float:
-    return float(timed.conditions["depth_mm"] / timed.conditions["thickness_mm"])
+def formula_seconds(mechanics: str, case: Situation) -> float:
+    """Return the expected CPU time in s of a mechanics without a mesh."""
+    return seconds(mechanics, "setup") + len(case.times) * seconds(mechanics, "step")
 
 
 @lru_cache(maxsize=8)
@@ -227,25 +127,26 @@ def solid_seconds(case: Situation) -> float:
 
 
 def _following(case: Situation) -> float:
-    """CPU seconds of finite strain, without those of the mesh."""
-    spent, finger = cost(case.mesh), case.finger
+    """CPU seconds of finite strain, without those of the mesh.
+
+    The logarithm of those of a step grows with the relative depth, and under edges.
+    """
+    grows, finger = coefficients(), case.finger
     relaxing, friction = tissue_relaxations(finger), case.indenter.kinetic
     steps = _steps(case.motion, relaxing, friction, fast="FAII" in case.ask.spikes)
-    deep = min(case.depth_over_thickness, spent.deepest)
-    harder = spent.growth * deep + spent.sharp * case.indenter.sharp
-    layers = (finger.skin, finger.subcutaneous)
-    harder += spent.stiffening * any(layer.law != PUBLISHED_LAW for layer in layers)
-    whole = spent.setup + steps * spent.step * np.exp(harder)
-    whole += spent.reference if case.ask.spikes else 0.0
-    whole *= 1.0 if case.half else WHOLE
-    whole *= (finger.width * finger.thickness / SIZE) ** LARGER
-    return float(whole * slowness(read(SOLID_COST)))
+    harder = grows["growth"] * min(case.depth_over_thickness, grows["deepest"])
+    harder += grows["sharp"] * case.indenter.sharp + grows["stiffening"] * stiffens(finger)
+    spent = seconds("solid", "setup", case.mesh)
+    spent += steps * seconds("solid", "step", case.mesh) * float(np.exp(harder))
+    spent += seconds("solid", "reference", case.mesh) if case.ask.spikes else 0.0
+    larger = finger.width * finger.thickness / grows["size"]  # unknowns grow as its root
+    return spent * (1.0 if case.half else _whole()) * float(larger ** (grows["power"] / 2))
 
 
 def pressed_seconds(case: Situation) -> float:
     """Return the expected CPU time of `pressed` in s."""
-    setup, step = (_of_table(case, stage) for stage in ("setup", "step"))
-    return setup + len(case.times) * step + pressed_once(case)
+    spent = seconds("pressed", "setup", case.mesh) * (1.0 if case.half else _whole())
+    return spent + len(case.times) * seconds("pressed", "step", case.mesh) + pressed_once(case)
 
 
 def pressed_once(case: Situation) -> float:
@@ -257,12 +158,13 @@ def building(case: Situation) -> float:
     """Return the CPU time in s of solving the press of a scene; 0 where it is at hand."""
     if _press_at_hand(case):
         return 0.0
-    deep = case.depth_over_thickness / TIMED
-    if deep > 1.0:
-        harder = deep**HARDER
-    else:  # plates go on to that depth, so that other motions find their press
-        harder = 1.0 if case.indenter.flat is not None else SHALLOW + (1 - SHALLOW) * deep
-    return _of_table(case, "build") * harder
+    grows = coefficients()
+    deep = case.depth_over_thickness / grows["timed"]
+    if case.indenter.flat is not None:  # plates go on to that depth, for other motions
+        deep = max(deep, 1.0)
+    harder = deep**2 if deep > 1 else grows["shallow"] + (1 - grows["shallow"]) * deep
+    whole = 1.0 if case.half else _whole()
+    return seconds("pressed", "build", case.mesh) * harder * whole
 
 
 def _press_at_hand(case: Situation) -> bool:
@@ -275,19 +177,12 @@ def _press_at_hand(case: Situation) -> bool:
     return reached > 0 and reached >= case.motion.peak * (1 - 1e-9)
 
 
-def _of_table(case: Situation, stage: str) -> float:
-    """CPU seconds of a stage of `pressed` on the mesh of a scene."""
-    mesh = "standard" if case.mesh == "fine" else case.mesh
-    bodies = 1.0 if case.half or stage == "step" else WHOLE
-    larger = FINE if case.mesh == "fine" and stage != "step" else 1.0
-    return _seconds(Candidate("pressed", mesh), stage, TABULATION) * bodies * larger
-
-
 def modal_seconds(case: Situation) -> float:
     """Return the expected CPU time of `modal` in s, besides that without inertia."""
     build, case = modal_once(case), vibration.of_inertia(case)
     bodies, steps = len(parities(half=case.half)), 2 * len(case.times)
-    return bodies * _of_modes(case, "setup") + steps * _of_modes(case, "step") + build
+    spent = bodies * seconds("modal", "setup", case.mesh)
+    return spent + steps * seconds("modal", "step", case.mesh) + build
 
 
 def modal_once(case: Situation) -> float:
@@ -299,14 +194,7 @@ def modal_once(case: Situation) -> float:
     spent = condensed_once(case) if stiff else 0.0
     if available(case.finger, half=case.half, modes=True):
         return spent
-    return spent + len(parities(half=case.half)) * _of_modes(case, "build")
-
-
-def _of_modes(case: Situation, stage: str) -> float:
-    """CPU seconds of a stage of `modal` for a body, on the mesh of a scene."""
-    record, fine = read(vibration.REPORT), case.mesh == "fine"
-    seconds: float = record["seconds"]["standard" if fine else case.mesh][stage]
-    return seconds * (FINE if fine else 1.0) * slowness(record)
+    return spent + len(parities(half=case.half)) * seconds("modal", "build", case.mesh)
 
 
 def _building_of_modal(case: Situation) -> float:
@@ -330,4 +218,5 @@ def wall(mechanics: str, case: Situation, seconds: float) -> float:
     """
     if mechanics not in FINITE_STRAIN:
         return seconds
-    return seconds - SHARED * (1 - 1 / threads()) * min(FINITE_STRAIN[mechanics](case), seconds)
+    finite = min(FINITE_STRAIN[mechanics](case), seconds)
+    return seconds - coefficients()["shared"] * (1 - 1 / threads()) * finite

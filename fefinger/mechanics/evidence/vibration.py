@@ -11,13 +11,13 @@ measured fingers. Errors of a vibration are over its own force without inertia; 
 SHARE x amplitude / depth of the peak.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
 
-from fefinger.mechanics.evidence.table import read
-from fefinger.mechanics.press.notes import Reason, stiffens
+from fefinger.mechanics.evidence.presses import read
+from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.press.operator_cache import MESH_OF_INERTIA
 from fefinger.mechanics.press.time_steps import MODAL_STEP, RESOLVED
 from fefinger.mechanics.situation import Situation
@@ -25,7 +25,6 @@ from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.inertia import modulus, wave_speed
 from fefinger.scene.motion import Motion
-from fefinger.scene.samples import SAMPLED
 from fefinger.support.arrays import Array
 from fefinger.support.text import percent
 from fefinger.theory.contact.elastic import amplification
@@ -38,9 +37,6 @@ STEPS = 0.003
 
 BEYOND = 0.7
 """Frequency over that of the last mode beyond which the answer through time is not trusted."""
-
-SUDDEN = 0.5
-"""Suddenness of a press beyond which the modes cannot follow: the force is off by some tenths."""
 
 RESONANT = 0.2
 """Frequency x thickness / wave speed from which fingers resonate under a plate."""
@@ -65,7 +61,7 @@ def statics_error(case: Situation) -> tuple[float, str]:
     """
     frequency, speed = case.motion.highest_frequency or 0.0, _speed(case)
     wave = wave_speed(case.finger)
-    reduced = _reduced(case, frequency)
+    reduced = reduced_frequency(case)
     of_vibration = float(np.interp(reduced, *_envelope("vibration", _damping(case, frequency))))
     speeds, errors = _envelope("ramp")
     beyond = max(1.0, speed / wave / float(speeds[-1]))  # rises by the square, as inertia does
@@ -111,7 +107,7 @@ def modal_error(case: Situation) -> float:
 
 def press_error(case: Situation) -> float:
     """Return the error of the force in a press by leaving modes out, over its peak."""
-    return left_out_by_modes(suddenness(case.motion, 1 / _last(case)))
+    return left_out_by_modes(suddenness(case.motion, 1 / last_mode(case)))
 
 
 def left_out_by_modes(sudden: float) -> float:
@@ -149,10 +145,10 @@ def vibration_error(case: Situation) -> float:
     frequency = case.motion.highest_frequency
     if frequency is None:
         return 0.0
-    if any(_too_high(case)):
+    kind, reduced, over_last = _damping(case, frequency), reduced_frequency(case), ratio(case)
+    if reduced > highest() * (1 + 1e-9) or over_last > BEYOND:
         return 1.0
-    kind, reduced = _damping(case, frequency), _reduced(case, frequency)
-    modes = float(np.interp(_ratio(case, frequency), *_envelope("truncation", kind)))
+    modes = float(np.interp(over_last, *_envelope("truncation", kind)))
     mesh = EXTRAPOLATED[of_inertia(case).mesh]
     meshes = mesh * float(np.interp(reduced, *_envelope("mesh_of_inertia", kind)))
     stiff = stiffens(case.finger)
@@ -179,7 +175,7 @@ def sentence(case: Situation) -> str:
         f"force is {percent(vibration_error(case))} off at {frequency:.4g} Hz"
     )
     if _resonates(case):
-        text += f", where resonances of this tissue hardly damp{_damped_set(case.finger)}"
+        text += f", where resonances of this tissue hardly damp{damped_set(case.finger)}"
     return text
 
 
@@ -187,10 +183,10 @@ def _resonates(case: Situation) -> bool:
     """Whether a vibration meets resonances of tissue that hardly damps them."""
     frequency = case.motion.highest_frequency
     undamped = frequency is not None and _damping(case, frequency) == "published"
-    return undamped and _reduced(case, frequency or 0.0) > RESONANT
+    return undamped and reduced_frequency(case) > RESONANT
 
 
-def _damped_set(finger: Finger) -> str:
+def damped_set(finger: Finger) -> str:
     """Name the viscous variant of a finger's tissue, if there is one."""
     name = f"{finger.tissue}{library.VISCOUS}"
     if name not in library.TISSUE_SETS:
@@ -200,7 +196,7 @@ def _damped_set(finger: Finger) -> str:
 
 def advice(case: Situation) -> str:
     """Suggest the viscous variant of a tissue whose resonances are hardly damped."""
-    name = _damped_set(case.finger) if _resonates(case) else ""
+    name = damped_set(case.finger) if _resonates(case) else ""
     return f"Resonances of this tissue hardly damp{name}. " if name else ""
 
 
@@ -213,63 +209,6 @@ def notes(case: Situation) -> tuple[str, ...]:
         f"The oscillation of the force is within {percent(vibration_error(case))} of its own up to "
         f"{frequency:.4g} Hz (reports/{REPORT}).",
     )
-
-
-def reasons(case: Situation) -> list[Reason]:
-    """Return the reasons against a motion faster than what was measured, modes or its samples."""
-    return [*_too_sudden(case), *_too_high(case), *_too_coarse(case.motion)]
-
-
-def _too_sudden(case: Situation) -> Iterator[Reason]:
-    last = _last(case)
-    press_suddenness = suddenness(case.motion, 1 / last)
-    if press_suddenness > SUDDEN:
-        pace = case.motion.control.pace
-        reason = (
-            f"sudden change of the speed / (peak x frequency of the last mode, {last:.3g} Hz) = "
-            f"{press_suddenness:.2g} > {SUDDEN:g}: the modes do not follow it; press more slowly, "
-            "or with a longer motion.corner"
-        )
-        yield Reason(f"motion.{pace}" if hasattr(case.motion, pace) else "motion", reason)
-
-
-def _too_high(case: Situation) -> Iterator[Reason]:
-    frequency = case.motion.highest_frequency
-    if frequency is None:
-        return
-    reduced, measured = _reduced(case, frequency), float(_envelope("vibration", "published")[0][-1])
-    ratio = _ratio(case, frequency)
-    if reduced > measured * (1 + 1e-9):
-        reason = (
-            f"frequency x thickness / wave speed = {reduced:.2g} > {measured:g}: no finger was "
-            f"measured beyond; stay below {_rounded(frequency * measured / reduced)} Hz"
-            f"{_damped_set(case.finger)}"
-        )
-        yield Reason("motion.frequency", reason)
-    elif ratio > BEYOND:
-        reason = (
-            f"frequency / frequency of the last mode = {ratio:.2g} > {BEYOND:g}: the modes that "
-            f"are computed reach some {_rounded(frequency * BEYOND / ratio)} Hz; stay below, or "
-            f"take stiffer tissue{_damped_set(case.finger)}"
-        )
-        yield Reason("motion.frequency", reason)
-
-
-def _too_coarse(motion: Motion) -> Iterator[Reason]:
-    frequency, rate = motion.highest_frequency, motion.sample_rate
-    if frequency is not None and rate is not None and rate < SAMPLED * frequency:
-        reason = (
-            f"samples per s / highest frequency = {rate:.4g} / {frequency:.3g} Hz = "
-            f"{rate / frequency:.2g} < {SAMPLED:g}: straight lines between the samples distort it; "
-            "sample the motion more finely, or filter its noise"
-        )
-        yield Reason("motion.time", reason)
-
-
-def _rounded(value: float) -> str:
-    """Return two digits of a frequency, rounded down."""
-    step = 10.0 ** (np.floor(np.log10(value)) - 1)
-    return f"{np.floor(value / step) * step:.12g}"
 
 
 def of_inertia(case: Situation) -> Situation:
@@ -316,9 +255,15 @@ def _faster(case: Situation, frequency: float) -> float:
     return float(wave_speed(case.finger, frequency) * np.sqrt(factor))
 
 
-def _reduced(case: Situation, frequency: float) -> float:
-    """Frequency x thickness of the tissue / wave speed."""
+def reduced_frequency(case: Situation) -> float:
+    """Return the highest frequency x thickness of the tissue / wave speed."""
+    frequency = case.motion.highest_frequency or 0.0
     return frequency * case.finger.pulp / _faster(case, frequency)
+
+
+def highest() -> float:
+    """Return the reduced frequency up to which fingers were measured."""
+    return float(_envelope("vibration", "published")[0][-1])
 
 
 def _share(case: Situation) -> float:
@@ -326,17 +271,18 @@ def _share(case: Situation) -> float:
     return min(1.0, SHARE * case.motion.oscillation_amplitude / case.motion.peak)
 
 
-def _ratio(case: Situation, frequency: float) -> float:
-    """Frequency over that of the last mode, with the modulus at that frequency.
+def ratio(case: Situation) -> float:
+    """Return the highest frequency over that of the last mode, with the modulus at that frequency.
 
     The frequency of the last mode follows from wave speed and thickness.
     """
+    frequency = case.motion.highest_frequency or 0.0
     last = min(read(REPORT)["last_mode"]) * _faster(case, frequency) / case.finger.thickness
     return frequency / last
 
 
-def _last(case: Situation) -> float:
-    """Frequency in Hz of the last mode that swings in a press, with relaxed tissue."""
+def last_mode(case: Situation) -> float:
+    """Return the frequency in Hz of the last mode that swings in a press, with relaxed tissue."""
     kept = min(read(REPORT)["last_mode"]) * _faster(case, 0.0) / case.finger.thickness
     sudden = RESOLVED / MODAL_STEP  # with the modulus of sudden strain
     return float(min(kept, sudden * np.sqrt(case.finger.prony.weights[0])))

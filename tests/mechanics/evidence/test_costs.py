@@ -29,7 +29,7 @@ def test_threads_share_finite_strain_alone_and_rank_nothing(rungs) -> None:
     )
     assert one["solid standard"].wall == pytest.approx(one["solid standard"].seconds, rel=1e-12)
     shared = 1 - two["solid standard"].wall / two["solid standard"].seconds
-    assert shared == pytest.approx(costs.SHARED / 2)
+    assert shared == pytest.approx(costs.coefficients()["shared"] / 2)
     assert two["linear standard"].wall == two["linear standard"].seconds
     assert expected_time(two["solid standard"]).endswith(" s on 2 cores")
     assert "cores" not in expected_time(two["linear standard"])
@@ -37,7 +37,8 @@ def test_threads_share_finite_strain_alone_and_rank_nothing(rungs) -> None:
 
 def test_of_a_press_to_be_built_the_threads_share_the_building(rungs) -> None:
     fine = rungs(4)["pressed fine"]
-    assert 1 - costs.SHARED < fine.wall / fine.seconds < 1 - 0.7 * costs.SHARED
+    shared = costs.coefficients()["shared"]
+    assert 1 - shared < fine.wall / fine.seconds < 1 - 0.7 * shared
 
 
 @pytest.mark.parametrize(("tissue", "shares"), [("maeno1998", False), ("calibrated_means", True)])

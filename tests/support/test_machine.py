@@ -3,7 +3,7 @@
 import pytest
 from damage import flip
 
-from fefinger.mechanics.evidence import machine
+from fefinger.support import machine
 
 
 MEASURE = machine.measure  # the tests of other modules take that of the reports

@@ -1,0 +1,96 @@
+"""Features of a press, and the distance between two of them.
+
+Lengths of the object count against the thickness of the finger. Each number is scaled so that 1 is
+a marked difference; logarithms, because errors follow ratios.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Self
+
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import STANDARD
+
+
+LOGARITHM = 0.7
+"""Difference of logarithms that counts 1: a factor of two."""
+
+SIZE = 0.2
+"""The same of the thickness of the finger, which all measured ones have within a fifth."""
+
+DEGREES = 15.0
+"""Difference of angle or tilt that counts 1."""
+
+AWAY = 2.0
+"""Distance in mm from the middle of the pad that counts 1."""
+
+ROUND = "round"
+"""Kind of plates, balls, ellipsoids and cylinders, which curvatures tell apart."""
+
+
+class Features(NamedTuple):
+    """Features of a press.
+
+    law: name of the strain energy of the tissue below the skin; raised: whether the object is a
+    plate with raised parts; kind: that of an object with edges, else ROUND; exponent: stiffening of
+    that tissue, 0 without one; numbers: by name, scaled.
+    """
+
+    law: str
+    raised: bool
+    kind: str
+    exponent: float
+    numbers: tuple[float, ...]
+
+    @classmethod
+    def of(cls, finger: Finger, indenter: Indenter) -> Self:
+        """Return the features of an object pressed into a finger."""
+        tissue, plate = finger.subcutaneous, indenter.plate or STANDARD
+        numbers = (
+            *(x / LOGARITHM for x in _shape(indenter, finger.thickness)),
+            plate.angle / DEGREES,
+            abs(plate.tilt) / DEGREES,
+            math.hypot(*(indenter.place or (0.0, 0.0))) / AWAY,
+            math.log(finger.thickness) / SIZE,
+            math.log(finger.skin.modulus / tissue.modulus) / LOGARITHM / 2,
+            math.log(tissue.exponent or 1.0) / LOGARITHM,
+        )
+        kind = indenter.kind if indenter.sharp and not indenter.raised else ROUND
+        return cls(tissue.law, indenter.raised, kind, tissue.exponent or 0.0, numbers)
+
+    @classmethod
+    def read(cls, record: Mapping[str, Any]) -> Self:
+        """Return the features of a record of the report."""
+        return cls(**(dict(record) | {"numbers": tuple(record["numbers"])}))
+
+    def distance(self, other: Self) -> float:
+        """Return the distance to another press; another kind or law counts 1."""
+        unlike = (self.kind != other.kind) + (self.law != other.law)
+        return math.sqrt(unlike + math.dist(self.numbers, other.numbers) ** 2)
+
+    def farthest(self, other: Self) -> str:
+        """Name the feature in which another press differs most."""
+        apart = [abs(a - b) for a, b in zip(self.numbers, other.numbers, strict=True)]
+        apart += [float(self.kind != other.kind), float(self.law != other.law)]
+        return NAMES[apart.index(max(apart))]
+
+
+NAMES = (
+    *("larger curvature", "smaller curvature", "width of its edges", "angle", "tilt"),
+    *("place", "thickness of the finger", "modulus of the skin", "stiffening of the tissue"),
+    *("kind of object", "law of the tissue"),
+)
+"""Names of the numbers, of the kind and of the law."""
+
+
+def _shape(indenter: Indenter, thickness: float) -> tuple[float, ...]:
+    """Return log(1 + thickness / length) of least and largest radius, and of the width of edges.
+
+    0 for plates, smooth or with raised parts: what counts of those is measured as one.
+    """
+    if indenter.raised:
+        return 0.0, 0.0, 0.0
+    low, high = sorted(indenter.hertzian or (indenter.least_radius, math.inf))
+    lengths = low, high, indenter.narrowest
+    return tuple(math.log1p(thickness / length) for length in lengths)
