@@ -15,7 +15,7 @@ import numpy as np
 
 from fefinger.mechanics.evidence.features import Features
 from fefinger.support.arrays import Array
-from fefinger.support.package_data import report
+from fefinger.support.inputs import read_report
 
 
 EVIDENCE = "evidence.json"
@@ -84,7 +84,7 @@ class Press:
 @cache
 def read(name: str) -> dict[str, Any]:
     """Return a report as it is written."""
-    return dict(json.loads(report(name)))
+    return dict(json.loads(read_report(name)))
 
 
 @cache

@@ -125,5 +125,5 @@ def test_a_formula_states_no_error_of_a_finger_of_another_form() -> None:
 
 def test_one_module_of_the_mechanics_opens_reports() -> None:
     room = Path(presses.__file__).parents[1]
-    readers = [path for path in room.rglob("*.py") if "package_data" in path.read_text("utf-8")]
+    readers = [path for path in room.rglob("*.py") if "read_report" in path.read_text("utf-8")]
     assert readers == [Path(presses.__file__)]
