@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
@@ -34,7 +35,7 @@ def assert_same(a: Any, b: Any, place: str = "result") -> None:
             assert_same(getattr(a, field.name), getattr(b, field.name), name)
     elif isinstance(a, np.ndarray):
         assert a.dtype == b.dtype, place
-        np.testing.assert_array_equal(a, b, err_msg=place)
+        np.testing.assert_array_equal(a, b, err_msg=place)  # exact: a file keeps every bit
     elif isinstance(a, dict):
         assert a.keys() == b.keys(), place
         for key in a:
@@ -44,7 +45,7 @@ def assert_same(a: Any, b: Any, place: str = "result") -> None:
         for number, (x, y) in enumerate(zip(a, b, strict=True)):
             assert_same(x, y, f"{place}[{number}]")
     else:
-        assert a == b, place
+        assert a == b, place  # exact: a file keeps every bit
 
 
 def without(result: Result, *names: str) -> Result:
@@ -204,7 +205,7 @@ def test_a_long_sampled_motion_is_saved_whole(synthetic: Result, tmp_path: Path)
         synthetic, scene=dataclasses.replace(synthetic.scene, motion=motion)
     )
     result.save(tmp_path)
-    assert load(tmp_path).scene == result.scene
+    assert load(tmp_path).scene == result.scene  # exact: a file keeps every bit
 
 
 @pytest.mark.usefixtures("plain_report")
@@ -219,7 +220,8 @@ def test_the_energy_on_the_mesh_is_saved(synthetic: Result, tmp_path: Path) -> N
     result.save(tmp_path)
     assert_same(load(tmp_path), result)
     with xr.open_dataset(tmp_path / "result.nc", engine="h5netcdf", decode_times=False) as data:
-        assert (data["mesh_energy"].sel(limit="elastic") == energy[..., 1]).all()
+        saved = data["mesh_energy"].sel(limit="elastic")
+        assert (saved == energy[..., 1]).all()  # exact: a file keeps every bit
 
 
 @pytest.mark.usefixtures("plain_report")
@@ -289,11 +291,12 @@ def test_spikes_csv_holds_every_spike_with_its_place(synthetic: Result, tmp_path
     with open(tmp_path / "spikes.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0]) == ["unit", "type", "x_mm", "y_mm", "z_mm", "time_s"]
+    # exact: the table has every digit
     assert [float(row["time_s"]) for row in rows] == np.concatenate(synthetic.spikes.times).tolist()
     assert synthetic.spikes.positions is not None
     place = [float(rows[-1][name]) for name in ("x_mm", "y_mm", "z_mm")]
     assert rows[-1]["unit"] == "FAI-1"
-    assert place == synthetic.spikes.positions[2].tolist()
+    assert place == synthetic.spikes.positions[2].tolist()  # exact: the table has every digit
 
 
 @pytest.mark.usefixtures("plain_report")
@@ -341,6 +344,7 @@ def test_an_interruption_leaves_no_half_written_file(
     monkeypatch.setattr(report, "write", stop)
     with pytest.raises(error):
         without(synthetic, "fields", "spikes").save(tmp_path)
+    # exact: the files are the same ones
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
@@ -408,6 +412,37 @@ def test_a_result_with_damaged_links_is_refused(
     path.write_bytes(whole.replace(part, b"xxxx"))
     with pytest.raises(InputError, match="damaged or foreign file"):
         load(tmp_path)
+
+
+@pytest.mark.usefixtures("plain_report")
+@pytest.mark.parametrize("part", ["force", "strain", "spikes", "record", "scene"])
+def test_a_flipped_bit_in_the_values_is_noticed(
+    synthetic: Result, tmp_path: Path, part: str
+) -> None:
+    assert synthetic.force is not None
+    assert synthetic.strain is not None
+    assert synthetic.spikes is not None
+    stored = {
+        "force": synthetic.force.tobytes(),
+        "strain": synthetic.strain.tobytes(),
+        "spikes": np.concatenate(synthetic.spikes.times).tobytes(),
+        "record": b"converged: every contact step",
+        "scene": synthetic.scene.to_toml().encode(),
+    }[part]
+    path = Path(synthetic.save(tmp_path)[0])
+    content = bytearray(path.read_bytes())
+    content[content.index(stored) + len(stored) // 2] ^= 1
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="damaged or foreign file"):
+        load(tmp_path)
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_a_result_of_before_the_checksum_loads(synthetic: Result, tmp_path: Path) -> None:
+    path = Path(synthetic.save(tmp_path)[0])
+    with h5py.File(path, "r+") as file:
+        del file.attrs[netcdf.DIGEST]
+    assert_same(load(tmp_path), synthetic)
 
 
 @pytest.mark.usefixtures("plain_report")

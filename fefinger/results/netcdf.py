@@ -1,6 +1,7 @@
 """A result as one netCDF file: labeled arrays with units, the scene as TOML, the plan as JSON."""
 
 import dataclasses
+import hashlib
 import json
 import os
 from collections.abc import Callable, Mapping
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 FORMAT = "fefinger result 1"
 FAMILY = FORMAT.rstrip("0123456789")
 """Beginning of the format of every version."""
+
+DIGEST = "sha256"
+"""Attribute with the checksum of the values; results of earlier versions have none."""
 
 DAMAGED = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
 """Errors of reading a file that is damaged or not netCDF."""
@@ -63,7 +67,10 @@ def read(path: str | PathLike[str]) -> result_record.ResultRecord:
         with xr.open_dataset(file, engine="h5netcdf", decode_times=False) as opened:
             kind = opened.attrs.get("format")
             if kind == FORMAT:
-                result = _decode(json.loads(opened["record"].item()), opened.load())
+                arrays = opened.load()
+                if arrays.attrs.get(DIGEST, "") not in ("", _digest(arrays)):
+                    raise ValueError("not the values that were written")
+                result = _decode(json.loads(arrays["record"].item()), arrays)
                 if not isinstance(result, result_record.ResultRecord):
                     raise TypeError(type(result))
                 return result
@@ -115,7 +122,19 @@ def dataset(result: result_record.ResultRecord) -> "xr.Dataset":
     if result.sites is not None:
         coordinates["site_type"] = ("site", list(result.sites.types))
     title = f"{result.scene.name}: {result.plan.mechanics}"
-    return xr.Dataset(variables, coordinates, {"format": FORMAT, "title": title})
+    labeled = xr.Dataset(variables, coordinates, {"format": FORMAT, "title": title})
+    return labeled.assign_attrs({DIGEST: _digest(labeled)})
+
+
+def _digest(arrays: "xr.Dataset") -> str:
+    """Return a checksum of all values, which tells whether a byte of the file has changed."""
+    digest = hashlib.sha256()
+    for name in sorted(arrays.variables):
+        values = arrays[name].values
+        digest.update(f"{name} {values.shape}\n".encode())
+        text = values.dtype.kind in "OSU"
+        digest.update(json.dumps(values.tolist()).encode() if text else values.tobytes())
+    return digest.hexdigest()
 
 
 def _encode(value: object, place: str, variables: "dict[str, xr.Variable]") -> object:
