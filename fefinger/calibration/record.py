@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from types import UnionType
+from typing import Any, Self, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +18,7 @@ from fefinger.results.candidate import MECHANICS
 from fefinger.scene.tissue import Tissue
 from fefinger.support import atomic_write
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError
+from fefinger.support.checks import InputError, shown
 from fefinger.support.inputs import read_json
 from fefinger.support.outputs import keep
 from fefinger.support.text import table
@@ -212,7 +213,13 @@ class Calibration:
         )
         fields["stages"] = tuple(Stage(**each) for each in fields["stages"])
         fields["prony"] = Prony(**fields["prony"])
-        return cls(**fields)
+        found = cls(**fields)
+        for record in (found, *found.parameters, *found.stages):
+            for name, hint in get_type_hints(type(record)).items():
+                if not _is_of_type(getattr(record, name), hint):
+                    message = f"{name}: {shown(getattr(record, name))} where {hint} belongs"
+                    raise TypeError(message)
+        return found
 
 
 def keep_others(folder: Path) -> None:
@@ -223,6 +230,25 @@ def keep_others(folder: Path) -> None:
             Calibration.load(folder)
             present = []
     keep(present, folder, "calibration")
+
+
+def _is_of_type(value: Any, hint: Any) -> bool:
+    """Say whether a value read from JSON is of a type; whole numbers are floats too."""
+    origin, parts = get_origin(hint), get_args(hint)
+    if hint is Any:
+        return True
+    if origin in (UnionType, Union):
+        return any(_is_of_type(value, part) for part in parts)
+    if hint is float:
+        return isinstance(value, int | float) and not isinstance(value, bool)
+    if origin is dict:
+        return isinstance(value, dict) and all(_is_of_type(x, parts[1]) for x in value.values())
+    if origin is tuple:
+        if not isinstance(value, tuple):
+            return False
+        expected = parts[:1] * len(value) if parts[-1] is Ellipsis else parts
+        return len(value) == len(expected) and all(map(_is_of_type, value, expected))
+    return isinstance(value, hint)
 
 
 def _tuples(value: Any) -> Any:

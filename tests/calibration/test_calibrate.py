@@ -2,7 +2,7 @@
 
 import json
 import time
-from dataclasses import replace
+from dataclasses import fields, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,7 +13,7 @@ from fefinger.__main__ import main
 from fefinger.calibration import calibrate, jobs, pad_radius, press_store, targets
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.outcome import errors, refuse_gross, stiffening
-from fefinger.calibration.record import Calibration
+from fefinger.calibration.record import Calibration, Parameter, Stage
 from fefinger.calibration.slow_press import LATER, PART, SPARE
 from fefinger.scene import library
 from fefinger.support.checks import ConvergenceError, InputError
@@ -317,6 +317,49 @@ def test_a_file_that_is_no_calibration_is_refused(tmp_path):
     for place in (tmp_path, tmp_path / "none.json"):
         with pytest.raises(InputError, match=r"expected a calibration\.json"):
             Calibration.load(place)
+
+
+RECORD = Calibration(
+    target="a.h.",
+    mechanics="solid",
+    finger={"width": 14.0},
+    parameters=(Parameter("m", 30.0, 1.0, "kPa", (30.0, 5.0), "made up", (1.0, 90.0), "fitted"),),
+    correlations=((1.0,),),
+    residuals={"m": 2.0},
+    unidentified=("skin",),
+    stages=(Stage("solid", 1.0, 3, 2.0, None),),
+    status="done",
+    skin={"modulus": 80.0},
+    subcutaneous={"modulus": 30.0},
+    prony=Prony((0.5, 0.5), (1.0,)),
+    deepest=1.5,
+    q=(0.0, 1.0),
+    shares=((0.5,), (1.0,)),
+    growth=None,
+    checks={"2 Hz": {"mse": 0.1}},
+).record()
+
+
+@pytest.mark.parametrize("name", RECORD)
+@pytest.mark.parametrize("value", [True, {"a": ["b"]}, [{}], [["x", None]]])
+def test_a_stored_calibration_has_its_types(tmp_path, name, value):
+    if isinstance(value, dict) and name in ("finger", "skin", "subcutaneous"):
+        value = [value]  # a table of anything is one of these
+    file = tmp_path / "calibration.json"
+    file.write_text(json.dumps(RECORD))
+    Calibration.load(file)
+    file.write_text(json.dumps(RECORD | {name: value}))
+    with pytest.raises(InputError, match=r"expected a calibration\.json"):
+        Calibration.load(file)
+
+
+@pytest.mark.parametrize("name", [f.name for f in fields(Parameter)])
+def test_a_stored_parameter_has_its_types(tmp_path, name):
+    file = tmp_path / "calibration.json"
+    parameter = RECORD["parameters"][0] | {name: ["1", True]}
+    file.write_text(json.dumps(RECORD | {"parameters": [parameter]}))
+    with pytest.raises(InputError, match=f"{name}: .* belongs"):
+        Calibration.load(file)
 
 
 def test_after_a_press_that_buckled_later_ones_on_its_mesh_spare_less(monkeypatch, formula):
