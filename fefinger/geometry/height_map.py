@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from fefinger.geometry.locate import barycentric
+from fefinger.geometry.surface_file import FARTHEST
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
@@ -29,12 +30,17 @@ def height_map(file: Path, pitch: float) -> tuple[Array, Array, Array]:
     import trimesh
 
     try:
-        mesh = trimesh.load_mesh(file)
+        with np.errstate(over="ignore", invalid="ignore"):
+            mesh = trimesh.load_mesh(file)
         corners = np.asarray(mesh.vertices, dtype=np.float64)[mesh.faces]
     except Exception as error:  # the readers raise whatever they meet
         raise InputError(f"indenter.file: cannot read the surface {str(file)!r}: {error}") from None
     if len(corners) == 0:
         raise InputError(f"indenter.file: expected triangles in {str(file)!r}, received none")
+    if not (np.abs(corners) < FARTHEST).all():
+        raise InputError(
+            f"indenter.file: expected finite coordinates, below {FARTHEST:g} mm, in {str(file)!r}"
+        )
     low, high = corners[..., :2].min(axis=(0, 1)), corners[..., :2].max(axis=(0, 1))
     counts = np.floor((high - low) / pitch * (1 + MARGIN)).astype(int) + 1
     if counts.prod(dtype=float) > MOST:

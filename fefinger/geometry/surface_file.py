@@ -43,6 +43,11 @@ TURNS = {
 """Turns that bring an end, at the low (0) or high (1) side of an axis, to the smaller x."""
 
 VTK = (".vtk", ".vtp", ".vtu")
+FORMATS = (".stl", ".obj", ".ply", *VTK)
+"""Endings of surface files; other formats, as archives, have no bound on what they unpack to."""
+
+FARTHEST = 1e6
+"""Bound of coordinates in mm; squares of larger ones overflow in areas and volumes."""
 
 SHORTEST = 0.9
 """Smallest length over width or thickness: a thick fingertip cut behind its nail."""
@@ -91,8 +96,8 @@ def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
         The file is missing, empty or no surface; the surface is open, intersects itself, has a
         flat side, or is not in mm and in the frame x distal, y radial, z dorsal.
     """
+    mesh, notes = read_closed(path, field)
     file = Path(path)
-    mesh, notes = read_closed(file, field)
     name = f"{field}: {file.name}"
     crossing = crossings(mesh)
     if crossing is not None:
@@ -119,14 +124,15 @@ def _loaded(file: Path, field: str) -> Any:
     import trimesh
 
     try:
+        if file.suffix.lower() not in FORMATS:
+            raise ValueError(f"of an unknown format, {file.suffix!r}")
         if file.suffix.lower() in VTK:
-            import pyvista as pv
-
-            outer = pv.read(file).extract_surface(algorithm=None).triangulate()
+            outer = _read_vtk(file).extract_surface(algorithm=None).triangulate()
             points = np.array(outer.points, dtype=float)
             mesh = trimesh.Trimesh(points, np.array(outer.regular_faces))
         else:
-            mesh = trimesh.load_mesh(file)
+            with np.errstate(over="ignore", invalid="ignore"):
+                mesh = trimesh.load_mesh(file)
         count = len(mesh.faces)
     except Exception as error:
         raise InputError(
@@ -135,9 +141,25 @@ def _loaded(file: Path, field: str) -> Any:
         ) from error
     if count == 0:
         raise InputError(f"{field}: expected a surface, {file.name} has no triangles")
-    if not np.isfinite(mesh.vertices).all():
-        raise InputError(f"{field}: expected finite coordinates, {file.name} has some that are not")
+    if not (np.abs(mesh.vertices) < FARTHEST).all():
+        raise InputError(
+            f"{field}: expected finite coordinates, below {FARTHEST:g} mm, {file.name} has others"
+        )
     return mesh
+
+
+def _read_vtk(file: Path) -> Any:
+    """Read a VTK file; what VTK prints about a bad one besides its exception is left out."""
+    import pyvista as pv
+    from vtkmodules.vtkCommonCore import vtkObject
+
+    shown = vtkObject.GetGlobalWarningDisplay()
+    vtkObject.SetGlobalWarningDisplay(0)
+    try:
+        with pv.vtk_verbosity("off"):
+            return pv.read(file)
+    finally:
+        vtkObject.SetGlobalWarningDisplay(shown)
 
 
 def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:

@@ -77,6 +77,16 @@ def _picture(file: Path) -> Array:
     """Read the gray values (n_x, n_y) of a picture, from 0 to 1."""
     from matplotlib.image import imread
 
+    with open(file, "rb") as opened:
+        header = opened.read(24)  # which ends with width and height
+    width, height = (int.from_bytes(header[k : k + 4], "big") for k in (16, 20))
+    if (
+        header.startswith(b"\x89PNG") and width * height > MOST
+    ):  # before they are unpacked: black is a small file
+        raise InputError(
+            f"indenter.file: expected at most {MOST} pixels in {str(file)!r}, received "
+            f"{width} x {height}; take a coarser picture, or the part that the finger meets"
+        )
     try:
         pixels = np.asarray(imread(file, format="png"), dtype=np.float64)
     except (OSError, ValueError, SyntaxError) as error:

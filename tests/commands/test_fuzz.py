@@ -5,6 +5,9 @@ Scenes, files and stored answers are mutated, always in the same way: each is ac
 """
 
 import re
+import struct
+import zipfile
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -78,8 +81,11 @@ def test_a_scene_with_any_value(
 
 @pytest.mark.parametrize("key", ["finger.pad_radius", "finger.tip_radius", "finger.surface"])
 @pytest.mark.parametrize("value", ["1e-300", "1.1e-30", "1e300", "-nan", "[1, 'a']", "{}", "''"])
-def test_a_finger_with_any_value(capsys: pytest.CaptureFixture[str], key: str, value: str) -> None:
-    answered(capsys, ["explain", "flat-press", "--set", f"{key}={value}"])
+@pytest.mark.parametrize("scene", ["flat-press", "curved-hold"])  # with a subject, and by sizes
+def test_a_finger_with_any_value(
+    capsys: pytest.CaptureFixture[str], scene: str, key: str, value: str
+) -> None:
+    answered(capsys, ["explain", scene, "--set", f"{key}={value}"])
 
 
 RAW = {
@@ -170,6 +176,34 @@ def test_a_file_with_any_bytes(good: Path, tmp_path: Path, name: str, data: st.D
     else:
         said = ""
     assert "\n" not in said
+
+
+FAR = "facet normal 0 0 1\nouter loop\nvertex 1e308 0 0\nvertex 1 0 0\nvertex 0 1e308 0\nendloop\n"
+
+
+def test_files_that_unpack_to_much_or_lie_far_away(tmp_path: Path) -> None:
+    (tmp_path / "far.stl").write_text(f"solid x\n{FAR}endfacet\nendsolid\n")
+    with zipfile.ZipFile(tmp_path / "scan.zip", "w") as archive:
+        archive.write(tmp_path / "far.stl", "scan.stl")
+    row = zlib.compress(bytes(30_001) * 10)
+    sizes = struct.pack(">II5B", 30_000, 30_000, 8, 0, 0, 0, 0)
+    parts = [(b"IHDR", sizes), (b"IDAT", row), (b"IEND", b"")]
+    chunks = [
+        struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+        for kind, body in parts
+    ]
+    (tmp_path / "black.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunks))
+    for read, message in (
+        (lambda: ff.Finger.from_surface(tmp_path / "far.stl"), "below 1e\\+06 mm"),
+        (lambda: ff.Relief.from_file(tmp_path / "far.stl", pitch=0.1), "below 1e\\+06 mm"),
+        (lambda: ff.Finger.from_surface(tmp_path / "scan.zip"), "STL, OBJ, PLY or VTK"),
+        (
+            lambda: ff.Relief.from_file(tmp_path / "black.png", pitch=0.1, height=0.3),
+            "at most 1000000 pixels",
+        ),
+    ):
+        with pytest.raises(InputError, match=message):
+            read()
 
 
 @often(60)

@@ -299,13 +299,16 @@ def test_a_flat_surface_is_called_open(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "hello", "solid x\nendsolid x\n"])
-def test_an_empty_file_or_text_is_refused(tmp_path: Path, text: str) -> None:
-    for name in ("scan.stl", "scan.obj", "scan.ply"):
+def test_an_empty_file_or_text_is_refused_and_nothing_printed(
+    tmp_path: Path, text: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("scan.stl", "scan.obj", "scan.ply", "scan.vtk"):
         (tmp_path / name).write_text(text)
         with pytest.raises(
             InputError, match=r"scan\.\w+('?, which cannot be read| has no triangles)"
         ):
             read_surface(tmp_path / name)
+    assert capfd.readouterr() == ("", "")
 
 
 def test_a_vtk_file_without_a_surface_is_refused(tmp_path: Path) -> None:
