@@ -9,7 +9,7 @@ from scipy import sparse
 
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
-from fefinger.fem.linalg import multifrontal
+from fefinger.fem.linalg import dissection, multifrontal
 from fefinger.fem.linalg.dissection import dissect_space, smallest_cut
 
 
@@ -81,3 +81,22 @@ def test_cells_without_unknowns_are_cut_too() -> None:
     free = np.setdiff1d(np.arange(space.n_unknowns), space.unknowns[held])
     assert (~np.isin(space.unknowns, free)).all(axis=1).any()
     assert np.array_equal(np.sort(dissect_space(space, free).order), np.arange(len(free)))
+
+
+def test_a_dissection_is_kept_for_the_same_cells_places_and_unknowns_alone(space: Space) -> None:
+    every = np.arange(space.n_unknowns)
+    first = dissect_space(space, every)
+    assert dissect_space(box(LINE, LINE, LINE), every) is first
+    some = every[5:]
+    others = [
+        dissect_space(space, some),
+        dissect_space(space, every, last=every[:7]),
+        dissect_space(box(LINE**2, LINE, LINE), every),
+    ]
+    assert all(other is not first for other in others)
+    assert len(others[0].order) == len(some)
+    assert set(others[1].order[-7:]) == set(every[:7])
+    assert dissect_space(space, every) is first
+    for k in range(1, dissection.KEPT + 1):
+        dissect_space(space, every[k:])
+    assert dissect_space(space, every) is not first
