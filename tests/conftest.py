@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+import recomputed
+from _pytest.assertion import rewrite
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
@@ -29,6 +31,8 @@ from fefinger.support import machine
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.tolerances import EQUILIBRIUM
 
+
+recomputed.install(rewrite)
 
 TYPES = ("SAI", "SAII", "FAI", "FAII")
 DEPTHS = (0.8, 1.8, 0.6, 3.0)

@@ -39,6 +39,7 @@ def test_a_press_is_solved_once_and_kept(folder, monkeypatch):
     finger = FINGER
     first, again = press(finger, "condensed"), press(finger, "condensed")
     assert len(solved) == 1
+    # exact: a file keeps every bit
     np.testing.assert_array_equal(first.array_pressure, again.array_pressure)
     other = replace(finger, subcutaneous=replace(finger.subcutaneous, modulus=20.0))
     press(other, "condensed")
@@ -57,9 +58,10 @@ def test_a_press_whose_file_was_cut_short_is_solved_again(folder, left):
     (file,) = folder.glob("*/press.npz")
     whole = file.read_bytes()
     file.write_bytes(whole[: int(left * len(whole))])
-    np.testing.assert_array_equal(press(FINGER, "condensed").array_pressure, first.array_pressure)
+    again = press(FINGER, "condensed").array_pressure
+    np.testing.assert_allclose(again, first.array_pressure, rtol=1e-9)
     with np.load(file) as kept:  # and kept anew
-        np.testing.assert_array_equal(kept["array_pressure"], first.array_pressure)
+        np.testing.assert_array_equal(kept["array_pressure"], again)  # exact: a file keeps all bits
 
 
 def test_a_pad_that_condensed_does_not_reach_is_pressed_by_linear(monkeypatch):

@@ -142,7 +142,7 @@ def test_damaged_entries_are_made_anew(
 
     monkeypatch.setattr(operator, "build", build)
     monkeypatch.setattr(operator.reduction, "reduce", reduced)
-    assert force() == sound
+    assert force() == pytest.approx(sound, rel=1e-9)  # a flipped bit changes it by 1e-4
     assert built == []
     (patch,) = (tmp_path / "fefinger" / "patches").iterdir()
     for name in ("flexibility", "strain", "normal_displacement"):

@@ -143,6 +143,7 @@ def test_a_refused_step_leaves_the_finger_as_it_was(
         with pytest.raises(ff.InputError, match=words):
             step(finger)
     for field in fields(before):
+        # exact: nothing was changed
         np.testing.assert_array_equal(getattr(finger.now, field.name), getattr(before, field.name))
     found = copy.deepcopy(take(finger, 0.5))
     finger.reset()
@@ -194,7 +195,7 @@ def test_out_of_contact_the_center_is_the_last_one_and_never_nan(kind: str) -> N
     assert center != start
     away = take(finger, -0.5)
     assert not away.touching
-    assert (away.x, away.y) == center
+    assert (away.x, away.y) == center  # exact: it is the last one, kept
 
 
 def test_a_ball_is_moved_anywhere_within_its_reach_and_no_farther() -> None:

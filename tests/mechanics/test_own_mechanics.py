@@ -50,13 +50,13 @@ def test_it_is_listed_with_an_error_that_is_not_known_and_not_chosen():
 def test_it_runs_by_name_and_its_result_is_saved_and_read_without_it(tmp_path):
     ff.register(Springs())
     result = ff.run("flat-press", changes=CHANGES, mechanics="springs")
-    np.testing.assert_array_equal(result.force, result.depth)
+    np.testing.assert_array_equal(result.force, result.depth)  # exact: a spring of 1 N/mm
     assert "springs" in str(result)
     result.save(tmp_path)
     del registry.MECHANICS._things["springs"]
     assert MECHANICS["springs"] == SIMPLEST
     again = ff.load(tmp_path)
-    np.testing.assert_array_equal(again.force, result.force)
+    np.testing.assert_array_equal(again.force, result.force)  # exact: a file keeps every bit
     assert "springs" in str(again)
     with pytest.raises(InputError, match="expected one of"):
         ff.run("flat-press", changes=CHANGES, mechanics="springs")

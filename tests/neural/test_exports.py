@@ -106,6 +106,7 @@ def test_csv_has_one_row_per_spike_with_times_to_the_last_bit(tmp_path):
         mine = [row for row in rows if row["unit"] == TRAINS.names[i]]
         # exact: csv has every digit
         np.testing.assert_array_equal([float(row["time_s"]) for row in mine], TIMES[i])
+        # exact: CSV has every digit
         assert {float(row["y_mm"]) for row in mine} == {TRAINS.positions[i, 1]}
     assert len(rows) == 10
     BARE.to_csv(tmp_path / "spikes.csv")

@@ -32,7 +32,7 @@ class Rising(ff.Family):
 def test_units_take_the_largest_input_of_their_end_organs():
     drive = np.column_stack([0.4 * TIME, TIME, 0.8 * TIME])
     trains = Rising().fire(TIME, drive, types=("SAI", "FAI"), unit=[0, 0, 1])
-    np.testing.assert_array_equal(trains.x_in, drive[:, 1:])
+    np.testing.assert_array_equal(trains.x_in, drive[:, 1:])  # exact: the input itself, in part
     assert np.min(np.abs(trains.times[0] - 0.5)) < 1e-12
     assert np.min(np.abs(trains.times[1] - 0.625)) < 1e-12
     assert trains.family == "rising"
@@ -46,7 +46,7 @@ def test_noise_is_that_of_seed_trial_and_unit():
         )  # fmt: skip
         return [each[0] for each in trains.times]
 
-    assert drawn(("SAI", "SAI")) == drawn(("SAI", "SAI"))
+    assert drawn(("SAI", "SAI")) == drawn(("SAI", "SAI"))  # exact: one seed, twice
     assert drawn(("SAI", "SAI"))[0] != drawn(("SAI", "SAI"))[1]
     assert drawn(("SAI",)) != drawn(("SAI",), trial=1)
 

@@ -47,7 +47,7 @@ def test_distal_is_x_and_the_noise_is_seeded(result):
     across = np.abs(offset[:, 1]) < 1e-9
     assert np.corrcoef(points[across, 0], offset[across, 0])[0, 1] > 0.99
     one, two = (array_sensor.read(result, seed=s).pressure for s in (1, 1))
-    assert (one == two).all()
+    assert (one == two).all()  # exact: one seed, twice
     assert np.std(one - array_sensor.read(result).pressure) == pytest.approx(0.5, rel=0.03)
 
 

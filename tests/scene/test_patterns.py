@@ -83,7 +83,7 @@ def test_dots_stand_on_their_grid_and_at_random_with_the_same_density():
 def test_random_dots_follow_their_seed_repeat_and_keep_apart():
     dots = ff.Dots(1.5, arrangement="random", seed=5)
     again, other = (ff.Dots(1.5, arrangement="random", seed=k) for k in (5, 6))
-    assert np.array_equal(dots.centers, again.centers)
+    assert np.array_equal(dots.centers, again.centers)  # exact: one seed, twice
     assert not np.array_equal(dots.centers, other.centers)
     apart = np.abs(dots.centers[:, None] - dots.centers)
     apart = np.hypot(*np.moveaxis(np.minimum(apart, dots.tile - apart), 2, 0))

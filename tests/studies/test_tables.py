@@ -56,6 +56,7 @@ def test_a_netcdf_has_the_grid_as_axes_with_units_and_what_made_it(grid, tmp_pat
             if row["at"]:
                 place = {"motion.depth_mm": row["motion.depth_mm"]}
                 place |= {"finger.thickness_mm": row["finger.thickness_mm"], "at": row["at"]}
+                # exact: a file keeps every bit
                 assert data["force_N"].sel(place).item() == row["force_N"]
         failed = data.sel({"motion.depth_mm": 6, "finger.thickness_mm": 10})
         assert np.isnan(failed["force_N"]).all()
@@ -147,7 +148,7 @@ def test_the_table_of_other_scenes_is_kept_and_told(tmp_path, capsys):
     assert "2 of 2 scenes" in out
     assert ", 2 of them reused" in out
     assert f"moved: the files of these names that were there are now in {tmp_path}/earlier-1" in err
-    assert (tmp_path / "earlier-1" / "table.csv").read_text() == before
+    assert (tmp_path / "earlier-1" / "table.csv").read_text() == before  # exact: the file was moved
     assert (tmp_path / "earlier-1" / "report.html").exists()
     asked({"motion.depth": (0.4, 0.3, 0.1)}, folder=tmp_path).save(tmp_path)
     assert not (tmp_path / "earlier-2").exists()

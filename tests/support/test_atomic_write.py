@@ -57,6 +57,7 @@ def test_a_result_that_cannot_be_saved_leaves_the_one_before(synthetic, tmp_path
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     with full(), pytest.raises(InputError, match=FULL):
         synthetic.save(tmp_path)
+    # exact: the files are the same ones
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 

@@ -73,8 +73,10 @@ def test_plain_numbers_are_read_quickly_and_the_same(tmp_path, monkeypatch):
     quick = read_columns("file", file, ("time", "depth"))
     with monkeypatch.context() as patched:
         patched.setattr(CsvTable, "_row", None)  # a million rows must not be read cell by cell
+        # exact: both ways round the same text
         assert read_columns("file", file, ("time", "depth")) == quick
     monkeypatch.setattr(CsvTable, "_quickly", lambda table, most: None)
+    # exact: both ways round the same text
     assert read_columns("file", file, ("time", "depth")) == quick
 
 
