@@ -129,7 +129,7 @@ def dataset(result: result_record.ResultRecord) -> "xr.Dataset":
 def _digest(arrays: "xr.Dataset") -> str:
     """Return a checksum of all values, which tells whether a byte of the file has changed."""
     digest = hashlib.sha256()
-    for name in sorted(arrays.variables):
+    for name in sorted(map(str, arrays.variables)):
         values = arrays[name].values
         digest.update(f"{name} {values.shape}\n".encode())
         text = values.dtype.kind in "OSU"
