@@ -438,6 +438,18 @@ def test_a_flipped_bit_in_the_values_is_noticed(
 
 
 @pytest.mark.usefixtures("plain_report")
+def test_an_array_that_does_not_fit_into_its_file_is_refused_before_it_is_read(
+    synthetic: Result, tmp_path: Path
+) -> None:
+    path = Path(synthetic.save(tmp_path)[0])
+    with h5py.File(path, "r+") as file:
+        del file["pressure"]
+        file.create_dataset("pressure", shape=(10**6, 10**6), chunks=(1000, 1000), dtype="f8")
+    with pytest.raises(InputError, match="damaged or foreign file"):
+        load(tmp_path)
+
+
+@pytest.mark.usefixtures("plain_report")
 def test_a_result_of_before_the_checksum_loads(synthetic: Result, tmp_path: Path) -> None:
     path = Path(synthetic.save(tmp_path)[0])
     with h5py.File(path, "r+") as file:

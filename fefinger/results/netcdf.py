@@ -29,6 +29,9 @@ FORMAT = "fefinger result 1"
 FAMILY = FORMAT.rstrip("0123456789")
 """Beginning of the format of every version."""
 
+MOST_UNPACKED = 1000
+"""Largest ratio of the bytes of all values to those of their file; results are not compressed."""
+
 DIGEST = "sha256"
 """Attribute with the checksum of the values; results of earlier versions have none."""
 
@@ -53,6 +56,7 @@ def read(path: str | PathLike[str]) -> result_record.ResultRecord:
 
     Raises InputError where there is no such file, or it is damaged or not of fefinger.
     """
+    import h5netcdf
     import xarray as xr
 
     file = Path(path)
@@ -63,10 +67,16 @@ def read(path: str | PathLike[str]) -> result_record.ResultRecord:
             f"result: expected a folder written by `fefinger run -o` or its result.nc, "
             f"received {str(path)!r}: {str(file)!r} {reason}"
         )
+    if not hasattr(h5netcdf.File, "_writable"):
+        h5netcdf.File._writable = False  # else one of a bad header prints an error when it closes
     try:
-        with xr.open_dataset(file, engine="h5netcdf", decode_times=False) as opened:
+        with xr.open_dataset(
+            file, engine="h5netcdf", decode_times=False, phony_dims="access"
+        ) as opened:
             kind = opened.attrs.get("format")
             if kind == FORMAT:
+                if opened.nbytes > MOST_UNPACKED * file.stat().st_size:
+                    raise ValueError("more values than the file can hold")
                 arrays = opened.load()
                 if arrays.attrs.get(DIGEST, "") not in ("", _digest(arrays)):
                     raise ValueError("not the values that were written")
