@@ -151,15 +151,15 @@ def _loaded(file: Path, field: str) -> Any:
 def _read_vtk(file: Path) -> Any:
     """Read a VTK file; what VTK prints about a bad one besides its exception is left out."""
     import pyvista as pv
-    from vtkmodules.vtkCommonCore import vtkObject
 
-    shown = vtkObject.GetGlobalWarningDisplay()
-    vtkObject.SetGlobalWarningDisplay(0)
+    vtk = pv.PolyData()  # any object of VTK switches the messages of all
+    shown = vtk.GetGlobalWarningDisplay()
+    vtk.SetGlobalWarningDisplay(0)
     try:
         with pv.vtk_verbosity("off"):
             return pv.read(file)
     finally:
-        vtkObject.SetGlobalWarningDisplay(shown)
+        vtk.SetGlobalWarningDisplay(shown)
 
 
 def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
