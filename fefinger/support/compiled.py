@@ -1,26 +1,31 @@
 """Functions that numba compiles, and keeps for later processes where a folder can be written."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ParamSpec, TypeVar, cast
 
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 _not_kept: list[Any] = []
 
 
-def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+def njit(**options: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Return a decorator that compiles a function with options of `numba.njit`.
+
+    To type checkers it is the function as before.
 
     Where neither the folder of the package nor the user's cache can be written, `cache=True` is no
     error: every process compiles the function again, as `notice` says.
     """
     import numba
 
-    def compiled(function: Callable[..., Any]) -> Any:
+    def compiled(function: Callable[P, R]) -> Callable[P, R]:
         try:
-            return numba.njit(**options)(function)
+            return cast(Callable[P, R], numba.njit(**options)(function))
         except RuntimeError:  # "cannot cache function"
             _not_kept.append(function)
-            return numba.njit(**(options | {"cache": False}))(function)
+            return cast(Callable[P, R], numba.njit(**(options | {"cache": False}))(function))
 
     return compiled
 
