@@ -204,7 +204,7 @@ class Calibration:
             raise InputError(msg) from None
 
     @classmethod
-    def from_record(cls, values: dict[str, Any]) -> Self:
+    def from_record(cls, values: dict[str, object]) -> Self:
         """Make a calibration from the plain values of `record`."""
         fields = {name: _tuples(value) for name, value in values.items()}
         fields["parameters"] = tuple(

@@ -1,7 +1,6 @@
 """`fefinger validate` and `fefinger bench`: comparison with theory and numbers, and speed."""
 
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -57,7 +56,7 @@ def validate(
 
 
 def _save(
-    record: dict[str, Any], folder: Path, name: str, command: str, *, quick: bool
+    record: dict[str, object], folder: Path, name: str, command: str, *, quick: bool
 ) -> list[str]:
     """Write the record, its page and an existing index; return the paths."""
     from fefinger.validation import index as pages

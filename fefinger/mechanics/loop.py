@@ -432,7 +432,7 @@ def again(kind: type[Loop], options: LoopOptions) -> Loop:
     return finger
 
 
-def quick_number(name: str, value: Any, least: float = -math.inf, *, unit: str) -> float:
+def quick_number(name: str, value: object, least: float = -math.inf, *, unit: str) -> float:
     """Check a finite number of at least `least` as `checks.number`, in no time if it is one."""
     if isinstance(value, float) and least <= value < math.inf and value > -math.inf:
         return value

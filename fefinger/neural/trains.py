@@ -280,7 +280,7 @@ class SpikeTrains:
         """
         import xarray as xr
 
-        def variable(name: str, dims: tuple[str, ...], values: Any) -> Any:
+        def variable(name: str, dims: tuple[str, ...], values: object) -> Any:
             return xr.Variable(dims, values, {"units": UNITS[name]})
 
         data = {name: variable(name, ("time", "unit"), getattr(self, name)) for name in SIGNALS}

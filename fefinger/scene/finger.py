@@ -163,7 +163,7 @@ class Finger:
         if self.surface is None:
             self._default("tip_radius", lengths["tip_radius"])
 
-    def _default(self, name: str, value: Any) -> None:
+    def _default(self, name: str, value: object) -> None:
         """Set a field that was left out."""
         if getattr(self, name) is None:
             object.__setattr__(self, name, value)

@@ -96,7 +96,7 @@ class KeyField(NamedTuple):
     needed: bool
 
 
-def keys_of(record: type[Any]) -> Mapping[str, KeyField]:
+def keys_of(record: type[object]) -> Mapping[str, KeyField]:
     """Return the fields of a record by name; `common` has the Key of a field without one."""
     if record not in _KEYS:
         _KEYS[record] = _read_keys(record)
@@ -139,7 +139,7 @@ def keys_of_kind(record: type[Any], kind: str = "") -> Mapping[str, KeyField]:
     return found
 
 
-def needed(record: type[Any], kind: str = "") -> list[str]:
+def needed(record: type[object], kind: str = "") -> list[str]:
     """Return the names of the keys of a record of a `kind` that have no default."""
     return [name for name, each in keys_of_kind(record, kind).items() if each.needed]
 
@@ -161,7 +161,7 @@ def check(record: Any, *names: str) -> None:
         object.__setattr__(record, name, value)
 
 
-def checked(name: str, value: Any, known: KeyField) -> Any:
+def checked(name: str, value: object, known: KeyField) -> Any:
     """Return the value of the field called `name`, if its type and key allow it."""
     key, hint = known.key, known.hint
     if value is None and not known.needed and known.default is None:
@@ -176,18 +176,18 @@ def checked(name: str, value: Any, known: KeyField) -> Any:
     return _plain(name, value, plain[0], key)
 
 
-def forms(hint: Any) -> list[Any]:
+def forms(hint: object) -> list[Any]:
     """Return the types that a field may have besides None."""
     either = get_args(hint) if get_origin(hint) in (UnionType, Union) else (hint,)
     return [each for each in either if each is not NoneType]
 
 
-def records(hint: Any) -> list[type[Any]]:
+def records(hint: object) -> list[type[Any]]:
     """Return the records among the types that a field may have."""
     return [each for each in forms(hint) if isinstance(each, type) and is_dataclass(each)]
 
 
-def _plain(name: str, value: Any, hint: Any, key: Key) -> Any:
+def _plain(name: str, value: object, hint: object, key: Key) -> Any:
     """Return a value of a type that is no record."""
     if hint is bool:
         return boolean(name, value)
@@ -224,7 +224,7 @@ def _whole(name: str, value: Any, key: Key) -> int:
     raise InputError(f"{name}: {expected}, received {value!r}")
 
 
-def _listed(name: str, value: Any, parts: tuple[Any, ...], key: Key) -> tuple[Any, ...]:
+def _listed(name: str, value: object, parts: tuple[object, ...], key: Key) -> tuple[Any, ...]:
     """Return a list as a tuple: of words, of numbers, or of lists of numbers."""
     item, count = parts[0], None if parts[-1] is Ellipsis else len(parts)
     if item is str:
@@ -238,14 +238,14 @@ def _listed(name: str, value: Any, parts: tuple[Any, ...], key: Key) -> tuple[An
     return tuple(rows)
 
 
-def by_type(name: str, given: Any, key: Key) -> Mapping[str, Any]:
+def by_type(name: str, given: object, key: Key) -> Mapping[str, Any]:
     """Return a table by afferent type; InputError for other keys, or no table."""
     found = table(name, given, "SAI = ..." if key.words else "SAI = 1.0")
     reject_unknown(name, found, TYPES)
     return found
 
 
-def table(name: str, given: Any, example: str = "name = 1.0") -> Mapping[str, Any]:
+def table(name: str, given: object, example: str = "name = 1.0") -> Mapping[str, Any]:
     """Return a table; InputError for another value."""
     if not isinstance(given, Mapping):
         msg = f"{name}: expected a table such as {{{example}}}, received {given!r}"

@@ -139,7 +139,7 @@ class Scene:
         return tomli_w.dumps(self.to_dict())
 
     @classmethod
-    def from_dict(cls, table: Mapping[str, Any], *, folder: str | Path = ".") -> Self:
+    def from_dict(cls, table: Mapping[str, object], *, folder: str | Path = ".") -> Self:
         """Read a scene from nested tables; files in it are looked up relative to `folder`."""
         return cls(**parts(table, Path(folder)))
 

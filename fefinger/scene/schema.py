@@ -110,7 +110,7 @@ def _table(keys: Schema, required: Iterable[str] = ()) -> Schema:
     return {"type": "object", "properties": keys, "additionalProperties": False, **must}
 
 
-def _keys(record: type[Any], kind: str = "") -> Schema:
+def _keys(record: type[object], kind: str = "") -> Schema:
     """Return the schemas of the fields of a record, by name."""
     texts = parameters(record)
     return {
@@ -128,7 +128,7 @@ def _described(known: KeyField, text: str, kind: str = "") -> Schema:
     return {**key, "description": text or known.key.text + (f" [{unit}]" if unit else "")}
 
 
-def _of_type(hint: Any, key: Key) -> Schema:
+def _of_type(hint: object, key: Key) -> Schema:
     """Return the schema of a type: a number, a word, a list of them, a table."""
     types = forms(hint)
     if len(types) > 1:
@@ -162,13 +162,13 @@ def _of_type(hint: Any, key: Key) -> Schema:
     raise NotImplementedError(f"{one!r}: a type that a scene file does not have")
 
 
-def summary(record: type[Any]) -> str:
+def summary(record: type[object]) -> str:
     """Return the docstring of a record up to its parameters, as one paragraph."""
     text = inspect.cleandoc(record.__doc__ or "")
     return " ".join(text.split("\nParameters\n")[0].split())
 
 
-def parameters(record: type[Any]) -> dict[str, str]:
+def parameters(record: type[object]) -> dict[str, str]:
     """Return the texts of the fields in the section Parameters of a record and of its bases."""
     texts: dict[str, str] = {}
     for base in reversed(record.__mro__):

@@ -305,7 +305,7 @@ class Relief(Indenter):
         return cls(x, y, surface.tolist(), **placing)
 
     @classmethod
-    def from_array(cls, heights: Any, pitch: float, **placing: float) -> Self:
+    def from_array(cls, heights: object, pitch: float, **placing: float) -> Self:
         """Return the relief of heights (n_x, n_y) mm, `pitch` mm apart, with its middle at 0, 0."""
         pitch = number("indenter.pitch", pitch, above=0, unit="mm")
         try:

@@ -153,7 +153,7 @@ def parse(text: str, *, name: str = "scene") -> dict[str, Any]:
         raise InputError(f"{name}: not TOML: {error}") from None
 
 
-def parts(table: Mapping[str, Any], folder: Path | None) -> dict[str, Any]:
+def parts(table: Mapping[str, object], folder: Path | None) -> dict[str, Any]:
     """Convert the tables of a scene file to the arguments of a Scene.
 
     Files are looked up relative to `folder`. None reads tables that `tables` wrote, which hold
@@ -200,7 +200,7 @@ def load_plugins(table: Mapping[str, Any], folder: Path | None) -> None:
             registry.load_plugin(module, folder or Path())
 
 
-def _subtable(name: str, table: Mapping[str, Any]) -> dict[str, Any]:
+def _subtable(name: str, table: Mapping[str, object]) -> dict[str, Any]:
     """Copy the table with the dotted name `name` out of its parent; empty where it is missing."""
     value = table.get(name.rpartition(".")[2], {})
     if not isinstance(value, Mapping):
@@ -256,7 +256,7 @@ def _finger(table: dict[str, Any], folder: Path | None) -> Finger:
     return Finger(**table)
 
 
-def _material(cls: type[Any], name: str, values: dict[str, Any]) -> Any:
+def _material(cls: type[object], name: str, values: dict[str, object]) -> Any:
     """Construct a Tissue or Hard from the values of the table `name`."""
     try:
         return _record(cls, name, values)
@@ -264,7 +264,7 @@ def _material(cls: type[Any], name: str, values: dict[str, Any]) -> Any:
         raise InputError(re.sub(rf"^{cls.__name__.lower()}\b", name, str(error))) from None
 
 
-def _reject(name: str, table: Mapping[str, Any], allowed: Iterable[str]) -> None:
+def _reject(name: str, table: Mapping[str, object], allowed: Iterable[str]) -> None:
     """Raise InputError for an unknown key, with the table that it belongs to."""
     keys = tuple(allowed)
     for key in table:
@@ -300,7 +300,7 @@ def _finger_keys() -> tuple[str, ...]:
     return (SUBJECT, *(name for name in keys_of(Finger) if name != "subject_name"))
 
 
-def _prony(name: str, table: Mapping[str, Any]) -> dict[str, Prony]:
+def _prony(name: str, table: Mapping[str, object]) -> dict[str, Prony]:
     """Convert the relaxation in the table `name`, where it has one."""
     if "prony" not in table:
         return {}
@@ -316,7 +316,7 @@ def _prony(name: str, table: Mapping[str, Any]) -> dict[str, Prony]:
         raise InputError(f"{name}.{error}") from None
 
 
-def _ask(table: dict[str, Any]) -> Ask:
+def _ask(table: dict[str, object]) -> Ask:
     if "population" in table:
         given = _subtable("ask.population", table)
         kind = choice("ask.population.kind", given.pop("kind", Scatter.kind), LAYOUTS)
@@ -335,7 +335,7 @@ def _indenter(table: dict[str, Any], folder: Path) -> Indenter:
     return cast(Indenter, _of_kind("indenter", kind, INDENTERS[kind], table, folder))
 
 
-def _motion(table: dict[str, Any], folder: Path) -> Motion:
+def _motion(table: dict[str, object], folder: Path) -> Motion:
     if "kind" not in table:
         raise InputError(f"motion.kind: missing; expected one of {', '.join(map(repr, MOTIONS))}")
     kind = choice("motion.kind", table.pop("kind"), MOTIONS, MOVEMENTS)
@@ -355,7 +355,7 @@ def _of_kind(part: str, kind: str, cls: type[Any], table: dict[str, Any], folder
     return reader.read(folder / name, **table)
 
 
-def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") -> Any:
+def _record(cls: type[object], name: str, table: dict[str, object], kind: str = "") -> Any:
     """Construct `cls` from a table; InputError for an unknown or missing key."""
     _reject(name, table, keys_of_kind(cls, kind))
     needs = needed(cls, kind)
@@ -367,7 +367,7 @@ def _record(cls: type[Any], name: str, table: dict[str, Any], kind: str = "") ->
     return cls(**table, **by_kind)
 
 
-def _plain(record: Any) -> dict[str, Any]:
+def _plain(record: object) -> dict[str, Any]:
     """Convert the fields of a record to TOML values; fields that are None or empty are left out.
 
     So are newer ones at their default, so that a scene keeps its text and what is stored under it.

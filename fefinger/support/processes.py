@@ -101,7 +101,7 @@ class Worker:
         self._opened, self._threads = ExitStack(), threads
         self._process = self._started()
 
-    def start(self, function: Callable[[Any], Any], item: Any) -> None:
+    def start(self, function: Callable[[Any], Any], item: object) -> None:
         """Start the evaluation of `function(item)` in the child; `wait` returns its value.
 
         The function must be picklable, as in a module.

@@ -115,7 +115,7 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
             )
         self._things[name] = made
 
-    def origin(self, thing: Any) -> tuple[str, str]:
+    def origin(self, thing: object) -> tuple[str, str]:
         """Return the module and the name of the class or function that defines a thing."""
         definition = thing if isinstance(thing, type) else getattr(thing, self.mark)
         return definition.__module__, definition.__qualname__

@@ -170,7 +170,7 @@ class Window:
         if not off_screen:
             self.plotter.iren.add_observer("ExitEvent", self._close)
 
-    def _add_part(self, part: Any, scalars: str, top: float, colors: str, place: float) -> None:
+    def _add_part(self, part: object, scalars: str, top: float, colors: str, place: float) -> None:
         """Add a surface with its color bar from 0 to `top`, whose left end is at `place`."""
         self.plotter.subplot(0, 0)
         bar = {"title": scalars, "position_x": place, "position_y": 0.03, "color": "black",

@@ -142,7 +142,7 @@ def write(compliance: Compliance, place: Path, what: str) -> None:
 
 
 def _compliance(
-    finger: Finger, mesh: FingerMesh, identified: dict[str, Any] | None, *, odd: bool
+    finger: Finger, mesh: FingerMesh, identified: dict[str, object] | None, *, odd: bool
 ) -> Compliance:
     """Return the compliance of the even or `odd` part: from the cache, or built and put there."""
     if identified is None:

@@ -73,19 +73,19 @@ def description(finger: Finger, identity: dict[str, Any], mechanics: str) -> str
     )
 
 
-def modes_identity(finger: Finger, operator: dict[str, Any]) -> dict[str, Any]:
+def modes_identity(finger: Finger, operator: dict[str, object]) -> dict[str, Any]:
     """Return the inputs of the modes of one parity, from the inputs of its operator."""
     ratio = finger.subcutaneous.density / finger.skin.density
     return operator | {"modes": MODES, "modes_format": MODES_FORMAT, "density_ratio": ratio}
 
 
-def folder(identity: dict[str, Any], kind: str = "operators") -> Path:
+def folder(identity: dict[str, object], kind: str = "operators") -> Path:
     """Return the path of an operator, or of "modes", in the cache."""
     key = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
     return cache.root() / kind / key[:16]
 
 
-def modes_folder(finger: Finger, operator: dict[str, Any]) -> Path:
+def modes_folder(finger: Finger, operator: dict[str, object]) -> Path:
     """Return the path of the modes of one parity in the cache."""
     return folder(modes_identity(finger, operator), "modes")
 

@@ -45,7 +45,7 @@ WHOLE = ("finger.subject", "finger.surface", "finger.tissue")
 """Fields that determine others, which a Scene object has already resolved."""
 
 
-def given(scene: Any, changes: Mapping[str, Any] | None = None) -> "Scene":
+def given(scene: object, changes: Mapping[str, object] | None = None) -> "Scene":
     """Take a Scene, or load a built-in name or TOML file, with changes; errors as `load`.
 
     A Scene has already resolved the fields WHOLE, which cannot be changed in it. A number that it
@@ -83,7 +83,7 @@ def _left_out(scene: "Scene") -> dict[str, Any]:
     return tables
 
 
-def load(name: str | Path, overrides: Mapping[str, Any] | None = None) -> "Scene":
+def load(name: str | Path, overrides: Mapping[str, object] | None = None) -> "Scene":
     """Load a Scene: a built-in one, or from a TOML file.
 
     Parameters
@@ -130,7 +130,7 @@ def _missing(name: str) -> str:
     return f"scene {name!r}: no built-in scene and no file of that name.{advice}"
 
 
-def _check_tissue(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> None:
+def _check_tissue(tables: Mapping[str, object], overrides: Mapping[str, object]) -> None:
     """Reject a new tissue set for a scene with explicit layers: only the name would change."""
     from fefinger.scene.finger import LAYERS, Finger
 
@@ -181,7 +181,7 @@ def settings(texts: Iterable[str]) -> dict[str, Any]:
     return overrides
 
 
-def _forget_others(part: str, table: dict[str, Any], key: str, value: Any) -> None:
+def _forget_others(part: str, table: dict[str, object], key: str, value: object) -> None:
     """Drop what a new kind of indenter or motion does not have, or one that is read from a file."""
     from fefinger.scene.toml import keys, keys_beside_file
 
