@@ -54,6 +54,9 @@ class Family(ABC):
     noisy: ClassVar[bool] = True
     """Whether trials differ where a population does not say so."""
 
+    membranes: ClassVar[bool] = False
+    """Whether its spikes have a block and a count with frozen sodium, which a report then shows."""
+
     @abstractmethod
     def simulate(self, time: Array, x_in: Array, units: Units) -> Sequence[Array]:
         """Return the spike times in s of each unit, ascending and within `time`.
@@ -275,6 +278,7 @@ class Thesis(Family):
     choices = frozenset({"drives", "generator", "tolerance"})
     rules = RULES
     noisy = False
+    membranes = True
 
     @property
     def corners(self) -> Mapping[str, float]:  # type: ignore[override]

@@ -19,6 +19,7 @@ from fefinger.results.harmonic import Harmonic
 from fefinger.results.pressure import highest
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.atomic_write import temporary_folder
+from fefinger.support.registry import AFFERENTS
 from fefinger.view import (
     figures,
     frames,
@@ -69,7 +70,7 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
         files=list(_files(result)),
         warnings=[*result.warnings, *cautions, *_blocked(result)],
         parts=list(_parts(result)),
-        membranes=result.spikes is not None and result.spikes.family == "thesis",
+        membranes=result.spikes is not None and _membranes(result.spikes.family),
         units=list(_units(result)),
         plan=result.plan,
         status=result.status,
@@ -99,6 +100,11 @@ def _chance(result: ResultRecord) -> list[str]:
         )
     source = f"the seed {spikes.seed}" + (f" and the trial {spikes.trial}" if spikes.trial else "")
     return [f"{drawn}, from {source}: the same seed gives the same spikes."]
+
+
+def _membranes(family: str) -> bool:
+    """Whether units of a family have membranes; not known where its plugin is not loaded."""
+    return family in AFFERENTS and AFFERENTS[family].membranes
 
 
 def answer(result: ResultRecord) -> str:
