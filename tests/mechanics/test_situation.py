@@ -48,8 +48,10 @@ def test_a_situation_holds_the_times_and_the_presses_next_to_its_scene() -> None
     case = Situation.of(scene)
     np.testing.assert_allclose(case.times, time_grid(scene.motion, fast=True), rtol=1e-12)
     assert case.half == scene.indenter.mirrored
+    # exact: one formula, twice in a process
     assert case.features == Features.of(scene.finger, scene.indenter)
-    assert case.depth_over_thickness == scene.motion.peak / scene.finger.thickness
+    expected = scene.motion.peak / scene.finger.thickness
+    assert case.depth_over_thickness == pytest.approx(expected)
 
 
 def test_a_plan_builds_no_scene_again_and_counts_time_steps_once_per_mesh(
