@@ -109,7 +109,8 @@ def step_factors(
     """Compute the factors of a step of `dt` s; `static`: the modes deform as in statics."""
     g = 1.0 + float(increments(oscillators.weights, oscillators.rates, dt).sum())
     decay, earlier, before, after = oscillators.filters(dt, swing=not static)
-    dynamic = (oscillators.residues * after).sum(axis=1).real
+    # A copy: numba compiles a view of the real parts as another type, which takes seconds.
+    dynamic = (oscillators.residues * after).sum(axis=1).real.copy()
     gains = 1.0 / (oscillators.omega_squared * g) if static else dynamic
     flexibility = residual_flexibility / g + (participation.T * gains) @ participation
     return StepFactors(
