@@ -28,6 +28,7 @@ TYPE_CHECKING = False  # that of typing, whose import Ctrl-C would end with a tr
 if TYPE_CHECKING:
     from typing import Any
 
+    from fefinger import shapes as shapes
     from fefinger.calibration.calibrate import calibrate as calibrate
     from fefinger.calibration.record import Calibration as Calibration
     from fefinger.fem.hyperelastic.check import check_law as check_law
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
     from fefinger.mechanics.former_loops import Sliding as Sliding
     from fefinger.mechanics.loop import Loop as Loop
     from fefinger.mechanics.stiffening import Stiffening as Stiffening
+    from fefinger.mechanics.tactile_finger import TactileFinger as TactileFinger
+    from fefinger.mechanics.tactile_finger import TaxelGrid as TaxelGrid
     from fefinger.mechanics.vibrations import Vibrations as Vibrations
     from fefinger.neural.family import Family as Family
     from fefinger.neural.series import spikes as spikes
@@ -128,12 +131,15 @@ _HOMES = {
     "studies.study": ("study",),
     "theory.relaxation": ("Prony",),
     "mechanics.stiffening": ("Stiffening",),
+    "mechanics.tactile_finger": ("TactileFinger", "TaxelGrid"),
     "mechanics.vibrations": ("Vibrations",),
     "scene.tissue": ("Hard", "Tissue"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
-__all__ = sorted(_HOME)
+_MODULES = ("mujoco", "shapes")
+
+__all__ = sorted([*_HOME, *_MODULES])
 
 # For one version, and listed nowhere:
 _HOME |= dict.fromkeys(
@@ -150,6 +156,8 @@ _HOME |= dict.fromkeys(
 
 def __getattr__(name: str) -> "Any":
     """Import a public name at its first use."""
+    if name in _MODULES:
+        return importlib.import_module(f"fefinger.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'fefinger' has no attribute {name!r}")
     return getattr(importlib.import_module(f"fefinger.{_HOME[name]}"), name)

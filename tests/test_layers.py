@@ -24,6 +24,7 @@ ROOMS = {
     "fefinger.contact": 2,
     "fefinger.neural": 2,
     "fefinger.laws": 2,
+    "fefinger.shapes": 3,
     "fefinger.scene": 3,
     "fefinger.fem": 3,
     "fefinger.mesh": 4,
@@ -32,6 +33,7 @@ ROOMS = {
     "fefinger.view": 6,
     "fefinger.calibration": 6,
     "fefinger.plan": 6,
+    "fefinger.mujoco": 6,
     "fefinger.afferents": 6,
     "fefinger.pages": 7,
     "fefinger.result": 8,
@@ -59,10 +61,14 @@ ONLY = {
     "pytetwild": "fefinger.mesh",
     "trimesh": ("fefinger.geometry", "fefinger.mesh"),
     "skfem": ("fefinger.fem", "fefinger.validation.problems.grids"),
-    "pyvista": ("fefinger.view", "fefinger.geometry.surface_file"),
+    "pyvista": (
+        *("fefinger.view", "fefinger.geometry.surface_file"),
+        "fefinger.geometry.sampled_distance",
+    ),
     "vtk": "fefinger.view",
     "numba": "fefinger.support.compiled",
     "vtkmodules": "fefinger.view",
+    "mujoco": "fefinger.mujoco",
 }
 """Libraries that one place alone imports."""
 

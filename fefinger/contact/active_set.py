@@ -141,7 +141,7 @@ def _add_vertex(s: LcpState, vertex: int) -> bool:
 
 
 @njit(cache=True, fastmath={"contract"})
-def _remove_vertex(s: LcpState, vertex: int) -> None:
+def remove_vertex(s: LcpState, vertex: int) -> None:
     """Remove a vertex from the active set."""
     h, last, at = s.inverse, s.counts[K] - 1, s.place[vertex]
     if at != last:
@@ -265,7 +265,7 @@ def solve(s: LcpState, offset: Array, tolerance: float) -> int:
                 if not _add_vertex(s, j) and not (rebuild(s) and _add_vertex(s, j)):
                     return SINGULAR
             else:
-                _remove_vertex(s, j)
+                remove_vertex(s, j)
                 for k in range(len(s.moved)):
                     s.moved[k] -= s.x[j] * s.flexibility[j, k]
                 s.x[j] = 0.0

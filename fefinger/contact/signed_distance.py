@@ -1,0 +1,199 @@
+"""Signed distances of rigid objects, compiled: negative inside, with the outward unit gradient.
+
+Every object has a frame of its own, with its center at the origin and its axis, if any, along z.
+The distance of an ellipsoid is to first order; its surface and its normals are exact.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fefinger.support.arrays import Array, Integers
+from fefinger.support.compiled import njit
+
+
+SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, PLANE, SAMPLED = range(7)
+"""Kinds of object; the numbers are indices of `KINDS`."""
+
+CLOSE = 1e-4  # mm of the surface from which one more step of Newton's method is exact to 1e-9
+STEEP = 0.3  # cosine between ray and normal from which Newton's method is safe
+GRAZING = 0.1  # least cosine between ray and normal of a hit: skin that faces the object
+STEPS = 48  # along a ray
+
+
+class Shapes(NamedTuple):
+    """Several objects, in mm.
+
+    kind (b,); size (b, 4): radius; half sides and radius of the edges; radius and half length;
+    radius, half length and radius of the edges; semi-axes; none. Of sampled distances: samples
+    (n,), one grid after the other, start (b,) of each, counts (b, 3) along x, y and z, low (b, 3)
+    mm of its first point, pitch (b,) mm.
+    """
+
+    kind: Integers
+    size: Array
+    samples: Array
+    start: Integers
+    counts: Integers
+    low: Array
+    pitch: Array
+
+
+@njit(cache=True)
+def _box(x: float, y: float, z: float, a: float, b: float, c: float) -> tuple[float, ...]:
+    qx, qy, qz = abs(x) - a, abs(y) - b, abs(z) - c
+    sx, sy, sz = np.copysign(1.0, x), np.copysign(1.0, y), np.copysign(1.0, z)
+    mx, my, mz = max(qx, 0.0), max(qy, 0.0), max(qz, 0.0)
+    outside = np.sqrt(mx * mx + my * my + mz * mz)
+    if outside > 0.0:
+        return outside, sx * mx / outside, sy * my / outside, sz * mz / outside
+    if qx >= qy and qx >= qz:
+        return qx, sx, 0.0, 0.0
+    if qy >= qz:
+        return qy, 0.0, sy, 0.0
+    return qz, 0.0, 0.0, sz
+
+
+@njit(cache=True)
+def _ball(x: float, y: float, z: float, radius: float) -> tuple[float, ...]:
+    far = np.sqrt(x * x + y * y + z * z)
+    if far == 0.0:
+        return -radius, 0.0, 0.0, 1.0
+    return far - radius, x / far, y / far, z / far
+
+
+@njit(cache=True)
+def _cylinder(x: float, y: float, z: float, radius: float, half: float) -> tuple[float, ...]:
+    """Distance of a cylinder, as of a rectangle in the plane of the axis."""
+    r = np.sqrt(x * x + y * y)
+    ux, uy = (x / r, y / r) if r > 0.0 else (1.0, 0.0)
+    d, gr, _, gz = _box(r, 0.0, z, radius, np.inf, half)
+    return d, ux * gr, uy * gr, gz
+
+
+@njit(cache=True)
+def _ellipsoid(x: float, y: float, z: float, a: float, b: float, c: float) -> tuple[float, ...]:
+    u, v, w = x / (a * a), y / (b * b), z / (c * c)
+    level, steep = np.sqrt(x * u + y * v + z * w), np.sqrt(u * u + v * v + w * w)
+    if steep == 0.0:
+        return -min(a, b, c), 0.0, 0.0, 1.0
+    return level * (level - 1.0) / steep, u / steep, v / steep, w / steep
+
+
+@njit(cache=True)
+def _sampled(s: Shapes, b: int, x: float, y: float, z: float) -> tuple[float, ...]:
+    """Distance from a grid, trilinear; beyond the grid that of its border and the way to it."""
+    pitch, (nx, ny, nz) = s.pitch[b], (s.counts[b, 0], s.counts[b, 1], s.counts[b, 2])
+    fx, fy, fz = (x - s.low[b, 0]) / pitch, (y - s.low[b, 1]) / pitch, (z - s.low[b, 2]) / pitch
+    cx, cy, cz = (
+        min(max(fx, 0.0), nx - 1.0),
+        min(max(fy, 0.0), ny - 1.0),
+        min(max(fz, 0.0), nz - 1.0),
+    )
+    i, j, k = min(int(cx), nx - 2), min(int(cy), ny - 2), min(int(cz), nz - 2)
+    u, v, w = cx - i, cy - j, cz - k
+    at = s.start[b] + (i * ny + j) * nz + k
+    d = gx = gy = gz = 0.0
+    for p in range(2):
+        wx, tx = (u, 1.0) if p else (1.0 - u, -1.0)
+        for q in range(2):
+            wy, ty = (v, 1.0) if q else (1.0 - v, -1.0)
+            for r in range(2):
+                wz, tz = (w, 1.0) if r else (1.0 - w, -1.0)
+                value = s.samples[at + (p * ny + q) * nz + r]
+                d += wx * wy * wz * value
+                gx += tx * wy * wz * value
+                gy += wx * ty * wz * value
+                gz += wx * wy * tz * value
+    length = np.sqrt(gx * gx + gy * gy + gz * gz)
+    if length < 1e-12 * pitch:
+        gx, gy, gz, length = 0.0, 0.0, 1.0, 1.0
+    ox, oy, oz = (fx - cx) * pitch, (fy - cy) * pitch, (fz - cz) * pitch
+    return d + np.sqrt(ox * ox + oy * oy + oz * oz), gx / length, gy / length, gz / length
+
+
+@njit(cache=True)
+def _known(
+    kind: int, p: float, q: float, r: float, edge: float, x: float, y: float, z: float
+) -> tuple[float, ...]:
+    """Distance of an object without a grid, of sizes p, q, r and `edge`."""
+    if kind == SPHERE:
+        return _ball(x, y, z, p)
+    if kind == PLANE:
+        return z, 0.0, 0.0, 1.0
+    if kind == BOX:
+        d, gx, gy, gz = _box(x, y, z, p - edge, q - edge, r - edge)
+        return d - edge, gx, gy, gz
+    if kind == CAPSULE:
+        return _ball(x, y, z - min(max(z, -q), q), p)
+    if kind == CYLINDER:
+        d, gx, gy, gz = _cylinder(x, y, z, p - r, q - r)
+        return d - r, gx, gy, gz
+    return _ellipsoid(x, y, z, p, q, r)
+
+
+@njit(cache=True)
+def distance(s: Shapes, b: int, x: float, y: float, z: float) -> tuple[float, ...]:
+    """Return the distance in mm of a point from object `b`, in its frame, and its gradient (3)."""
+    if s.kind[b] == SAMPLED:
+        return _sampled(s, b, x, y, z)
+    p, q, r, edge = s.size[b, 0], s.size[b, 1], s.size[b, 2], s.size[b, 3]
+    return _known(s.kind[b], p, q, r, edge, x, y, z)
+
+
+@njit(cache=True)
+def distances(s: Shapes, b: int, points: Array) -> Array:
+    """Return the distances in mm of points (n, 3) from object `b`, and their gradients: (n, 4)."""
+    found = np.empty((len(points), 4))
+    for row, point in zip(found, points):  # noqa: B905 (compiled)
+        row[0], row[1], row[2], row[3] = distance(s, b, point[0], point[1], point[2])
+    return found
+
+
+@njit(cache=True)
+def ray(
+    s: Shapes,
+    b: int,
+    rotation: Array,
+    place: Array,
+    point: tuple[float, float, float],
+    normal: tuple[float, float, float],
+    reach: float,
+) -> tuple[bool, float, float, float, float]:
+    """Follow the outward normal of the skin from a point of it to object `b`.
+
+    rotation (b, 3, 3) and place (b, 3) mm of the objects: x = rotation x' + place. Returns whether
+    its surface faces the skin within `reach` mm, the distance in mm, negative inside the object,
+    and the object's outward normal (3) there.
+    """
+    r00, r01, r02 = rotation[b, 0, 0], rotation[b, 0, 1], rotation[b, 0, 2]
+    r10, r11, r12 = rotation[b, 1, 0], rotation[b, 1, 1], rotation[b, 1, 2]
+    r20, r21, r22 = rotation[b, 2, 0], rotation[b, 2, 1], rotation[b, 2, 2]
+    dx, dy, dz = point[0] - place[b, 0], point[1] - place[b, 1], point[2] - place[b, 2]
+    x = r00 * dx + r10 * dy + r20 * dz
+    y = r01 * dx + r11 * dy + r21 * dz
+    z = r02 * dx + r12 * dy + r22 * dz
+    u = r00 * normal[0] + r10 * normal[1] + r20 * normal[2]
+    v = r01 * normal[0] + r11 * normal[1] + r21 * normal[2]
+    w = r02 * normal[0] + r12 * normal[1] + r22 * normal[2]
+    # As `distance`, without the cost of passing all arrays at each step.
+    kind, p, q, e, edge = s.kind[b], s.size[b, 0], s.size[b, 1], s.size[b, 2], s.size[b, 3]
+    far = d = gx = gy = gz = slope = 0.0
+    for _ in range(STEPS):
+        if kind == SAMPLED:
+            d, gx, gy, gz = _sampled(s, b, x + far * u, y + far * v, z + far * w)
+        else:
+            d, gx, gy, gz = _known(kind, p, q, e, edge, x + far * u, y + far * v, z + far * w)
+        slope = gx * u + gy * v + gz * w
+        # Where the ray grazes, a step of the distance itself stays on this side of the surface.
+        far += d / -slope if slope < -STEEP else d
+        if abs(d) < CLOSE:
+            break
+        if far > reach:
+            return False, reach, 0.0, 0.0, 0.0
+    if abs(d) >= CLOSE or slope > -GRAZING:
+        return False, reach, 0.0, 0.0, 0.0
+    nx = r00 * gx + r01 * gy + r02 * gz
+    ny = r10 * gx + r11 * gy + r12 * gz
+    nz = r20 * gx + r21 * gy + r22 * gz
+    return True, far, nx, ny, nz

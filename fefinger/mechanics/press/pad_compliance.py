@@ -1,0 +1,78 @@
+"""Compliance of the palmar pad for tractions in any direction: what objects at any pose press."""
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from scipy import sparse
+
+from fefinger.contact.posed import Pad
+from fefinger.fem.condensation import Operator
+from fefinger.fem.contact.obstacle import Obstacle
+from fefinger.fem.contact.patch import candidates, directed, patch
+from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.mechanics.press import operator, placement
+from fefinger.results.records import Sites
+from fefinger.scene.finger import Finger
+from fefinger.support.arrays import Array, Integers
+
+
+BELOW = 100.0
+"""Distance in mm of a plate that all of the pad is a candidate of."""
+
+
+@dataclass(frozen=True)
+class PadCompliance:
+    """A pad, its vertices (n,) in the mesh, and the strain (6 n_sites, 3n) of unit tractions."""
+
+    pad: Pad
+    vertices: Integers
+    strain: Array
+
+
+def pad_compliance(
+    finger: Finger, solid: Operator, sites: Sites, kind: type[np.floating]
+) -> PadCompliance:
+    """Reduce a whole finger to its palmar pad and the strain at sites, from the cache if there.
+
+    kind: precision of the compliance.
+    """
+    space = solid.space
+    everywhere = (
+        solid.pad,
+        solid.normals,
+        Obstacle(np.array([0.0, 0.0, 1.0]), np.array([0, 0, -BELOW])),
+    )
+    chosen = candidates(space, *everywhere, np.inf, 0, solid.loadable)
+    part, n = chosen.part, len(chosen.vertices)
+    on = patch(space, *everywhere, np.inf, 0, solid.loadable)
+    loads = sparse.hstack([directed(space, on, each) for each in np.eye(3)]).tocsc()
+    by_vertex = np.arange(3 * n).reshape(3, n).T.ravel()
+    three = replace(
+        on,
+        vertices=np.repeat(chosen.vertices, 3),
+        loads=loads[:, by_vertex],
+        places=sparse.csc_matrix((space.n_unknowns, 0)),
+    )
+    probe = partial(recovered_strain_at, space, sites.points, solid.planes)
+    reduced = operator.reduced(finger, solid, three, sites.points, probe)
+    outward = _unit(np.einsum("kq,tkd->tqd", part.linear, solid.normals[part.triangles]))
+    weights, rates = (np.array(each, dtype=np.float64) for each in finger.prony.branches)
+    pad = Pad(
+        compliance=np.array(reduced.flexibility, dtype=kind, order="C"),
+        points=np.array(space.points[chosen.vertices]),
+        normals=_unit(solid.normals[chosen.vertices]),
+        owner=np.array(chosen.owner, dtype=np.int64),
+        places=np.array(chosen.places),
+        skin=np.ascontiguousarray(outward),
+        hats=np.array(part.hats),
+        areas=np.array(chosen.integrated(part.hats)),
+        border=np.array(chosen.border | np.isin(chosen.vertices, placement.border(solid))),
+        weights=weights,
+        rates=rates,
+    )
+    return PadCompliance(pad, chosen.vertices, np.array(reduced.strain_operator))
+
+
+def _unit(vectors: Array) -> Array:
+    return np.ascontiguousarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))

@@ -1,0 +1,435 @@
+"""A fingertip for a simulator: it feels rigid objects at any pose, and gives the wrench back.
+
+    tip = ff.TactileFinger(ff.Finger.subject("a.h."), friction=0.6)
+    touch = tip.step([(ff.shapes.Sphere(10), rotation, place)], dt=1e-3)
+    touch.wrench, touch.taxels, touch.strain
+
+Small strain about the undeformed pad, with pressure along the objects' normals, Coulomb friction
+and the finger's relaxation; what finite strain adds is a factor by the deepest penetration.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+
+from fefinger.contact import active_set, posed
+from fefinger.contact.coulomb import CoulombSolver
+from fefinger.contact.posed import UNSOLVED, Factors, Pad
+from fefinger.contact.signed_distance import Shapes
+from fefinger.mechanics.loop import Loop
+from fefinger.mechanics.press import operator
+from fefinger.mechanics.press.pad_compliance import pad_compliance
+from fefinger.mechanics.press.prepared import Precision
+from fefinger.mechanics.press.sites import end_organ_sites, meshed
+from fefinger.neural.streaming import RecordedAfferents
+from fefinger.results.records import Sites
+from fefinger.results.touch import VERDICTS, Maps, Touch
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import direction
+from fefinger.scene.indenters import STANDARD, Flat
+from fefinger.scene.population import Layout
+from fefinger.shapes import Plane, Shape, packed
+from fefinger.support.arrays import Array, Flags
+from fefinger.support.checks import ConvergenceError, InputError, choice, integer, number
+from fefinger.support.inputs import read_report
+from fefinger.support.processes import threads
+from fefinger.support.progress import Progress, Stages
+from fefinger.support.threads import together
+from fefinger.support.vocabulary import TYPES
+
+
+TURNED = 1e-6
+"""Largest entry of R' R - 1 of a rotation matrix: written in single precision it is 1e-7."""
+
+ANGLES, DEPTHS = (15.0, 30.0, 45.0), 12
+"""Angles in degrees of plates, and number of depths, at which the factor of finite strain is taken.
+"""
+
+REPORT = "tactile-error.json"
+"""Report of errors of the force, beside `solid`."""
+
+QUANTILE = 0.95
+"""Share of measured presses whose error is at most the stated one."""
+
+RELAXED = 1e4
+"""Seconds in which any finger has relaxed."""
+
+Pose = tuple[Shape, ArrayLike, ArrayLike]
+"""An object, its rotation (3, 3) and its place (3,) mm in the frame of the finger."""
+
+
+@dataclass(frozen=True)
+class TaxelGrid:
+    """A grid of taxels over the pad, rows along x (distal) and columns along y.
+
+    pitch mm; center (2,) mm of the grid: beneath the middle of the pad by default. The skin beside
+    the grid belongs to the nearest taxel, so that no force is lost.
+    """
+
+    rows: int
+    columns: int
+    pitch: float = 1.6
+    center: tuple[float, float] = (-4.0, 0.0)
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        integer("taxels.rows", self.rows, at_least=1)
+        integer("taxels.columns", self.columns, at_least=1)
+        number("taxels.pitch", self.pitch, above=0, unit="mm")
+
+    @property
+    def places(self) -> Array:
+        """Middle (rows * columns, 2) mm of each taxel, column by column within a row."""
+        x, y = (
+            middle + self.pitch * (np.arange(n) - (n - 1) / 2)
+            for middle, n in zip(self.center, (self.rows, self.columns), strict=True)
+        )
+        return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+
+    def weights(self, pad: Pad) -> sparse.csr_matrix:
+        """Return N/kPa (n_taxels, n) of unit tractions: integrals of their hats over a taxel."""
+        counts = self.rows, self.columns
+        start = self.places[0]
+        at = np.rint((pad.places[..., :2] - start) / self.pitch).astype(int)
+        row, column = (np.clip(at[..., k], 0, counts[k] - 1) for k in (0, 1))
+        taxel = np.broadcast_to((row * self.columns + column)[:, None], pad.hats.shape)
+        owner = np.broadcast_to(pad.owner[:, :, None], pad.hats.shape)
+        owned = owner >= 0
+        entries = 1e-3 * pad.hats[owned], (taxel[owned], owner[owned])
+        return sparse.csr_matrix(entries, shape=(self.rows * self.columns, len(pad.areas)))
+
+
+class TouchState(NamedTuple):
+    """State of all worlds of a tactile finger, some 30 kB each."""
+
+    arrays: tuple[Array | Flags, ...]
+
+
+class TactileFinger:
+    """A finger that feels rigid objects at any pose, in one or many worlds.
+
+    Parameters
+    ----------
+    finger
+        As in a scene; its tissues relax as one.
+    friction
+        Coulomb's coefficient.
+    deepest
+        Largest penetration in mm that is answered; the factor of finite strain is known to it.
+    taxels
+        Where forces are summed.
+    population, sites
+        Units under the skin, or end organs of your own; one of each type by default.
+    worlds
+        How many fingers are stepped at once.
+    finite_strain
+        Whether forces grow with depth as at finite strain. False: small strain alone.
+    precision
+        "double", or "single" for half the memory and, of many worlds, less time.
+    strict
+        Whether a step that is not valid raises InputError, or says so in `Touch.valid`.
+    progress
+        Called with the name of a stage and the fraction of it that is done.
+
+    Raises
+    ------
+    InputError
+        If the tissues do not relax as one, an end organ lies outside the soft tissue, or a number
+        is out of its range.
+    """
+
+    def __init__(
+        self,
+        finger: Finger,
+        *,
+        friction: float = 0.0,
+        deepest: float = 1.5,
+        taxels: TaxelGrid | None = None,
+        population: Layout | None = None,
+        sites: Sites | None = None,
+        worlds: int = 1,
+        finite_strain: bool = True,
+        precision: Precision = "double",
+        strict: bool = False,
+        progress: Progress | None = None,
+    ) -> None:
+        self.finger, self.strict = finger, strict
+        self._options = {
+            **{"friction": friction, "deepest": deepest, "taxels": taxels},
+            **{"population": population, "sites": sites, "worlds": worlds},
+            **{"finite_strain": finite_strain, "precision": precision, "strict": strict},
+        }
+        self.friction = number("friction", friction, at_least=0)
+        self.deepest = number("deepest", deepest, above=0, unit="mm")
+        self.worlds = integer("worlds", worlds, at_least=1)
+        self.taxels = taxels or TaxelGrid(10, 7)
+        single = choice("precision", precision, ("double", "single")) == "single"
+        stages = Stages(progress)
+        with stages.stage("factor") as report:
+            solid = operator.operator(finger, half=False, progress=report)
+        if sites is None:
+            ask = Ask(spikes=TYPES, population=population)
+            skin = lambda: meshed(solid.space.points, solid.pad, solid.normals, half=False)  # noqa: E731
+            sites = end_organ_sites(ask, finger.pulp, np.zeros(3), direction(STANDARD), skin)
+        self.sites = sites
+        made = pad_compliance(finger, solid, sites, np.float32 if single else np.float64)
+        self.pad = pad = made.pad
+        self._maps = Maps(pad.compliance, made.strain, self.taxels.weights(pad), pad.areas)
+        self._bodies = -1
+        self._solvers: list[tuple[Any, posed.Work]] = []
+        self._kept = False
+        self._state: posed.Worlds
+        self._out: posed.Readings
+        self._made: tuple[tuple[Shape, ...], Shapes] | None = None
+        self._factors = Factors(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.ones((2, 2)))
+        self._rest()
+        if finite_strain:
+            self._factors = self._finite_strain(progress)
+
+    def _finite_strain(self, progress: Progress | None) -> Factors:
+        """Return t: relaxed forces of plates at finite strain over those of this pad.
+
+        The tables of the plates are those of the mechanics `pressed`, read or solved and kept.
+        """
+        depths = self.deepest * np.linspace(0.0, 1.0, DEPTHS + 1)
+        values = np.ones((len(ANGLES), len(depths)))
+        for row, angle in zip(values, ANGLES, strict=True):
+            table = Loop(self.finger, Flat(angle), deepest=self.deepest, progress=progress)
+            rotation, touch = under(angle), table.prepared.touch
+            normal = rotation[:, 2]
+            for k, depth in enumerate(depths.tolist()[1:], 1):
+                pose = Plane(), rotation, touch + depth * normal
+                along = float(self.step([pose], RELAXED).wrench[0, :3] @ normal)
+                row[k] = table.rest(RELAXED, depth=depth).force / along
+            row[0] = row[1]
+        self._rest()
+        return Factors(np.array(ANGLES), depths, values)
+
+    def __repr__(self) -> str:
+        """Show finger, friction, depth, taxels and worlds, not the arrays."""
+        who = self.finger.subject_name or f"{self.finger.width:g} x {self.finger.thickness:g} mm"
+        taxels = f"{self.taxels.rows} x {self.taxels.columns} taxels"
+        return (
+            f"<TactileFinger: {who}, {self.finger.mesh} mesh of {len(self.pad.areas)} vertices; "
+            f"friction {self.friction:g}, to {self.deepest:g} mm, {taxels}, "
+            f"{len(self.sites.types)} end organs, {self.worlds} worlds>"
+        )
+
+    @cached_property
+    def units(self) -> RecordedAfferents:
+        """Recorded afferents of the end organs, of one world; see `afferents`."""
+        return self.afferents()
+
+    def afferents(self, **options: Any) -> RecordedAfferents:
+        """Return units of the end organs, to be stepped with the strain of every step of a world.
+
+        Options as of `neural.streaming.RecordedAfferents`.
+        """
+        types, unit = self.sites.types, self.sites.unit
+        if unit is not None:
+            types = tuple(types[i] for i in np.unique(unit, return_index=True)[1])
+        return RecordedAfferents(types, self.sites.normals, unit=unit, **options)
+
+    def step(self, objects: Sequence[Pose], dt: float) -> Touch:
+        """Move the objects to their poses in `dt` s; return what is felt.
+
+        objects: each a shape, its rotation (3, 3) and place (3,) mm in the frame of the finger, or
+        with a leading axis of worlds. Between two steps the objects keep their order in the list.
+
+        Raises
+        ------
+        InputError
+            For poses that are none; with `strict`, for a step that is not valid. The state is then
+            as before.
+        ConvergenceError
+            With `strict`, if no contact is found.
+        """
+        dt = number("dt", dt, at_least=0, unit="s")
+        shapes, rotation, place, leading = self._poses(objects)
+        before = self.state() if self.strict else None
+        if len(objects) != self._bodies:
+            self._allocate(len(objects))
+        self._advance(shapes, rotation, place, dt)
+        if before is not None and (self._out.verdict > 0).any():
+            verdict = int(self._out.verdict.max())
+            self.restore(before)
+            message = f"step: {VERDICTS[verdict]}"
+            raise (ConvergenceError if verdict == UNSOLVED else InputError)(message)
+        return self._touch(leading=leading)
+
+    def _advance(self, shapes: Shapes, rotation: Array, place: Array, dt: float) -> None:
+        size = -(-self.worlds // len(self._solvers))
+        kept, pad, state, out = self._kept and self.worlds == 1, self.pad, self._state, self._out
+        factors, deepest = self._factors, self.deepest
+
+        def part(number: int) -> None:
+            solver, work = self._solvers[number]
+            first, last = number * size, min((number + 1) * size, self.worlds)
+            if self.friction:
+                posed.step_with_friction(
+                    *(solver, pad, shapes, rotation, place, state, out, work, first, last, dt),
+                    *(factors, deepest, self.friction),
+                )
+            else:
+                posed.step_without_friction(
+                    *(solver, pad, shapes, rotation, place, state, out, work, first, last, dt),
+                    *(factors, deepest, kept),
+                )
+
+        together(part, range(len(self._solvers)))
+        self._kept = True
+
+    def _touch(self, *, leading: bool) -> Touch:
+        out, state, pick = self._out, self._state, slice(None) if leading else 0
+        bodies = out.bodies[pick]
+        return Touch(
+            wrench=bodies[..., :6].copy(),
+            depth=bodies[..., posed.DEPTH].copy(),
+            contact_area=bodies[..., posed.AREA].copy(),
+            stick_area=bodies[..., posed.STICK].copy(),
+            pressure=out.pressure[pick].copy(),
+            traction=out.traction[pick].copy(),
+            slip=out.slip[pick].copy(),
+            touched=out.touched[pick].copy(),
+            verdict=np.array(out.verdict[pick]),
+            error=np.asarray(self._error(bodies[..., posed.DEPTH].max(axis=-1, initial=0.0))),
+            linear=state.linear[pick].copy(),
+            frame=out.frame[pick].copy(),
+            hit=out.hit[pick].copy(),
+            stiffness=np.array(out.stiffness[pick]),
+            friction=self.friction,
+            maps=self._maps,
+        )
+
+    def _error(self, depth: Array) -> Array:
+        """Return the error of the force at penetrations in mm, relative to the largest so far."""
+        if not self._options["finite_strain"]:
+            return np.full_like(depth, np.nan)
+        ends, errors = measured_errors()
+        return np.append(errors, np.nan)[np.searchsorted(ends, depth)]
+
+    def _poses(self, objects: Sequence[Pose]) -> tuple[Shapes, Array, Array, bool]:
+        """Return shapes, rotations (w, b, 3, 3), places (w, b, 3), and whether poses had worlds."""
+        shapes: list[Shape] = []
+        count, leading = self.worlds, False
+        rotation, place = np.empty((count, len(objects), 3, 3)), np.empty((count, len(objects), 3))
+        for b, each in enumerate(objects):
+            try:
+                shape, turn, at = each
+            except (TypeError, ValueError) as error:
+                raise InputError(
+                    f"objects: expected (shape, rotation, place) of each, received {each!r}"
+                ) from error
+            if not isinstance(shape, Shape):
+                raise InputError(
+                    f"objects: expected a shape such as ff.shapes.Sphere(10), received {shape!r}"
+                )
+            shapes.append(shape)
+            turned, there = np.asarray(turn, float), np.asarray(at, float)
+            for name, array, wanted in (("rotation", turned, (3, 3)), ("place", there, (3,))):
+                if array.shape not in {wanted, (count, *wanted)}:
+                    raise InputError(
+                        f"objects: expected a {name} {wanted} or {(count, *wanted)} of object {b}, "
+                        f"received an array of shape {array.shape}"
+                    )
+            leading |= turned.ndim == 3 or there.ndim == 2
+            rotation[:, b], place[:, b] = turned, there
+        if not np.isfinite(place).all():
+            raise InputError("objects: expected finite places in mm, received nan or inf")
+        off = np.abs(np.einsum("wbki,wbkj->wbij", rotation, rotation) - np.eye(3))
+        if not (off <= TURNED).all() or (np.linalg.det(rotation) < 0).any():
+            raise InputError(
+                "objects: expected rotation matrices, with R' R = 1 and determinant 1, received "
+                "another; give columns that are the object's axes in the frame of the finger"
+            )
+        if self._made is None or self._made[0] != tuple(shapes):
+            self._made = tuple(shapes), packed(shapes)
+        return self._made[1], rotation, place, leading or count > 1
+
+    def _allocate(self, bodies: int) -> None:
+        """Make room for so many objects; those of before are forgotten, the pad's past is not."""
+        self._bodies = bodies
+        empty = posed.worlds(self.worlds, self.pad, bodies, 3 if self.friction else 1)
+        self._state = self._state._replace(
+            rotation=empty.rotation, place=empty.place, stepped=empty.stepped
+        )
+        self._out = posed.readings(self.worlds, self.pad, bodies)
+
+    def _rest(self) -> None:
+        """Allocate everything at rest."""
+        components, n = 3 if self.friction else 1, len(self.pad.areas)
+        self._bodies = 0
+        self._state = posed.worlds(self.worlds, self.pad, 0, components)
+        self._out = posed.readings(self.worlds, self.pad, 0)
+        self._kept = False
+        if not self._solvers:
+            flexibility = np.zeros((components * n, components * n))
+            for _ in range(min(self.worlds, threads())):
+                solver: Any = active_set.lcp_state(flexibility)
+                if self.friction:
+                    solver = CoulombSolver(flexibility, self.friction)
+                self._solvers.append((solver, posed.work(self.pad, components)))
+
+    def state(self) -> TouchState:
+        """Return a copy of the state of all worlds."""
+        return TouchState(tuple(each.copy() for each in self._state))
+
+    def restore(self, state: TouchState) -> None:
+        """Return to a state of this finger; InputError for that of another."""
+        if [a.shape for a in state.arrays[:5]] != [a.shape for a in self._state[:5]]:
+            raise InputError(
+                "state: expected one of the same finger, friction and worlds, received arrays of "
+                "other shapes; restore it where it was made"
+            )
+        bodies = state.arrays[-2].shape[1]
+        if bodies != self._bodies:
+            self._allocate(bodies)
+        for now, then in zip(self._state, state.arrays, strict=True):
+            now[:] = then
+        self._kept = False
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle and copy by recipe: the pad is read again from the cache."""
+        return again, (self.finger, self._options), self.state()
+
+    def __setstate__(self, state: TouchState) -> None:
+        """Restore a state."""
+        self.restore(state)
+
+    def reset(self, worlds: Flags | None = None) -> None:
+        """Return to rest: all worlds, or those that are flagged (worlds,)."""
+        chosen = slice(None) if worlds is None else np.asarray(worlds, dtype=bool)
+        for each in self._state:
+            each[chosen] = 0
+        self._kept = False
+
+
+@cache
+def measured_errors() -> tuple[Array, Array]:
+    """Return ends of ranges of penetration in mm, and the error of the force in each.
+
+    That which 95 % of the presses of REPORT keep, on loading and after it.
+    """
+    measured = json.loads(read_report(REPORT))
+    rows = np.array([[row["loading"], row["later"]] for row in measured["rows"]])
+    return np.array(measured["bands_mm"][1:]), np.quantile(rows.max(axis=1), QUANTILE, axis=0)
+
+
+def again(finger: Finger, options: dict[str, Any]) -> TactileFinger:
+    """Make a tactile finger from its options."""
+    return TactileFinger(finger, **options)
+
+
+def under(angle: float) -> Array:
+    """Return the rotation (3, 3) that turns z to the normal of a plate, at an angle in degrees."""
+    z = direction(Flat(angle))
+    x = np.cross([0.0, 1.0, 0.0], z)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])

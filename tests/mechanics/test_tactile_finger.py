@@ -1,0 +1,367 @@
+"""A finger for simulators: objects at any pose, many worlds."""
+
+import copy
+import pickle
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.geometry.profiles import frame
+from fefinger.mechanics.tactile_finger import measured_errors, under
+from fefinger.scene.indenter import direction
+from fefinger.support.checks import InputError
+
+
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
+ELASTIC = ff.Finger.subject(
+    "a.h.", resolution="coarse", tissue="maeno1998", prony=ff.Prony((1.0,), ())
+)
+PLATE = under(30.0)
+NORMAL = PLATE[:, 2]
+BALL = ff.shapes.Sphere(6.0)
+TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _cache(kept: Path) -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setenv("XDG_CACHE_HOME", str(kept))
+        yield
+
+
+@pytest.fixture(scope="module", params=[0.0, 0.6], ids=["frictionless", "friction"])
+def tip(request: pytest.FixtureRequest) -> ff.TactileFinger:
+    return ff.TactileFinger(FINGER, friction=request.param, finite_strain=False)
+
+
+def plate(tip, depth, dt=5e-3, shift=(0, 0), touch=(0, 0, 0)):  # type: ignore[no-untyped-def]
+    across = frame(direction(ff.Flat(30.0)))[:2].T @ np.asarray(shift, float)
+    return tip.step([(ff.shapes.Plane(), PLATE, touch + depth * NORMAL + across)], dt)
+
+
+def ball(tip: ff.TactileFinger, depth: float, dt: float = 5e-3, shift=(0, 0, 0)):  # type: ignore[no-untyped-def]
+    return tip.step([(BALL, np.eye(3), (depth - 6.0) * NORMAL + np.asarray(shift, float))], dt)
+
+
+def test_a_plate_is_that_of_the_loop_with_its_relaxation_and_friction(
+    tip: ff.TactileFinger,
+) -> None:
+    tip.reset()
+    loop = ff.Loop(
+        FINGER, ff.Flat(30, friction=tip.friction), mechanics="condensed", deepest=1.2, reach=2.0
+    )
+    for k in range(40):
+        depth, shift = (
+            min(0.05 * k, 0.9),
+            (0.03 * max(0, k - 20), 0.1 * np.sin(0.3 * max(0, k - 20))),
+        )
+        step = loop.step(5e-3, depth=depth, shift=shift)
+        touch = plate(tip, depth, shift=shift, touch=loop.prepared.touch)
+        force = touch.wrench[0, :3]
+        assert force @ NORMAL == pytest.approx(step.force, rel=1e-9, abs=1e-10)
+        across = frame(direction(ff.Flat(30.0)))[:2] @ force
+        assert np.allclose(across, step.lateral_force, atol=1e-9)
+        assert touch.stick_area[0] == pytest.approx(step.stick_area, rel=1e-9)
+
+
+@pytest.mark.parametrize("radius", [3.0, 8.0])
+def test_a_ball_is_that_of_the_loop_within_two_percent(radius: float) -> None:
+    tip = ff.TactileFinger(FINGER, finite_strain=False)
+    loop = ff.Loop(FINGER, ff.Sphere(radius), mechanics="condensed", deepest=1.2)
+    for depth in (0.3, 0.6, 0.9, 1.2):
+        wanted = loop.step(0.05, depth=depth).force
+        shape = ff.shapes.Sphere(radius)
+        place = loop.prepared.touch + (depth - radius) * NORMAL
+        touch = tip.step([(shape, TURN, place)], 0.05)
+        assert touch.wrench[0, :3] @ NORMAL == pytest.approx(wanted, rel=0.02)
+
+
+def test_the_same_ball_by_samples_and_as_an_ellipsoid(tip: ff.TactileFinger) -> None:
+    same = (
+        (ff.shapes.Ellipsoid(6, 6, 6), 1e-6),
+        (
+            ff.shapes.function(
+                lambda p: np.linalg.norm(p, axis=1) - 6, [-7] * 3, [7] * 3, pitch=0.25
+            ),
+            0.02,
+        ),
+    )
+    tip.reset()
+    wanted = ball(tip, 0.8).wrench[0]
+    for shape, within in same:
+        tip.reset()
+        touch = tip.step([(shape, TURN, (0.8 - 6.0) * NORMAL)], 5e-3)
+        assert np.abs(touch.wrench[0] - wanted).max() < within * np.abs(wanted).max()
+
+
+def test_a_mirrored_scene_has_a_mirrored_answer(tip: ff.TactileFinger) -> None:
+    mirror, wrenches = np.diag([1.0, -1.0, 1.0]), []
+    for side in (1.0, -1.0):
+        tip.reset()
+        for k in range(12):
+            turn = np.radians(2.0 * k) * side
+            spin = np.array(
+                [[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]]
+            )
+            place = np.array([-4.0 + 0.1 * k, side * (0.5 + 0.05 * k), -2.0 - 6.0 + 0.09 * k])
+            touch = tip.step([(ff.shapes.Box(8, 8, 12, edge=0.8), spin, place)], 2e-3)
+        wrenches.append(touch.wrench[0])
+    force, moment = wrenches[0][:3], wrenches[0][3:]
+    assert np.linalg.norm(force) > 0.05
+    assert np.allclose(wrenches[1][:3], mirror @ force, atol=1e-7)
+    assert np.allclose(wrenches[1][3:], -mirror @ moment, atol=1e-6)
+
+
+def test_taxels_bear_the_force_to_rounding(tip: ff.TactileFinger) -> None:
+    tip.reset()
+    touch = plate(tip, 0.9)
+    assert touch.taxels.shape == (70, 3)
+    assert np.allclose(touch.taxels.sum(axis=0), touch.wrench[0, :3], atol=1e-13)
+    assert (np.linalg.norm(touch.taxels, axis=1) > 1e-3).sum() > 10
+
+
+def test_a_plate_that_spins_twists_the_finger_within_the_bound_of_friction() -> None:
+    tip = ff.TactileFinger(FINGER, friction=0.6, finite_strain=False)
+    torque = []
+    for k in range(30):
+        turn = np.radians(1.5 * max(0, k - 10))
+        spin = np.array(
+            [[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]]
+        )
+        touch = tip.step([(ff.shapes.Plane(), PLATE @ spin, min(0.08 * k, 0.8) * NORMAL)], 2e-3)
+        torque.append(float(touch.wrench[0, 3:] @ NORMAL))
+    force, reach = touch.wrench[0, :3] @ NORMAL, np.sqrt(touch.contact_area[0] / np.pi)
+    assert torque[10] == pytest.approx(0.0, abs=0.01)
+    assert 0.2 * 0.6 * force * reach < torque[-1] < 0.6 * force * 1.6 * reach
+    assert torque[18] > torque[14] > torque[11] > 0.0  # it relaxes afterwards
+
+
+def path(count: int = 80) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Give rotations and places of a ball that goes round in contact and returns."""
+    for k in range(count + 1):
+        a = 2 * np.pi * k / count
+        yield np.eye(3), -5.2 * NORMAL + [0.8 * (1 - np.cos(a)), np.sin(a), 0.3 * np.sin(a)]
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.6])
+def test_a_closed_path_on_an_elastic_pad_gains_no_energy(friction: float) -> None:
+    tip = ff.TactileFinger(ELASTIC, friction=friction, finite_strain=False)
+    work, scale, last = 0.0, 0.0, None
+    for turn, place in (*path(), *path()):
+        force = tip.step([(BALL, turn, place)], 1e-3).wrench[0, :3]
+        if last is not None:
+            done = 0.5 * (force + last[0]) @ (place - last[1])
+            work, scale = work + done, scale + abs(done)
+        last = force, place
+    assert scale > 0.1
+    assert work > (0.1 * scale if friction else -0.01 * scale)
+    if not friction:
+        assert abs(work) < 0.01 * scale
+
+
+@pytest.mark.parametrize("friction", [0.0, 5.0])
+def test_the_tangent_is_the_derivative_of_the_wrench(friction: float) -> None:
+    """Of a plate: without friction, or with so much of it that all vertices stick."""
+    tip = ff.TactileFinger(ELASTIC, friction=friction, finite_strain=False)
+    touch = plate(tip, 0.7)
+    before, tangent, h = tip.state(), touch.tangent[0], 1e-5
+    pivot = 0.7 * NORMAL
+    for k in range(6):
+        motion = np.eye(6)[k]
+
+        def moved(size: float, motion: np.ndarray = motion) -> np.ndarray:
+            tip.restore(before)
+            w = size * motion[3:]
+            skew = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+            turn, _ = np.linalg.qr(np.eye(3) + skew)
+            turn *= np.sign(np.diag(turn))
+            pose = turn @ PLATE, turn @ pivot + size * motion[:3]
+            return tip.step([(ff.shapes.Plane(), *pose)], 1e-3).wrench[0]
+
+        slope = (moved(h) - moved(-h)) / (2 * h)
+        off, scale = np.abs(slope - tangent[:, k]), np.abs(tangent[:, k]).max()
+        force, moment = np.linalg.norm(touch.wrench[0, :3]), np.linalg.norm(touch.wrench[0, 3:])
+        if k < 3:  # the places of contact move by as much, which moments feel
+            assert off[:3].max() < 1e-5 * scale + 1e-9
+            assert off[3:].max() < force + 1e-5 * scale
+        else:  # and directions turn
+            assert off[:3].max() < force + 0.1 * scale
+            assert off[3:].max() < moment + 3.0 * force + 0.1 * scale  # contact is 3 mm away
+    assert np.allclose(tangent, tangent.T, atol=1e-9 * np.abs(tangent).max())
+    assert np.linalg.eigvalsh(tangent).min() > -1e-9 * np.abs(tangent).max()
+
+
+def test_an_object_twice_and_one_out_of_reach_change_nothing(tip: ff.TactileFinger) -> None:
+    tip.reset()
+    alone = plate(tip, 0.8)
+    for other in ((ff.shapes.Plane(), PLATE, 0.8 * NORMAL), (BALL, np.eye(3), [0, 0, -30.0])):
+        tip.reset()
+        both = tip.step([(ff.shapes.Plane(), PLATE, 0.8 * NORMAL), other], 5e-3)
+        assert np.allclose(both.wrench.sum(axis=0), alone.wrench[0], atol=1e-9)
+        assert np.allclose(both.pressure, alone.pressure, atol=1e-7)
+
+
+def test_two_objects_share_one_pad(tip: ff.TactileFinger) -> None:
+    tip.reset()
+    lowest = [tip.pad.points[np.abs(tip.pad.points[:, 0] - x) < 1, 2].min() for x in (-7.0, 0.0)]
+    poses = [
+        (BALL, np.eye(3), [x, 0.0, z - 6.0 + 0.7]) for x, z in zip((-7.0, 0.0), lowest, strict=True)
+    ]
+    apart = []
+    for pose in poses:
+        tip.reset()
+        apart.append(tip.step([pose], 5e-3).wrench[0])
+    tip.reset()
+    both = tip.step(poses, 5e-3)
+    assert (np.linalg.norm(both.wrench[:, :3], axis=1) > 0.02).all()
+    softer = np.linalg.norm(both.wrench[:, :3], axis=1) / np.linalg.norm(
+        np.array(apart)[:, :3], axis=1
+    )
+    assert (softer < 1.0).all()
+    assert (softer > 0.6).all()
+    assert both.wrench[:, 2].sum() == pytest.approx(both.taxels[:, 2].sum(), abs=1e-12)
+
+
+def test_a_state_can_be_branched_and_worlds_be_reset(tip: ff.TactileFinger) -> None:
+    tip.reset()
+    for k in range(10):
+        ball(tip, 0.1 * k, shift=(0.02 * k, 0, 0))
+    state = tip.state()
+    first = [ball(tip, 0.9 - 0.05 * k, shift=(0.2, 0.03 * k, 0)).wrench for k in range(8)]
+    tip.restore(state)
+    again = [ball(tip, 0.9 - 0.05 * k, shift=(0.2, 0.03 * k, 0)).wrench for k in range(8)]
+    assert np.allclose(first, again, atol=1e-9)
+    tip.reset()
+    fresh = ff.TactileFinger(FINGER, friction=tip.friction, finite_strain=False)
+    assert np.allclose(ball(tip, 0.5).wrench, ball(fresh, 0.5).wrench, atol=1e-12)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.6])
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_worlds_step_as_single_fingers_do(friction: float, precision: str) -> None:
+    worlds = 5
+    many = ff.TactileFinger(
+        FINGER, friction=friction, finite_strain=False, worlds=worlds, precision=precision
+    )
+    single = ff.TactileFinger(FINGER, friction=friction, finite_strain=False)
+    depths = np.linspace(0.2, 1.0, worlds)
+    places = [(depths - 6.0)[:, None] * NORMAL + [0.05 * k, 0.02 * k, 0.0] for k in range(6)]
+    stacked = [many.step([(BALL, np.eye(3), place)], 2e-3) for place in places]
+    assert stacked[-1].wrench.shape == (worlds, 1, 6)
+    assert stacked[-1].taxels.shape == (worlds, 70, 3)
+    assert stacked[-1].strain.shape == (worlds, len(many.sites.types), 6)
+    assert stacked[-1].tangent.shape == (worlds, 1, 6, 6)
+    for w in range(worlds):
+        single.reset()
+        for k, place in enumerate(places):
+            touch = single.step([(BALL, np.eye(3), place[w])], 2e-3)
+            close = 1e-8 if precision == "double" else 1e-4
+            assert np.allclose(stacked[k].wrench[w], touch.wrench, atol=close)
+    many.reset(np.arange(worlds) == 2)
+    after = many.step([(BALL, np.eye(3), [0, 0, -40.0])], 1e-3)
+    assert np.abs(after.strain[2]).max() == 0.0
+    assert np.abs(after.strain[4]).max() > 0.0
+
+
+def test_finite_strain_stiffens_the_plate_of_its_table_and_states_an_error() -> None:
+    finger = ff.Finger.subject("a.h.", resolution="coarse")
+    tip = ff.TactileFinger(finger, deepest=0.6)
+    linear = ff.TactileFinger(finger, deepest=0.6, finite_strain=False)
+    loop = ff.Loop(finger, ff.Flat(30.0), deepest=0.6)
+    for depth in (0.3, 0.6):
+        for each in (tip, linear):
+            each.reset()
+        loop.reset()
+        force = loop.step(1e4, depth=depth).force
+        touch = plate(tip, depth, 1e4)
+        assert touch.wrench[0, :3] @ NORMAL == pytest.approx(force, rel=0.01)
+        assert 0.02 < touch.error < 0.3
+    soft = plate(linear, 0.6, 1e4)
+    assert soft.wrench[0, :3] @ NORMAL < 0.96 * force
+    assert np.isnan(soft.error)
+
+
+def test_stated_errors_grow_with_depth_and_hold_in_the_presses_they_come_from() -> None:
+    ends, errors = measured_errors()
+    assert len(ends) == len(errors) == 6
+    assert (errors > 0.02).all()
+    assert (np.diff(errors[1:]) > 0).all()
+
+
+def test_what_it_cannot_answer_is_flagged_or_refused(tip: ff.TactileFinger) -> None:
+    tip.reset()
+    touch = ball(tip, 1.9)
+    assert not touch.valid
+    assert "deepest" in str(touch.reason)
+    tip.reset()
+    assert ball(tip, -3.0).valid
+    through = tip.step([(BALL, np.eye(3), 25.0 * NORMAL)], 1e-3)
+    assert not through.valid
+    assert "moved" in str(through.reason)
+    strict = ff.TactileFinger(FINGER, friction=tip.friction, finite_strain=False, strict=True)
+    good = ball(strict, 0.5).wrench
+    with pytest.raises(InputError, match="deepest"):
+        ball(strict, 2.5)
+    assert np.allclose(ball(strict, 0.5, 1e-9).wrench, good, rtol=1e-6)
+
+
+POSE = BALL, np.eye(3), [0.0, 0.0, -8.0]
+
+
+@pytest.mark.parametrize(
+    "objects",
+    [
+        [(BALL, np.eye(3))],
+        [("ball", np.eye(3), [0, 0, 0])],
+        [(BALL, np.eye(2), [0, 0, 0])],
+        [(BALL, np.eye(3), [0, np.nan, 0])],
+        [(BALL, 2 * np.eye(3), [0, 0, 0])],
+        [(BALL, -np.eye(3), [0, 0, 0])],
+        [(BALL, np.full((3, 3), np.nan), [0, 0, 0])],
+        [(BALL, np.stack([np.eye(3)] * 2), [0, 0, 0])],
+    ],
+)
+def test_what_is_no_pose_is_refused_and_changes_nothing(
+    tip: ff.TactileFinger, objects: list[tuple[object, ...]]
+) -> None:
+    tip.reset()
+    before = ball(tip, 0.5).wrench
+    with pytest.raises(InputError, match="objects"):
+        tip.step(objects, 1e-3)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="dt"):
+        tip.step([POSE], -1.0)
+    assert np.allclose(ball(tip, 0.5, 1e-9).wrench, before, rtol=1e-6)
+
+
+def test_no_object_and_another_number_of_them(tip: ff.TactileFinger) -> None:
+    tip.reset()
+    assert tip.step([], 1e-3).wrench.shape == (0, 6)
+    assert ball(tip, 0.5).wrench.shape == (1, 6)
+    assert tip.step([POSE, POSE], 1e-3).wrench.shape == (2, 6)
+
+
+def test_units_fire_where_a_ball_presses(tip: ff.TactileFinger) -> None:
+    tip.reset()
+    tip.units.reset()
+    fired = sum(tip.units.step(ball(tip, 0.01 * k, 1e-3).strain, 1e-3) for k in range(100))
+    assert fired > 5
+
+
+def test_a_population_has_its_end_organs() -> None:
+    layout = ff.Grid(spacing=2.0, radius=3.0)
+    tip = ff.TactileFinger(FINGER, finite_strain=False, population=layout)
+    assert len(tip.sites.types) > 20
+    assert ball(tip, 0.6).strain.shape == (len(tip.sites.types), 6)
+
+
+def test_it_copies_and_pickles_by_recipe(tip: ff.TactileFinger) -> None:
+    tip.reset()
+    ball(tip, 0.6)
+    saved = pickle.dumps(tip)
+    assert len(saved) < 400_000
+    wanted = ball(tip, 0.8).wrench
+    for again in (pickle.loads(saved), copy.deepcopy(pickle.loads(saved))):
+        assert np.allclose(ball(again, 0.8).wrench, wanted, atol=1e-9)
