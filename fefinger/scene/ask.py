@@ -89,6 +89,8 @@ class Ask:
                 "ask.population: expected ask.spikes to name the types of its units, received none"
             )
         rule = None if self.population is None else self.population.rule
+        if not self.drives and rule is None and self.generator == GENERATORS[0]:
+            return  # a family leaves the defaults open, so that it need not be loaded
         chosen = {"drives": self.drives, "generator": self.generator, "rule": rule}
         for name in AFFERENTS[self.afferents].refused(**chosen):
             where = "ask.population." if name == "rule" else "ask."
