@@ -376,6 +376,7 @@ BRINGS = {
     "film": "`fefinger view --movie press.mp4`",
     "distributed": "studies on a Dask cluster (`fefinger study --scheduler`)",
     "neo": "spike trains as Neo segments (`result.spikes.to_neo()`)",
+    "mujoco": "a tactile finger in a MuJoCo model (`ff.mujoco.couple`)",
     "nwb": "spike trains as NWB files (`result.spikes.to_nwb()`)",
     "parquet": "tables of studies as Parquet files",
     "docs": "this documentation, built on your machine",
@@ -402,11 +403,13 @@ def check_api(docs):
     import re
 
     import fefinger
-    from fefinger import neural
+    from fefinger import mujoco, neural, shapes
 
     text = (docs / "api.md").read_text(encoding="utf-8")
     listed = set(re.findall(r"^   ([A-Za-z][\w.]+)$", text, re.M))
-    public = {*fefinger.__all__, *(f"neural.{name}" for name in neural.__all__)}
+    parts = {"mujoco": mujoco, "neural": neural, "shapes": shapes}
+    public = {f"{part}.{name}" for part, module in parts.items() for name in module.__all__}
+    public |= set(fefinger.__all__)
     if differing := listed ^ public:
         message = f"docs/api.md: expected every public name and no other, see {sorted(differing)}"
         raise ValueError(message)

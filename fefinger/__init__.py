@@ -139,7 +139,7 @@ _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 _MODULES = ("mujoco", "shapes")
 
-__all__ = sorted([*_HOME, *_MODULES])
+__all__ = sorted(_HOME)
 
 # For one version, and listed nowhere:
 _HOME |= dict.fromkeys(
@@ -166,4 +166,4 @@ def __getattr__(name: str) -> "Any":
 def __dir__() -> list[str]:
     """List the public names and the attributes of every module."""
     attributes = [name for name in globals() if name.startswith("__")]
-    return sorted([*attributes, *__all__])
+    return sorted([*attributes, *_MODULES, *__all__])

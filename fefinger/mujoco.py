@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     import mujoco
 
 
+__all__ = ["Coupling", "couple"]
+
 MM = 1e3
 """Millimeters in a meter, and N mm in N m."""
 

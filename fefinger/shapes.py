@@ -22,6 +22,20 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, set_number
 
 
+__all__ = [
+    "Box",
+    "Capsule",
+    "Cylinder",
+    "Ellipsoid",
+    "Plane",
+    "Sampled",
+    "Shape",
+    "Sphere",
+    "function",
+    "mesh",
+    "sampled",
+]
+
 MARGIN = 0.8
 """Distance in mm that a grid goes beyond the surface: farther than skin feels an object."""
 
