@@ -166,4 +166,4 @@ def __getattr__(name: str) -> "Any":
 def __dir__() -> list[str]:
     """List the public names and the attributes of every module."""
     attributes = [name for name in globals() if name.startswith("__")]
-    return sorted([*attributes, *_MODULES, *__all__])
+    return sorted([*attributes, *__all__])

@@ -57,6 +57,11 @@ class Shape(ABC):
     def row(self) -> tuple[int, tuple[float, ...]]:
         """Kind and sizes, as of `contact.signed_distance.Shapes`."""
 
+    @property
+    def grid(self) -> "Sampled | None":
+        """The object itself where its distances are samples."""
+        return None
+
     def distance(self, points: ArrayLike) -> Array:
         """Return the signed distance (n,) mm of points (n, 3) in the frame of the object."""
         places = np.array(points, float).reshape(-1, 3)
@@ -173,6 +178,11 @@ class Sampled(Shape):
     pitch: float
 
     @property
+    def grid(self) -> "Sampled":
+        """The object itself."""
+        return self
+
+    @property
     def row(self) -> tuple[int, tuple[float, ...]]:
         """Kind and sizes."""
         return signed_distance.SAMPLED, ()
@@ -246,7 +256,7 @@ def mesh(path: str | PathLike[str], *, pitch: float = 0.25) -> Sampled:
 def packed(shapes: Sequence[Shape]) -> Shapes:
     """Return some objects as compiled code reads them."""
     count = len(shapes)
-    grids = [each if isinstance(each, Sampled) else None for each in shapes]
+    grids = [each.grid for each in shapes]
     sizes = np.zeros((count, 4))
     for row, each in zip(sizes, shapes, strict=True):
         row[: len(each.row[1])] = each.row[1]

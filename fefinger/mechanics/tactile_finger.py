@@ -8,7 +8,6 @@ Small strain about the undeformed pad, with pressure along the objects' normals,
 and the finger's relaxation; what finite strain adds is a factor by the deepest penetration.
 """
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -22,6 +21,7 @@ from fefinger.contact import active_set, posed
 from fefinger.contact.coulomb import CoulombSolver
 from fefinger.contact.posed import UNSOLVED, Factors, Pad
 from fefinger.contact.signed_distance import Shapes
+from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press import operator
 from fefinger.mechanics.press.pad_compliance import pad_compliance
@@ -38,7 +38,6 @@ from fefinger.scene.population import Layout
 from fefinger.shapes import Plane, Shape, packed
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import ConvergenceError, InputError, choice, integer, number
-from fefinger.support.inputs import read_report
 from fefinger.support.processes import threads
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.threads import together
@@ -417,7 +416,7 @@ def measured_errors() -> tuple[Array, Array]:
 
     That which 95 % of the presses of REPORT keep, on loading and after it.
     """
-    measured = json.loads(read_report(REPORT))
+    measured = read(REPORT)
     rows = np.array([[row["loading"], row["later"]] for row in measured["rows"]])
     return np.array(measured["bands_mm"][1:]), np.quantile(rows.max(axis=1), QUANTILE, axis=0)
 

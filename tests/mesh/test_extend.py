@@ -108,6 +108,6 @@ def test_a_whole_finger_is_continued_as_its_halves(pair: tuple[FingerMesh, Finge
 
 def test_its_source_differs_from_that_of_the_mesh(pair: tuple[FingerMesh, FingerMesh]) -> None:
     mesh, longer = pair
-    assert longer.source_sha256 == extend.continued_source(mesh.source_sha256)
+    assert longer.source_sha256 == extend.continuation_source(mesh.source_sha256)
     assert longer.source_sha256 != mesh.source_sha256
     assert longer.fingerprint != mesh.fingerprint

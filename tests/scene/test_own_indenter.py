@@ -268,7 +268,7 @@ def test_a_saved_result_loads_its_plugin_in_another_process(
 
 def test_the_command_line_knows_it(folder: Path) -> None:
     asked = CliRunner().invoke(cli, ["explain", str(folder / "mine.toml")])
-    assert "no object of kind 'key-edge' was pressed" in str(asked.exception)
+    assert "its error here is not known: no press like it was measured" in str(asked.exception)
     written = CliRunner().invoke(cli, ["scenes", str(folder / "mine.toml"), "--schema"])
     assert '"key-edge"' in written.output
 

@@ -43,19 +43,23 @@ LONG = 40.0
 """Length in mm of cylinders and bars, which reach beyond the finger."""
 
 
-def objects() -> Iterator[tuple[Indenter, Shape, float]]:
-    """Give every object as of a scene, as of the tactile finger, and the height of its center."""
+def objects() -> Iterator[tuple[Indenter, Shape, float, list[int]]]:
+    """Give every object as of a scene, as of the tactile finger, and how this one lies.
+
+    That is: the height of its center in mm, and which axes of the obstacle are its own.
+    """
+    upright, lying = [0, 1, 2], [2, 0, 1]
     for angle in PLATES:
-        yield Flat(angle), shapes.Plane(), 0.0
+        yield Flat(angle), shapes.Plane(), 0.0, upright
     for radius in BALLS:
-        yield Sphere(radius), shapes.Sphere(radius), radius
+        yield Sphere(radius), shapes.Sphere(radius), radius, upright
     for place in ((-4.0, 0.0), (-2.0, 2.0), (-7.0, -1.0)):
-        yield Sphere(6.0, at=place), shapes.Sphere(6.0), 6.0
+        yield Sphere(6.0, at=place), shapes.Sphere(6.0), 6.0, upright
     for radius, roll in ((4.0, 0.0), (8.0, 90.0), (5.0, 45.0)):
-        yield Cylinder(radius, roll=roll), shapes.Cylinder(radius, LONG), radius
+        yield Cylinder(radius, roll=roll), shapes.Cylinder(radius, LONG), radius, lying
     for width, roll in ((3.0, 0.0), (5.0, 90.0)):
-        yield Bar(width, 0.5, roll=roll), shapes.Box(width, LONG, 6.0, edge=0.5), 3.0
-    yield Pin(6.0, 1.0), shapes.Cylinder(3.0, 6.0, edge=1.0), 3.0
+        yield Bar(width, 0.5, roll=roll), shapes.Box(width, LONG, 6.0, edge=0.5), 3.0, upright
+    yield Pin(6.0, 1.0), shapes.Cylinder(3.0, 6.0, edge=1.0), 3.0, upright
 
 
 def motions(number: int) -> Trapezoid:
@@ -65,16 +69,19 @@ def motions(number: int) -> Trapezoid:
 
 
 def row(
-    tip: TactileFinger, given: Indenter, shape: Shape, height: float, motion: Trapezoid
+    tip: TactileFinger,
+    given: Indenter,
+    shape: Shape,
+    height: float,
+    axes: list[int],
+    motion: Trapezoid,
 ) -> dict[str, Any]:
     """Press the tactile finger as `solid` is pressed; return the errors of its force."""
     ask = Ask(spikes=(), fields=False)
     scene = Scene(finger=tip.finger, indenter=given, motion=motion, ask=ask)
     result = pipeline.run(scene, mechanics="solid")
     placed = obstacle(given, solid(whole(load_or_build(tip.finger, half=True)), (1, 2)))
-    frame = placed.frame.T
-    if isinstance(shape, shapes.Cylinder) and isinstance(given, Cylinder):
-        frame = frame[:, [2, 0, 1]]  # its axis lies along v of the profile
+    frame = placed.frame.T[:, axes]
     axis, origin = placed.axis, placed.origin
     tip.reset()
     force = []
@@ -111,8 +118,8 @@ if __name__ == "__main__":
         finger = Finger.subject("a.h.", resolution="coarse", tissue=tissue)
         tip = TactileFinger(finger, deepest=DEEPEST)
         chosen = list(objects())
-        for number, (given, shape, height) in enumerate(chosen):
+        for number, each in enumerate(chosen):
             if tissue is None or number % 4 == 0:
-                rows.append(row(tip, given, shape, height, motions(number)))
+                rows.append(row(tip, *each, motions(number)))
                 print(rows[-1], flush=True)
     save(Path(sys.argv[1]) / REPORT, {"bands_mm": list(BANDS), "rows": rows})
