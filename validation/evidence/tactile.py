@@ -122,4 +122,5 @@ if __name__ == "__main__":
             if tissue is None or number % 4 == 0:
                 rows.append(row(tip, *each, motions(number)))
                 print(rows[-1], flush=True)
-    save(Path(sys.argv[1]) / REPORT, {"bands_mm": list(BANDS), "rows": rows})
+    about = "Errors of the force of the tactile finger beside `solid`, by object and depth"
+    save(Path(sys.argv[1]) / REPORT, {"about": about, "bands_mm": list(BANDS), "rows": rows})
