@@ -2,8 +2,8 @@
 The mechanics compared: error against time
 ==========================================
 
-Pareto front of error and time: medians over the scenes of ``reports/held-out.json``, which
-were drawn at random.
+Pareto front of error and time: medians over the timed scenes of ``reports/held-out.json``,
+which were drawn at random.
 """
 
 import json
@@ -19,9 +19,9 @@ from fefinger.results.candidate import MECHANICS
 
 report = json.loads((Path(fefinger.reports.__path__[0]) / "held-out.json").read_text())
 measured = {}
-for scene, errors in report["errors"].items():
-    for name, each in errors.items():
-        measured.setdefault(name, []).append((report["taken"][scene][name], each["force"]))
+for scene, taken in report["taken"].items():
+    for name, each in report["errors"][scene].items():
+        measured.setdefault(name, []).append((taken[name], each["force"]))
 
 fig, axis = plt.subplots(figsize=(7, 4), layout="constrained")
 for name, rows in measured.items():
