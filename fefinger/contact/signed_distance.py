@@ -145,8 +145,9 @@ def distance(s: Shapes, b: int, x: float, y: float, z: float) -> tuple[float, ..
 def distances(s: Shapes, b: int, points: Array) -> Array:
     """Return the distances in mm of points (n, 3) from object `b`, and their gradients: (n, 4)."""
     found = np.empty((len(points), 4))
-    for row, point in zip(found, points):  # noqa: B905 (compiled)
-        row[0], row[1], row[2], row[3] = distance(s, b, point[0], point[1], point[2])
+    for j in range(len(points)):
+        x, y, z = points[j, 0], points[j, 1], points[j, 2]
+        found[j, 0], found[j, 1], found[j, 2], found[j, 3] = distance(s, b, x, y, z)
     return found
 
 

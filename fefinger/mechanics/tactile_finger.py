@@ -10,7 +10,7 @@ and the finger's relaxation; what finite strain adds is a factor by the deepest 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -175,7 +175,7 @@ class TactileFinger:
             solid = operator.operator(finger, half=False, progress=report)
         if sites is None:
             ask = Ask(spikes=TYPES, population=population)
-            skin = lambda: meshed(solid.space.points, solid.pad, solid.normals, half=False)  # noqa: E731
+            skin = partial(meshed, solid.space.points, solid.pad, solid.normals, half=False)
             sites = end_organ_sites(ask, finger.pulp, np.zeros(3), direction(STANDARD), skin)
         self.sites = sites
         made = pad_compliance(finger, solid, sites, np.float32 if single else np.float64)
@@ -195,8 +195,12 @@ class TactileFinger:
     def _finite_strain(self, progress: Progress | None) -> Factors:
         """Return t: relaxed forces of plates at finite strain over those of this pad.
 
-        The tables of the plates are those of the mechanics `pressed`, read or solved and kept.
+        The tables of the plates are those of the mechanics `pressed`, read or solved and kept; they
+        are without friction, and so is the pad that is compared.
         """
+        pad = TactileFinger(
+            self.finger, deepest=2 * self.deepest, sites=self.sites, finite_strain=False
+        )
         depths = self.deepest * np.linspace(0.0, 1.0, DEPTHS + 1)
         values = np.ones((len(ANGLES), len(depths)))
         for row, angle in zip(values, ANGLES, strict=True):
@@ -205,10 +209,10 @@ class TactileFinger:
             normal = rotation[:, 2]
             for k, depth in enumerate(depths.tolist()[1:], 1):
                 pose = Plane(), rotation, touch + depth * normal
-                along = float(self.step([pose], RELAXED).wrench[0, :3] @ normal)
+                along = float(pad.step([pose], RELAXED).wrench[0, :3] @ normal)
                 row[k] = table.rest(RELAXED, depth=depth).force / along
             row[0] = row[1]
-        self._rest()
+            pad.reset()
         return Factors(np.array(ANGLES), depths, values)
 
     def __repr__(self) -> str:

@@ -221,14 +221,14 @@ class Recorded(Family):
         return {kind: unit.drive for kind, unit in fitted().items()}
 
     @property
-    def lengths(self) -> Mapping[str, float]:  # type: ignore[override]
+    def lengths(self) -> Mapping[str, float]:  # type: ignore[override]  # read at first use
         """Lengths of the fit: mm of travel of a pin 1 mm wide."""
         from fefinger.neural.recorded import fitted
 
         return {kind: unit.length for kind, unit in fitted().items()}
 
     @property
-    def corners(self) -> Mapping[str, float]:  # type: ignore[override]
+    def corners(self) -> Mapping[str, float]:  # type: ignore[override]  # read at first use
         """Corners of the filters in Hz."""
         from fefinger.neural.recorded import fitted
 
@@ -281,7 +281,7 @@ class Thesis(Family):
     membranes = True
 
     @property
-    def corners(self) -> Mapping[str, float]:  # type: ignore[override]
+    def corners(self) -> Mapping[str, float]:  # type: ignore[override]  # read at first use
         """Fastest poles of the filters in Hz."""
         from fefinger.neural.endorgans import END_ORGANS
 

@@ -44,7 +44,8 @@ class Touch:
     mm²; pressure (n,) kPa and traction (n, 3) kPa at the vertices of the pad; slip (n, 3) mm of the
     skin over the object in this step; touched (n,): the object near each vertex, or -1; valid:
     whether the step is within what the finger can answer, else `reason` says why not; error: of
-    the force, relative, as measured in presses like it (nan: not known).
+    the force, over the largest so far: what 95 % of 28 presses of a.h. without friction keep at
+    this depth, whatever finger and object this is (nan: deeper, or small strain alone).
     """
 
     wrench: Array

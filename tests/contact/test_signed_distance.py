@@ -1,5 +1,6 @@
 """Signed distances of objects, and rays to them."""
 
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -132,9 +133,9 @@ def test_beyond_a_grid_the_distance_grows() -> None:
         lambda: ff.shapes.function(lambda p: p[:, 2], [-100] * 3, [100] * 3, pitch=0.01),
     ],
 )
-def test_what_is_no_object_is_refused(make: object) -> None:
+def test_what_is_no_object_is_refused(make: Callable[[], object]) -> None:
     with pytest.raises(InputError):
-        make()  # type: ignore[operator]
+        make()
 
 
 def test_a_surface_from_a_file_is_that_object(tmp_path: Path) -> None:

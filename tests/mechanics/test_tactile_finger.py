@@ -2,15 +2,17 @@
 
 import copy
 import pickle
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 import fefinger as ff
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.tactile_finger import measured_errors, under
+from fefinger.results.touch import Touch
 from fefinger.scene.indenter import direction
 from fefinger.support.checks import InputError
 
@@ -37,12 +39,20 @@ def tip(request: pytest.FixtureRequest) -> ff.TactileFinger:
     return ff.TactileFinger(FINGER, friction=request.param, finite_strain=False)
 
 
-def plate(tip, depth, dt=5e-3, shift=(0, 0), touch=(0, 0, 0)):  # type: ignore[no-untyped-def]
+def plate(
+    tip: ff.TactileFinger,
+    depth: float,
+    dt: float = 5e-3,
+    shift: Sequence[float] = (0, 0),
+    touch: ArrayLike = (0, 0, 0),
+) -> Touch:
     across = frame(direction(ff.Flat(30.0)))[:2].T @ np.asarray(shift, float)
-    return tip.step([(ff.shapes.Plane(), PLATE, touch + depth * NORMAL + across)], dt)
+    return tip.step([(ff.shapes.Plane(), PLATE, np.asarray(touch) + depth * NORMAL + across)], dt)
 
 
-def ball(tip: ff.TactileFinger, depth: float, dt: float = 5e-3, shift=(0, 0, 0)):  # type: ignore[no-untyped-def]
+def ball(
+    tip: ff.TactileFinger, depth: float, dt: float = 5e-3, shift: ArrayLike = (0, 0, 0)
+) -> Touch:
     return tip.step([(BALL, np.eye(3), (depth - 6.0) * NORMAL + np.asarray(shift, float))], dt)
 
 
@@ -284,6 +294,18 @@ def test_finite_strain_stiffens_the_plate_of_its_table_and_states_an_error() -> 
     assert np.isnan(soft.error)
 
 
+def test_friction_worlds_and_strictness_change_no_factor_of_finite_strain() -> None:
+    finger = ff.Finger.subject("a.h.", resolution="coarse")
+    plain = ff.TactileFinger(finger, deepest=0.6)
+    other = ff.TactileFinger(finger, deepest=0.6, friction=0.6, worlds=2, strict=True)
+    places = 0.5 * NORMAL * np.ones((2, 1))
+    touch = other.step([(ff.shapes.Plane(), PLATE, places)], 1e-3)
+    assert touch.wrench.shape == (2, 1, 6)
+    still = plate(plain, 0.5, 1e-3)
+    assert np.allclose(touch.stiffness, still.stiffness, rtol=1e-9)
+    assert still.stiffness > 1.0
+
+
 def test_stated_errors_grow_with_depth_and_hold_in_the_presses_they_come_from() -> None:
     ends, errors = measured_errors()
     assert len(ends) == len(errors) == 6
@@ -330,7 +352,7 @@ def test_what_is_no_pose_is_refused_and_changes_nothing(
     tip.reset()
     before = ball(tip, 0.5).wrench
     with pytest.raises(InputError, match="objects"):
-        tip.step(objects, 1e-3)  # type: ignore[arg-type]
+        tip.step(objects, 1e-3)  # type: ignore[arg-type]  # what the types forbid is refused too
     with pytest.raises(InputError, match="dt"):
         tip.step([POSE], -1.0)
     assert np.allclose(ball(tip, 0.5, 1e-9).wrench, before, rtol=1e-6)
