@@ -42,9 +42,10 @@ def prony_history(branches: tuple[Array, Array], size: int) -> PronyHistory:
 
 
 @njit(cache=True, inline="always")
-def _gain(m: PronyHistory, k: int, dt: float) -> float:
-    exponent = m.rates[k] * dt
-    return m.weights[k] * (-np.expm1(-exponent) / exponent if exponent > 0.0 else 1.0)
+def gain(weight: float, rate: float, dt: float) -> float:
+    """Return the stress of a Prony term per strain that grows linearly over a step of `dt` s."""
+    exponent = rate * dt
+    return weight * (-np.expm1(-exponent) / exponent if exponent > 0.0 else 1.0)
 
 
 @njit(cache=True)
@@ -54,8 +55,8 @@ def load_history(m: PronyHistory, dt: float) -> float:
     m.past[:] = 0.0
     m.moved_past[:] = 0.0
     for k in range(len(m.rates)):
-        gain, decay = _gain(m, k, dt), np.exp(-m.rates[k] * dt)
-        total += gain
+        total += gain(m.weights[k], m.rates[k], dt)
+        decay = np.exp(-m.rates[k] * dt)
         for j in range(len(m.past)):
             m.past[j] += decay * m.terms[k, j]
             m.moved_past[j] += decay * m.moved_terms[k, j]
@@ -69,11 +70,11 @@ def load_history(m: PronyHistory, dt: float) -> float:
 def store_history(m: PronyHistory, stress: Array, moved: Array, dt: float, g: float) -> None:
     """Update the internal variables with the stress p and F p (n,) at the end of a step."""
     for k in range(len(m.rates)):
-        gain, decay = _gain(m, k, dt), np.exp(-m.rates[k] * dt)
+        part, decay = gain(m.weights[k], m.rates[k], dt), np.exp(-m.rates[k] * dt)
         for j in range(len(m.past)):
             y, z = (stress[j] - m.past[j]) / g, (moved[j] - m.moved_past[j]) / g
-            m.terms[k, j] = decay * m.terms[k, j] + gain * (y - m.elastic[j])
-            m.moved_terms[k, j] = decay * m.moved_terms[k, j] + gain * (z - m.moved_elastic[j])
+            m.terms[k, j] = decay * m.terms[k, j] + part * (y - m.elastic[j])
+            m.moved_terms[k, j] = decay * m.moved_terms[k, j] + part * (z - m.moved_elastic[j])
     for j in range(len(m.past)):
         m.elastic[j] = (stress[j] - m.past[j]) / g
         m.moved_elastic[j] = (moved[j] - m.moved_past[j]) / g

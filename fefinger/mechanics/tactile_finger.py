@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
-from fefinger.contact import active_set, posed
+from fefinger.contact import active_set, pad_worlds, posed
 from fefinger.contact.coulomb import CoulombSolver
-from fefinger.contact.posed import UNSOLVED, Factors, Pad
+from fefinger.contact.pad_worlds import UNSOLVED, Factors, Moves, Pad
 from fefinger.contact.signed_distance import Shapes
 from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.loop import Loop
@@ -182,10 +182,10 @@ class TactileFinger:
         self.pad = pad = made.pad
         self._maps = Maps(pad.compliance, made.strain, self.taxels.weights(pad), pad.areas)
         self._bodies = -1
-        self._solvers: list[tuple[Any, posed.Work]] = []
+        self._solvers: list[tuple[Any, pad_worlds.Work]] = []
         self._kept = False
-        self._state: posed.Worlds
-        self._out: posed.Readings
+        self._state: pad_worlds.Worlds
+        self._out: pad_worlds.Readings
         self._made: tuple[tuple[Shape, ...], Shapes] | None = None
         self._factors = Factors(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.ones((2, 2)))
         self._rest()
@@ -270,21 +270,17 @@ class TactileFinger:
     def _advance(self, shapes: Shapes, rotation: Array, place: Array, dt: float) -> None:
         size = -(-self.worlds // len(self._solvers))
         kept, pad, state, out = self._kept and self.worlds == 1, self.pad, self._state, self._out
-        factors, deepest = self._factors, self.deepest
+        move = Moves(shapes, rotation, place, dt, self.deepest, self._factors)
 
         def part(number: int) -> None:
             solver, work = self._solvers[number]
             first, last = number * size, min((number + 1) * size, self.worlds)
             if self.friction:
                 posed.step_with_friction(
-                    *(solver, pad, shapes, rotation, place, state, out, work, first, last, dt),
-                    *(factors, deepest, self.friction),
+                    solver, pad, move, state, out, work, first, last, self.friction
                 )
             else:
-                posed.step_without_friction(
-                    *(solver, pad, shapes, rotation, place, state, out, work, first, last, dt),
-                    *(factors, deepest, kept),
-                )
+                posed.step_without_friction(solver, pad, move, state, out, work, first, last, kept)
 
         together(part, range(len(self._solvers)))
         self._kept = True
@@ -294,15 +290,15 @@ class TactileFinger:
         bodies = out.bodies[pick]
         return Touch(
             wrench=bodies[..., :6].copy(),
-            depth=bodies[..., posed.DEPTH].copy(),
-            contact_area=bodies[..., posed.AREA].copy(),
-            stick_area=bodies[..., posed.STICK].copy(),
+            depth=bodies[..., pad_worlds.DEPTH].copy(),
+            contact_area=bodies[..., pad_worlds.AREA].copy(),
+            stick_area=bodies[..., pad_worlds.STICK].copy(),
             pressure=out.pressure[pick].copy(),
             traction=out.traction[pick].copy(),
             slip=out.slip[pick].copy(),
             touched=out.touched[pick].copy(),
             verdict=np.array(out.verdict[pick]),
-            error=np.asarray(self._error(bodies[..., posed.DEPTH].max(axis=-1, initial=0.0))),
+            error=np.asarray(self._error(bodies[..., pad_worlds.DEPTH].max(axis=-1, initial=0.0))),
             linear=state.linear[pick].copy(),
             frame=out.frame[pick].copy(),
             hit=out.hit[pick].copy(),
@@ -359,18 +355,18 @@ class TactileFinger:
     def _allocate(self, bodies: int) -> None:
         """Make room for so many objects; those of before are forgotten, the pad's past is not."""
         self._bodies = bodies
-        empty = posed.worlds(self.worlds, self.pad, bodies, 3 if self.friction else 1)
+        empty = pad_worlds.worlds(self.worlds, self.pad, bodies, 3 if self.friction else 1)
         self._state = self._state._replace(
             rotation=empty.rotation, place=empty.place, stepped=empty.stepped
         )
-        self._out = posed.readings(self.worlds, self.pad, bodies)
+        self._out = pad_worlds.readings(self.worlds, self.pad, bodies)
 
     def _rest(self) -> None:
         """Allocate everything at rest."""
         components, n = 3 if self.friction else 1, len(self.pad.areas)
         self._bodies = 0
-        self._state = posed.worlds(self.worlds, self.pad, 0, components)
-        self._out = posed.readings(self.worlds, self.pad, 0)
+        self._state = pad_worlds.worlds(self.worlds, self.pad, 0, components)
+        self._out = pad_worlds.readings(self.worlds, self.pad, 0)
         self._kept = False
         if not self._solvers:
             flexibility = np.zeros((components * n, components * n))
@@ -378,7 +374,7 @@ class TactileFinger:
                 solver: Any = active_set.lcp_state(flexibility)
                 if self.friction:
                     solver = CoulombSolver(flexibility, self.friction)
-                self._solvers.append((solver, posed.work(self.pad, components)))
+                self._solvers.append((solver, pad_worlds.work(self.pad, components)))
 
     def state(self) -> TouchState:
         """Return a copy of the state of all worlds."""

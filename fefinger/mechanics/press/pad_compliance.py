@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from scipy import sparse
 
-from fefinger.contact.posed import Pad
+from fefinger.contact.pad_worlds import Pad
 from fefinger.fem.condensation import Operator
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import candidates, directed, patch

@@ -1,0 +1,189 @@
+"""Where objects at any pose are near the skin of a pad, and the contact problem there.
+
+A ray along the normal of the skin finds the nearest object; gap and pressure are along the object's
+normal at the hit. F = d . A . d of the near vertices is the flexibility in these directions.
+"""
+
+import numpy as np
+
+from fefinger.contact.pad_worlds import Pad, Work
+from fefinger.contact.signed_distance import Shapes, distance, ray
+from fefinger.support.arrays import Array, Integers
+from fefinger.support.compiled import njit
+
+
+@njit(cache=True)
+def nearest(
+    pad: Pad,
+    shapes: Shapes,
+    rotation: Array,
+    place: Array,
+    touched: Integers,
+    d: Array,
+    m: Work,
+    near: float,
+) -> None:
+    """Find the nearest object of every vertex.
+
+    d (n, 3): the object's outward normal, which is the direction of the pressure.
+    """
+    m.found[0] = 0
+    for j in range(len(m.gap)):
+        m.ahead[j], touched[j] = near, -1
+        point = pad.points[j, 0], pad.points[j, 1], pad.points[j, 2]
+        normal = pad.normals[j, 0], pad.normals[j, 1], pad.normals[j, 2]
+        for b in range(len(shapes.kind)):
+            hit, far, x, y, z = ray(shapes, b, rotation, place, point, normal, near)
+            if hit and far < m.ahead[j]:
+                m.ahead[j], touched[j] = far, b
+                d[j, 0], d[j, 1], d[j, 2] = x, y, z
+        m.near[j] = touched[j] >= 0
+        if m.near[j]:
+            m.listed[m.found[0]] = j
+            m.found[0] += 1
+
+
+@njit(cache=True)
+def gaps(
+    pad: Pad,
+    shapes: Shapes,
+    rotation: Array,
+    place: Array,
+    touched: Integers,
+    hit: Array,
+    m: Work,
+    near: float,
+) -> None:
+    """Weight the gaps (n,) along the objects' normals, and the places of contact, by the hats."""
+    m.gap[:] = 0.0
+    hit[:] = 0.0
+    for k in range(len(pad.owner)):
+        for c in range(3):
+            j = pad.owner[k, c]
+            if j < 0 or touched[j] < 0:
+                continue
+            b = touched[j]
+            for other in range(c):  # of the same object: done with that corner
+                i = pad.owner[k, other]
+                if i >= 0 and touched[i] == b:
+                    b = -1
+                    break
+            if b >= 0:
+                _triangle(pad, shapes, rotation, place, touched, hit, m, near, k, c, b)
+
+
+@njit(cache=True)
+def _triangle(
+    pad: Pad,
+    shapes: Shapes,
+    rotation: Array,
+    place: Array,
+    touched: Integers,
+    hit: Array,
+    m: Work,
+    near: float,
+    k: int,
+    first: int,
+    b: int,
+) -> None:
+    """Add the gaps of triangle `k` to object `b`, which its corners from `first` on touch."""
+    for q in range(pad.places.shape[1]):
+        point = pad.places[k, q, 0], pad.places[k, q, 1], pad.places[k, q, 2]
+        normal = pad.skin[k, q, 0], pad.skin[k, q, 1], pad.skin[k, q, 2]
+        found, far, x, y, z = ray(shapes, b, rotation, place, point, normal, near)
+        gap = -far * (x * normal[0] + y * normal[1] + z * normal[2]) if found else near
+        far = far if found else 0.0
+        for c in range(first, 3):
+            j = pad.owner[k, c]
+            if j >= 0 and touched[j] == b:
+                weight = pad.hats[k, c, q]
+                m.gap[j] += weight * gap
+                hit[j, 0] += weight * (point[0] + far * normal[0])
+                hit[j, 1] += weight * (point[1] + far * normal[1])
+                hit[j, 2] += weight * (point[2] + far * normal[2])
+
+
+@njit(cache=True, fastmath={"contract", "reassoc"})
+def moved(pad: Pad, traction: Array, m: Work, out: Array) -> None:
+    """Compute A t at the near vertices; t (3n,) is zero at most others."""
+    n = len(m.gap)
+    loaded, k = np.empty(n, dtype=np.int64), 0
+    for j in range(n):
+        if traction[3 * j] != 0.0 or traction[3 * j + 1] != 0.0 or traction[3 * j + 2] != 0.0:
+            loaded[k] = j
+            k += 1
+    for a in range(m.found[0]):
+        for c in range(3):
+            row, total = pad.compliance[3 * m.listed[a] + c], 0.0
+            for b in range(k):
+                j = 3 * loaded[b]
+                total += (
+                    row[j] * traction[j]
+                    + row[j + 1] * traction[j + 1]
+                    + row[j + 2] * traction[j + 2]
+                )
+            out[3 * m.listed[a] + c] = total
+
+
+@njit(cache=True)
+def frames(frame: Array, m: Work) -> None:
+    """Complete the directions of pressure to frames.
+
+    Duff et al., J. Comput. Graph. Tech. 6:1, 2017.
+    """
+    for a in range(m.found[0]):
+        j = m.listed[a]
+        x, y, z = frame[0, j, 0], frame[0, j, 1], frame[0, j, 2]
+        sign = np.copysign(1.0, z)
+        p = -1.0 / (sign + z)
+        q = x * y * p
+        frame[1, j, 0], frame[1, j, 1], frame[1, j, 2] = 1.0 + sign * x * x * p, sign * q, -sign * x
+        frame[2, j, 0], frame[2, j, 1], frame[2, j, 2] = q, sign + y * y * p, -y
+
+
+@njit(cache=True, fastmath={"contract"})
+def project(flexibility: Array, pad: Pad, frame: Array, m: Work, components: int) -> None:
+    """Set the rows and columns of near vertices to F = d . A . d, in each of their directions."""
+    n, turned = len(m.gap), np.empty((3, 3))
+    for j in range(n):  # what is near no more takes no part
+        if not m.near[j] and flexibility[j, j] != 0.0:
+            for a in range(components):
+                flexibility[a * n + j] = 0.0
+                flexibility[:, a * n + j] = 0.0
+    for p in range(m.found[0]):
+        i = m.listed[p]
+        r0, r1, r2 = pad.compliance[3 * i], pad.compliance[3 * i + 1], pad.compliance[3 * i + 2]
+        for q in range(p + 1):
+            j = m.listed[q]
+            k = 3 * j
+            for a in range(components):
+                x, y, z = frame[a, i, 0], frame[a, i, 1], frame[a, i, 2]
+                turned[a, 0] = x * r0[k] + y * r1[k] + z * r2[k]
+                turned[a, 1] = x * r0[k + 1] + y * r1[k + 1] + z * r2[k + 1]
+                turned[a, 2] = x * r0[k + 2] + y * r1[k + 2] + z * r2[k + 2]
+            for a in range(components):
+                for b in range(components):
+                    value = (
+                        turned[a, 0] * frame[b, j, 0]
+                        + turned[a, 1] * frame[b, j, 1]
+                        + turned[a, 2] * frame[b, j, 2]
+                    )
+                    flexibility[a * n + i, b * n + j] = value
+                    flexibility[b * n + j, a * n + i] = value
+
+
+@njit(cache=True)
+def jumped(
+    pad: Pad, shapes: Shapes, rotation: Array, place: Array, was: Array, deepest: float
+) -> bool:
+    """Whether an object was deeper than `deepest` mm in the skin on its way here."""
+    for b in range(len(shapes.kind)):
+        path = place[b] - was[b]
+        parts = int(2.0 * np.sqrt((path * path).sum()) / deepest)
+        for k in range(1, parts):
+            at = was[b] + k / parts * path
+            for j in range(len(pad.areas)):
+                x = rotation[b].T @ (pad.points[j] - at)
+                if distance(shapes, b, x[0], x[1], x[2])[0] < -deepest:
+                    return True
+    return False
