@@ -1,11 +1,18 @@
 """Functions that numba compiles, and keeps for later processes where a folder can be written."""
 
+import re
+import sys
 from collections.abc import Callable
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
 
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+IMPORTS = re.compile(r"^(?:from|import) +([\w.]+)(?: +import +(\([^)]*\)|.*))?", re.MULTILINE)
 
 _not_kept: list[Any] = []
 
@@ -16,18 +23,50 @@ def njit(**options: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:
     To type checkers it is the function as before.
 
     Where neither the folder of the package nor the user's cache can be written, `cache=True` is no
-    error: every process compiles the function again, as `notice` says.
+    error: every process compiles the function again, as `notice` says. What was kept counts as long
+    as the file of the function and the files of its package that it imports are the same.
     """
     import numba
 
     def compiled(function: Callable[P, R]) -> Callable[P, R]:
         try:
-            return cast(Callable[P, R], numba.njit(**options)(function))
+            kept = numba.njit(**options)(function)
         except RuntimeError:  # "cannot cache function"
             _not_kept.append(function)
             return cast(Callable[P, R], numba.njit(**(options | {"cache": False}))(function))
+        if options.get("cache"):
+            # numba looks at the file of the function alone, and not at what it calls: after an
+            # update of the package old code of an imported function would go on in silence.
+            kept._cache._cache_file._source_stamp = _sources(function.__module__)
+        return cast(Callable[P, R], kept)
 
     return compiled
+
+
+@cache
+def _sources(module: str) -> str:
+    """Return a checksum of a module and all modules of its package that it imports."""
+    found: dict[str, str] = {}
+    waiting = [module]
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found[name], imported = _module(name)
+            waiting += imported
+    return sha256("".join(found[name] for name in sorted(found)).encode()).hexdigest()
+
+
+@cache
+def _module(name: str) -> tuple[str, list[str]]:
+    """Return the checksum of a module, and the modules of the same package that it imports."""
+    file = getattr(sys.modules[name], "__file__", None)
+    text = Path(file).read_text(encoding="utf-8") if file else ""
+    package, imported = name.partition(".")[0], []
+    for source, names in IMPORTS.findall(text):
+        if source.partition(".")[0] == package:
+            words = re.findall(r"\w+", names)
+            imported += [source, *(f"{source}.{word}" for word in words)]
+    return sha256(text.encode()).hexdigest(), [one for one in imported if one in sys.modules]
 
 
 def callback(function: Callable[..., Any], numbers: int, results: int) -> Any:

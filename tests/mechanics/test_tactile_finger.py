@@ -207,9 +207,12 @@ def test_the_tangent_is_the_derivative_of_the_wrench(friction: float) -> None:
 def test_an_object_twice_and_one_out_of_reach_change_nothing(tip: ff.TactileFinger) -> None:
     tip.reset()
     alone = plate(tip, 0.8)
-    for other in ((ff.shapes.Plane(), PLATE, 0.8 * NORMAL), (BALL, np.eye(3), [0, 0, -30.0])):
+    near = ff.shapes.Plane(), PLATE, 0.8 * NORMAL
+    behind = ff.shapes.Plane(), PLATE, 0.3 * NORMAL
+    away = BALL, np.eye(3), [0, 0, -30.0]
+    for pair in ([near, near], [near, behind], [behind, near], [near, away]):
         tip.reset()
-        both = tip.step([(ff.shapes.Plane(), PLATE, 0.8 * NORMAL), other], 5e-3)
+        both = tip.step(pair, 5e-3)
         assert np.allclose(both.wrench.sum(axis=0), alone.wrench[0], atol=1e-9)
         assert np.allclose(both.pressure, alone.pressure, atol=1e-7)
 
@@ -233,6 +236,52 @@ def test_two_objects_share_one_pad(tip: ff.TactileFinger) -> None:
     assert (softer < 1.0).all()
     assert (softer > 0.6).all()
     assert both.wrench[:, 2].sum() == pytest.approx(both.taxels[:, 2].sum(), abs=1e-12)
+
+
+def test_the_tangent_of_an_object_holds_the_other_one() -> None:
+    """Of two plates, as of two fingers of a gripper: by differences of its own motion alone."""
+    tip = ff.TactileFinger(ELASTIC, finite_strain=False)
+
+    def step(moved: float) -> Touch:
+        tip.reset()
+        one = (ff.shapes.Plane(), PLATE, (0.8 + moved) * NORMAL)
+        return tip.step([one, (ff.shapes.Plane(), under(10.0), 0.9 * under(10.0)[:, 2])], 1e-3)
+
+    touch, h = step(0.0), 1e-5
+    assert (np.linalg.norm(touch.wrench[:, :3], axis=1) > 0.05).all()
+    slope = (step(h).wrench[0] - step(-h).wrench[0])[:3] / (2 * h)
+    assert touch.tangent[0, :3, :3] @ NORMAL == pytest.approx(slope, rel=1e-5, abs=1e-8)
+
+
+def test_the_moment_is_about_the_places_of_contact_on_the_object() -> None:
+    """Of a plate it is that of the forces where the skin meets it, on the plane of the plate."""
+    tip = ff.TactileFinger(FINGER, finite_strain=False)
+    touch = plate(tip, 0.8)
+    force, moment = touch.wrench[0, :3], touch.wrench[0, 3:]
+    center = np.cross(NORMAL, moment) / (force @ NORMAL)  # of pressure, across the normal
+    lifted = center + 0.8 * NORMAL
+    assert np.allclose(np.cross(lifted, force), moment, atol=1e-9)
+    areas, hit = tip.pad.areas, touch.hit
+    pressed = touch.pressure > 0
+    heights = hit[pressed] @ NORMAL / areas[pressed]
+    assert np.allclose(heights, 0.8, atol=1e-9)
+
+
+def test_an_object_that_leaves_lets_go_of_the_skin(tip: ff.TactileFinger) -> None:
+    tip.reset()
+    ball(tip, 1.0)
+    for k in range(1, 8):  # it moves on faster than the skin comes back
+        touch = ball(tip, 1.0, 1e-3, shift=(-0.9 * k, 0.0, -0.25 * k))
+        near = touch.touched >= 0
+        assert (touch.pressure[~near] == 0.0).all()  # exact: no pressure is set there
+        assert np.linalg.norm(touch.traction[~near]) == 0.0  # exact: as above
+    assert ball(tip, 1.0, shift=(20.0, 0.0, -10.0)).wrench[0] == pytest.approx([0.0] * 6, abs=1e-12)
+    ball(tip, -3.0, 1e4)  # it comes back along the normal, as the finger without a past is met
+    again = ball(tip, 0.6, 1e4)
+    tip.reset()
+    ball(tip, -3.0, 1e4)
+    fresh = ball(tip, 0.6, 1e4)
+    assert again.wrench[0] == pytest.approx(fresh.wrench[0], rel=1e-3, abs=1e-5)
 
 
 def test_a_state_can_be_branched_and_worlds_be_reset(tip: ff.TactileFinger) -> None:
@@ -318,6 +367,10 @@ def test_what_it_cannot_answer_is_flagged_or_refused(tip: ff.TactileFinger) -> N
     touch = ball(tip, 1.9)
     assert not touch.valid
     assert "deepest" in str(touch.reason)
+    tip.reset()
+    level = tip.pad.points[:, 2].min() + 1.45
+    border = tip.step([(ff.shapes.Plane(), np.eye(3), [0.0, 0.0, level])], 1e-3)
+    assert "border" in str(border.reason)
     tip.reset()
     assert ball(tip, -3.0).valid
     through = tip.step([(BALL, np.eye(3), 25.0 * NORMAL)], 1e-3)

@@ -1,5 +1,6 @@
-"""Compiled functions where no folder can be written to keep them: they run, and it is said."""
+"""Compiled functions: kept as long as their sources are the same, and said where they cannot be."""
 
+import importlib
 import os
 import subprocess
 import sys
@@ -47,6 +48,57 @@ def test_without_a_folder_code_is_compiled_every_time_and_it_is_said(script):
 def test_code_is_kept_in_the_cache_where_that_can_be_written(script, tmp_path):
     assert printed(script, tmp_path / "cache") == "9"
     assert list((tmp_path / "cache").rglob("*.nbi"))
+
+
+CALLER = """
+from fefinger.support.compiled import njit
+from pack.called import FACTOR, twice
+
+@njit(cache=True)
+def both(x):
+    return FACTOR * twice(x)
+"""
+
+CALLED = """
+from fefinger.support.compiled import njit
+from pack import deep
+
+FACTOR = 1
+
+@njit(cache=True)
+def twice(x):
+    return deep.add(x, x)
+"""
+
+DEEP = """
+from fefinger.support.compiled import njit
+
+@njit(cache=True)
+def add(x, y):
+    return x + y
+"""
+
+
+def test_an_edit_of_an_imported_file_is_noticed(tmp_path, monkeypatch):
+    """Of a constant, and of a function that a called function calls, as by an update."""
+    (tmp_path / "pack").mkdir()
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def answer(**texts):
+        for name, text in texts.items():
+            (tmp_path / "pack" / f"{name}.py").write_text(text)
+        for name in [name for name in sys.modules if name.partition(".")[0] == "pack"]:
+            del sys.modules[name]
+        importlib.invalidate_caches()
+        compiled._module.cache_clear()
+        compiled._sources.cache_clear()
+        both = importlib.import_module("pack.caller").both
+        return both(3), sum(both.stats.cache_hits.values())
+
+    assert answer(__init__="", caller=CALLER, called=CALLED, deep=DEEP) == (6, 0)
+    assert answer() == (6, 1)
+    assert answer(called=CALLED.replace("FACTOR = 1", "FACTOR = 50")) == (300, 0)
+    assert answer(deep=DEEP.replace("x + y", "x + 2 * y")) == (450, 0)
 
 
 def test_a_command_and_its_result_say_it(synthetic, answered, capsys, monkeypatch):
