@@ -1,8 +1,10 @@
 """The report holds what was asked, nothing else, and needs no other file."""
 
 import dataclasses
+import io
 import math
 import re
+from xml.etree.ElementTree import fromstring
 
 import numpy as np
 import pytest
@@ -171,3 +173,24 @@ def test_a_mechanics_that_is_not_able_has_no_cost_and_no_error(synthetic, tmp_pa
     html = page(dataclasses.replace(synthetic, plan=plan), tmp_path)
     (row,) = re.findall(r"<td>lumped</td>.*?</tr>", html, re.S)
     assert "nan" not in row
+
+
+def test_an_svg_keeps_its_words_and_moves_no_mark():
+    with figures.style():
+        drawn = figures.figure(3, 2)
+        axes = drawn.subplots()
+        axes.plot([0, 1, 2], [0.1234567, 0.2, 0.7], label="a & b < 0.12345")
+        axes.legend()
+        text = io.StringIO()
+        drawn.savefig(text, format="svg", metadata={"Date": None})
+    exact, short = (
+        fromstring(each) for each in (text.getvalue(), figures.rounded(text.getvalue()))
+    )
+    words = [" ".join("".join(each.itertext()).split()) for each in (exact, short)]
+    assert words[0] == words[1]
+    assert "a & b < 0.12345" in words[0]
+    for one, other in zip(exact.iter(), short.iter(), strict=True):
+        for key in ("d", "x", "y"):
+            numbers = [re.findall(r"[-\d.]+", each.get(key, "")) for each in (one, other)]
+            places = [np.array(each, float) for each in numbers]
+            np.testing.assert_allclose(*places, rtol=0, atol=0.00501)
