@@ -77,7 +77,6 @@ BAD_COMMANDS = (
     "run flat-press --mechanics lumped",
     "run flat-press --mechanics linaer",
     "run flat-press --set ask.rel_error=1e-4",
-    "run flat-press --set ask.solver=iterative --mechanics condensed",
     "run p10-ball-on-array --set finger.bone.modulus=17e6 --mechanics hertz",
     "run flat-press -o series.csv",
     "run",

@@ -91,15 +91,14 @@ def body(
     mesh: FingerMesh,
     tissues: Mapping[int, Elastic],
     held: Sequence[str],
-    solver: str | None = None,
     *,
     factored: bool = True,
 ) -> Body:
     """Assemble and factor the cells of `mesh` whose region is in `tissues`.
 
     `held` names the facets that do not move; the medial plane of a half finger slides in itself.
-    A region that is left out (a rigid bone) must be held through the facets that bound it. `solver`
-    as in `system.factor`; unless `factored`, the matrix is factored on first use.
+    A region that is left out (a rigid bone) must be held through the facets that bound it.
+    Unless `factored`, the matrix is factored on first use.
 
     Raises
     ------
@@ -111,7 +110,7 @@ def body(
     soft = solid(mesh, tissues)
     fixed = prescribed(soft, mesh, held)
     make = factor if factored else prepare
-    system = make(soft.space, stiffness(soft.space, tissues), fixed, solver)
+    system = make(soft.space, stiffness(soft.space, tissues), fixed)
     return Body(soft.space, soft.pad, soft.normals, soft.original, soft.half, system)
 
 

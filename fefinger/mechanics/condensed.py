@@ -11,7 +11,7 @@ from dataclasses import replace
 from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.stated_errors import error_of
-from fefinger.mechanics.press.notes import RIGID_BONE, Reason, elastic_hard_parts_reasons, refusals
+from fefinger.mechanics.press.notes import RIGID_BONE, elastic_hard_parts_reasons, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
@@ -22,8 +22,6 @@ from fefinger.support.progress import Progress
 
 name = "condensed"
 traits = Traits(meshed=True, finite=False)
-
-SOLVER = "multifrontal"
 
 NOTES = (
     *linear.NOTES,
@@ -38,13 +36,8 @@ BEYOND = (
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
-    """Return the reasons against it: as for `linear`, an elastic bone, another solver."""
+    """Return the reasons against it: as for `linear`, and an elastic bone."""
     unable = [*elastic_hard_parts_reasons(case.finger)]
-    if case.ask.solver not in (None, SOLVER):
-        reason = (
-            f"ask.solver = {case.ask.solver!r}: this mechanics makes its operator with {SOLVER!r}"
-        )
-        unable.append(Reason("ask.solver", reason))
     shared = tuple(replace(refusal, mechanics=name) for refusal in linear.refuse(case))
     return refusals(name, "ability", unable) + shared
 

@@ -52,11 +52,6 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
         *notes.elastic_hard_parts_reasons(case.finger),
         *notes.friction_reasons(case.indenter),
     ]
-    if case.ask.solver is not None:
-        reason = (
-            f"ask.solver = {case.ask.solver!r}: this mechanics solves with the factors of 'solid'"
-        )
-        unable.append(Reason("ask.solver", reason))
     if unable:
         return refusals(name, "ability", unable)
     return (*solid.refused(name, case), *refusals(name, "accuracy", too_shallow(case)))

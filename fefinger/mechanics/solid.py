@@ -10,7 +10,7 @@ from fefinger.mechanics import linear
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.stated_errors import error_of
 from fefinger.mechanics.press import notes
-from fefinger.mechanics.press.notes import Reason, refusals
+from fefinger.mechanics.press.notes import refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
@@ -25,9 +25,6 @@ if TYPE_CHECKING:
 name = "solid"
 traits = Traits(meshed=True, finite=True)
 
-SOLVERS = ("single", "multifrontal")
-"""Its factors: the first, and the second where that fails."""
-
 NOTES = (
     notes.LOGARITHMIC,
     "Contact with a rigid indenter, which the skin may slide along, frictionless unless a plate "
@@ -41,12 +38,6 @@ NOTES = (
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: too many steps, or a mesh error that is not measured."""
-    if case.ask.solver not in (None, *SOLVERS):
-        reason = (
-            f"ask.solver = {case.ask.solver!r}: this mechanics follows finite strain with its own "
-            "factors"
-        )
-        return refusals(name, "ability", [*case.too_long, Reason("ask.solver", reason)])
     return refused(name, case)
 
 

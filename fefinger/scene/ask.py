@@ -17,10 +17,6 @@ from fefinger.support.vocabulary import (
 )
 
 
-SOLVERS = ("multifrontal", "single", "iterative")
-"""Names of the linear solvers of the finite elements, see `fem.linalg.system`."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Ask:
     """Requested outputs, accuracy and options of the afferents.
@@ -56,8 +52,6 @@ class Ask:
         Family of the afferents: "thesis", the chain of the source with its squid membrane,
         "recorded", fitted to responses of single units, or one of your own (`fefinger.Family`).
         `generator` is a choice of "thesis" alone; "recorded" has no choice of `drives` either.
-    solver
-        Linear solver of the finite elements; by default the fastest that fits in free memory.
     """
 
     table: ClassVar[str] = "ask"
@@ -80,7 +74,6 @@ class Ask:
     afferents: Annotated[str, Key(words=AFFERENTS)] = FAMILIES[0]
     population: Layout | None = None
     trial: Annotated[int, Key(at_least=0, written=False)] = 0
-    solver: Annotated[str | None, Key(words=SOLVERS)] = None
 
     def __post_init__(self) -> None:
         check(self)

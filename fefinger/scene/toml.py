@@ -107,6 +107,7 @@ NOT_IN_SCENE = {
     "mechanics": "a scene names its mechanics in ask.mechanics, a run with --mechanics, or from "
     "Python as ff.run(scene, mechanics=...)",
     "mesh": "the mesh is finger.resolution: coarse, standard, fine or auto",
+    "solver": "there is one linear solver, a factor in double precision",
     "diameter": "a sphere and a cylinder have a radius, a pin and a bar a width",
     **dict.fromkeys(
         ("angle", "orientation"),
@@ -166,12 +167,16 @@ def parts(table: Mapping[str, object], folder: Path | None) -> dict[str, Any]:
         if name not in table:
             msg = f"{name}: missing; expected a table [{name}] with, for example, {example}"
             raise InputError(msg)
+    if folder is None:
+        # A stored scene without a family is older than the choice: it was of the thesis. One with
+        # a linear solver is older than there being one of them alone.
+        sub["ask"] = {"afferents": "thesis"} | sub["ask"]
+        sub["ask"].pop("solver", None)
     arguments: dict[str, Any] = {
         "finger": _finger(sub["finger"], folder),
         "indenter": _indenter(sub["indenter"], folder or Path()),
         "motion": _motion(sub["motion"], folder or Path()),
-        # A stored scene without a family is older than the choice: it was of the thesis.
-        "ask": _ask(({"afferents": "thesis"} if folder is None else {}) | sub["ask"]),
+        "ask": _ask(sub["ask"]),
     }
     return arguments | {key: table[key] for key in ("name", PLUGINS) if key in table}
 

@@ -69,7 +69,6 @@ FIELDS: list[tuple[dict[str, Any], str, str]] = [
     ({"finger__skin__modulus": 1e6}, "linear", "finger.skin.modulus"),
     ({"ask__pressure": True}, "lumped", "ask.pressure"),
     ({"finger__nail": "free"}, "condensed", "finger.nail"),
-    ({"ask__solver": "iterative"}, "solid", "ask.solver"),
 ]
 
 

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from fefinger.validation.bench import fem, neural, recorded, solvers, suites
+from fefinger.validation.bench import fem, neural, recorded, suites
 from fefinger.validation.fem import hertz
 
 from fefinger.__main__ import main
@@ -76,19 +76,13 @@ def test_the_fem_suite_measures_every_stage(monkeypatch):
     monkeypatch.setattr(fem, "RESOLUTION", "coarse")
     monkeypatch.setattr(fem, "REPEATS", 1)
     monkeypatch.setattr(fem, "STEPS", 20)
-    monkeypatch.setattr(solvers, "SIZES", {"multifrontal": (3, 4, 5), "iterative": (4, 5)})
-    monkeypatch.setattr(solvers, "HARD", 4)
     monkeypatch.setattr(fem, "HERTZ", hertz.LEVELS[0])
     figures = {figure.name: figure for figure in suites.run(["fem"])["fem"]}
     assert figures["unknowns"].value > 10_000
     errors = {name for name in figures if name.startswith("Hertz") and figures[name].unit == "%"}
     assert {name.partition(": ")[2] for name in errors} < set(hertz.TARGETS)
     assert all(abs(figures[name].value) > 0 for name in errors)
-    less = {name for name in figures if "memory" in name or "exponent" in name}
-    assert all(figures[name].value > 0 for name in figures.keys() - errors - less)
-    assert "exponent in the unknowns, multifrontal, one load: CPU" in figures
-    counts = [f.value for name, f in figures.items() if name.startswith("iterative, ")]
-    assert 40 < counts[0] < counts[2] < counts[3] < counts[4]
+    assert all(figures[name].value > 0 for name in figures.keys() - errors)
     assert figures["factor: entries"].ratio < 1.5
     for name in ("factor: CPU", "64 loads: CPU"):
         assert figures[name].baseline > 0

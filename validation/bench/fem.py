@@ -1,4 +1,4 @@
-"""Speed of the finite elements: a finger by stages, Hertz to an accuracy, growth with size.
+"""Speed of the finite elements: a finger by stages, Hertz to an accuracy.
 
 The baseline of factor and loads is SciPy's SuperLU in symmetric mode, given the same order of the
 unknowns (its own orders are several times slower) and one BLAS thread, which is faster for it too.
@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from fefinger.validation.bench import solvers, superlu
+from fefinger.validation.bench import superlu
 from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.validation.bench.timing import fastest, timed
 from fefinger.validation.fem import hertz
@@ -36,8 +36,8 @@ HERTZ = hertz.Grading(hertz.LINES, core=0.3, rim=0.06, slope=0.42, sectors=6)
 
 
 def figures(progress: Progress) -> list[Figure]:
-    """Measure the finger, Hertz contact and the linear solvers as size grows."""
-    return [*finger_figures(progress), *hertz_figures(), *solvers.figures(progress)]
+    """Measure the finger and Hertz contact."""
+    return [*finger_figures(progress), *hertz_figures()]
 
 
 @one_thread

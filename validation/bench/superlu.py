@@ -33,7 +33,7 @@ class SuperLU:
 def factor(space: Space, matrix: sparse.csr_matrix, fixed: Integers) -> System:
     """Return the system that `fem.linalg.system.factor` returns, with SuperLU as its solver."""
     system = prepare(space, matrix, fixed)
-    system.name, system.solver = "superlu", SuperLU(system)
+    system.solver = SuperLU(system)
     return system
 
 

@@ -70,7 +70,7 @@ class Preloaded:
     def of(cls, finger: Finger, depth: float) -> "Preloaded":
         """Press a finger against the plate at 30 degrees."""
         press, table = _pressed(finger, depth)
-        body = FINITE_STRAIN.body(finger, press.mesh, None, lambda fraction: None)
+        body = FINITE_STRAIN.body(finger, press.mesh, lambda fraction: None)
         elements = continuum(body.space, materials(finger), soft=(1, 2))
         contact = contact_surface(
             *(body.space, body.pad, body.normals, press.obstacle, table.table.reach),

@@ -99,7 +99,7 @@ def _solved(
 ) -> DepthTable:
     """Solve the table at the `wanted` depths (n,) in mm; `enough` as of `Course`."""
     with stages.stage("factor") as report:
-        body = FINITE_STRAIN.body(press.finger, press.mesh, None, report)
+        body = FINITE_STRAIN.body(press.finger, press.mesh, report)
         elements = continuum(body.space, materials(press.finger), soft=(1, 2))
     whole = replace(
         press,

@@ -77,10 +77,8 @@ def failure_message(error: Exception, elements: Continuum, values: Array | None)
     )
 
 
-def _with_first_factor(
-    finger: Finger, mesh: FingerMesh, solver: str | None, report: Callable[[float], None]
-) -> Body:
-    body = assembled(finger, mesh, solver, factored=False)
+def _with_first_factor(finger: Finger, mesh: FingerMesh, report: Callable[[float], None]) -> Body:
+    body = assembled(finger, mesh, factored=False)
     _ = body.system.approximate_factor  # that all steps start from
     return body
 

@@ -174,7 +174,7 @@ def _fronts(arrays: dict[str, Any]) -> Iterator[Eliminated]:
 
 
 METHOD = SolutionMethod(
-    lambda finger, mesh, solver, report: operator(
+    lambda finger, mesh, report: operator(
         finger, half=mesh.half, with_continuation=CONTINUATION in mesh.recipe, progress=report
     ),
     reduction.reduce,

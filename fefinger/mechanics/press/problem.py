@@ -49,9 +49,6 @@ FACETS_PER_RATE = 6.0
 """The same, below which FAII count vertices of the mesh: they do over dots 5.4 facets wide (61
 impulses/s, on exact layers 0.4) and over narrower ones (suite `friction`)."""
 
-TANGENT_SOLVER = "single"
-"""The solver of tangents; in double precision where that fails, which a note says."""
-
 FRAMES_MOVING, FRAMES_RESTING = 20, 6
 
 
@@ -59,7 +56,7 @@ FRAMES_MOVING, FRAMES_RESTING = 20, 6
 class SolutionMethod:
     """How a mechanics builds a body and solves it.
 
-    body(finger, mesh, solver, report) gives the soft tissue, with what solves it under loads;
+    body(finger, mesh, report) gives the soft tissue, with what solves it under loads;
     reduce as in `fem.body`; unknowns(body, loads) gives the displacement under loads on the pad;
     touch(indenter) where the mesh is fine.
     """
@@ -136,7 +133,7 @@ class Press:
             )
             mesh = load_or_build(finger, half=half, touch=touch, with_continuation=long)
         with stages.stage("factor") as report:
-            body = method.body(finger, mesh, ask.solver, report)
+            body = method.body(finger, mesh, report)
         obstacle = placement.obstacle(scene.indenter, body)
         check_depth(motion, mesh, obstacle)
         sites = None

@@ -14,7 +14,6 @@ from fefinger.mechanics.press import dragged, sliding
 from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_fields
 from fefinger.mechanics.press.placement import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import (
-    TANGENT_SOLVER,
     FiniteStrainHistory,
     Press,
     SmallStrainHistory,
@@ -105,7 +104,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         "iterations": history.iterations,
         "downhill": history.descents,
     }
-    answer = make_response(
+    return make_response(
         press,
         stages,
         len(history.contact),
@@ -122,7 +121,6 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         lateral=lateral,
         **quantities,
     )
-    return replace(answer, sources={**answer.sources, "solver": TANGENT_SOLVER})
 
 
 def of_pressure(
@@ -156,9 +154,6 @@ def make_response(
 ) -> Response:
     """Return the Response of a press: its `quantities`, and what every answer of a mesh states."""
     body, mesh = press.body, press.mesh
-    sources = {"mesh": mesh.name, "mesh_sha256": mesh.fingerprint, "memory": stages.memory}
-    if isinstance(body, Body):
-        sources["solver"] = body.system.name
     return Response(
         mechanics=press.mechanics,
         sites=press.sites,
@@ -171,7 +166,7 @@ def make_response(
             **(numbers or {}),
             "penetration_mm": penetration,
         },
-        sources=sources,
+        sources={"mesh": mesh.name, "mesh_sha256": mesh.fingerprint, "memory": stages.memory},
         **quantities,
     )
 
@@ -180,14 +175,12 @@ def _precision(body: Solid) -> tuple[str, ...]:
     if not isinstance(body, Body):
         return ()
     count = len(body.system.failed)
-    if not count:
-        return body.system.notes
     tangents = (
         f"Single precision failed for {count} factor{'s' if count > 1 else ''} of the tangent; "
         f"{'those' if count > 1 else 'that'} in double precision, of twice the memory, "
         f"{'were' if count > 1 else 'was'} taken instead."
     )
-    return (*body.system.notes, tangents)
+    return (tangents,) if count else ()
 
 
 def deepest_penetration(gap: Array) -> float:

@@ -37,14 +37,14 @@ Advance = Callable[[Press, Reduced, Prescribed, Callable[[float], None]], Histor
 """Contact of a body on its candidates through time, with a report of progress."""
 
 
-def assembled(finger: Finger, mesh: FingerMesh, solver: str | None, *, factored: bool) -> Body:
-    """Return the soft tissue, and elastic hard parts, of a finger with a linear solver."""
+def assembled(finger: Finger, mesh: FingerMesh, *, factored: bool) -> Body:
+    """Return the soft tissue, and elastic hard parts, of a finger."""
     whole = with_nail(finger, mesh)
-    return body(whole, tissues(finger), fixed_facets(finger), solver, factored=factored)
+    return body(whole, tissues(finger), fixed_facets(finger), factored=factored)
 
 
 WHOLE_MESH = SolutionMethod(
-    lambda finger, mesh, solver, report: assembled(finger, mesh, solver, factored=True),
+    lambda finger, mesh, report: assembled(finger, mesh, factored=True),
     reduce,
     lambda body, loads: body.system.solve(loads),
     refinement_location,

@@ -41,7 +41,7 @@ from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integra
 
 METHOD: SolutionMethod = replace(
     WHOLE_MESH,
-    body=lambda finger, mesh, solver, report: solid(with_nail(finger, mesh), tissues(finger)),
+    body=lambda finger, mesh, report: solid(with_nail(finger, mesh), tissues(finger)),
 )
 """Method of `pressed`: the solid alone, which is factored only to solve a new table."""
 

@@ -1,9 +1,10 @@
-"""The linear solvers agree with each other and refuse what they cannot solve."""
+"""The linear factors give the answer of SciPy's, and refuse what they cannot solve."""
 
 from collections.abc import Callable
 
 import numpy as np
 import pytest
+from fefinger.validation.bench import superlu
 from fefinger.validation.problems.grids import box
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
@@ -13,12 +14,10 @@ from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import dissection
 from fefinger.fem.linalg import system as solve
 from fefinger.fem.linalg.multifrontal_indefinite import ApproximateFactor
-from fefinger.fem.linalg.system import SINGLE_FAILED, compressible
+from fefinger.fem.linalg.system import compressible
+from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError
-
-
-FLOATING = 1e6
-"""A modulus over that of what carries it, with which single precision finds pivots, and no more."""
+from fefinger.support.tolerances import LINEAR_RESIDUAL
 
 
 def clamped(space: Space) -> np.ndarray:
@@ -38,6 +37,19 @@ def carried() -> tuple[Space, np.ndarray, np.ndarray]:
     loads = np.zeros(space.n_unknowns)
     loads[3 * np.flatnonzero(space.node_points[:, 2] == 0) + 2] = 0.01
     return space, np.flatnonzero(np.repeat(space.node_points[:, 2] == 1, 3)), loads
+
+
+def layers(count: int = 4) -> Space:
+    """Return a unit cube of two tissues."""
+    even = box(*3 * (np.linspace(0, 1, count + 1),))
+    upper = even.points[even.cells][:, :, 2].mean(axis=1) > 0.5
+    return Space(even.points, even.cells, np.where(upper, 2, 1).astype(np.int8))
+
+
+def held(space: Space) -> Integers:
+    """Return the unknowns of the base, and those across a plane in which the body slides."""
+    places = space.node_points
+    return np.flatnonzero(np.stack([places[:, 2] == 0] * 3, axis=1) | (places == 0))
 
 
 @pytest.fixture
@@ -61,6 +73,63 @@ def test_the_multifrontal_factor_agrees_with_scipy(
     reference = spsolve(system.reduced.tocsc(), loads[system.free])
     assert answer[system.free] == pytest.approx(reference, rel=1e-7, abs=1e-8)
     assert answer[:, 0] == pytest.approx(system.solve(loads[:, 0]), rel=1e-9, abs=1e-12)
+
+
+def prepared(poisson: float, ratio: float = 4.0) -> solve.System:
+    space = layers()
+    tissues = {1: Elastic(5.0, poisson), 2: Elastic(5.0 * ratio, min(poisson, 0.49))}
+    return solve.factor(space, stiffness(space, tissues), held(space))
+
+
+def loads_on(system: solve.System, count: int) -> Array:
+    found = np.zeros((system.space.n_unknowns, count))
+    n = system.space.n_displacements
+    found[:n] = np.random.default_rng(0).normal(size=(n, count))
+    return found
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.49, 0.4999, 0.5])
+def test_a_layered_cube_has_the_answer_of_superlu(poisson: float) -> None:
+    system = prepared(poisson)
+    reference = superlu.factor(system.space, system.matrix, system.fixed)
+    right, fixed = loads_on(system, 3), np.linspace(0, 1, len(system.fixed))
+    answer, expected = system.solve(right), reference.solve(right)
+    assert np.abs(answer - expected).max() < 1e-9 * np.abs(expected).max()
+    moved, expected = system.solve(right[:, 0], fixed), reference.solve(right[:, 0], fixed)
+    assert np.array_equal(moved[system.fixed], fixed)  # exact: handed through
+    assert np.abs(moved - expected).max() < 1e-9 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("ratio", [1e-3, 1.0, 1e3])
+def test_the_true_residual_is_met(ratio: float) -> None:
+    system = prepared(0.5, ratio)
+    right = loads_on(system, 2)
+    right[:, 1] = 0.0
+    answer = system.solve(right)
+    left = system.matrix[system.free] @ answer - right[system.free]
+    assert np.linalg.norm(left[:, 0]) <= 1.01 * LINEAR_RESIDUAL * np.linalg.norm(right)
+    assert not answer[:, 1].any()
+
+
+def test_the_inverse_is_symmetric() -> None:
+    system = prepared(0.4999)
+    a, b = loads_on(system, 2).T
+    assert a @ system.solve(b) == pytest.approx(b @ system.solve(a), rel=1e-8)
+
+
+def test_what_does_not_converge_says_so() -> None:
+    wrong = prepared(0.1)
+    wrong.reduced = prepared(0.49).reduced  # the factor is that of the other matrix
+    with pytest.raises(ConvergenceError, match=r"linear solution.*1e-10, reached"):
+        wrong.solve(loads_on(wrong, 1)[:, 0])
+
+
+def test_a_body_that_can_turn_is_refused() -> None:
+    space = layers()
+    point = 3 * int(np.argmin(space.node_points.sum(axis=1))) + np.arange(3)
+    matrix = stiffness(space, dict.fromkeys((1, 2), Elastic(1.0, 0.3)))
+    with pytest.raises(InputError, match="held facets"):
+        solve.factor(space, matrix, point)
 
 
 @pytest.mark.parametrize("poisson", [0.3, 0.5])
@@ -145,36 +214,6 @@ def test_a_body_at_rest_that_can_still_turn_has_no_rough_factor(
     matrix = stiffness(space, {1: Elastic(5.0, 0.49)})
     with pytest.raises(InputError, match="hold more facets"):
         _ = solve.prepare(space, matrix, fixed).approximate_factor
-
-
-def test_a_solver_in_single_precision_that_fails_gives_way(
-    space: Space, unsound: Callable[..., None]
-) -> None:
-    matrix, fixed = stiffness(space, {1: Elastic(5.0, 0.49)}), clamped(space)
-    right = np.random.default_rng(0).normal(size=space.n_unknowns)
-    usual = solve.factor(space, matrix, fixed, "single")
-    expected = usual.solve(right)
-    assert (usual.name, usual.notes) == ("single", ())
-    large = solve.factor(space, 1e100 * matrix, fixed, "single")
-    assert (large.name, large.notes) == ("multifrontal", (SINGLE_FAILED,))
-    small = 1e-7 * np.linalg.norm(expected)
-    assert np.linalg.norm(large.solve(1e100 * right) - expected) < small
-    unsound(np.float32)
-    found = solve.factor(space, matrix, fixed, "single")
-    assert (found.name, found.notes) == ("multifrontal", (SINGLE_FAILED,))
-    assert np.linalg.norm(found.solve(right) - expected) < small
-    with pytest.raises(InputError, match="hold more facets or repair the mesh"):
-        solve.factor(space, 0 * matrix, fixed, "single")
-
-
-def test_a_solver_in_single_precision_that_does_not_converge_gives_way() -> None:
-    space, held, loads = carried()
-    stiff = stiffness(space, {1: Elastic(FLOATING, 0.3), 2: Elastic(1.0, 0.49)})
-    found, exact = (solve.factor(space, stiff, held, name) for name in ("single", "multifrontal"))
-    assert (found.name, found.notes) == ("single", ())
-    answer, expected = found.solve(loads), exact.solve(loads)
-    assert (found.name, found.notes) == ("multifrontal", (SINGLE_FAILED,))
-    assert np.abs(answer - expected).max() < 1e-6 * np.abs(expected).max()
 
 
 def test_reactions_balance_the_load(space: Space) -> None:

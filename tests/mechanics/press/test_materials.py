@@ -13,15 +13,12 @@ from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.material import material_of
-from fefinger.fem.linalg import system
-from fefinger.mechanics import Mechanics, condensed, get, linear, names, solid
+from fefinger.mechanics import get, linear, names, solid
 from fefinger.mechanics.press import finite_strain, materials
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
 from fefinger.pipeline import run
-from fefinger.results.records import Response
-from fefinger.scene.ask import SOLVERS
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.scene.motions import Ramp
@@ -35,15 +32,15 @@ BONE, NAIL = Hard(17e6), Hard(2e6)
 FINGER = replace(published.load("flat-press").finger, resolution="coarse")
 
 
-def scene(solver: str | None = None, depth: float = 0.5, **parts: object) -> Scene:
+def scene(depth: float = 0.5, **parts: object) -> Scene:
     asked = published.load("flat-press").ask
-    ask = replace(asked, spikes=(), fields=False, strain=False, rel_error=0.5, solver=solver)
+    ask = replace(asked, spikes=(), fields=False, strain=False, rel_error=0.5)
     motion = Ramp(60, depth, corner=0.0)
     return Scene(finger=replace(FINGER, **parts), indenter=Flat(30), motion=motion, ask=ask)
 
 
-def force(solver: str | None = None, **parts: object) -> float:
-    return float(linear.respond(scene(solver, **parts)).force[-1])
+def force(**parts: object) -> float:
+    return float(linear.respond(scene(**parts)).force[-1])
 
 
 def test_the_most_pressed_cell_may_lie_in_the_nail() -> None:
@@ -132,9 +129,7 @@ def test_scenes_keep_hard_parts_and_others_are_written_as_before() -> None:
     plain = Scene.from_dict(given)
     assert plain.to_dict()["finger"]["bone"] == "rigid"
     assert "nail" not in plain.to_dict()["finger"]
-    assert "solver" not in plain.to_dict()["ask"]
     given["finger"] |= {"bone": {"modulus": 17e6}, "nail": {"modulus": 2e6, "poisson": 0.4}}
-    given["ask"] = {"solver": "iterative"}
     hard = Scene.from_dict(given)
     assert hard.finger.bone == BONE
     assert hard.finger.nail == Hard(2e6, 0.4)
@@ -160,57 +155,30 @@ def test_bad_hard_parts_are_refused(field: str, value: object, told: str) -> Non
         Scene.from_dict(table)
 
 
-def test_the_solver_of_a_scene_is_used_and_recorded() -> None:
-    assert tuple(system.SOLVERS) == SOLVERS
-
-    result = run(scene("iterative", depth=0.05), mechanics="linear")
-    found = {name: linear.respond(scene(name, depth=0.05)) for name in (None, "single")}
-    found["iterative"] = result.response
-    used = {name: response.sources["solver"] for name, response in found.items()}
-    # With some processors' kernels LAPACK's inverse in single precision is at times not a number.
-    gave_way = system.SINGLE_FAILED in found["single"].notes
-    single = "multifrontal" if gave_way else "single"
-    assert used == {None: "multifrontal", "single": single, "iterative": "iterative"}
-    for response in found.values():
-        assert response.force == pytest.approx(found[None].force, rel=1e-8)
-    assert result.provenance["solver"] == "iterative"
+def test_a_solved_scene_records_its_memory_by_stage() -> None:
+    result = run(scene(depth=0.05), mechanics="linear")
     assert re.search(r"in MB, by stage: mesh \d+, factor \d+", result.provenance["memory"])
+
+
+def test_a_stored_scene_may_name_a_solver_that_is_gone() -> None:
+    text = scene().to_toml().replace("[ask]", '[ask]\nsolver = "iterative"')
+    assert Scene.from_stored(text) == scene()
+    with pytest.raises(InputError, match="there is one linear solver"):
+        Scene.from_toml(text)
 
 
 @pytest.mark.usefixtures("iterated_far")
 def test_single_precision_that_fails_gives_way_with_a_note(
     unsound: Callable[..., None],
 ) -> None:
-    def answer(mechanics: Mechanics, solver: str | None = None) -> Response:
-        return mechanics.respond(scene(solver, depth=0.02))
-
-    usual = {each: answer(each) for each in (linear, solid)}
+    usual = solid.respond(scene(depth=0.02))
     unsound(np.float32)
-    double = {linear: answer(linear, "single"), solid: answer(solid)}
-    for each, response in double.items():
-        assert response.force == pytest.approx(usual[each].force, rel=1e-6)
-    assert system.SINGLE_FAILED in double[linear].notes
-    assert double[linear].sources["solver"] == "multifrontal"
-    assert any("Single precision failed for" in note for note in double[solid].notes)
+    double = solid.respond(scene(depth=0.02))
+    assert double.force == pytest.approx(usual.force, rel=1e-6)
+    assert any("Single precision failed for" in note for note in double.notes)
     unsound(np.float32, np.float64)
     with pytest.raises(InputError, match="hold more facets or repair the mesh"):
-        answer(solid)
-
-
-def test_a_solver_that_a_mechanics_cannot_use_is_refused() -> None:
-    asked = scene("iterative")
-    told = {
-        name: " ".join(r.reason for r in get(name).refuse(Situation.of(asked))) for name in names()
-    }
-    assert "ask.solver = 'iterative': this mechanics follows finite strain" in told[solid.name]
-    factored = [
-        " ".join(r.reason for r in solid.refuse(Situation.of(scene(s)))) for s in (None, "single")
-    ]
-    assert not any("ask.solver" in reasons for reasons in factored)
-    assert "ask.solver = 'iterative': this mechanics makes its operator" in told[condensed.name]
-    assert "ask.solver" not in told[linear.name]
-    with pytest.raises(InputError, match=r"ask\.solver: expected one of 'multifrontal'"):
-        scene("pardiso")
+        solid.respond(scene(depth=0.02))
 
 
 def test_the_held_facets_follow_the_hard_parts() -> None:
