@@ -9,6 +9,7 @@ a `Law` by `fefinger.register`.
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -140,6 +141,9 @@ class Law:
             A derivative that does not fit the energy; an energy at rest that is not 0; a shear
             modulus 2 (dW/dI1 + dW/dI2) at rest that is not 1.
         """
+        _check(self, tuple(values))
+
+    def _compare(self, values: Sequence[float]) -> None:
         rest = self.at(0.0, 0.0, values)
         modulus = 2 * float(rest.w1 + rest.w2)
         if not (abs(float(rest.w)) < FITS and abs(modulus - 1) < FITS):
@@ -185,6 +189,12 @@ class Law:
     def _text(self, values: Sequence[float]) -> str:
         numbers = [f"{k} = {v:g}" for k, v in zip(self.parameters, values, strict=True)]
         return f"{self.name!r}" + (f" with {', '.join(numbers)}" if numbers else "")
+
+
+@lru_cache(maxsize=1024)
+def _check(law: Law, values: tuple[float, ...]) -> None:
+    """Check a law once: every tissue of every scene that is read asks for it."""
+    law._compare(values)
 
 
 def _states() -> tuple[Array, Array]:

@@ -151,12 +151,11 @@ def provenance(answers: Sequence[Answer], reused: int) -> dict[str, object]:
 def answer(task: Task) -> Answer:
     """Run the scene of a task with one BLAS thread; return its rows, or its error."""
     try:
-        from threadpoolctl import threadpool_limits
-
         from fefinger.pipeline import run
         from fefinger.studies.measures import rows
+        from fefinger.support.threads import one_blas_thread
 
-        with threadpool_limits(1, user_api="blas"):
+        with one_blas_thread():
             result = run(Scene.from_dict(task["scene"]), mechanics=task["mechanics"])
             return {"rows": rows(result, forces=task["forces"], depths=task["depths"])}
     except (InputError, ConvergenceError) as error:

@@ -9,10 +9,11 @@ threads cost more than they save. Measured on two cores under other load: 6676 s
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager
 from functools import cache, wraps
-from typing import ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar, cast
 
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 from fefinger.support.processes import threads
 
@@ -27,10 +28,23 @@ def one_thread(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def limited(*args: P.args, **kwargs: P.kwargs) -> R:
-        with threadpool_limits(1, user_api="blas"):
+        with one_blas_thread():
             return function(*args, **kwargs)
 
     return limited
+
+
+def one_blas_thread() -> AbstractContextManager[object]:
+    """Return a context in which BLAS has one thread."""
+    return cast(AbstractContextManager[object], _libraries().limit(limits=1, user_api="blas"))
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    """Find the loaded BLAS: that takes some 4 ms, and a small factor less."""
+    import scipy.linalg  # noqa: F401 - has a BLAS of its own, found only once it is loaded
+
+    return ThreadpoolController()
 
 
 def together(work: Callable[[Item], R], parts: Sequence[Item]) -> list[R]:

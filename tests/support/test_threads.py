@@ -5,6 +5,7 @@ import threading
 import numpy as np
 import pytest
 from fefinger.validation.problems.grids import box
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from fefinger.fem.elements.forms import Elastic, stiffness
 from fefinger.fem.hyperelastic.continuum import continuum
@@ -22,6 +23,15 @@ def count(request, monkeypatch):
     pool = threads.ThreadPoolExecutor(4)
     yield request.param
     pool.shutdown()
+
+
+def test_every_blas_has_one_thread_and_then_as_many_as_before():
+    def counts():
+        return {each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"}
+
+    with threadpool_limits(2, user_api="blas"):
+        assert threads.one_thread(counts)() == {1}
+        assert counts() == {2}
 
 
 def test_the_values_are_those_of_the_parts_in_order(count):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from fefinger.validation.problems.grids import box
+from skfem import MeshTet
 
 from fefinger.fem.contact.patch import foremost, smooth_places
 from fefinger.fem.elements.spaces import Space, trace
@@ -67,3 +68,21 @@ def test_triangles_that_are_no_faces_are_told_apart() -> None:
     ]
     with pytest.raises(KeyError, match="expected faces of the mesh"):
         space.edge_nodes(other)
+
+
+def test_edges_and_faces_have_the_numbers_of_scikit_fem() -> None:
+    mesh = box(*3 * (np.linspace(0, 1, 4),)).scalar.mesh
+    order = np.random.default_rng(0).permutation(mesh.p.shape[1])  # vertices in any order
+    own, plain = type(mesh)(mesh.p, order[mesh.t]), MeshTet(mesh.p, order[mesh.t])
+    for name in ("edges", "t2e", "facets", "t2f"):
+        np.testing.assert_array_equal(getattr(own, name), getattr(plain, name))
+
+
+def test_the_faces_of_a_mesh_are_those_of_its_cells() -> None:
+    space = box(*3 * (np.linspace(0, 1, 4),))
+    faces = space.scalar.mesh.facets.T
+    assert space.has_faces(np.roll(faces, 1, axis=1)).all()
+    corners = np.random.default_rng(0).permuted(np.tile(np.arange(64), (500, 1)), axis=1)[:, :3]
+    expected = [set(three) in [set(face) for face in faces.tolist()] for three in corners.tolist()]
+    assert 0 < sum(expected) < len(expected)
+    assert space.has_faces(corners).tolist() == expected
