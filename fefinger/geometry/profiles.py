@@ -117,7 +117,7 @@ class Ellipsoid(Profile):
         return float(np.sin(np.radians(FLANK)))
 
     def _s(self, across: Array) -> Array:
-        return np.asarray(np.sqrt(np.sum((across / np.array(self.radii[:2])) ** 2, axis=-1)))
+        return np.hypot(across[..., 0] / self.radii[0], across[..., 1] / self.radii[1])
 
     @property
     def half_axes(self) -> tuple[float, float, float]:

@@ -443,7 +443,7 @@ def _place(shift: tuple[float, float]) -> tuple[float, float]:
     """Return the place (2,) mm of the object; InputError if it is not two finite numbers."""
     try:
         x, y = shift
-        return number("shift", x), number("shift", y)
+        return quick_number("shift", x, unit="mm"), quick_number("shift", y, unit="mm")
     except (TypeError, ValueError) as error:
         message = f"shift: expected two finite numbers in mm, received {shift!r}"
         raise InputError(message) from error

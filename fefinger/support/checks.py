@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from typing import Any, SupportsFloat, TypedDict, Unpack
+from typing import Any, SupportsFloat, TypedDict, Unpack, cast
 
 
 PRESS_LESS = "press less deep, more slowly, or on another mesh (finger.resolution)"
@@ -94,9 +94,9 @@ def number(
     Its size is at most HUGE and, if it is above a limit of 0, at least TINY.
     """
     result = math.nan
-    if isinstance(value, SupportsFloat) and not isinstance(value, bool | str | bytes):
+    if hasattr(value, "__float__") and not isinstance(value, bool | str | bytes):
         with suppress(OverflowError, TypeError):
-            result = float(value)
+            result = float(cast(SupportsFloat, value))
     inside = (
         math.isfinite(result)
         and (above is None or result > above)
