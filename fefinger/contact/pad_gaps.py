@@ -174,16 +174,58 @@ def project(flexibility: Array, pad: Pad, frame: Array, m: Work, components: int
 
 @njit(cache=True)
 def jumped(
-    pad: Pad, shapes: Shapes, rotation: Array, place: Array, was: Array, deepest: float
+    pad: Pad,
+    shapes: Shapes,
+    rotation: Array,
+    place: Array,
+    turned: Array,
+    was: Array,
+    deepest: float,
 ) -> bool:
-    """Whether an object was deeper than `deepest` mm in the skin on its way here."""
+    """Whether an object was deeper than `deepest` mm in the skin on its way here.
+
+    rotation (b, 3, 3) and place (b, 3) mm of the objects, turned and was those before. On the way
+    the center moves straight on while the object turns about it, by less than half a turn.
+    """
     for b in range(len(shapes.kind)):
         path = place[b] - was[b]
-        parts = int(2.0 * np.sqrt((path * path).sum()) / deepest)
+        axis, angle = _turn(turned[b], rotation[b])
+        arm = 0.0  # to the farthest skin
+        for j in range(len(pad.areas)):
+            x, y = pad.points[j, 0] - place[b, 0], pad.points[j, 1] - place[b, 1]
+            z = pad.points[j, 2] - place[b, 2]
+            arm = max(arm, x * x + y * y + z * z)
+        parts = int(2.0 * (np.sqrt((path * path).sum()) + angle * np.sqrt(arm)) / deepest)
         for k in range(1, parts):
-            at = was[b] + k / parts * path
+            at, back = was[b] + k / parts * path, _about(axis, -k / parts * angle)
+            to_object = turned[b].T @ back
             for j in range(len(pad.areas)):
-                x = rotation[b].T @ (pad.points[j] - at)
-                if distance(shapes, b, x[0], x[1], x[2])[0] < -deepest:
+                local = to_object @ (pad.points[j] - at)
+                if distance(shapes, b, local[0], local[1], local[2])[0] < -deepest:
                     return True
     return False
+
+
+@njit(cache=True)
+def _turn(before: Array, now: Array) -> tuple[Array, float]:
+    """Return axis (3,) and angle in rad, 0 to pi, of the turn between two rotations (3, 3)."""
+    q = now @ before.T
+    w = 0.5 * np.array([q[2, 1] - q[1, 2], q[0, 2] - q[2, 0], q[1, 0] - q[0, 1]])
+    sine, cosine = np.sqrt((w * w).sum()), 0.5 * (q[0, 0] + q[1, 1] + q[2, 2] - 1.0)
+    if sine == 0.0 and cosine > 0.0:
+        return np.array([0.0, 0.0, 1.0]), 0.0
+    axis = w
+    if cosine < 0.0:  # near half a turn the sine says little: (1 - cosine) a a' does
+        outer = 0.5 * (q + q.T) - cosine * np.eye(3)
+        axis = outer[:, np.argmax(np.diag(outer))].copy()
+        if (axis * w).sum() < 0.0:
+            axis = -axis
+    return axis / np.sqrt((axis * axis).sum()), np.arctan2(sine, cosine)
+
+
+@njit(cache=True)
+def _about(axis: Array, angle: float) -> Array:
+    """Return the rotation (3, 3) by an angle in rad about an axis (3,)."""
+    x, y, z = axis
+    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + np.sin(angle) * skew + (1.0 - np.cos(angle)) * (skew @ skew)

@@ -208,7 +208,8 @@ def _prepare(
     """Find near skin, gaps, history and frames of a world; return g and t."""
     shapes, rotation, place = move.shapes, move.rotation[w], move.place[w]
     out.verdict[w] = VALID
-    if s.stepped[w] and jumped(pad, shapes, rotation, place, s.place[w], move.deepest):
+    before = s.rotation[w], s.place[w]
+    if s.stepped[w] and jumped(pad, shapes, rotation, place, *before, move.deepest):
         out.verdict[w] = PASSED
     nearest(pad, shapes, rotation, place, out.touched[w], out.frame[w, 0], m, near)
     gaps(pad, shapes, rotation, place, out.touched[w], out.hit[w], m, near)

@@ -403,10 +403,18 @@ class TactileFinger:
         self.restore(state)
 
     def reset(self, worlds: Flags | None = None) -> None:
-        """Return to rest: all worlds, or those that are flagged (worlds,)."""
-        chosen = slice(None) if worlds is None else np.asarray(worlds, dtype=bool)
+        """Return to rest: all worlds, or those that are flagged (worlds,).
+
+        InputError for flags that are not one of each world.
+        """
+        flags = np.ones(self.worlds, bool) if worlds is None else np.asarray(worlds)
+        if flags.dtype != bool or flags.shape != (self.worlds,):
+            raise InputError(
+                f"worlds: expected a flag of each of {self.worlds}, true where it is to be at "
+                f"rest, received {flags.dtype} of shape {flags.shape}"
+            )
         for each in self._state:
-            each[chosen] = 0
+            each[flags] = 0
         self._kept = False
 
 

@@ -319,10 +319,44 @@ def test_worlds_step_as_single_fingers_do(friction: float, precision: str) -> No
             touch = single.step([(BALL, np.eye(3), place[w])], 2e-3)
             close = 1e-8 if precision == "double" else 1e-4
             assert np.allclose(stacked[k].wrench[w], touch.wrench, atol=close)
+    for flags in (np.array([2]), np.ones(worlds - 1, bool)):
+        with pytest.raises(InputError, match="worlds"):
+            many.reset(flags)
     many.reset(np.arange(worlds) == 2)
     after = many.step([(BALL, np.eye(3), [0, 0, -40.0])], 1e-3)
     assert np.abs(after.strain[2]).max() == 0.0
     assert np.abs(after.strain[4]).max() > 0.0
+
+
+def test_a_vectorized_loop_resets_worlds_that_are_over_and_goes_on_with_the_others() -> None:
+    worlds, start = 4, np.array([-4.0, 0.0, -8.5])
+    tips = ff.TactileFinger(FINGER, friction=0.6, finite_strain=False, worlds=worlds)
+    action = np.linspace(0.06, 0.12, worlds)[:, None] * [0.2, 0.0, 1.0]  # (worlds, 3) mm
+    place = np.tile(start, (worlds, 1))
+    paths: list[list[np.ndarray]] = [[] for _ in range(worlds)]  # since each reset
+    for _ in range(14):
+        place = place + action
+        touch = tips.step([(BALL, np.eye(3), place)], dt=2e-3)
+        assert touch.taxels.reshape(worlds, -1).shape == (worlds, 210)
+        assert touch.valid.shape == touch.error.shape == (worlds,)
+        assert len(touch.reason) == worlds
+        over = ~touch.valid | (touch.depth[:, 0] > 0.8)
+        tips.reset(over)
+        place[over] = start
+        paths = [
+            [] if done else [*path, at] for path, at, done in zip(paths, place, over, strict=True)
+        ]
+    lengths = [len(path) for path in paths]
+    assert lengths[0] == 14
+    assert 0 < lengths[-1] < 14
+    touch = tips.step([(BALL, np.eye(3), place + action)], dt=2e-3)
+    single = ff.TactileFinger(FINGER, friction=0.6, finite_strain=False)
+    for w, path in enumerate(paths):
+        single.reset()
+        for at in [*path, place[w] + action[w]]:
+            alone = single.step([(BALL, np.eye(3), at)], dt=2e-3)
+        assert np.allclose(touch.wrench[w], alone.wrench, atol=1e-8)
+        assert np.allclose(touch.strain[w], alone.strain, atol=1e-9)
 
 
 def test_finite_strain_stiffens_the_plate_of_its_table_and_states_an_error() -> None:
@@ -381,6 +415,33 @@ def test_what_it_cannot_answer_is_flagged_or_refused(tip: ff.TactileFinger) -> N
     with pytest.raises(InputError, match="deepest"):
         ball(strict, 2.5)
     assert np.allclose(ball(strict, 0.5, 1e-9).wrench, good, rtol=1e-6)
+
+
+def lever(tip: ff.TactileFinger, degrees: float) -> Touch:
+    """Give a bar of 60 mm that turns about its middle, beyond the tip."""
+    turn = np.radians(degrees)
+    about = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
+    return tip.step([(ff.shapes.Box(60, 8, 8), about, [28.0, 0.0, 0.0])], 1e-3)
+
+
+def test_a_turn_through_the_skin_is_flagged_and_one_beside_it_is_not(
+    tip: ff.TactileFinger,
+) -> None:
+    for first, last, valid in (
+        (-45.0, 45.0, False),
+        (-90.0, -45.0, True),
+        (45.0, 180.0 - 45.0, True),
+    ):
+        tip.reset()
+        assert lever(tip, first).valid
+        after = lever(tip, last)
+        assert not after.wrench.any()
+        assert after.valid == valid
+        assert ("moved" in str(after.reason)) != valid
+    tip.reset()
+    ball(tip, 0.5)
+    upside_down = np.diag([-1.0, 1.0, -1.0])  # half a turn of a ball moves no surface
+    assert tip.step([(BALL, upside_down, -5.5 * NORMAL)], 1e-3).valid
 
 
 POSE = BALL, np.eye(3), [0.0, 0.0, -8.0]
