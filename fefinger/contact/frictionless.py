@@ -179,6 +179,7 @@ class FrictionlessContact(Stepper):
         self.turns, self.tolerance, self.stiffening = turns, tolerance, 1.0
         self.projected = np.array(projected)
         self.lcp = active_set.lcp_state(flexibility)
+        self.flexibility = self.lcp.flexibility
         self._offset = np.zeros(count)
         no_limits = np.full(count, DONE, dtype=np.int64) if limits is None else limits
         moves = not isinstance(gap, np.ndarray)
@@ -208,7 +209,7 @@ class FrictionlessContact(Stepper):
 
     def energy(self) -> tuple[float, float]:
         """Return the stored energy in µJ and the dissipated power in µW, both without t(u)."""
-        m, flexibility = self.history, self.lcp.flexibility
+        m, flexibility = self.history, self.flexibility
         stored, lost = m.elastic @ flexibility @ m.elastic / 2, 0.0
         for weight, rate, term in zip(m.weights, m.rates, m.terms, strict=True):
             held = float(term @ flexibility @ term / weight)

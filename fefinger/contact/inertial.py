@@ -239,14 +239,17 @@ class InertialContact(Stepper):
         if key not in self._factors:
             if len(self._factors) >= CACHED:
                 self._factors.clear()
-            static = not 0 < key <= self.longest
-            modes = self.modes
-            parts = self.oscillators, modes.participation, modes.residual_flexibility
-            self._factors[key] = step_factors(*parts, key, static=static)
+            self._factors[key] = self.make_factors(key)
         if key != self._dt:
             self.lcp.flexibility[:] = self._factors[key].flexibility
             self._dt = key
         return self._factors[key]
+
+    def make_factors(self, dt: float) -> StepFactors:
+        """Compute the factors of a step of `dt` s."""
+        static, modes = not 0 < dt <= self.longest, self.modes
+        parts = self.oscillators, modes.participation, modes.residual_flexibility
+        return step_factors(*parts, dt, static=static)
 
     def _advance(self, dt: float, target: Target) -> int:
         arrays = self._gap, self.projected, self.limits, self._work

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from fefinger.contact.soft import RIGID, PressingObject
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.assembly import numbering
 from fefinger.fem.elements.forms import Elastic, stiffness
@@ -78,13 +79,14 @@ class Reduced:
     """Response of a body to unit loads on a patch.
 
     flexibility F (n, n); strain_operator (n_rows, n): strain per unit load; normal_displacement
-    (n_near, n) mm: of the patch's neighborhood, along the obstacle's normal.
+    (n_near, n) mm: of the patch's neighborhood, along the obstacle's normal; object: what presses.
     """
 
     patch: Patch
     flexibility: Array
     strain_operator: Array
     normal_displacement: Array
+    object: PressingObject = RIGID
 
 
 def body(

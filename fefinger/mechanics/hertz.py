@@ -159,6 +159,7 @@ def lacking(case: Situation) -> list[Reason]:
     """Return the features of a scene that a contact of spheres cannot represent."""
     unable = [*notes.own_relaxation_reasons(case.finger), *case.too_long]
     unable += notes.tangential_reasons(case.motion, case.indenter)
+    unable += notes.soft_reasons(case.indenter)
     if case.ask.fields:
         reason = "ask.fields: this mechanics has no mesh; ask.fields = false leaves them out"
         unable.append(Reason("ask.fields", reason))

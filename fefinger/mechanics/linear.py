@@ -32,8 +32,8 @@ traits = Traits(meshed=True, finite=False)
 NOTES = (
     "Small strain: the geometry, the surface areas and the tissue stiffness are those of the "
     "undeformed finger; the stiffening of tissue at large strain is left out.",
-    "Contact with a rigid indenter, frictionless unless it has a coefficient of friction; the "
-    "pressure acts along the indenter's normal. "
+    "Contact is frictionless unless the indenter has a coefficient of friction; the pressure acts "
+    "along the indenter's normal. "
     "Gaps are closed as weighted means over the facets around each vertex, not at every point.",
     "The whole stress of every soft tissue relaxes with one function G(t); Poisson's ratio is "
     "constant.",

@@ -15,6 +15,7 @@ from fefinger.mechanics.press.notes import (
     elastic_hard_parts_reasons,
     friction_reasons,
     separate_relaxation_reasons,
+    soft_reasons,
     stiffens,
 )
 from fefinger.mechanics.press.prepared import Precision, Prepared
@@ -125,6 +126,9 @@ class LoopOptions:
                 "angles: expected a plate that rolls without friction and does not slide, received "
                 "`reach` or friction as well; leave one of them out"
             )
+        if self.known is not None and (self.mechanics == PRESSED or self.angles is not None):
+            for reason in soft_reasons(self.known):
+                yield f"{reason.text}; use mechanics='condensed' or 'modal' without `angles`"
         if self.mechanics == PRESSED:
             fixed = separate_relaxation_reasons, elastic_hard_parts_reasons
             for reason in (each for reasons in fixed for each in reasons(self.finger)):

@@ -166,6 +166,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
         if getattr(case.ask, each)
     ]
     unable += notes.tangential_reasons(case.motion, case.indenter)
+    unable += notes.soft_reasons(case.indenter)
     unable += notes.own_relaxation_reasons(case.finger)
     unable += [Reason("motion", each) for each in too_long(case.motion, fast=False, most=MOST)]
     if case.indenter.hertzian is None:

@@ -17,6 +17,7 @@ from fefinger.mechanics.press.notes import (
     QUASISTATIC,
     Reason,
     refusals,
+    soft_reasons,
     stiffens,
     tangential_reasons,
 )
@@ -48,8 +49,18 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     shared = tuple(replace(refusal, mechanics=name) for refusal in base.refuse(case))
     if any(refusal.about == "ability" for refusal in shared):
         return shared
-    unable = refusals(name, "ability", tangential_reasons(case.motion, case.indenter))
+    unable = refusals(name, "ability", _unable(case))
     return unable + shared + refusals(name, "accuracy", reasons(case))
+
+
+def _unable(case: Situation) -> Iterator[Reason]:
+    """Yield a path or friction, and a sweep of a soft object.
+
+    The closed form of a sweep has one complex modulus for all that gives way.
+    """
+    yield from tangential_reasons(case.motion, case.indenter)
+    if case.motion.frequencies is not None:
+        yield from soft_reasons(case.indenter)
 
 
 def reasons(case: Situation) -> list[Reason]:

@@ -34,7 +34,7 @@ traits = Traits(meshed=True, finite=True)
 
 NOTES = (
     notes.LOGARITHMIC,
-    "Frictionless contact with a rigid indenter. Gaps are closed as weighted means over the facets "
+    "Frictionless contact. Gaps are closed as weighted means over the facets "
     "around each vertex, not at every point.",
     "The press of the relaxed finger was solved at some depths. Through time its whole stress "
     "relaxes, and until the indenter retreats the deformation is taken to depend on the depth "
@@ -51,6 +51,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
         *notes.separate_relaxation_reasons(case.finger),
         *notes.elastic_hard_parts_reasons(case.finger),
         *notes.friction_reasons(case.indenter),
+        *notes.soft_reasons(case.indenter),
     ]
     if unable:
         return refusals(name, "ability", unable)

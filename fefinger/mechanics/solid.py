@@ -27,8 +27,8 @@ traits = Traits(meshed=True, finite=True)
 
 NOTES = (
     notes.LOGARITHMIC,
-    "Contact with a rigid indenter, which the skin may slide along, frictionless unless a plate "
-    "with a coefficient of friction slides. Gaps are closed as weighted means over the facets "
+    "The skin may slide along the indenter, frictionless unless a plate with a coefficient of "
+    "friction slides. Gaps are closed as weighted means over the facets "
     "around each vertex, not at every point.",
     "The second Piola-Kirchhoff stress of the soft tissues relaxes (Fung's quasi-linear "
     "viscoelasticity); solved at steps of the motion and interpolated between them.",
@@ -44,7 +44,8 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against finite strain for a scene, as refusals of `mechanics`."""
     sliding = notes.finite_sliding_reasons(case.motion, case.indenter)
-    unable = [*sliding, *case.too_long, *linear.unmeshable(case)]
+    soft = notes.soft_reasons(case.indenter)
+    unable = [*sliding, *soft, *case.too_long, *linear.unmeshable(case)]
     if unable:
         return refusals(mechanics, "ability", unable)
     reasons = [*linear.too_small(case), *linear.unmeasured(case.finger)]

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fefinger.contact.soft import RIGID
 from fefinger.fem.condensation import Operator
 from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.mechanics.loop_setup import MODAL, LoopOptions, prepare
@@ -81,6 +82,11 @@ class Vibrations:
             raise InputError(
                 "vibrations: expected a finger with modes, received one without; make the loop "
                 "with mechanics='modal'"
+            )
+        if prepared.on_pad.object is not RIGID:
+            raise InputError(
+                "indenter.modulus: expected a rigid object, as the closed form has one complex "
+                "modulus for all that gives way, received a soft one; step a loop through time"
             )
         self.prepared, self.modes, self.deepest = prepared, prepared.modes, deepest
         self.finger, self.solid, self.sites = prepared.finger, prepared.solid, prepared.sites

@@ -20,6 +20,7 @@ from fefinger.scene.key import Key, check, keys_of
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.registry import hyphenated
+from fefinger.theory.contact.stack import Stack
 
 
 # Beyond 60 degrees the nail is in the way; the thesis has 20 to 40 (Pawluk 1997, section 2.2).
@@ -74,7 +75,7 @@ class Plate(NamedTuple):
 
 @dataclass(frozen=True)
 class Indenter(ABC):
-    """A rigid object. One of your own is a frozen dataclass with a `surface(x, y)`.
+    """An object. One of your own is a frozen dataclass with a `surface(x, y)`, and rigid.
 
     Its fields are keys of [indenter]: `width: Annotated[float, Key("Width", unit="mm", above=0)]`,
     or without facts `width: float`. Its `kind` is the name of the class in lower case, with hyphens
@@ -240,6 +241,11 @@ class Indenter(ABC):
     @property
     def ball_radius(self) -> float | None:
         """Radius in mm of a ball; None for every other object."""
+        return None
+
+    @property
+    def soft_body(self) -> Stack | None:
+        """The elastic body of a soft object; None where it is rigid."""
         return None
 
     @property

@@ -1,4 +1,4 @@
-"""The rigid objects that touch the finger."""
+"""The objects that touch the finger."""
 
 from dataclasses import dataclass
 from typing import Annotated, final
@@ -6,6 +6,7 @@ from typing import Annotated, final
 import numpy as np
 
 from fefinger.geometry import profiles
+from fefinger.scene.compliant import Compliant
 from fefinger.scene.indenter import Indenter, Plate, turned
 from fefinger.scene.key import Key
 from fefinger.support import registry
@@ -21,8 +22,8 @@ Width = Annotated[float, Key("Width over all", unit="mm", above=0)]
 
 @final
 @dataclass(frozen=True)
-class Flat(Indenter):
-    """A rigid plate, large against the finger, at `angle` degrees about y and `tilt` about x.
+class Flat(Compliant):
+    """A plate, large against the finger, at `angle` degrees about y and `tilt` about x.
 
     A tilt other than 0 breaks the symmetry of the finger.
     """
@@ -43,9 +44,11 @@ class Flat(Indenter):
         return Plate(self.angle, self.tilt)
 
     def describe(self) -> str:
-        """Return "a rigid flat plate", with its angles."""
+        """Return "a rigid flat plate", or "a soft flat plate of 50 kPa", with its angles."""
         tilt = f", rolled by {self.tilt:g} degrees" if self.tilt else ""
-        return f"a rigid flat plate at {self.angle:g} degrees{tilt}"
+        hardness, material = self._stuff
+        of = f" of {material}" if material else ""
+        return f"a {hardness} flat plate{of} at {self.angle:g} degrees{tilt}"
 
 
 STANDARD = Flat(angle=30.0)
@@ -54,8 +57,8 @@ STANDARD = Flat(angle=30.0)
 
 @final
 @dataclass(frozen=True)
-class Sphere(Indenter):
-    """A rigid sphere of `radius` mm, placed at `at`."""
+class Sphere(Compliant):
+    """A sphere of `radius` mm, placed at `at`."""
 
     radius: Radius
     at: tuple[float, float] | None = None
@@ -76,8 +79,8 @@ class Sphere(Indenter):
         return self.radius
 
     def describe(self) -> str:
-        """Return "a rigid sphere", with its radius."""
-        return f"a rigid sphere of radius {self.radius:g} mm"
+        """Return "a rigid sphere" or "a soft sphere of 50 kPa", with its radius."""
+        return self._described("sphere", f"radius {self.radius:g} mm")
 
 
 @final
@@ -109,8 +112,8 @@ class Ellipsoid(Indenter):
 
 @final
 @dataclass(frozen=True)
-class Cylinder(Indenter):
-    """A long rigid cylinder of `radius` mm, placed at `at` and turned by `roll`."""
+class Cylinder(Compliant):
+    """A long cylinder of `radius` mm, placed at `at` and turned by `roll`."""
 
     radius: Radius
     roll: float = 0.0
@@ -127,8 +130,8 @@ class Cylinder(Indenter):
         return self.radius
 
     def describe(self) -> str:
-        """Return "a rigid cylinder", with its radius and how it lies."""
-        return f"a rigid cylinder of radius {self.radius:g} mm{turned(self.roll)}"
+        """Return "a rigid cylinder" or a soft one, with its radius and how it lies."""
+        return self._described("cylinder", f"radius {self.radius:g} mm{turned(self.roll)}")
 
 
 class Edged(Indenter):

@@ -36,7 +36,7 @@ BOUNDS = {
 PLAIN: dict[Any, str] = {float: "number", int: "integer", bool: "boolean", str: "string"}
 
 ABOUT = {
-    "indenter": "The rigid object that touches the finger; a plate unless `kind` says otherwise",
+    "indenter": "The object that touches the finger; a plate unless `kind` says otherwise",
     "motion": "How the object moves: its depth or its force in time",
     "ask.population": "Places of the afferent units; one of each type under first touch without it",
 }

@@ -95,6 +95,8 @@ def stated(candidate: Candidate, case: Situation, quantity: str = "force") -> St
         return StatedError(
             math.nan, "not known: it was measured on fingers of the shape and bone of the subjects"
         )
+    if case.indenter.soft_body is not None:
+        return StatedError(math.nan, "not known: no soft object was measured")
     if not MECHANICS[candidate.mechanics].finite:
         candidate = candidate.measured
     found = estimate(candidate, quantity, case.features, case.depth_over_thickness)

@@ -45,6 +45,16 @@ RIGID_BONE = (
 )
 
 
+RIGID_OBJECT = "The object is rigid."
+
+SOFT_OBJECT = (
+    "The object is soft: it gives way at once, at small strain and without friction, as a flat "
+    "body does, {}. The skin sees the movement along its pressure, by distances along the "
+    "undeformed skin. The depth is the approach, by which both bodies give way."
+)
+"""Note on every answer with a soft object: what stands for it, as in Hertz's theory."""
+
+
 class Reason(NamedTuple):
     """A reason against a mechanics, and the field or part of the scene to change, "" for none."""
 
@@ -131,6 +141,26 @@ def friction_reasons(indenter: Indenter) -> Iterator[Reason]:
         yield Reason("indenter.friction", f"{value}: this mechanics has frictionless contact")
 
 
+def object_note(indenter: Indenter) -> str:
+    """Return the note on what the object is made of."""
+    body = indenter.soft_body
+    if body is None:
+        return RIGID_OBJECT
+    kind = "a half-space"
+    if body.thickness < np.inf:
+        kind = f"a layer of {body.thickness:g} mm bonded to a rigid base"
+    modulus, poisson = body.surface
+    return SOFT_OBJECT.format(f"{kind} of {modulus:g} kPa and Poisson's ratio {poisson:g}")
+
+
+def soft_reasons(indenter: Indenter) -> Iterator[Reason]:
+    """Yield the modulus of an object, where it is soft."""
+    body = indenter.soft_body
+    if body is not None:
+        reason = f"indenter.modulus = {body.surface[0]:g} kPa: this mechanics has rigid objects"
+        yield Reason("indenter.modulus", reason)
+
+
 def finite_sliding_reasons(motion: Motion, indenter: Indenter) -> Iterator[Reason]:
     """Yield the options of sliding and friction that finite strain does not support."""
     if motion.turns_plate:
@@ -156,6 +186,9 @@ def turning_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
     """Return the reason against a plate that turns more than small strain can represent."""
     if not motion.turns_plate:
         return ()
+    if indenter.soft_body is not None:
+        reason = f"motion.kind = {motion.kind!r}: a rigid plate alone turns, not a soft one"
+        return (Reason("indenter.modulus", reason),)
     if indenter.flat is None:
         reason = f"indenter.kind = {indenter.kind!r}: a smooth plate alone turns along a path"
         return (Reason("motion.angle", reason),)

@@ -41,6 +41,7 @@ from fefinger.mechanics.press.modal_body import (
 )
 from fefinger.mechanics.press.modal_press import contact_of
 from fefinger.mechanics.press.placement import first_moments, whole_pad
+from fefinger.mechanics.press.pressing_object import pressing_object
 from fefinger.mechanics.press.reference import reference_press
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.press.time_steps import RESOLVED
@@ -158,7 +159,9 @@ def pressed(
     made = _reduction(finger, indenter, deepest, sites, stages)
     on, flexibility = made.reduced.patch, made.reduced.flexibility
     bounds, areas = _limits(made.solid, on), on.projected
-    contact = FrictionlessContact(flexibility, on.gap, areas, finger.prony.branches, bounds)
+    contact = made.reduced.object.frictionless(
+        flexibility, on.gap, areas, finger.prony.branches, bounds
+    )
     rows = made.reduced.strain_operator
     return _prepared(finger, made, contact, rows, precision)
 
@@ -219,6 +222,7 @@ def slid(
 
     reduced = _on_candidates(solid, deepest, candidates, reduce)
     on, branches = reduced.patch, finger.prony.branches
+    reduced = replace(reduced, object=pressing_object(indenter, solid, on))
     gaps = Travel.of(solid.space, solid.normals, on, obstacle)
     made = _Reduction(solid, obstacle, chosen, reduced, probe)
     rest = gaps, on.projected, branches, _limits(solid, on)
@@ -227,7 +231,7 @@ def slid(
     if mu:
         contact = FrictionalContact(flexibility, (mu, indenter.kinetic), *rest, turns=turns)
     else:
-        contact = FrictionlessContact(flexibility, *rest, turns=turns)
+        contact = reduced.object.frictionless(flexibility, *rest, turns=turns)
     places = (solid.space.points[on.vertices] - obstacle.origin) @ frame(obstacle.axis)[:2].T
     prepared = _prepared(finger, made, contact, reduced.strain_operator, precision)
     return replace(prepared, places=places)
@@ -332,6 +336,7 @@ def _reduction(
         return operator.reduced(finger, solid, on, where, probe)
 
     reduced = _on_candidates(solid, deepest, candidates, reduce)
+    reduced = replace(reduced, object=pressing_object(indenter, solid, reduced.patch))
     return _Reduction(solid, obstacle, chosen, reduced, probe)
 
 

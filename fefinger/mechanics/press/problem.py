@@ -17,7 +17,7 @@ from fefinger.mechanics.press import placement
 from fefinger.mechanics.press.discretization import FORCE_DEPTH, needs_continuation
 from fefinger.mechanics.press.limits import check_depth
 from fefinger.mechanics.press.load_steps import LoadSteps
-from fefinger.mechanics.press.notes import finger_notes
+from fefinger.mechanics.press.notes import finger_notes, object_note
 from fefinger.mechanics.press.sites import central_sites, end_organ_sites, meshed
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mesh.store import load_or_build
@@ -162,6 +162,7 @@ class Press:
                 *finger_notes(finger),
                 *mesh.quality.get("notes", ()),
                 *of_texture(scene, body, obstacle),
+                object_note(scene.indenter),
             ),
             inclines=None if plate is None else motion.inclines(time, plate),
         )

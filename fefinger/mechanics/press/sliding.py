@@ -14,6 +14,7 @@ from fefinger.fem.contact.travel import Heights, envelope
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press import operator, problem
 from fefinger.mechanics.press.placement import on_neighborhood
+from fefinger.mechanics.press.pressing_object import pressing_object
 from fefinger.mechanics.press.problem import Press, SmallStrainHistory
 from fefinger.results.records import Lateral, Pad
 from fefinger.support.arrays import Array, Integers
@@ -89,7 +90,8 @@ def reduce_to_patch(
         made = operator.reduced(press.finger, press.body, three, points, lambda: probe)
     else:
         made = press.method.reduce(press.body, three, probe, report)
-    return replace(made, patch=replace(on, loads=three.loads))
+    own = pressing_object(press.indenter, press.body, on)
+    return replace(made, patch=replace(on, loads=three.loads), object=own)
 
 
 def distances(press: Press, on: Patch) -> Array:

@@ -9,7 +9,6 @@ from functools import partial
 import numpy as np
 
 from fefinger.contact.frictional import FrictionalContact
-from fefinger.contact.frictionless import FrictionlessContact
 from fefinger.contact.march import History, Prescribed, march
 from fefinger.contact.stepper import Gaps, Stepper
 from fefinger.fem.body import Body, Reduced, body, reduce
@@ -171,6 +170,7 @@ def contact_of(press: Press, reduced: Reduced) -> Stepper:
         gap = Travel.of(press.body.space, press.body.normals, on, press.obstacle)
     turns = press.inclines is not None
     if not indenter.friction:
-        return FrictionlessContact(reduced.flexibility, gap, on.projected, branches, turns=turns)
+        parts = reduced.flexibility, gap, on.projected, branches
+        return reduced.object.frictionless(*parts, turns=turns)
     mu = indenter.friction, indenter.kinetic
     return FrictionalContact(reduced.flexibility, mu, gap, on.projected, branches, turns=turns)

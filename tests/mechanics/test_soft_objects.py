@@ -1,0 +1,122 @@
+"""Soft objects under a whole finger: `condensed`, `linear` and `modal`, and who refuses them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fefinger as ff
+from fefinger.mechanics import condensed, get, linear, modal
+from fefinger.mechanics.press.notes import RIGID_OBJECT
+from fefinger.mechanics.situation import Situation
+from fefinger.results.records import Response
+from fefinger.scene.motion import Motion
+from fefinger.support.checks import InputError
+
+
+FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
+HOLD = ff.RampHold(20, 0.8, hold=0.2)
+
+pytestmark = pytest.mark.usefixtures("operators")
+
+
+def scene(indenter: ff.Indenter, motion: Motion = HOLD, **ask: object) -> ff.Scene:
+    return ff.Scene(
+        finger=FINGER, indenter=indenter, motion=motion, ask=ff.Ask(fields=False, **ask)
+    )
+
+
+def same(found: Response, expected: Response, rel: float) -> None:
+    for name in ("depth", "force", "contact_area", "pressure", "gap"):
+        a, b = (np.nan_to_num(getattr(each, name)) for each in (found, expected))
+        assert np.abs(a - b).max() <= rel * np.abs(b).max()
+
+
+def test_the_response_has_both_bodies_in_its_gap_and_says_so() -> None:
+    rigid, soft = (condensed.respond(scene(ff.Flat(30, modulus=E))) for E in (None, 50.0))
+    assert RIGID_OBJECT in rigid.notes
+    (note,) = (each for each in soft.notes if each.startswith("The object is soft"))
+    assert "50 kPa" in note
+    assert soft.force.max() < 0.5 * rigid.force.max()
+    # In contact the pointwise gap is that of a rigid object: some um, not the .4 mm of its surface.
+    inside = [np.abs(each.gap[-1][each.pressure[-1] > 0]).max() for each in (rigid, soft)]
+    assert inside[1] < 2 * inside[0]
+    assert soft.numbers["penetration_mm"] < 2 * rigid.numbers["penetration_mm"]
+
+
+def test_linear_and_condensed_agree_and_half_a_finger_is_the_whole() -> None:
+    ball = ff.Sphere(6, modulus=30, thickness=4)
+    half = condensed.respond(scene(ball))
+    whole = condensed.respond(scene(replace(ball, at=(0.0, 1e-9))))
+    assert half.numbers["half"] == 1
+    assert whole.numbers["half"] == 0
+    assert half.force == pytest.approx(whole.force, rel=1e-5)
+    plate = scene(ff.Flat(30, modulus=30), ff.Ramp(20, 0.6))  # on the mesh of `linear` too
+    same(condensed.respond(plate), linear.respond(plate), 1e-9)
+
+
+def test_a_hard_object_is_the_rigid_one() -> None:
+    for motion in (HOLD, ff.Trapezoid(loading_rate=2, force=0.2, hold=0.1)):
+        hard = condensed.respond(scene(ff.Flat(30, modulus=1e15), motion))
+        same(hard, condensed.respond(scene(ff.Flat(30), motion)), 1e-9)
+
+
+def test_a_loop_is_the_march_and_slides_without_friction() -> None:
+    ball = ff.Sphere(6, modulus=30)
+    answer = condensed.respond(scene(ball, ff.Ramp(20, 0.6)))
+    loop = ff.Loop(FINGER, ball, mechanics="condensed", deepest=0.8)
+    for before, time, depth in zip(
+        answer.time[:-1], answer.time[1:], answer.depth[1:], strict=True
+    ):
+        force = loop.step(float(time - before), depth=float(depth)).force
+    assert force == pytest.approx(answer.force[-1], rel=1e-6)
+    plate = ff.Loop(FINGER, ff.Flat(30, modulus=30), mechanics="condensed", reach=1.0, deepest=0.8)
+    still = plate.step(0.01, depth=0.6).force
+    plate.reset()
+    moved = plate.step(0.01, depth=0.6, shift=(0.5, 0.0))
+    assert moved.force == pytest.approx(still, rel=1e-9)  # a plate looks the same everywhere
+
+
+def test_modes_at_rest_are_statics_and_a_hard_object_is_rigid_to_them() -> None:
+    made = {
+        (name, modulus): ff.Loop(FINGER, ff.Flat(30, modulus=modulus), mechanics=name, deepest=0.8)
+        for name, modulus in (
+            ("modal", 40.0),
+            ("condensed", 40.0),
+            ("modal", 1e15),
+            ("modal", None),
+        )
+    }
+    forces = [made[name, 40.0].rest(50.0, depth=0.6).force for name in ("modal", "condensed")]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-6)
+    hard, rigid = (
+        [made["modal", each].step(2e-4, depth=0.02 * k).force for k in range(1, 8)]
+        for each in (1e15, None)
+    )
+    assert hard == pytest.approx(rigid, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["lumped", "pressed", "solid"])
+def test_a_mechanics_of_rigid_objects_refuses(name: str) -> None:
+    refusals = get(name).refuse(Situation.of(scene(ff.Flat(30, modulus=50))))
+    (refusal,) = (each for each in refusals if each.field == "indenter.modulus")
+    assert refusal.about == "ability"
+    assert "50 kPa" in refusal.reason
+
+
+def test_soft_plates_do_not_turn_nor_sweep_and_errors_are_not_known() -> None:
+    plate = ff.Flat(30, modulus=50)
+    slide = ff.Slide(10, depth=0.5, distance=2)
+    refused = [each.refuse(Situation.of(scene(plate, slide))) for each in (linear, modal)]
+    assert [each.field for each in refused[1]] == ["motion.kind"]
+    assert not refused[0]
+    error, source = condensed.error(Situation.of(scene(plate)))
+    assert np.isnan(error)
+    assert source.startswith("not known")
+    with pytest.raises(InputError, match="condensed"):
+        ff.explain(scene(plate))
+    with pytest.raises(InputError, match=r"indenter\.modulus: expected a rigid object"):
+        ff.Vibrations(FINGER, plate, deepest=0.8)
+    for options in ({"mechanics": "pressed"}, {"mechanics": "condensed", "angles": (20, 40)}):
+        with pytest.raises(InputError, match=r"indenter\.modulus = 50 kPa"):
+            ff.Loop(FINGER, plate, **options)
