@@ -1,6 +1,7 @@
 """A made-up Result with everything in it: smooth fields on a small half finger, and spikes."""
 
 import dataclasses
+import gc
 import importlib
 import shutil
 from collections.abc import Callable, Iterator
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from fefinger.fem.linalg import multifrontal_indefinite
-from fefinger.mechanics.press import finite_strain, load_steps
+from fefinger.mechanics.press import elastic_press, finite_strain, load_steps
 from fefinger.neural.drives import Reference
 from fefinger.neural.trains import SpikeTrains
 from fefinger.result import Result
@@ -46,6 +47,12 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     from xdist.scheduler import LoadFileScheduling
 
     return LoadFileScheduling(config, log)
+
+
+def pytest_collection_finish() -> None:
+    """Keep what is there for good, some million objects, out of every collection of garbage."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -113,6 +120,14 @@ def few_steps(
 ) -> None:
     """Take few steps through time, where time is not the question."""
     stride_far(monkeypatch)
+
+
+@pytest.fixture
+def few_depths(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Tabulate presses for `pressed` at seven depths instead of 19, in a cache of the test."""
+    monkeypatch.setattr(elastic_press, "STEPS", 8)
+    monkeypatch.setattr(elastic_press, "FEWEST", 4)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
 
 
 @pytest.fixture

@@ -148,6 +148,7 @@ def test_what_it_does_not_slide_is_refused(mechanics, indenter, motion, field):
     assert field in {each.field for each in refusals}
 
 
+@pytest.mark.usefixtures("few_depths")
 def test_a_path_of_any_shape_is_open_to_a_plate_without_friction():
     motion = ff.SampledPath((0.0, 1.0), (0.0, 1.0), (0.0, 1.0), (0.0, 0.3))
     case = Situation(FINGER, ff.Flat(30), motion, ASK)

@@ -141,11 +141,8 @@ def test_fields_and_sites_tell_the_same_strain(held: Response):
     assert np.linalg.norm(held.fields.displacement[-1], axis=1).max() < 1.0
 
 
-@pytest.mark.parametrize("poisson", [0.48, 0.480001])
-def test_skin_that_is_pressed_together_in_contact_does_not_fold_through_the_plate(poisson: float):
+def test_skin_that_is_pressed_together_in_contact_does_not_fold_through_the_plate():
     finger = ff.Finger.subject("d.p.", resolution="coarse", prony=ELASTIC, tissue="maeno1998")
-    skin, rest = (replace(each, poisson=poisson) for each in (finger.skin, finger.subcutaneous))
-    finger = replace(finger, skin=skin, subcutaneous=rest)
     motion = ff.Ramp(60, 0.2 * finger.thickness, corner=0)
     ask = ff.Ask(strain=False, fields=False)
     found = solid.respond(Scene(finger=finger, indenter=ff.Flat(30), motion=motion, ask=ask))

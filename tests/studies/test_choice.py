@@ -172,6 +172,7 @@ def test_a_study_with_a_mechanics_that_is_named_is_on_one_mesh(monkeypatch):
     assert meshes_of(answered) == ["auto"] * 3
 
 
+@pytest.mark.usefixtures("few_depths")
 def test_a_study_of_forces_over_angles_is_of_one_mechanics_and_says_so(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "first"))
     changes = LEAN | {"motion.depth": 0.3, "motion.hold": 0.0, "ask.rel_error": 0.35}
