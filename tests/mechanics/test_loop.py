@@ -174,6 +174,45 @@ def test_a_copy_and_a_pickle_are_a_recipe_and_go_on_from_the_state(kind: str) ->
         finger.restore(dataclasses.replace(state, contact=state.contact[:-1]))
 
 
+def test_a_state_holds_the_angle_and_the_center() -> None:
+    finger = loop("rolling")
+    first = copy.deepcopy(finger.step(5e-3, depth=0.4))
+    finger.step(5e-3, depth=0.4, angle=30.0)
+    finger.reset()
+    assert finger.step(5e-3, depth=0.4).x == pytest.approx(first.x, rel=1e-6)
+    turned = copy.deepcopy(finger.step(5e-3, depth=0.4, angle=32.0))
+    state = finger.state()
+    finger.step(5e-3, depth=0.5, angle=18.0)
+    finger.step(5e-3, depth=-0.5)
+    finger.restore(state)
+    again = finger.step(0.0, depth=0.4)
+    assert again.force == pytest.approx(turned.force, rel=1e-6)
+    assert (again.x, again.y) == pytest.approx((turned.x, turned.y), rel=1e-6, abs=1e-9)
+    away = finger.step(5e-3, depth=-0.5)
+    assert not away.touching
+    state, left = finger.state(), (away.x, away.y)
+    finger.step(5e-3, depth=0.4, angle=18.0)
+    back = finger.restore(state)
+    assert (back.x, back.y) == left  # exact: it is kept
+
+
+def test_with_inertia_a_long_step_goes_straight_to_its_force() -> None:
+    """As short steps with the force in between do; refused on the way, it changes nothing."""
+    finger = loop("modal")
+    finger.step(1e-3, force=0.05)
+    start = finger.state()
+    whole = finger.step(1e-3, force=0.2).depth
+    finger.restore(start)
+    for part in range(1, 11):
+        short = finger.step(1e-4, force=0.05 + 0.015 * part).depth
+    assert whole == pytest.approx(short, rel=1e-6)
+    before = copy.deepcopy(finger.now)
+    with pytest.raises(ff.InputError, match=RIM):
+        finger.step(1e-3, depth=3.0)
+    after = finger.step(1e-9, depth=before.depth)
+    assert after.pressure == pytest.approx(before.pressure, rel=1e-3, abs=1e-3)
+
+
 def test_a_finger_and_a_step_are_a_line_with_units() -> None:
     finger = loop("condensed")
     about = "finger a.h., maeno1998 tissue, coarse mesh, under Flat(angle=30.0, tilt=0.0)"
