@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fefinger.mechanics.evidence import costs
 from fefinger.scene.innervation import innervation
 from fefinger.scene.population import Grid, Layout
 from fefinger.support import processes
@@ -34,9 +35,6 @@ if TYPE_CHECKING:
 
 SILENT = "ask.trial: the units have no noise, so that every trial is the same."
 """Note on another trial of units without noise."""
-
-SLOW = 8.0
-"""Expected seconds of an answer from which on the check has a process of its own."""
 
 
 def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any) -> "SpikeTrains":
@@ -82,7 +80,7 @@ def mesh_check(
     """Yield a function that adds to spike trains notes on their counts on the coarser mesh.
 
     It adds none where the mechanics has no mesh, or no coarser one is available. If the answer is
-    expected to take SLOW `seconds` or more, another process computes the counts meanwhile.
+    expected to take `costs.BESIDE` seconds or more, another process computes the counts meanwhile.
     """
     finger = mechanics.coarser(scene) if scene.ask.spikes else None
     if finger is None:
@@ -98,7 +96,7 @@ def mesh_check(
             notes = (f"Spike counts could not be checked when {mesh}: {error}",)
         return replace(spikes, notes=spikes.notes + notes)
 
-    if seconds >= SLOW and processes.threads() > 1:
+    if costs.beside(seconds):
         with processes.in_background(_spikes, case) as coarser:
             yield partial(checked, coarser)
     else:

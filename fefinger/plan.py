@@ -190,7 +190,9 @@ def _rung(
     """Look up cost and error of one candidate, with refusals where `ask` allows less."""
     name = candidate.mechanics
     mechanics, ask = get(name), case.ask
-    seconds, (static, evidence) = mechanics.cost(case), mechanics.error(case)
+    static, evidence = mechanics.error(case)
+    check = _check_seconds(mechanics, case)
+    seconds = mechanics.cost(case) + costs.spike_seconds(case) + check
     with_inertia = MECHANICS[name].inertia
     left_out = () if with_inertia else inertia.refusals(name)
     whole = static
@@ -209,6 +211,8 @@ def _rung(
     error = max(whole, inertia.vibration) if left_out else whole
     refusals = (*refusals, *left_out)
     wall = costs.wall(name, case, seconds)
+    if costs.beside(seconds):
+        wall -= check
     if ask.seconds is not None and wall > ask.seconds:
         reason = f"expected time = {format_excess(wall, ask.seconds, ' s')} ({SECONDS})"
         refusals = (*refusals, Refusal(name, "time", reason, SECONDS))
@@ -220,6 +224,18 @@ def _rung(
     if case.motion.by_force and math.isfinite(error):
         errors = stated_errors.at_force(errors, error, case)
     return Rung(name, seconds, error, evidence, refusals, candidate.resolution, errors, wall)
+
+
+def _check_seconds(mechanics: Mechanics, case: Situation) -> float:
+    """Return the expected CPU time in s of the check of spike counts on the coarser mesh."""
+    if not case.ask.spikes:
+        return 0.0
+    scene = Scene(finger=case.finger, indenter=case.indenter, motion=case.motion, ask=case.ask)
+    finger = mechanics.coarser(scene)
+    if finger is None:
+        return 0.0
+    lean = replace(case, finger=finger, ask=replace(case.ask, fields=False, pressure=False))
+    return mechanics.cost(lean) + costs.spike_seconds(lean)
 
 
 def _check_force(case: Situation) -> None:
@@ -392,5 +408,6 @@ def _built(case: Situation, rung: Rung) -> str:
         return ""
     on_mesh = case.on(rung.resolution)
     again = rung.seconds - get(rung.mechanics).once(on_mesh)
-    first = rung.wall - costs.wall(rung.mechanics, on_mesh, again)
+    spent, without = (costs.wall(rung.mechanics, on_mesh, each) for each in (rung.seconds, again))
+    first = spent - without
     return f" What is built once and kept takes {duration(first)} of the time." if first else ""

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger import afferents
 from fefinger.mechanics import hertz
+from fefinger.mechanics.evidence import costs
 from fefinger.support import processes
 from fefinger.support.checks import ConvergenceError, Stopped
 
@@ -65,8 +65,7 @@ def test_a_slow_answer_is_checked_by_a_process_beside_it(monkeypatch, child, exp
 
     monkeypatch.setattr(hertz, "coarser", lambda _: coarser)
     monkeypatch.setattr(hertz, "respond", respond)
-    monkeypatch.setattr(afferents, "SLOW", 0.0)
-    monkeypatch.setattr(processes, "threads", lambda: 2)
+    monkeypatch.setattr(costs, "beside", lambda seconds: True)
     monkeypatch.setattr(processes, "SERVE", child)
     notes = ff.run(SCENE, mechanics="hertz").notes
     assert any(note.startswith(expected) for note in notes)

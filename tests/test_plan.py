@@ -41,6 +41,7 @@ def rung(name, *, seconds, error, refusals=()):
         refuse=lambda case: refusals,
         cost=measured,
         once=lambda case: 0.0,
+        coarser=lambda scene: None,
         error=lambda case, quantity="force": (error * factors[case.mesh], f"reports/{name}.json"),
     )
 
@@ -90,8 +91,9 @@ def asked(**changes):
 @pytest.mark.usefixtures("four")
 def test_a_scene_may_be_named_as_for_a_run():
     named, given = "flat-press", builtin.load("flat-press")
+    # exact: one scene is planned twice, by its name and as it is loaded
     assert ff.explain(named) == ff.explain(given)
-    assert ff.choose(named) == ff.choose(given)
+    assert ff.choose(named) == ff.choose(given)  # exact: likewise
 
 
 @pytest.mark.usefixtures("four")

@@ -3,7 +3,7 @@
 In `theory/contact/`, `stack.py` and `indentation.py` are the equations, `contact_table.py` the
 contacts solved once per stack, and `ting.py` extends them to unloading and renewed contact. The
 first press of a stack takes a quarter of a second, another one some 30 ms
-(`reports/small-strain-cost.json`).
+(`reports/afferent-cost.json`).
 """
 
 from dataclasses import replace

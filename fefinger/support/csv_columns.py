@@ -15,7 +15,7 @@ import numpy as np
 
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
-from fefinger.support.inputs import unreadable
+from fefinger.support.inputs import MOST, unreadable
 from fefinger.support.text import plain
 from fefinger.support.units import in_milliseconds, seconds_or_milliseconds
 
@@ -42,9 +42,6 @@ SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
 """Names of wrong separators in messages."""
 
 DECIMAL = "write 0.5 for 0,5 if its commas are decimal"
-
-MOST = 4_000_000
-"""Largest number of rows: an hour at 1 kHz."""
 
 
 @dataclass(frozen=True)

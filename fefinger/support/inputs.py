@@ -29,6 +29,12 @@ DEEPEST = 32
 WIDEST = 64
 """Largest number of bits of a whole number, as in TOML."""
 
+MOST = 4_000_000
+"""Largest number of samples or rows of a file: an hour at 1 kHz."""
+
+WIDEST_SAMPLE = 16
+"""Largest number of bytes of a sample in a sound file, of two channels of 8."""
+
 LINE = 10_000
 """Characters of a first line that are read."""
 
@@ -140,12 +146,18 @@ def bounded(field: str, values: Value) -> Value:
 def read_wave(name: str, file: Path) -> "tuple[int, Array]":
     """Read a WAV file: samples per s, and the samples (n,) of its first channel, from -1 to 1.
 
-    Raises InputError of `name` for another file, or a silent one.
+    Raises InputError of `name` for another file, a silent one, or one of more than MOST samples.
     """
     import numpy as np
     from scipy.io import wavfile
 
     check_input(name, file, "a WAV file")
+    size, largest = file.stat().st_size, MOST * WIDEST_SAMPLE
+    if size > largest:
+        raise InputError(
+            f"{name}: expected a WAV file of at most {largest / 1e6:g} MB, received {str(file)!r} "
+            f"of {size / 1e6:.4g} MB; cut out the part that matters"
+        )
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", wavfile.WavFileWarning)  # chunks without sound
@@ -153,9 +165,11 @@ def read_wave(name: str, file: Path) -> "tuple[int, Array]":
     except Exception as error:  # of any class, such as UnboundLocalError
         raise InputError(f"{name}: expected a WAV file, received {str(file)!r}: {error}") from None
     first = samples if samples.ndim == 1 else samples[:, 0]
-    if len(first) < 2:
-        message = f"{name}: expected at least 2 samples, received {len(first)} in {str(file)!r}"
-        raise InputError(message)
+    if not 2 <= len(first) <= MOST:
+        raise InputError(
+            f"{name}: expected 2 to {MOST} samples, received {len(first)} in {str(file)!r}; cut "
+            "out the part that matters"
+        )
     wave = first.astype(np.float64)
     if first.dtype == np.uint8:
         wave = (wave - 128.0) / 128.0

@@ -9,9 +9,7 @@ from fefinger.validation.problems import published
 import fefinger as ff
 from fefinger import mechanics
 from fefinger.mechanics import hertz, layered, linear
-from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.situation import Situation
-from fefinger.support import machine
 from fefinger.support.checks import InputError
 from fefinger.theory.contact.contact_table import tabulate_to
 from fefinger.theory.contact.indentation import paraboloid
@@ -173,12 +171,13 @@ def test_where_it_was_not_compared_its_error_is_not_known_and_the_reason_is_stat
     assert reason in source
 
 
-def test_the_expected_time_is_that_of_the_report():
-    measured, motion = read("small-strain-cost.json"), ff.RampHold(20, 0.5, hold=1.0)
-    setup = measured["rows"]["layered"]["setup_seconds"] * machine.slowness(measured)
-    assert layered.cost(Situation.of(scene(motion=motion))) > setup
-    more = layered.cost(Situation.of(scene(motion=motion, ask=replace(ASK, spikes=("FAII",)))))
-    assert more > layered.cost(Situation.of(scene(motion=motion, ask=replace(ASK, spikes=()))))
+def test_the_expected_time_grows_with_its_steps_and_end_organs():
+    def seconds(**ask):
+        return layered.cost(Situation.of(scene(ask=replace(ASK, **ask))))
+
+    assert seconds(spikes=("FAII",)) > seconds(spikes=("SAI",)) > 0
+    units = ff.Grid(spacing=1.0, radius=3.0)
+    assert seconds(spikes=("SAI",), population=units) > seconds(spikes=("SAI",))
 
 
 CHOSEN = [

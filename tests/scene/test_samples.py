@@ -14,6 +14,7 @@ from fefinger.mechanics.evidence import vibration
 from fefinger.mechanics.situation import Situation
 from fefinger.results import key_numbers
 from fefinger.scene.inertia import missing, noise, samples, warnings
+from fefinger.support import inputs
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
@@ -222,7 +223,20 @@ def test_a_wave_file_of_any_width_and_channels_is_its_first_channel(
 
 def test_a_wave_file_of_one_sample_is_refused(tmp_path: Path) -> None:
     file = write(tmp_path / "one.wav", 2, 1, np.array([[0.5]]))
-    with pytest.raises(InputError, match=r"motion\.file: expected at least 2 samples, received 1"):
+    with pytest.raises(InputError, match="expected 2 to 4000000 samples, received 1"):
+        ff.Sampled.from_wav(file, amplitude=0.02, preload=0.8)
+
+
+def test_a_wave_file_of_hours_is_refused_before_it_is_read(tmp_path: Path, monkeypatch) -> None:
+    file = write(tmp_path / "hum.wav", 2, 1, np.full((9, 1), 0.5))
+    with monkeypatch.context() as patch:
+        patch.setattr(inputs, "MOST", 8)
+        with pytest.raises(InputError, match="expected 2 to 8 samples, received 9"):
+            ff.Sampled.from_wav(file, amplitude=0.02, preload=0.8)
+    with file.open("r+b") as opened:
+        opened.truncate(65_000_000)  # sparse
+    monkeypatch.setattr("scipy.io.wavfile.read", None)
+    with pytest.raises(InputError, match="at most 64 MB"):
         ff.Sampled.from_wav(file, amplitude=0.02, preload=0.8)
 
 

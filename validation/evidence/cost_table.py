@@ -3,7 +3,8 @@
 The logarithm of the CPU seconds of a step of `solid` is fitted, by least squares, by one level per
 mesh, the relative depth, sharpness of the object, and whether the tissue stiffens; its growth with
 the unknowns from the coarse to the standard mesh gives that to the fine mesh, and to a whole
-finger. All is at the speed of the machine of the reports.
+finger. What end organs, spikes and fields add is fitted to whole answers by least squares of the
+relative errors, with coefficients of 0 or more. All is at the speed of the machine of the reports.
 """
 
 from pathlib import Path
@@ -11,6 +12,8 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.provenance import saved
+from numpy.typing import NDArray
+from scipy.optimize import nnls
 
 from fefinger.mechanics.evidence.vibration import REPORT as MODAL
 from fefinger.scene.indenters import INDENTERS
@@ -18,6 +21,7 @@ from fefinger.support.machine import REPORTED
 
 
 SMALL_STRAIN, SOLID, TABULATION = "small-strain-cost.json", "solid-cost.json", "pressed-error.json"
+AFFERENTS = "afferent-cost.json"
 
 LAW = "neo-hookean"
 """Law of tissue that does not stiffen."""
@@ -28,7 +32,6 @@ mm² of the finger."""
 
 BY_HAND = {
     "lumped": {"setup": 0.0, "step": 1.2e-5},
-    "hertz": {"setup": 0.0213, "step": 2.3e-5},
     "mesh coarse": {"morph": 0.7, "mesh": 8.0},
     "mesh standard": {"morph": 1.2, "mesh": 20.0},
     "mesh fine": {"morph": 1.5, "mesh": 50.0},
@@ -54,10 +57,15 @@ the standard mesh took 20.8 CPU s in two threads, of which the first took 14.2."
 
 def coefficients(folder: Path) -> dict[str, Any]:
     """Return the coefficients of cost."""
-    small, solid, tabulated, modal = (
-        saved(folder / name) for name in (SMALL_STRAIN, SOLID, TABULATION, MODAL)
+    small, solid, tabulated, modal, timed = (
+        saved(folder / name) for name in (SMALL_STRAIN, SOLID, TABULATION, MODAL, AFFERENTS)
     )
-    table = {label: _stages(row, small) for label, row in small["rows"].items()}
+    table = {
+        label: {
+            stage: x for stage, x in _stages(row, small).items() if stage not in AREA_AND_ORGANS
+        }
+        for label, row in small["rows"].items()
+    }
     unknowns = {mesh: small["rows"][f"linear {mesh}"]["unknowns"] for mesh in MESHES}
     fit, grows = _regression(solid["rows"])
     levels = {
@@ -69,19 +77,28 @@ def coefficients(folder: Path) -> dict[str, Any]:
         for mesh in MESHES[:2]
     }
     table |= {f"solid {mesh}": _scaled(row, solid) for mesh, row in levels.items()}
-    table |= {
-        f"pressed {mesh}": _stages(row, tabulated) for mesh, row in tabulated["costs"].items()
-    }
+    answers, spikes = _answers(timed), _spikes(timed)
+    table |= {label: row for label, row in answers.items() if label in FORMULAS}
+    for mesh, row in tabulated["costs"].items():
+        built = _stages(row, tabulated)["build"]
+        table[f"pressed {mesh}"] = {"build": built, **answers[f"pressed {mesh}"]}
+    for name, (like, stages) in GROWTH.items():
+        for mesh in MESHES[:2]:
+            table[f"{name} {mesh}"] |= {
+                stage: answers[f"{name} coarse"][stage] * _ratio(answers, like, mesh, stage)
+                for stage in stages
+            }
     table |= {f"modal {mesh}": _scaled(row, modal) for mesh, row in modal["seconds"].items()}
     size = np.diff(np.log([unknowns[mesh] for mesh in MESHES]))
     power = np.log(fit["standard"] / fit["coarse"]) / size[0]
-    for name in ("solid", "pressed", "modal"):
+    for name in ("condensed", "linear", "solid", "pressed", "modal"):
         coarse, standard = (table[f"{name} {mesh}"] for mesh in MESHES[:2])
-        table[f"{name} fine"] = {
-            stage: value * (value / coarse[stage]) ** (size[1] / size[0])
+        fine = {
+            stage: value * (value / coarse[stage] if coarse[stage] else 1.0) ** (size[1] / size[0])
             for stage, value in standard.items()
         }
-    table |= BY_HAND
+        table[f"{name} fine"] = fine | table.get(f"{name} fine", {})
+    table |= BY_HAND | spikes
     rounded = {
         label: {stage: float(f"{value:.4g}") for stage, value in row.items()}
         for label, row in table.items()
@@ -91,6 +108,86 @@ def coefficients(folder: Path) -> dict[str, Any]:
 
 
 MESHES = ("coarse", "standard", "fine")
+
+FORMULAS = ("hertz", "layered")
+"""Mechanics without a mesh whose cost is all of one fit."""
+
+SMALL = ("condensed", "linear")
+"""Mechanics that read the area of contact anew where it changes."""
+
+ORGANS = ("organ", "organ_step")
+"""Stages of an end organ of a population, and of one at a time step."""
+
+AREA_AND_ORGANS = ("area", *ORGANS)
+"""The same, and reading the area of contact once."""
+
+GROWTH = {
+    "condensed": ("condensed", AREA_AND_ORGANS),
+    "linear": ("condensed", AREA_AND_ORGANS),
+    "solid": ("pressed", ORGANS),
+}
+"""Stages of a mechanics that are taken of whole answers on the coarse mesh, and the mechanics with
+whose times they grow to the standard one."""
+
+
+def _answers(report: dict[str, Any]) -> dict[str, dict[str, float]]:
+    """Return the seconds of the stages of whole answers, by candidate."""
+    table: dict[str, dict[str, float]] = {}
+    for label in dict.fromkeys(row["candidate"] for row in report["rows"]):
+        rows = [row for row in report["rows"] if row["candidate"] == label]
+        steps, fields = (_column(rows, key) for key in ("steps", "fields"))
+        organs = _column(rows, "organs") * _column(rows, "population")
+        loads = _column(rows, "load_steps")
+        stages = {
+            "setup": np.ones(len(rows)),
+            "step": loads if loads.any() else steps,
+            "organ": organs,
+            "organ_step": organs * steps,
+        }
+        stages |= {"fields": fields} if fields.any() else {}
+        stages |= {"area": _column(rows, "areas")} if label.split()[0] in SMALL else {}
+        fit = _scaled(_fitted(stages, _column(rows, "seconds")), report)
+        coarse = table.get(label.replace("standard", "coarse"), {})
+        # What a coarser mesh takes longer for is noise.
+        table[label] = {stage: max(value, coarse.get(stage, 0.0)) for stage, value in fit.items()}
+    return table
+
+
+def _ratio(answers: dict[str, dict[str, float]], mechanics: str, mesh: str, stage: str) -> float:
+    """Return the seconds of a stage on a mesh over those on the coarse one."""
+    coarse, there = (answers[f"{mechanics} {each}"][stage] for each in ("coarse", mesh))
+    return there / coarse if coarse else 1.0
+
+
+def _spikes(report: dict[str, Any]) -> dict[str, dict[str, float]]:
+    """Return the seconds of the spikes of each family, by stage.
+
+    block_second: of a block of units through a second; sample: of an end organ at a time step.
+    """
+    table = {}
+    rows = [row for row in report["rows"] if row["spike_seconds"]]
+    for family in dict.fromkeys(row["family"] for row in rows):
+        own = [row for row in rows if row["family"] == family]
+        stages = {
+            "setup": np.ones(len(own)),
+            "block_second": _column(own, "blocks") * _column(own, "duration_s"),
+            "sample": _column(own, "organs") * _column(own, "steps"),
+        }
+        fit = _fitted(stages, _column(own, "spike_seconds"))
+        table[f"spikes {family}"] = _scaled(fit, report)
+    return table
+
+
+def _column(rows: list[dict[str, Any]], key: str) -> NDArray[np.float64]:
+    return np.array([row[key] for row in rows], dtype=float)
+
+
+def _fitted(
+    stages: dict[str, NDArray[np.float64]], seconds: NDArray[np.float64]
+) -> dict[str, float]:
+    """Return the coefficients of stages (n,), 0 or more, with the least relative errors."""
+    basis = np.array(list(stages.values())).T / seconds[:, None]
+    return dict(zip(stages, nnls(basis, np.ones(len(seconds)))[0].tolist(), strict=True))
 
 
 def _regression(rows: list[dict[str, Any]]) -> tuple[dict[str, float], dict[str, float]]:

@@ -61,20 +61,6 @@ def area_seconds(resolution: str) -> float:
     return round(response.seconds["pressure"] / moving(scene.motion, response.time), 7)
 
 
-def layered() -> dict[str, float]:
-    """Return the seconds of an answer to flat-press by `layered`, and of each of its time steps."""
-    respond = get("layered").respond
-    # Another tissue first: it loads what is loaded once and leaves no contact of this one behind.
-    respond(published.load("flat-press", {"finger.tissue": "saal2017", **ALONE}))
-    started = time.process_time()
-    response = respond(published.load("flat-press", {"ask.fields": False}))
-    contact = response.seconds["contact"]
-    return {
-        "setup_seconds": round(time.process_time() - started - contact, 3),
-        "step_seconds": round(contact / len(response.time), 7),
-    }
-
-
 def meshed(cache: Path, resolution: str) -> dict[str, dict[str, Any]]:
     """Return the costs on a mesh: of `linear`, and of `condensed`, first built, then at hand."""
     whole, reduced = Candidate("linear", resolution), Candidate("condensed", resolution)
@@ -116,13 +102,13 @@ def in_scenes(label: str, row: dict[str, float], speed: float) -> dict[str, floa
 
 def main(folder: Path) -> None:
     """Write the report."""
-    rows: dict[str, dict[str, Any]] = {"layered": layered()}
+    rows: dict[str, dict[str, Any]] = {}
     with empty_cache() as cache:
         for mechanics in ("linear", "condensed"):
             measure(Candidate(mechanics, "coarse"))  # compiles
         for resolution in RESOLUTIONS:
             rows |= meshed(cache, resolution)
-    for label in rows.keys() - {"layered"}:
+    for label in rows:
         rows[label] |= in_scenes(label, rows[label], machine.seconds())
     save(folder / SMALL_STRAIN_COST, {"scene": "flat-press", "rows": rows})
 

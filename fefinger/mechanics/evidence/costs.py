@@ -2,7 +2,8 @@
 
 `reports/evidence.json` holds the seconds of each stage of a mechanics on a mesh, on the machine of
 the reports, and how those of finite strain grow with the depth, by a regression
-(`validation/evidence/cost_table.py`). What a scene adds are counts of steps and of bodies.
+(`validation/evidence/cost_table.py`). What a scene adds are counts of steps, of bodies, of units
+and of end organs.
 """
 
 from collections.abc import Callable, Mapping
@@ -12,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.mechanics.evidence import vibration
+from fefinger.mechanics.evidence import units, vibration
 from fefinger.mechanics.evidence.presses import EVIDENCE, read
 from fefinger.mechanics.press.discretization import needs_continuation
 from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
@@ -20,16 +21,22 @@ from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.press.operator_cache import available, parities
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import MECHANICS
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
 from fefinger.support.machine import slowness
 from fefinger.support.processes import threads
+from fefinger.support.vocabulary import FAMILIES
 from fefinger.theory.relaxation import Prony
 
 
 STEEPEST = 45.0
 """Angle of a plate in degrees beyond which contact leaves the part of the pad that `condensed` is
 reduced to, at depths of a tenth of the thickness."""
+
+BESIDE = 8.0
+"""Expected seconds of an answer from which on its spikes are checked beside it, in a process of
+their own."""
 
 
 def coefficients() -> Mapping[str, Any]:
@@ -66,7 +73,32 @@ def _spent(mechanics: str, case: Situation, bodies: float) -> float:
     factor *= grows["gripping"] if case.indenter.friction else 1.0
     spent += len(case.times) * seconds(mechanics, "step", case.mesh) * factor
     areas = case.changes if case.ask.pressure else 0
-    return spent + areas * seconds(mechanics, "area", case.mesh)
+    return spent + areas * seconds(mechanics, "area", case.mesh) + _organs(mechanics, case)
+
+
+def _organs(mechanics: str, case: Situation) -> float:
+    """Return the expected time in s of strain at the end organs of a population."""
+    if case.ask.population is None:
+        return 0.0
+    mesh = case.mesh if MECHANICS[mechanics].meshed else ""
+    once, step = (seconds(mechanics, stage, mesh) for stage in ("organ", "organ_step"))
+    return units.organs(case.ask) * (once + len(case.times) * step)
+
+
+def spike_seconds(case: Situation) -> float:
+    """Return the expected CPU time in s of the spikes of a scene, of the family that it names.
+
+    One of a user's own counts as the default one.
+    """
+    ask = case.ask
+    if not ask.spikes:
+        return 0.0
+    family = ask.afferents if ask.afferents in FAMILIES else FAMILIES[0]
+    once, block, sample = (
+        seconds("spikes", stage, family) for stage in ("setup", "block_second", "sample")
+    )
+    spent = once + block * units.blocks(ask) * case.motion.duration
+    return spent + sample * units.organs(ask) * len(case.times)
 
 
 def mesh_seconds(case: Situation, *, follow: bool = True) -> float:
@@ -112,7 +144,8 @@ def condensed_once(case: Situation) -> float:
 
 def formula_seconds(mechanics: str, case: Situation) -> float:
     """Return the expected CPU time in s of a mechanics without a mesh."""
-    return seconds(mechanics, "setup") + len(case.times) * seconds(mechanics, "step")
+    spent = seconds(mechanics, "setup") + len(case.times) * seconds(mechanics, "step")
+    return spent + _organs(mechanics, case)
 
 
 @lru_cache(maxsize=8)
@@ -139,14 +172,18 @@ def _following(case: Situation) -> float:
     spent = seconds("solid", "setup", case.mesh)
     spent += steps * seconds("solid", "step", case.mesh) * float(np.exp(harder))
     spent += seconds("solid", "reference", case.mesh) if case.ask.spikes else 0.0
+    spent += _organs("solid", case)
     larger = finger.width * finger.thickness / grows["size"]  # unknowns grow as its root
     return spent * (1.0 if case.half else _whole()) * float(larger ** (grows["power"] / 2))
 
 
 def pressed_seconds(case: Situation) -> float:
     """Return the expected CPU time of `pressed` in s."""
-    spent = seconds("pressed", "setup", case.mesh) * (1.0 if case.half else _whole())
-    return spent + len(case.times) * seconds("pressed", "step", case.mesh) + pressed_once(case)
+    stages = ("setup", "fields") if case.ask.fields else ("setup",)
+    spent = sum(seconds("pressed", stage, case.mesh) for stage in stages)
+    spent *= 1.0 if case.half else _whole()
+    spent += len(case.times) * seconds("pressed", "step", case.mesh) + _organs("pressed", case)
+    return spent + pressed_once(case)
 
 
 def pressed_once(case: Situation) -> float:
@@ -208,6 +245,11 @@ FINITE_STRAIN: Mapping[str, Callable[[Situation], float]] = {
     "modal": _building_of_modal,
 }
 """Expected CPU seconds of finite strain within the cost of a mechanics."""
+
+
+def beside(seconds: float) -> bool:
+    """Whether the spikes of an answer expected to take `seconds` are checked beside it."""
+    return seconds >= BESIDE and threads() > 1
 
 
 def wall(mechanics: str, case: Situation, seconds: float) -> float:

@@ -1,12 +1,21 @@
 """Expected wall times: CPU seconds of finite strain are shared by the cores, all others are not."""
 
-import pytest
+from dataclasses import replace
 
+import numpy as np
+import pytest
+from fefinger.validation.evidence import afferent_cost, cost_table
+
+import fefinger as ff
 from fefinger import plan
-from fefinger.mechanics.evidence import costs
+from fefinger.mechanics import get
+from fefinger.mechanics.evidence import costs, units
+from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.situation import Situation
+from fefinger.results.candidate import Candidate
 from fefinger.results.plan_text import expected_time
 from fefinger.scene import builtin
+from fefinger.support.machine import REPORTED
 
 
 @pytest.fixture
@@ -16,7 +25,8 @@ def rungs(monkeypatch):
     def ladder(threads: int, **ask):
         monkeypatch.setattr(costs, "threads", lambda: threads)
         monkeypatch.setattr("fefinger.results.plan_text.threads", lambda: threads)
-        scene = builtin.load("flat-press", {f"ask.{key}": value for key, value in ask.items()})
+        asked = {"spikes": []} | ask
+        scene = builtin.load("flat-press", {f"ask.{key}": value for key, value in asked.items()})
         return {rung.candidate.label: rung for rung in plan.rungs(scene)}
 
     return ladder
@@ -55,3 +65,56 @@ def test_a_limit_of_seconds_is_one_of_wall_time(rungs) -> None:
     refused = [rung.field for rung in rungs(1, seconds=limit)["solid standard"].refusals]
     assert refused == ["ask.seconds"]
     assert not rungs(2, seconds=limit)["solid standard"].refusals
+
+
+ROWS = [row for row in read(cost_table.AFFERENTS)["rows"] if row["seconds"] > 0.05]
+
+
+@pytest.mark.parametrize("label", {row["candidate"]: None for row in ROWS})
+def test_answers_took_what_is_expected(label, monkeypatch) -> None:
+    """Within a factor of two, for most; the scenes differ in end organs, steps, fields and length.
+
+    The coefficients of small strain and of `solid` are from other scenes.
+    """
+    measured = read(cost_table.AFFERENTS)
+    monkeypatch.setattr(costs, "slowness", lambda _: measured["machine_seconds"] / REPORTED)
+    ratios, candidate = [], Candidate.of(label)
+    mechanics = get(candidate.mechanics)
+    for row in (row for row in ROWS if row["candidate"] == label):
+        number = list(afferent_cost.VARIANTS).index(row["variant"])
+        changes = afferent_cost.VARIANTS[row["variant"]]
+        case = Situation.of(afferent_cost.scene(candidate, changes, number))
+        expected = mechanics.cost(case) - mechanics.once(case) + costs.spike_seconds(case)
+        ratios.append((row["seconds"] + row["spike_seconds"]) / expected)
+    assert np.median(ratios) == pytest.approx(1.0, rel=0.5)
+    assert max(ratios) < 2.5
+    assert min(ratios) > 0.4
+
+
+def test_the_check_of_spikes_on_a_coarser_mesh_is_expected_and_runs_beside_a_slow_answer(
+    rungs, monkeypatch
+) -> None:
+    monkeypatch.setattr(costs, "BESIDE", 0.0)
+    spikes = ["SAI"]
+    silent = rungs(1)["linear standard"]
+    one, two = (rungs(threads, spikes=spikes)["linear standard"] for threads in (1, 2))
+    coarse = rungs(1, fields=False, pressure=False)["linear coarse"]
+    assert one.seconds - silent.seconds == pytest.approx(coarse.seconds, rel=0.1)
+    assert one.wall == pytest.approx(one.seconds, rel=1e-9)
+    assert one.wall - two.wall == pytest.approx(coarse.seconds, rel=0.1)
+
+
+LAYOUTS = {
+    "scatter": (ff.Scatter(radius=4.0), 35 * 5.5 + 70 * 14.5),
+    "grid": (ff.Grid(spacing=1.0, radius=2.0), 2 * 13),
+    "line": (ff.Line(start=(0.0, 0.0), stop=(2.0, 0.0), count=5), 2 * 5),
+    "places": (ff.Places(places=((0.0, 0.0), (1.0, 0.0))), 2 * 2),
+}
+
+
+@pytest.mark.parametrize("kind", LAYOUTS)
+def test_end_organs_are_counted_before_they_are_placed(kind) -> None:
+    layout, expected = LAYOUTS[kind]
+    ask = ff.Ask(spikes=("SAI", "FAI"), population=layout)
+    assert units.organs(ask) == pytest.approx(expected, rel=0.02)
+    assert units.organs(replace(ask, population=None)) == pytest.approx(2)
