@@ -31,7 +31,7 @@ CANDIDATES = (
 )
 """Candidates that are timed."""
 
-BASE: Mapping[str, object] = {
+BASE: dict[str, object] = {
     "motion.depth": 1.2,
     "motion.speed": 20,
     "motion.hold": 0.5,
@@ -43,14 +43,14 @@ BASE: Mapping[str, object] = {
 SHALLOW = 0.6
 """Depth in mm without a mesh, where the contact may not be wide."""
 
-PLAIN: Mapping[str, object] = {"ask.spikes": []}
-FEW: Mapping[str, object] = {"ask.population": {"kind": "grid", "spacing": 1.0, "radius": 2.0}}
-MANY: Mapping[str, object] = {"ask.population": {"kind": "grid", "spacing": 0.5, "radius": 4.0}}
-SLOW: Mapping[str, object] = {"motion.speed": 0.5}
-ALL: Mapping[str, object] = {"ask.spikes": ["SAI", "SAII", "FAI", "FAII"]}
-THESIS: Mapping[str, object] = {"ask.afferents": "thesis"}
+PLAIN: dict[str, object] = {"ask.spikes": []}
+FEW: dict[str, object] = {"ask.population": {"kind": "grid", "spacing": 1.0, "radius": 2.0}}
+MANY: dict[str, object] = {"ask.population": {"kind": "grid", "spacing": 0.5, "radius": 4.0}}
+SLOW: dict[str, object] = {"motion.speed": 0.5}
+ALL: dict[str, object] = {"ask.spikes": ["SAI", "SAII", "FAI", "FAII"]}
+THESIS: dict[str, object] = {"ask.afferents": "thesis"}
 
-VARIANTS: Mapping[str, Mapping[str, object]] = {
+VARIANTS: Mapping[str, dict[str, object]] = {
     "plain": PLAIN,
     "fields": PLAIN | {"ask.fields": True},
     "slow": PLAIN | SLOW,
