@@ -1,12 +1,15 @@
-"""Rigid objects for `ff.TactileFinger`, by their signed distance; in mm, each in its own frame.
+"""Objects for `ff.TactileFinger`, by their signed distance; in mm, each in its own frame.
 
     ff.shapes.Sphere(10)
     ff.shapes.Box(20, 20, 20, edge=0.5)
     ff.shapes.mesh("mug.stl", pitch=0.25)
+    ff.shapes.Soft(ff.shapes.Sphere(10), modulus=50)
 
-The origin of a frame is the center of the object, and its axis is z. `Plane` fills z < 0.
+They are rigid unless they are `Soft`. The origin of a frame is the center of the object, and its
+axis is z. `Plane` fills z < 0.
 """
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -20,6 +23,7 @@ from fefinger.contact.signed_distance import Shapes
 from fefinger.geometry.sampled_distance import grid, sampled_surface
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, set_number
+from fefinger.theory.contact.stack import Layer, Stack
 
 
 __all__ = [
@@ -30,6 +34,7 @@ __all__ = [
     "Plane",
     "Sampled",
     "Shape",
+    "Soft",
     "Sphere",
     "function",
     "mesh",
@@ -60,6 +65,11 @@ class Shape(ABC):
     @property
     def grid(self) -> "Sampled | None":
         """The object itself where its distances are samples."""
+        return None
+
+    @property
+    def soft_body(self) -> Stack | None:
+        """The elastic body of a soft object; None where it is rigid."""
         return None
 
     def distance(self, points: ArrayLike) -> Array:
@@ -167,6 +177,46 @@ class Ellipsoid(Shape):
     def row(self) -> tuple[int, tuple[float, ...]]:
         """Kind and sizes."""
         return signed_distance.ELLIPSOID, (self.x, self.y, self.z)
+
+
+@dataclass(frozen=True)
+class Soft(Shape):
+    """An object that is elastic, of a modulus in kPa: as `modulus` of an indenter of a scene.
+
+    Its surface gives way as that of a flat half-space, or of a layer of a thickness in mm on a
+    rigid base: an approximation in the sense of Hertz, which leaves out edges.
+
+    Raises
+    ------
+    InputError
+        A number out of its limits; an object known by samples, whose edges may be anywhere.
+    """
+
+    shape: Shape
+    modulus: float
+    poisson: float = 0.5
+    thickness: float | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.shape, Shape) or isinstance(self.shape, Sampled | Soft):
+            raise InputError(
+                "shape: expected a plane, sphere, box, capsule, cylinder or ellipsoid that is "
+                f"soft, received {self.shape!r}"
+            )
+        set_number(self, "modulus", above=0, unit="kPa")
+        set_number(self, "poisson", above=0, at_most=0.5)
+        if self.thickness is not None:
+            set_number(self, "thickness", above=0, unit="mm")
+
+    @property
+    def row(self) -> tuple[int, tuple[float, ...]]:
+        """Kind and sizes of the shape."""
+        return self.shape.row
+
+    @property
+    def soft_body(self) -> Stack:
+        """The elastic body."""
+        return Stack((Layer(self.thickness or math.inf, self.modulus, self.poisson),))
 
 
 @dataclass(frozen=True, eq=False)

@@ -66,6 +66,17 @@ class Moves(NamedTuple):
     factors: Factors
 
 
+class Softness(NamedTuple):
+    """Flexibility of the objects themselves.
+
+    matrix (k, n, n) mm³/kPa of k elastic bodies, for the pressures at all vertices of the pad; body
+    (b,): which of them an object is, -1 if it is rigid.
+    """
+
+    matrix: Array
+    body: Integers
+
+
 class Worlds(NamedTuple):
     """State of all worlds.
 

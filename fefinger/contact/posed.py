@@ -76,7 +76,7 @@ def _store(pad: Pad, terms: Array, elastic: Array, new: Array, dt: float) -> Non
 
 
 @njit(cache=True)
-def _load(
+def load(
     pad: Pad,
     now: Array,
     place: Array,
@@ -184,7 +184,7 @@ def _between(value: float, grid: Array) -> tuple[int, float]:
 
 
 @njit(cache=True)
-def _stiffening(f: Factors, pad: Pad, direction: Array, m: Work) -> float:
+def stiffening(f: Factors, pad: Pad, direction: Array, m: Work) -> float:
     """Return t at the deepest penetration and the mean angle of the skin that objects penetrate."""
     deepest = x = z = 0.0
     for a in range(m.found[0]):
@@ -202,7 +202,7 @@ def _stiffening(f: Factors, pad: Pad, direction: Array, m: Work) -> float:
 
 
 @njit(cache=True)
-def _prepare(
+def prepare(
     pad: Pad, move: Moves, s: Worlds, out: Readings, m: Work, w: int, near: float, components: int
 ) -> tuple[float, float]:
     """Find near skin, gaps, history and frames of a world; return g and t."""
@@ -220,11 +220,11 @@ def _prepare(
             s.rotation[w], s.place[w] = rotation, place
         frames(out.frame[w], m)
         moved(pad, s.linear[w], m, m.held)
-    return g, _stiffening(move.factors, pad, out.frame[w, 0], m)
+    return g, stiffening(move.factors, pad, out.frame[w, 0], m)
 
 
 @njit(cache=True)
-def _set_up(
+def set_up(
     flexibility: Array,
     pad: Pad,
     move: Moves,
@@ -237,14 +237,14 @@ def _set_up(
 ) -> None:
     """Set F and the right side of the contact problem of a world; stiffness: g t."""
     project(flexibility, pad, out.frame[w], m, components)
-    _load(
+    load(
         *(pad, move.rotation[w], move.place[w], s.rotation[w], s.place[w]),
         *(out.touched[w], out.frame[w], m, stiffness, components),
     )
 
 
 @njit(cache=True, nogil=True)
-def _accept(
+def accept(
     x: Array,
     product: Array,
     pad: Pad,
@@ -286,21 +286,21 @@ def step_without_friction(
     kept: whether the solver holds the active set of this one world.
     """
     for w in range(first, last):
-        g, t = _prepare(pad, move, s, out, m, w, NEAR, 1)
-        _set_up(solver.flexibility, pad, move, s, out, m, w, g * t, 1)
+        g, t = prepare(pad, move, s, out, m, w, NEAR, 1)
+        set_up(solver.flexibility, pad, move, s, out, m, w, g * t, 1)
         if kept:
-            _deactivate(solver, m.near)
+            deactivate(solver, m.near)
         else:
-            _activate(solver, s.x[w], s.active[w], m.near)
+            activate(solver, s.x[w], s.active[w], m.near)
         if active_set.solve(solver, m.offset, COMPLEMENTARITY) != DONE:
             out.verdict[w] = UNSOLVED
-            _activate(solver, s.x[w], s.active[w], np.zeros_like(m.near))
+            activate(solver, s.x[w], s.active[w], np.zeros_like(m.near))
             continue
-        _accept(solver.x, solver.moved, pad, move, s, out, m, w, g, t, 0.0)
+        accept(solver.x, solver.moved, pad, move, s, out, m, w, g, t, 0.0)
 
 
 @njit(cache=True)
-def _deactivate(solver: LcpState, near: Flags) -> None:
+def deactivate(solver: LcpState, near: Flags) -> None:
     """Take the vertices that are no longer near out of the active set.
 
     The inverse of the others is a start for their new F.
@@ -317,7 +317,7 @@ def _deactivate(solver: LcpState, near: Flags) -> None:
 
 
 @njit(cache=True)
-def _activate(solver: LcpState, x: Array, active: Flags, near: Flags) -> None:
+def activate(solver: LcpState, x: Array, active: Flags, near: Flags) -> None:
     """Give the solver the active vertices of a world that are near, and their pressures."""
     solver.place[:] = -1
     k = 0
@@ -350,8 +350,8 @@ def _open(
     Returns g, t and the number of vertices in contact, which are listed in `where`.
     """
     n, k = len(m.gap), 0
-    g, t = _prepare(pad, move, s, out, m, w, NEAR_RUBBED, 3)
-    _set_up(flexibility, pad, move, s, out, m, w, g * t, 3)
+    g, t = prepare(pad, move, s, out, m, w, NEAR_RUBBED, 3)
+    set_up(flexibility, pad, move, s, out, m, w, g * t, 3)
     for j in range(n):
         on = s.active[w, j] and m.near[j]
         for a in range(3):
@@ -386,4 +386,4 @@ def step_with_friction(
         if solver.solve(m.offset, COMPLEMENTARITY) != DONE:
             out.verdict[w] = UNSOLVED
             continue
-        _accept(solver.x, solver.moved, pad, move, s, out, m, w, g, t, mu)
+        accept(solver.x, solver.moved, pad, move, s, out, m, w, g, t, mu)

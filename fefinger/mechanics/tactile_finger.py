@@ -1,4 +1,4 @@
-"""A fingertip for a simulator: it feels rigid objects at any pose, and gives the wrench back.
+"""A fingertip for a simulator: it feels objects at any pose, and gives the wrench back.
 
     tip = ff.TactileFinger(ff.Finger.subject("a.h."), friction=0.6)
     touch = tip.step([(ff.shapes.Sphere(10), rotation, place)], dt=1e-3)
@@ -17,15 +17,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
-from fefinger.contact import active_set, pad_worlds, posed
+from fefinger.contact import active_set, pad_worlds, posed, posed_soft
 from fefinger.contact.coulomb import CoulombSolver
-from fefinger.contact.pad_worlds import UNSOLVED, Factors, Moves, Pad
+from fefinger.contact.elastic_kernel import flexibility
+from fefinger.contact.pad_worlds import UNSOLVED, Factors, Moves, Pad, Softness
 from fefinger.contact.signed_distance import Shapes
 from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press import operator
 from fefinger.mechanics.press.pad_compliance import pad_compliance
 from fefinger.mechanics.press.prepared import Precision
+from fefinger.mechanics.press.pressing_object import kernel
 from fefinger.mechanics.press.sites import end_organ_sites, meshed
 from fefinger.neural.streaming import RecordedAfferents
 from fefinger.results.records import Sites
@@ -40,8 +42,9 @@ from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import ConvergenceError, InputError, choice, integer, number
 from fefinger.support.processes import threads
 from fefinger.support.progress import Progress, Stages
-from fefinger.support.threads import together
+from fefinger.support.threads import one_thread, together
 from fefinger.support.vocabulary import TYPES
+from fefinger.theory.contact.stack import Stack
 
 
 TURNED = 1e-6
@@ -112,7 +115,7 @@ class TouchState(NamedTuple):
 
 
 class TactileFinger:
-    """A finger that feels rigid objects at any pose, in one or many worlds.
+    """A finger that feels objects at any pose, rigid or soft, in one or many worlds.
 
     Parameters
     ----------
@@ -180,6 +183,8 @@ class TactileFinger:
         self.sites = sites
         made = pad_compliance(finger, solid, sites, np.float32 if single else np.float64)
         self.pad = pad = made.pad
+        self._facets, self._own = made.facets, dict[Stack, Array]()
+        self._soft: Softness | None = None
         self._maps = Maps(pad.compliance, made.strain, self.taxels.weights(pad), pad.areas)
         self._bodies = -1
         self._solvers: list[tuple[Any, pad_worlds.Work]] = []
@@ -270,6 +275,7 @@ class TactileFinger:
     def _advance(self, shapes: Shapes, rotation: Array, place: Array, dt: float) -> None:
         size = -(-self.worlds // len(self._solvers))
         kept, pad, state, out = self._kept and self.worlds == 1, self.pad, self._state, self._out
+        soft = self._soft
         move = Moves(shapes, rotation, place, dt, self.deepest, self._factors)
 
         def part(number: int) -> None:
@@ -279,8 +285,12 @@ class TactileFinger:
                 posed.step_with_friction(
                     solver, pad, move, state, out, work, first, last, self.friction
                 )
-            else:
+            elif soft is None:
                 posed.step_without_friction(solver, pad, move, state, out, work, first, last, kept)
+            else:
+                posed_soft.step_with_soft_objects(
+                    solver, pad, soft, move, state, out, work, first, last, kept
+                )
 
         together(part, range(len(self._solvers)))
         self._kept = True
@@ -305,11 +315,12 @@ class TactileFinger:
             stiffness=np.array(out.stiffness[pick]),
             friction=self.friction,
             maps=self._maps,
+            soft=self._soft,
         )
 
     def _error(self, depth: Array) -> Array:
         """Return the error of the force at penetrations in mm, relative to the largest so far."""
-        if not self._options["finite_strain"]:
+        if self._soft is not None or not self._options["finite_strain"]:
             return np.full_like(depth, np.nan)
         ends, errors = measured_errors()
         return np.append(errors, np.nan)[np.searchsorted(ends, depth)]
@@ -349,8 +360,31 @@ class TactileFinger:
                 "another; give columns that are the object's axes in the frame of the finger"
             )
         if self._made is None or self._made[0] != tuple(shapes):
-            self._made = tuple(shapes), packed(shapes)
+            soft = self._softness(shapes)
+            self._made, self._soft = (tuple(shapes), packed(shapes)), soft
         return self._made[1], rotation, place, leading or count > 1
+
+    def _softness(self, shapes: Sequence[Shape]) -> Softness | None:
+        """Return the flexibility of objects of which some are soft; None if all are rigid.
+
+        That of a body is computed once, in some seconds on the standard mesh.
+        """
+        bodies = [each.soft_body for each in shapes]
+        stacks = list(dict.fromkeys(each for each in bodies if each is not None))
+        if not stacks:
+            return None
+        if self.friction:
+            raise InputError(
+                "objects: expected rigid ones of a finger with friction, received a soft one; "
+                "make the finger with friction=0"
+            )
+        for stack in stacks:
+            if stack not in self._own:
+                flexible = one_thread(flexibility)
+                self._own[stack] = flexible(kernel(stack), self._facets, len(self.pad.areas))
+        number = [-1 if each is None else stacks.index(each) for each in bodies]
+        matrix = np.array([self._own[stack] for stack in stacks])
+        return Softness(matrix, np.array(number, dtype=np.int64))
 
     def _allocate(self, bodies: int) -> None:
         """Make room for so many objects; those of before are forgotten, the pad's past is not."""

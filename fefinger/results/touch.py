@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
+from fefinger.contact.pad_worlds import Softness
 from fefinger.support.arrays import Array, Flags, Floats, Integers
 
 
@@ -40,12 +41,13 @@ class Touch:
     Vectors are in the frame of the finger, x distal, z dorsal.
 
     wrench (bodies, 6): force in N and moment in N mm about the origin, on the finger; depth
-    (bodies,) mm: deepest penetration of the undeformed skin; contact_area and stick_area (bodies,)
-    mm²; pressure (n,) kPa and traction (n, 3) kPa at the vertices of the pad; slip (n, 3) mm of the
-    skin over the object in this step; touched (n,): the object near each vertex, or -1; valid:
-    whether the step is within what the finger can answer, else `reason` says why not; error: of
-    the force, over the largest so far: what 95 % of 28 presses of a.h. without friction keep at
-    this depth, whatever finger and object this is (nan: deeper, or small strain alone).
+    (bodies,) mm: deepest penetration of the undeformed skin, into the deformed object where
+    that is soft; contact_area and stick_area (bodies,) mm²; pressure (n,) kPa and traction (n,
+    3) kPa at the vertices of the pad; slip (n, 3) mm of the skin over the object in this step;
+    touched (n,): the object near each vertex, or -1; valid: whether the step is within what the
+    finger can answer, else `reason` says why not; error: of the force, over the largest so far:
+    what 95 % of 28 presses of a.h. without friction keep at this depth, whatever finger and
+    object this is (nan: deeper, small strain alone, or a soft object).
     """
 
     wrench: Array
@@ -64,6 +66,7 @@ class Touch:
     stiffness: Array = field(repr=False)
     friction: float
     maps: Maps = field(repr=False)
+    soft: Softness | None = field(default=None, repr=False)
 
     @property
     def valid(self) -> Flags:
@@ -115,6 +118,7 @@ class Touch:
         compliance = self.maps.compliance.reshape(len(pressure), 3, len(pressure), 3)
         block = compliance[owner][:, :, owner].astype(float)
         flexibility = np.einsum("ic,icjd,jd->ij", rows, block, columns)
+        flexibility += self._given_way(world, owner)
         areas, hit = self.maps.areas[owner, None], self.hit[world][owner]
         moved = np.hstack([areas * rows, np.cross(hit, rows)])
         wrench = np.hstack([areas * columns, np.cross(hit, columns)])
@@ -125,6 +129,16 @@ class Touch:
             response = np.linalg.solve(flexibility, only) * self.stiffness[world]
             tangent[b] = 1e-3 * wrench[own].T @ response[own]
         return tangent
+
+    def _given_way(self, world: tuple[int, ...], owner: Integers) -> Array | float:
+        """Return g t C (k, k) of vertices (k,) that touch the same soft object."""
+        if self.soft is None:
+            return 0.0
+        touched = self.touched[world][owner]
+        body = np.where(touched >= 0, self.soft.body[touched], -1)
+        same = (touched[:, None] == touched) & (body >= 0)[:, None]
+        own = self.soft.matrix[body[:, None], owner[:, None], owner]
+        return np.where(same, own, 0.0) * self.stiffness[world]
 
     def _directions(
         self, world: tuple[int, ...], active: Integers

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 from scipy import sparse
 
+from fefinger.contact.elastic_kernel import Facets
 from fefinger.contact.pad_worlds import Pad
 from fefinger.fem.condensation import Operator
 from fefinger.fem.contact.obstacle import Obstacle
@@ -23,11 +24,15 @@ BELOW = 100.0
 
 @dataclass(frozen=True)
 class PadCompliance:
-    """A pad, its vertices (n,) in the mesh, and the strain (6 n_sites, 3n) of unit tractions."""
+    """A pad, its vertices (n,) in the mesh, and the strain (6 n_sites, 3n) of unit tractions.
+
+    facets: those that carry the hats, with their corners.
+    """
 
     pad: Pad
     vertices: Integers
     strain: Array
+    facets: Facets
 
 
 def pad_compliance(
@@ -71,7 +76,9 @@ def pad_compliance(
         weights=weights,
         rates=rates,
     )
-    return PadCompliance(pad, chosen.vertices, np.array(reduced.strain_operator))
+    corners = np.array(space.points[part.triangles])
+    facets = Facets(corners, pad.owner, np.array(part.places), pad.hats)
+    return PadCompliance(pad, chosen.vertices, np.array(reduced.strain_operator), facets)
 
 
 def _unit(vectors: Array) -> Array:
