@@ -19,7 +19,7 @@ from fefinger.mechanics.evidence.stated_errors import stated
 from fefinger.mechanics.press import notes
 from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.notes import Reason, refusals
-from fefinger.mechanics.press.time_steps import time_grid, too_long
+from fefinger.mechanics.press.time_steps import MOST_OF_FORCE, time_grid, too_long
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate, Traits
 from fefinger.results.records import Refusal, Response
@@ -44,9 +44,6 @@ ANGLES = (20.0, 40.0)
 
 FORCE = 3.0
 """Largest force in N at which Pawluk (1997) measured (section 2.1)."""
-
-MOST = 5_000_000
-"""Time steps of which the force still fits into memory."""
 
 NUMERICAL = 1e-3
 """Error of the force against Eq. 2.3 solved exactly: of the time steps, tested in
@@ -168,7 +165,9 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     unable += notes.tangential_reasons(case.motion, case.indenter)
     unable += notes.soft_reasons(case.indenter)
     unable += notes.own_relaxation_reasons(case.finger)
-    unable += [Reason("motion", each) for each in too_long(case.motion, fast=False, most=MOST)]
+    unable += [
+        Reason("motion", each) for each in too_long(case.motion, fast=False, most=MOST_OF_FORCE)
+    ]
     if case.indenter.hertzian is None:
         reason = f"indenter.kind = {case.indenter.kind!r}: the law is that of a plate"
         unable.append(Reason("indenter", reason))
@@ -205,7 +204,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     with stages.stage("lumped"):
         identified, motion = law(Situation.of(scene)), scene.motion
         spring, prony = identified.spring, identified.prony
-        time = time_grid(motion, fast=False, most=MOST)
+        time = time_grid(motion, fast=False, most=MOST_OF_FORCE)
         depth = force = motion.value(time)
         if motion.by_force:
             depth = theory.position_under(spring, prony, time, force)

@@ -1,7 +1,6 @@
 """A scene with the derived quantities of the rules of refusal, error and cost, cached."""
 
 import math
-import sys
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
@@ -10,7 +9,7 @@ from fefinger.mechanics.evidence import presses, tissue
 from fefinger.mechanics.evidence.features import Features
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.notes import Reason
-from fefinger.mechanics.press.time_steps import moving, time_grid, too_long
+from fefinger.mechanics.press.time_steps import MOST_OF_FORCE, moving, time_grid, too_long
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import AUTO, RESOLUTIONS, Finger
 from fefinger.scene.indenter import Indenter
@@ -77,8 +76,11 @@ class Situation:
 
     @cached_property
     def times(self) -> Array:
-        """Times (n_t,) s of the answer, without the limit on their number (`too_long`)."""
-        return time_grid(self.motion, most=sys.maxsize, **self._resolved)
+        """Times (n_t,) s of the answer, also of more than a contact can have (`too_long`).
+
+        InputError for more than any mechanics can answer, which are not counted one by one.
+        """
+        return time_grid(self.motion, most=MOST_OF_FORCE, **self._resolved)
 
     @cached_property
     def changes(self) -> int:

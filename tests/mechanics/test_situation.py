@@ -12,8 +12,10 @@ from fefinger.mechanics import situation
 from fefinger.mechanics.evidence.features import Features
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
+from fefinger.scene import builtin
 from fefinger.scene.finger import RESOLUTIONS
 from fefinger.scene.scene import Scene
+from fefinger.support.checks import InputError
 
 
 def pressed(**changes: Any) -> Scene:
@@ -78,3 +80,9 @@ def test_a_refusal_names_the_field_that_it_is_about(
 ) -> None:
     refusals = mechanics.get(name).refuse(Situation.of(pressed(ask__fields=False, **changes)))
     assert field in {refusal.field for refusal in refusals}
+
+
+def test_a_vibration_of_more_steps_than_memory_holds_is_refused_before_they_are_made() -> None:
+    changes = {"motion.frequency": 1e9, "ask.spikes": []}
+    with pytest.raises(InputError, match="expected one of at most 5000000 time steps"):
+        plan.explain(builtin.load("vibration-200Hz", changes))

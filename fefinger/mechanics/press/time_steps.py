@@ -33,6 +33,9 @@ no step would see the direction. Modes beyond deform as in statics."""
 MOST = 250_000
 """Steps of which the history of a contact still fits into memory."""
 
+MOST_OF_FORCE = 5_000_000
+"""Steps of which the force alone still fits into memory."""
+
 
 @dataclass(frozen=True)
 class _Piece:
