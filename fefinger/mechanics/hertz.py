@@ -56,7 +56,7 @@ NEAR = 2.0
 NOTES = (
     "The finger is a homogeneous half-space: no bone, no skin, no nail; a real finger is stiffer.",
     notes.SPHERICAL,
-    "Hertz: small strain, a contact small against the radii, no friction, a rigid object.",
+    "Hertz: small strain, a contact small against the radii, no friction.",
     notes.CONVOLVED,
     notes.QUASISTATIC,
 )
@@ -69,16 +69,27 @@ ELLIPTIC = (
 
 @dataclass(frozen=True)
 class HalfSpace:
-    """The relaxed finger under an object: relative radius R mm, modulus E kPa, poisson."""
+    """The relaxed finger under an object: relative radius R mm, modulus E kPa, poisson.
+
+    yielding 1/kPa: (1 - nu²) / E of the object, 0 of a rigid one; 1 / E* is the sum of both bodies'
+    (Pawluk 1997, Eq. 3.21).
+    """
 
     relative_radius: float
     modulus: float
     poisson: float
+    yielding: float = 0.0
 
     @property
     def _slope(self) -> float:
         plane = self.modulus / (1 - self.poisson**2)
+        plane = plane / (1 + self.yielding * plane)
         return 4 / 3 * plane * float(np.sqrt(self.relative_radius))
+
+    def share(self, long_time: float) -> float:
+        """Return the object's part in the compliance at once; long_time: G(infinity) of tissue."""
+        skin = long_time * (1 - self.poisson**2) / self.modulus
+        return self.yielding / (self.yielding + skin)
 
     def force(self, depth: Array) -> Array:
         """Return the force (n,) in mN."""
@@ -99,7 +110,10 @@ class HalfSpace:
         return self.force(depth)[:, None] * (1 - outside)
 
     def strain(self, depth: Array, r: Array, z: Array) -> Array:
-        """Return e_r, e_t, e_z, e_rz (n, 4, m) of Huber's field at r, z (m,) mm, z > 0."""
+        """Return e_r, e_t, e_z, e_rz (n, 4, m) of Huber's field at r, z (m,) mm, z > 0.
+
+        It is the one under a rigid object of the same contact radius.
+        """
         from fefinger.theory.contact.hertz import Hertz
 
         strain = np.zeros((len(depth), 4, len(r)))
@@ -129,7 +143,12 @@ def half_space(finger: Finger, indenter: Indenter) -> HalfSpace:
 
     radii = indenter.hertzian or (indenter.least_radius,) * 2
     first, second = (relative_radius(finger.pad_radius, radius) for radius in radii)
-    return HalfSpace(equivalent_radius(first, second), *tissue(finger))
+    soft = indenter.soft_body
+    yielding = 0.0
+    if soft is not None:
+        modulus, poisson = soft.surface
+        yielding = (1 - poisson**2) / modulus
+    return HalfSpace(equivalent_radius(first, second), *tissue(finger), yielding)
 
 
 def elliptic(indenter: Indenter) -> bool:
@@ -139,7 +158,7 @@ def elliptic(indenter: Indenter) -> bool:
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against Hertz contact for a scene."""
-    unable = lacking(case)
+    unable = [*lacking(case), *_layer(case.indenter)]
     if case.indenter.hertzian is None:
         return refusals(name, "ability", unable)
     depth, radius = case.motion.deepest, half_space(case.finger, case.indenter).relative_radius
@@ -155,11 +174,18 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     return refusals(name, "ability", unable) + refusals(name, "accuracy", reasons)
 
 
+def _layer(indenter: Indenter) -> Iterator[Reason]:
+    """Yield the thickness of a soft object that is no half-space."""
+    soft = indenter.soft_body
+    if soft is not None and soft.thickness < math.inf:
+        reason = f"indenter.thickness = {soft.thickness:g} mm: both bodies are half-spaces here"
+        yield Reason("indenter.thickness", reason)
+
+
 def lacking(case: Situation) -> list[Reason]:
     """Return the features of a scene that a contact of spheres cannot represent."""
     unable = [*notes.own_relaxation_reasons(case.finger), *case.too_long]
     unable += notes.tangential_reasons(case.motion, case.indenter)
-    unable += notes.soft_reasons(case.indenter)
     if case.ask.fields:
         reason = "ask.fields: this mechanics has no mesh; ask.fields = false leaves them out"
         unable.append(Reason("ask.fields", reason))
@@ -212,7 +238,8 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         "the compliances of skin and pulp averaged by thickness."
     )
     ellipse = (ELLIPTIC,) if elliptic(scene.indenter) else ()
-    stated = (*NOTES, used, *notes.normalization_notes(scene.finger.prony), *ellipse)
+    object_ = notes.object_note(scene.indenter)
+    stated = (*NOTES, used, object_, *notes.normalization_notes(scene.finger.prony), *ellipse)
     numbers = {
         "relative_radius_mm": body.relative_radius,
         "modulus_kPa": body.modulus,
@@ -220,7 +247,11 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         "contact_radius_over_thickness": _thinness(Situation.of(scene)),
     }
     return axisymmetric.respond(
-        scene, body, plate, progress, mechanics=name, notes=stated, numbers=numbers
+        *(scene, body, plate, progress),
+        mechanics=name,
+        notes=stated,
+        numbers=numbers,
+        share=body.share(scene.finger.prony.long_time),
     )
 
 

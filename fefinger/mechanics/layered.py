@@ -46,7 +46,7 @@ NOTES = (
     "The finger is a flat stack of skin and subcutaneous tissue bonded to rigid bone; the sides, "
     "the tip and the nail are left out, and the bone is flat.",
     notes.SPHERICAL,
-    "Small strain, a contact small against the radii, no friction, a rigid object.",
+    "Small strain, a contact small against the radii, no friction.",
     notes.CONVOLVED,
     notes.QUASISTATIC,
 )
@@ -128,7 +128,7 @@ def deepest(case: Situation, enough: float) -> float:
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: what it cannot represent, and ranges not measured."""
-    unable = hertz.lacking(case)
+    unable = [*hertz.lacking(case), *notes.soft_reasons(case.indenter)]
     try:
         bone = stack(case.finger).thickness
     except InputError as error:
@@ -162,7 +162,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         stack(scene.finger), scene.finger.pad_radius, depth=REFERENCE_DEPTH, levels=PLATE_LEVELS
     )
     ellipse = (hertz.ELLIPTIC,) if hertz.elliptic(scene.indenter) else ()
-    stated = (*NOTES, *notes.normalization_notes(scene.finger.prony), *ellipse)
+    stated = (*NOTES, notes.RIGID_OBJECT, *notes.normalization_notes(scene.finger.prony), *ellipse)
     peak = scene.motion.peak
     if scene.motion.by_force:
         peak = float(body.depth(peak / NEWTON_PER_MILLINEWTON))

@@ -15,10 +15,11 @@ from fefinger.contact.soft import ElasticObject, SoftContact
 from fefinger.contact.stepper import Target
 from fefinger.fem.contact.patch import trace_of
 from fefinger.fem.elements.forms import Elastic
-from fefinger.theory.contact import indentation
+from fefinger.theory.contact import indentation, ting
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.point_load import moment
 from fefinger.theory.contact.stack import Layer, Stack
+from fefinger.theory.relaxation import Prony, in_series
 
 
 HALF_SPACE = Stack((Layer(np.inf, 80.0, 0.4),))
@@ -288,3 +289,28 @@ def test_the_stiffening_of_the_skin_is_of_the_skin_alone() -> None:
     gap = quarter.patch.gap - 0.002 * made.projected
     apart = gap + quarter.flexibility @ q + own @ made.pressure
     assert np.abs(apart[made.pressure > 0]).max() < 1e-9 * np.abs(gap).max()
+
+
+def test_two_relaxing_half_spaces_are_nested_contacts_in_series() -> None:
+    """Loading and unloading, step by step, against the closed form with the creep of both."""
+    prony, skin, depth = (
+        Prony((0.4, 0.35, 0.25), (20.0, 1.5)),
+        Stack((Layer(np.inf, 30.0, 0.5),)),
+        0.05,
+    )
+    facets, radius = disc(0.75, 8), 5.0
+    count = facets.owner.max() + 1
+    relaxed, own = (flexibility(kernel(each), facets, count) for each in (skin, HALF_SPACE))
+    area = weighted(facets, lambda at: np.ones(at.shape[:-1]))
+    made = SoftContact(own, relaxed, weighted(facets, bowl(radius)), area, prony.branches)
+    time = np.linspace(0, 0.4, 81)
+    path = depth * np.interp(time, [0, 0.1, 0.2, 0.4], [0, 1, 1, 0.3])
+    found = steps(made, [Target(each) for each in path[1:].tolist()], float(time[1]))
+    planes = [each.surface[0] / (1 - each.surface[1] ** 2) for each in (skin, HALF_SPACE)]
+    at_once = planes[0] / prony.long_time, planes[1]
+    both = in_series(prony, at_once[0] / sum(at_once))
+    nodes = ting.radius_nodes(depth)
+    elastic = 4 / 3 * at_once[0] * at_once[1] / sum(at_once) * np.sqrt(radius) * nodes**1.5
+    expected = ting.press_by_depth(both, time, path, nodes).stress(elastic)[1:]
+    assert np.abs(found - expected).max() < 0.02 * expected.max()
+    assert expected[38] < 0.9 * expected[19]  # it has relaxed in the hold

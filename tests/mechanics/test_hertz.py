@@ -18,7 +18,7 @@ from fefinger.support.checks import InputError
 from fefinger.theory.contact import ting
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.ting import radius_nodes
-from fefinger.theory.relaxation import Prony, hereditary_integral
+from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral, in_series
 
 
 FINGER = ff.Finger.subject("a.h.", tissue="maeno1998")
@@ -292,3 +292,51 @@ def test_spikes_do_not_depend_on_the_number_of_contact_radii(monkeypatch):
         monkeypatch.setattr(ting, "radius_nodes", lambda deepest, n=count: radius_nodes(deepest, n))
         counts.append(ff.run(asked, mechanics="hertz").spikes.count().tolist())
     assert counts[0] == counts[1]
+
+
+# Soft objects
+
+
+def soft(modulus, **parts):
+    ball = ff.Sphere(8, modulus=modulus, poisson=0.45) if modulus else ff.Sphere(8)
+    return scene(indenter=ball, **parts)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.9])
+def test_in_series_the_compliances_add(share):
+    """At every time: what the elastic part and the relaxing one give way under the same force."""
+    time = np.linspace(0, 3, 4001) ** 2
+    force = hereditary_integral(in_series(PRONY, share), time, np.sin(time) + 1.5)
+    both = share * force + (1 - share) * creep_integral(PRONY, time, force)
+    assert both == pytest.approx(np.sin(time) + 1.5, rel=1e-4)
+    assert in_series(PRONY, 0.0) is PRONY
+    with pytest.raises(ValueError, match="in_series"):
+        in_series(PRONY, 1.0)
+
+
+def test_relaxed_bodies_add_up_in_force_and_share_the_strain():
+    answer = hertz.respond(soft(20.0, motion=ff.RampHold(20, 0.4, hold=1e4)))
+    rigid = hertz.respond(soft(None, motion=ff.RampHold(20, 0.4, hold=1e4)))
+    modulus, poisson = hertz.tissue(FINGER)
+    radius = hertz.half_space(FINGER, ff.Sphere(8)).relative_radius
+    skin, own = (1 - poisson**2) / modulus, (1 - 0.45**2) / 20.0
+    expected = 4 / 3 / (skin + own) * np.sqrt(radius) * 0.4**1.5 * 1e-3
+    assert answer.force[-1] == pytest.approx(expected, rel=2e-4)
+    part = skin / (skin + own)
+    assert answer.strain[-1] == pytest.approx(part * rigid.strain[-1], rel=1e-3, abs=1e-7)
+    assert answer.contact_area[-1] == pytest.approx(rigid.contact_area[-1], rel=1e-6)
+    (note,) = (each for each in answer.notes if "soft" in each)
+    assert "20 kPa" in note
+
+
+def test_a_hard_object_is_the_rigid_one():
+    hard, rigid = (hertz.respond(soft(modulus)) for modulus in (1e13, None))
+    for name in ("force", "strain", "pressure"):
+        exact = getattr(rigid, name)
+        assert np.abs(getattr(hard, name) - exact).max() < 1e-9 * np.abs(exact).max()
+
+
+def test_a_layer_is_refused():
+    plate = ff.Flat(30, modulus=20, thickness=3)
+    refusals = hertz.refuse(Situation.of(scene(indenter=plate)))
+    assert "indenter.thickness" in [each.field for each in refusals]

@@ -3,7 +3,7 @@
 The finger is a body with one G whose pad is a sphere; its contact grows in circles.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
@@ -30,7 +30,7 @@ from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact import ting
-from fefinger.theory.relaxation import Prony
+from fefinger.theory.relaxation import Prony, in_series
 
 
 if TYPE_CHECKING:
@@ -93,8 +93,11 @@ def respond(
     mechanics: str,
     notes: tuple[str, ...],
     numbers: dict[str, float],
+    share: float = 0.0,
 ) -> Response:
     """Solve the scene with the elastic `contact`; `plate`: contact of the finger with a plate.
+
+    share: the part that a soft object has in the compliance at once, before tissue relaxes.
 
     InputError if the indenter is placed beyond the pad.
     """
@@ -102,15 +105,16 @@ def respond(
     first = _first_touch(scene)
     with stages.stage("contact"):
         time = time_grid(motion, fast="FAII" in scene.ask.spikes)
-        history = _march(motion, time, finger.prony, contact)
+        prony = in_series(finger.prony, share)
+        history = _march(motion, time, prony, contact)
         deepest = float(history.depth.max())
         check_reached(motion, finger.pulp, deepest)
         _check_width(contact, deepest, numbers["relative_radius_mm"])
-        force = history.stress(contact.force(history.nodes)) / finger.prony.long_time
+        force = history.stress(contact.force(history.nodes)) / prony.long_time
     pad = pressure = area = middle = None
     if scene.ask.pressure:
         with stages.stage("pressure"):
-            pad, pressure = _pressure(finger, contact, first, history)
+            pad, pressure = _pressure(finger.pad_radius, prony, contact, first, history)
             area = np.pi * contact.contact_radius(history.edge) ** 2
             middle = np.where((force > 0)[:, None], first.origin[:2], np.nan)
     sites = reference = strain = None
@@ -119,7 +123,8 @@ def respond(
             skin = partial(spherical, finger.pad_radius, direction(STANDARD))
             sites = end_organ_sites(scene.ask, finger.pulp, first.origin, first.axis, skin)
             r, z, frames = _cylinder(first, sites)
-            strain = turned(history.strain(_strain(contact, history.nodes, r, z)), frames)
+            own = _of_the_skin(history, share)
+            strain = turned(own.strain(_strain(contact, history.nodes, r, z)), frames)
             reference = _reference(scene.ask, finger.pulp, plate) if scene.ask.spikes else None
     radii, steps = len(history.nodes), len(history.time)
     return Response(
@@ -173,8 +178,17 @@ def _march(
     return ting.press_by_force(prony, time, force, elastic)
 
 
+def _of_the_skin(history: ting.ContactHistory, share: float) -> ting.ContactHistory:
+    """Return a history without the displacement of a soft object, which follows the stress."""
+    return replace(history, strained=history.strained - share * history.stressed)
+
+
 def _pressure(
-    finger: Finger, contact: ElasticContact, first: Touch, history: ting.ContactHistory
+    radius: float,
+    prony: Prony,
+    contact: ElasticContact,
+    first: Touch,
+    history: ting.ContactHistory,
 ) -> tuple[Pad, Array]:
     """Return the pad out to the widest contact and the pressure (n_t, n_pad) in kPa on it."""
     nodes = history.nodes
@@ -183,10 +197,10 @@ def _pressure(
     edges = reach * np.arange(1, RINGS + 1) / RINGS
     areas = np.pi * np.diff(edges**2, prepend=0.0)
     load = np.diff(contact.load(nodes, edges), axis=1, prepend=0.0)
-    rings = history.stress(load / areas) / finger.prony.long_time
+    rings = history.stress(load / areas) / prony.long_time
     sectors = np.append(1, np.full(RINGS - 1, SECTORS))
     ring = np.repeat(np.arange(RINGS), sectors)
-    return _pad(first, edges, (areas / sectors)[ring], finger.pad_radius), rings[:, ring]
+    return _pad(first, edges, (areas / sectors)[ring], radius), rings[:, ring]
 
 
 def _strain(contact: ElasticContact, depth: Array, r: Array, z: Array) -> Array:
