@@ -61,11 +61,11 @@ def watch(tree: ast.Module, source: str) -> None:
     lines = source.splitlines()
     marked = {i for i, line in enumerate(lines, 1) if MARK.search(line)}
     marked |= {i + 1 for i in marked if lines[i - 1].lstrip().startswith("#")}
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(ast.parse(source)) if marked else ():
         if isinstance(node, ast.stmt) and not hasattr(node, "body"):
             own = range(node.lineno, (node.end_lineno or 0) + 1)
             marked |= set() if marked.isdisjoint(own) else set(own)
-    _Watch(marked).visit(tree)
+    _replaced(tree, marked)
     first = int(ast.get_docstring(tree) is not None)
     while getattr(tree.body[first], "module", "") == "__future__":
         first += 1
@@ -73,26 +73,27 @@ def watch(tree: ast.Module, source: str) -> None:
     tree.body.insert(first, ast.fix_missing_locations(imported))
 
 
-class _Watch(ast.NodeTransformer):
-    def __init__(self, marked: set[int]) -> None:
-        self.marked = marked
-
-    def _is_marked(self, node: ast.expr) -> bool:
-        return not self.marked.isdisjoint(range(node.lineno, (node.end_lineno or 0) + 1))
-
-    def visit_Compare(self, node: ast.Compare) -> ast.expr:
-        self.generic_visit(node)
+def _replaced(node: ast.AST, marked: set[int]) -> ast.AST:
+    """Replace what is below a node, then the node, faster than an `ast.NodeTransformer`."""
+    for name in node._fields:
+        value = getattr(node, name, None)
+        if isinstance(value, list):
+            value[:] = [_replaced(x, marked) if isinstance(x, ast.AST) else x for x in value]
+        elif isinstance(value, ast.AST) and value._fields:
+            setattr(node, name, _replaced(value, marked))
+    if isinstance(node, ast.Compare):
         kinds = [type(operation).__name__ for operation in node.ops]
-        if not set(kinds) & set(WATCHED) or self._is_marked(node):
-            return node
-        names = ast.copy_location(ast.Constant(" ".join(kinds)), node)
-        return _call("compare", [names, node.left, *node.comparators], node)
+        if set(kinds) & set(WATCHED) and not _is_marked(node, marked):
+            names = ast.copy_location(ast.Constant(" ".join(kinds)), node)
+            return _call("compare", [names, node.left, *node.comparators], node)
+    elif isinstance(node, ast.Attribute) and node.attr in OF_ARRAYS:
+        if not _is_marked(node, marked):
+            return _call("watched", [node], node)
+    return node
 
-    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        self.generic_visit(node)
-        if node.attr not in OF_ARRAYS or self._is_marked(node):
-            return node
-        return _call("watched", [node], node)
+
+def _is_marked(node: ast.expr, marked: set[int]) -> bool:
+    return not marked.isdisjoint(range(node.lineno, (node.end_lineno or 0) + 1))
 
 
 def _call(name: str, given: list[ast.expr], place: ast.expr) -> ast.Call:

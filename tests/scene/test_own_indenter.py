@@ -182,9 +182,16 @@ MECHANICS = [
 
 @pytest.mark.parametrize(("mechanics", "motion"), MECHANICS)
 def test_every_mechanics_answers_as_under_the_object_of_the_package(
-    mechanics: str, motion: Any, operators: Path, stride_far: Any, monkeypatch: pytest.MonkeyPatch
+    mechanics: str,
+    motion: Any,
+    operators: Path,
+    stride_far: Any,
+    monkeypatch: pytest.MonkeyPatch,
+    request: pytest.FixtureRequest,
 ) -> None:
     stride_far(monkeypatch)
+    if mechanics == "pressed":
+        request.getfixturevalue("few_depths")
     pairs = [(Slab(3.0, 0.6), ff.Bar(3.0, 0.6)), (Marble(), ff.Sphere(4.0))]
     own, known = pairs[mechanics == "linear"]
     got, wanted = (ff.run(press(each, motion), mechanics=mechanics) for each in (own, known))

@@ -1,6 +1,7 @@
 """Hodgkin-Huxley membrane by SciPy's DOP853 (order 8): reference of the compiled integrators."""
 
 import itertools
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,14 +30,14 @@ class Exact:
 
 def slope(y: Array, current: float, speed: float) -> tuple[float, ...]:
     """Return d(V, n, m, h)/dt per ms; rates times `speed`. Hodgkin & Huxley (1952)."""
-    v, n, m, h = y
+    v, n, m, h = y.tolist()  # plain floats: five times as fast as those of NumPy
 
     def linoid(x: float) -> float:
-        return float(x / np.expm1(x)) if abs(x) > 1e-9 else 1.0 - x / 2
+        return x / math.expm1(x) if abs(x) > 1e-9 else 1.0 - x / 2
 
-    a_n, b_n = 0.1 * linoid((10 - v) / 10), 0.125 * np.exp(-v / 80)
-    a_m, b_m = linoid((25 - v) / 10), 4 * np.exp(-v / 18)
-    a_h, b_h = 0.07 * np.exp(-v / 20), 1 / (np.exp((30 - v) / 10) + 1)
+    a_n, b_n = 0.1 * linoid((10 - v) / 10), 0.125 * math.exp(-v / 80)
+    a_m, b_m = linoid((25 - v) / 10), 4 * math.exp(-v / 18)
+    a_h, b_h = 0.07 * math.exp(-v / 20), 1 / (math.exp((30 - v) / 10) + 1)
     ionic = 36 * n**4 * (v + 12) + 120 * m**3 * h * (v - 115) + 0.3 * (v - 10.613)
     gates = zip((n, m, h), (a_n, a_m, a_h), (b_n, b_m, b_h), strict=True)
     return current - ionic, *(speed * (a * (1 - x) - b * x) for x, a, b in gates)
