@@ -8,7 +8,7 @@ import numpy as np
 
 from fefinger.contact.pad_worlds import Pad, Work
 from fefinger.contact.signed_distance import Shapes, distance, ray
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Floats, Integers
 from fefinger.support.compiled import njit
 
 
@@ -104,8 +104,12 @@ def _triangle(
 
 
 @njit(cache=True, fastmath={"contract", "reassoc"})
-def moved(pad: Pad, traction: Array, m: Work, out: Array) -> None:
-    """Compute A t at the near vertices; t (3n,) is zero at most others."""
+def moved(compliance: Floats, traction: Array, m: Work, out: Array) -> None:
+    """Compute A t at the near vertices; t (3n,) is zero at most others.
+
+    compliance A (3n, 3n) mm³/kPa of the relaxed body, for the components x, y, z of each vertex in
+    turn.
+    """
     n = len(m.gap)
     loaded, k = np.empty(n, dtype=np.int64), 0
     for j in range(n):
@@ -114,7 +118,7 @@ def moved(pad: Pad, traction: Array, m: Work, out: Array) -> None:
             k += 1
     for a in range(m.found[0]):
         for c in range(3):
-            row, total = pad.compliance[3 * m.listed[a] + c], 0.0
+            row, total = compliance[3 * m.listed[a] + c], 0.0
             for b in range(k):
                 j = 3 * loaded[b]
                 total += (
@@ -142,9 +146,10 @@ def frames(frame: Array, m: Work) -> None:
 
 
 @njit(cache=True, fastmath={"contract"})
-def project(flexibility: Array, pad: Pad, frame: Array, m: Work, components: int) -> None:
+def project(flexibility: Array, compliance: Floats, frame: Array, m: Work) -> None:
     """Set the rows and columns of near vertices to F = d . A . d, in each of their directions."""
     n, turned = len(m.gap), np.empty((3, 3))
+    components = len(flexibility) // n
     for j in range(n):  # what is near no more takes no part
         if not m.near[j] and flexibility[j, j] != 0.0:
             for a in range(components):
@@ -152,7 +157,7 @@ def project(flexibility: Array, pad: Pad, frame: Array, m: Work, components: int
                 flexibility[:, a * n + j] = 0.0
     for p in range(m.found[0]):
         i = m.listed[p]
-        r0, r1, r2 = pad.compliance[3 * i], pad.compliance[3 * i + 1], pad.compliance[3 * i + 2]
+        r0, r1, r2 = compliance[3 * i], compliance[3 * i + 1], compliance[3 * i + 2]
         for q in range(p + 1):
             j = m.listed[q]
             k = 3 * j

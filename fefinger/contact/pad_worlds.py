@@ -1,11 +1,15 @@
-"""Records of a pad that many worlds share: its compliance, their state, what a step gives."""
+"""Records of a pad that many worlds share, of their state and of what a step gives.
+
+The compliance of the pad is in none of them: numba compiles what takes a record once for every type
+of its arrays, and the compliance alone may be in single precision.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from fefinger.contact.signed_distance import Shapes
-from fefinger.support.arrays import Array, Flags, Floats, Integers
+from fefinger.support.arrays import Array, Flags, Integers
 
 
 VALID, DEEP, BORDER, PASSED, UNSOLVED = 0, 1, 2, 3, 4
@@ -18,16 +22,14 @@ depth."""
 
 
 class Pad(NamedTuple):
-    """Compliance and skin of a pad, shared by all worlds.
+    """Skin of a pad, shared by all worlds.
 
-    compliance A (3n, 3n) mm³/kPa of the relaxed body, for the components x, y, z of each vertex in
-    turn; points and normals (n, 3) of the vertices, outward; owner (k, 3): vertex at each corner of
+    points and normals (n, 3) of the vertices, outward; owner (k, 3): vertex at each corner of
     a triangle, or -1; places and skin (k, q, 3): quadrature points and outward normals there; hats
     (k, 3, q) mm²: weights times the hats of the corners; areas (n,) mm²; border (n,): where contact
     could spread beyond the pad; weights and rates (m,) of the Prony terms over the long-time one.
     """
 
-    compliance: Floats
     points: Array
     normals: Array
     owner: Integers

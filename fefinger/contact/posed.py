@@ -33,7 +33,7 @@ from fefinger.contact.pad_worlds import (
     Worlds,
 )
 from fefinger.contact.prony_history import gain
-from fefinger.support.arrays import Array, Flags, Integers
+from fefinger.support.arrays import Array, Flags, Floats, Integers
 from fefinger.support.compiled import njit
 from fefinger.support.tolerances import COMPLEMENTARITY
 
@@ -86,7 +86,6 @@ def load(
     frame: Array,
     m: Work,
     stiffness: float,
-    components: int,
 ) -> None:
     """Set the right side of the contact problem; stiffness: g t.
 
@@ -94,6 +93,7 @@ def load(
     which a material point of an object has moved along the skin.
     """
     n = len(m.gap)
+    components = len(m.offset) // n
     m.offset[:] = 0.0
     travel, largest = np.zeros(3), 0.0
     for a in range(m.found[0]):
@@ -203,7 +203,14 @@ def stiffening(f: Factors, pad: Pad, direction: Array, m: Work) -> float:
 
 @njit(cache=True)
 def prepare(
-    pad: Pad, move: Moves, s: Worlds, out: Readings, m: Work, w: int, near: float, components: int
+    compliance: Floats,
+    pad: Pad,
+    move: Moves,
+    s: Worlds,
+    out: Readings,
+    m: Work,
+    w: int,
+    near: float,
 ) -> tuple[float, float]:
     """Find near skin, gaps, history and frames of a world; return g and t."""
     shapes, rotation, place = move.shapes, move.rotation[w], move.place[w]
@@ -214,18 +221,19 @@ def prepare(
     nearest(pad, shapes, rotation, place, out.touched[w], out.frame[w, 0], m, near)
     gaps(pad, shapes, rotation, place, out.touched[w], out.hit[w], m, near)
     g = _history(pad, s.terms[w], s.elastic[w], move.dt, m.past)
-    moved(pad, m.past, m, m.moved)
-    if components == 3:
+    moved(compliance, m.past, m, m.moved)
+    if len(m.offset) > len(m.gap):  # with friction
         if not s.stepped[w]:  # an object comes to be where it is without having slid there
             s.rotation[w], s.place[w] = rotation, place
         frames(out.frame[w], m)
-        moved(pad, s.linear[w], m, m.held)
+        moved(compliance, s.linear[w], m, m.held)
     return g, stiffening(move.factors, pad, out.frame[w, 0], m)
 
 
 @njit(cache=True)
 def set_up(
     flexibility: Array,
+    compliance: Floats,
     pad: Pad,
     move: Moves,
     s: Worlds,
@@ -233,13 +241,12 @@ def set_up(
     m: Work,
     w: int,
     stiffness: float,
-    components: int,
 ) -> None:
     """Set F and the right side of the contact problem of a world; stiffness: g t."""
-    project(flexibility, pad, out.frame[w], m, components)
+    project(flexibility, compliance, out.frame[w], m)
     load(
         *(pad, move.rotation[w], move.place[w], s.rotation[w], s.place[w]),
-        *(out.touched[w], out.frame[w], m, stiffness, components),
+        *(out.touched[w], out.frame[w], m, stiffness),
     )
 
 
@@ -272,6 +279,7 @@ def accept(
 @njit(cache=True, nogil=True)
 def step_without_friction(
     solver: LcpState,
+    compliance: Floats,
     pad: Pad,
     move: Moves,
     s: Worlds,
@@ -286,8 +294,8 @@ def step_without_friction(
     kept: whether the solver holds the active set of this one world.
     """
     for w in range(first, last):
-        g, t = prepare(pad, move, s, out, m, w, NEAR, 1)
-        set_up(solver.flexibility, pad, move, s, out, m, w, g * t, 1)
+        g, t = prepare(compliance, pad, move, s, out, m, w, NEAR)
+        set_up(solver.flexibility, compliance, pad, move, s, out, m, w, g * t)
         if kept:
             deactivate(solver, m.near)
         else:
@@ -338,6 +346,7 @@ def _open(
     x: Array,
     product: Array,
     where: Integers,
+    compliance: Floats,
     pad: Pad,
     move: Moves,
     s: Worlds,
@@ -350,8 +359,8 @@ def _open(
     Returns g, t and the number of vertices in contact, which are listed in `where`.
     """
     n, k = len(m.gap), 0
-    g, t = prepare(pad, move, s, out, m, w, NEAR_RUBBED, 3)
-    set_up(flexibility, pad, move, s, out, m, w, g * t, 3)
+    g, t = prepare(compliance, pad, move, s, out, m, w, NEAR_RUBBED)
+    set_up(flexibility, compliance, pad, move, s, out, m, w, g * t)
     for j in range(n):
         on = s.active[w, j] and m.near[j]
         for a in range(3):
@@ -365,6 +374,7 @@ def _open(
 
 def step_with_friction(
     solver: CoulombSolver,
+    compliance: Floats,
     pad: Pad,
     move: Moves,
     s: Worlds,
@@ -379,9 +389,8 @@ def step_with_friction(
     The solver runs in Python between compiled parts, so that threads wait for each other there.
     """
     for w in range(first, last):
-        g, t, solver.counts[K] = _open(
-            *(solver.flexibility, solver.x, solver.moved, solver.where, pad, move, s, out, m, w)
-        )
+        known = solver.flexibility, solver.x, solver.moved, solver.where, compliance, pad
+        g, t, solver.counts[K] = _open(*known, move, s, out, m, w)
         solver.rebuild()
         if solver.solve(m.offset, COMPLEMENTARITY) != DONE:
             out.verdict[w] = UNSOLVED

@@ -20,7 +20,7 @@ from fefinger.contact.posed import (
     set_up,
     stiffening,
 )
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Floats, Integers
 from fefinger.support.compiled import njit
 from fefinger.support.tolerances import COMPLEMENTARITY
 
@@ -81,7 +81,7 @@ def _solve(
         added = g * t
         load(
             *(pad, move.rotation[w], move.place[w], s.rotation[w], s.place[w]),
-            *(touched, out.frame[w], m, g * t, 1),
+            *(touched, out.frame[w], m, g * t),
         )
         outcome = active_set.solve(solver, m.offset, COMPLEMENTARITY)
         if outcome != DONE:
@@ -97,6 +97,7 @@ def _solve(
 @njit(cache=True, nogil=True)
 def step_with_soft_objects(
     solver: LcpState,
+    compliance: Floats,
     pad: Pad,
     soft: Softness,
     move: Moves,
@@ -109,8 +110,8 @@ def step_with_soft_objects(
 ) -> None:
     """Advance the worlds from `first` to before `last`; `kept` as of `posed`."""
     for w in range(first, last):
-        g, t = prepare(pad, move, s, out, m, w, NEAR, 1)
-        set_up(solver.flexibility, pad, move, s, out, m, w, g * t, 1)
+        g, t = prepare(compliance, pad, move, s, out, m, w, NEAR)
+        set_up(solver.flexibility, compliance, pad, move, s, out, m, w, g * t)
         if kept:
             deactivate(solver, m.near)
         else:

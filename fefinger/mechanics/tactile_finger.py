@@ -185,7 +185,7 @@ class TactileFinger:
         self.pad = pad = made.pad
         self._facets, self._own = made.facets, dict[Stack, Array]()
         self._soft: Softness | None = None
-        self._maps = Maps(pad.compliance, made.strain, self.taxels.weights(pad), pad.areas)
+        self._maps = Maps(made.compliance, made.strain, self.taxels.weights(pad), pad.areas)
         self._bodies = -1
         self._solvers: list[tuple[Any, pad_worlds.Work]] = []
         self._kept = False
@@ -274,8 +274,8 @@ class TactileFinger:
 
     def _advance(self, shapes: Shapes, rotation: Array, place: Array, dt: float) -> None:
         size = -(-self.worlds // len(self._solvers))
-        kept, pad, state, out = self._kept and self.worlds == 1, self.pad, self._state, self._out
-        soft = self._soft
+        kept, state, out = self._kept and self.worlds == 1, self._state, self._out
+        known, soft = (self._maps.compliance, self.pad), self._soft
         move = Moves(shapes, rotation, place, dt, self.deepest, self._factors)
 
         def part(number: int) -> None:
@@ -283,13 +283,15 @@ class TactileFinger:
             first, last = number * size, min((number + 1) * size, self.worlds)
             if self.friction:
                 posed.step_with_friction(
-                    solver, pad, move, state, out, work, first, last, self.friction
+                    solver, *known, move, state, out, work, first, last, self.friction
                 )
             elif soft is None:
-                posed.step_without_friction(solver, pad, move, state, out, work, first, last, kept)
+                posed.step_without_friction(
+                    solver, *known, move, state, out, work, first, last, kept
+                )
             else:
                 posed_soft.step_with_soft_objects(
-                    solver, pad, soft, move, state, out, work, first, last, kept
+                    solver, *known, soft, move, state, out, work, first, last, kept
                 )
 
         together(part, range(len(self._solvers)))

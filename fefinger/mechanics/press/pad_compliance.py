@@ -15,7 +15,7 @@ from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.mechanics.press import operator, placement
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Floats, Integers
 
 
 BELOW = 100.0
@@ -24,12 +24,14 @@ BELOW = 100.0
 
 @dataclass(frozen=True)
 class PadCompliance:
-    """A pad, its vertices (n,) in the mesh, and the strain (6 n_sites, 3n) of unit tractions.
+    """A pad, its vertices (n,) in the mesh, and what tractions on them cause.
 
-    facets: those that carry the hats, with their corners.
+    compliance (3n, 3n) mm³/kPa and strain (6 n_sites, 3n) 1/kPa of the relaxed body, for the
+    components x, y, z of each vertex in turn; facets that carry the hats, with their corners.
     """
 
     pad: Pad
+    compliance: Floats
     vertices: Integers
     strain: Array
     facets: Facets
@@ -64,7 +66,6 @@ def pad_compliance(
     outward = _unit(np.einsum("kq,tkd->tqd", part.linear, solid.normals[part.triangles]))
     weights, rates = (np.array(each, dtype=np.float64) for each in finger.prony.branches)
     pad = Pad(
-        compliance=np.array(reduced.flexibility, dtype=kind, order="C"),
         points=np.array(space.points[chosen.vertices]),
         normals=_unit(solid.normals[chosen.vertices]),
         owner=np.array(chosen.owner, dtype=np.int64),
@@ -78,7 +79,9 @@ def pad_compliance(
     )
     corners = np.array(space.points[part.triangles])
     facets = Facets(corners, pad.owner, np.array(part.places), pad.hats)
-    return PadCompliance(pad, chosen.vertices, np.array(reduced.strain_operator), facets)
+    compliance = np.array(reduced.flexibility, dtype=kind, order="C")
+    strain = np.array(reduced.strain_operator)
+    return PadCompliance(pad, compliance, chosen.vertices, strain, facets)
 
 
 def _unit(vectors: Array) -> Array:
