@@ -29,10 +29,11 @@ class PressingObject(Protocol):
     def inertial(self, *args: Any) -> InertialContact:
         """Return a contact of modes with it; arguments as of `InertialContact`."""
 
-    def recession(self, pressure: Array) -> Array | float:
+    def recession(self, pressure: Array) -> Array:
         """Return the displacement (n_t, n_near) mm of its surface away from the skin.
 
-        pressure (n_t, n) kPa on the candidates; n_near vertices around them.
+        Or what is broadcast to that. pressure (n_t, n) kPa on the candidates; n_near: vertices
+        around them.
         """
 
 
@@ -47,9 +48,9 @@ class RigidObject:
         """Return a contact of modes with it."""
         return InertialContact(*args)
 
-    def recession(self, pressure: Array) -> Array | float:
-        """Return 0."""
-        return 0.0
+    def recession(self, pressure: Array) -> Array:
+        """Return 0 (1, 1)."""
+        return np.zeros((1, 1))
 
 
 RIGID = RigidObject()
@@ -70,7 +71,7 @@ class ElasticObject:
         """Return a contact of modes with it."""
         return SoftInertialContact(self.flexibility, *args)
 
-    def recession(self, pressure: Array) -> Array | float:
+    def recession(self, pressure: Array) -> Array:
         """Return the displacement (n_t, n_near) mm of its surface away from the skin."""
         return np.asarray(pressure @ self.around.T)
 

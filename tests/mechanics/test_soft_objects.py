@@ -61,6 +61,16 @@ def test_a_hard_object_is_the_rigid_one() -> None:
         same(hard, condensed.respond(scene(ff.Flat(30), motion)), 1e-9)
 
 
+def test_the_limit_of_depth_under_a_force_is_that_of_the_skin() -> None:
+    """A very soft ball gives way by more than the tissue is thick."""
+    ball = ff.Sphere(4, modulus=8)
+    answer = condensed.respond(scene(ball, ff.RampHold(loading_rate=5, force=0.25, hold=0.0)))
+    assert answer.depth.max() > FINGER.pulp
+    assert answer.force[-1] == pytest.approx(0.25, rel=1e-6)
+    with pytest.raises(InputError, match=r"motion\.force: expected one that presses less deep"):
+        condensed.respond(scene(ball, ff.RampHold(loading_rate=50, force=9.0, hold=0.0)))
+
+
 def test_a_loop_is_the_march_and_slides_without_friction() -> None:
     ball = ff.Sphere(6, modulus=30)
     answer = condensed.respond(scene(ball, ff.Ramp(20, 0.6)))

@@ -98,7 +98,8 @@ def solve_contact(
             pressed: Flags = np.any(history.pressure > 0, axis=0)
             if not (on_pad.border & pressed).any() or rings == problem.ATTEMPTS - 1:
                 # Not before: with too few candidates a prescribed force presses too deep.
-                deepest = float(history.depth.max())
+                yielded = reduced.object.recession(history.pressure).max(axis=1)
+                deepest = float((history.depth - yielded).max())  # of the skin alone
                 limits.check_reached(press.motion, press.finger.pulp, deepest)
                 placement.check_inside(press.body, on_pad.vertices[pressed], deepest)
         except InputError:
