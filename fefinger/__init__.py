@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from fefinger.mechanics.former_loops import Rolling as Rolling
     from fefinger.mechanics.former_loops import Sliding as Sliding
     from fefinger.mechanics.loop import Loop as Loop
-    from fefinger.mechanics.stiffening import Stiffening as Stiffening
     from fefinger.mechanics.tactile_finger import TactileFinger as TactileFinger
     from fefinger.mechanics.tactile_finger import TaxelGrid as TaxelGrid
     from fefinger.mechanics.vibrations import Vibrations as Vibrations
@@ -130,7 +129,6 @@ _HOMES = {
     "studies.receptive_field": ("ReceptiveField", "receptive_field"),
     "studies.study": ("study",),
     "theory.relaxation": ("Prony",),
-    "mechanics.stiffening": ("Stiffening",),
     "mechanics.tactile_finger": ("TactileFinger", "TaxelGrid"),
     "mechanics.vibrations": ("Vibrations",),
     "scene.tissue": ("Hard", "Tissue"),

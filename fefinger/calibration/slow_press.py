@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fefinger.calibration.array_sensor import ArraySensor, plane, reading_matrix
 from fefinger.results.candidate import MECHANICS
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
@@ -25,7 +26,6 @@ from fefinger.scene.scene import Scene
 from fefinger.support import cache
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
-from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.relaxation import Prony
 
 
@@ -203,12 +203,10 @@ def _steps(scene: Scene, response: Response, mechanics: str) -> Integers:
 
 def array_pressure(scene: Scene, response: Response) -> Array:
     """Compute the readings (n_t, 64) kPa of the array, centered on the last center of pressure."""
-    from fefinger.results import array_sensor
-
     assert response.pad is not None
     assert response.pressure is not None
     pad, pressure = response.pad, response.pressure
-    points = array_sensor.plane(scene.indenter, pad.points)
+    points = plane(scene.indenter, pad.points)
     loads = pressure[-1] * pad.areas
     points = points - loads @ points / loads.sum()
-    return np.asarray(pressure @ array_sensor.response(ArraySensor(), pad, points).T)
+    return np.asarray(pressure @ reading_matrix(ArraySensor(), pad, points).T)

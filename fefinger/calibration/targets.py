@@ -11,11 +11,11 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from fefinger.calibration import lumped_fit
+from fefinger.calibration.array_sensor import ArraySensor
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice
-from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.lumped.identify import TERMS, Identification, joint
 from fefinger.theory.lumped.ramp_hold import RampHold, averages, deviation_of, split
 from fefinger.theory.lumped.spring import Spring, constant_velocity, force

@@ -10,7 +10,7 @@ import numpy as np
 
 from fefinger.geometry.finger_mesh import triangle_areas
 from fefinger.results.records import Pad
-from fefinger.support.arrays import Array, Flags
+from fefinger.support.arrays import Array, Flags, Integers
 
 
 if TYPE_CHECKING:
@@ -102,3 +102,22 @@ def _corners(parts: int) -> Array:
     upright, turned = (upright[upright.sum(axis=1) < most] for most in (parts, parts - 1))
     u, v = (np.concatenate([3 * upright + 1, 3 * turned + 2]) / (3 * parts)).T
     return np.column_stack([1 - u - v, u, v])
+
+
+def isobar(points: Array, triangles: Integers, pressure: Array, level: float) -> Array:
+    """Line of constant pressure as segments (k, 2, 2) mm, from linear triangles.
+
+    points (n, 2) mm, triangles (m, 3), pressure (n,) kPa. A vertex at exactly `level` is outside.
+    """
+    above = pressure[triangles] > level
+    crossed = triangles[above.any(axis=1) & ~above.all(axis=1)]
+    inside = pressure[crossed] > level
+    # The corner that is alone on its side of the level: both cut edges meet there.
+    lone = np.argmax(inside == (inside.sum(axis=1) == 1)[:, None], axis=1)
+    rows = np.arange(len(crossed))
+    one = crossed[rows, lone]
+    ends = []
+    for other in (crossed[rows, (lone + 1) % 3], crossed[rows, (lone + 2) % 3]):
+        part = (level - pressure[one]) / (pressure[other] - pressure[one])
+        ends.append(points[one] + part[:, None] * (points[other] - points[one]))
+    return np.stack(ends, axis=1)

@@ -8,13 +8,10 @@ from fefinger.scene.field_units import split
 
 
 Row = Mapping[str, Any]
-"""A row of the table: numbers, texts and None by column, and the readings of the array."""
+"""A row of the table: numbers, texts and None by column."""
 
 MISSED = "not reached"
 """Beginning of the `status` of a row at a force or depth that its scene does not reach."""
-
-READINGS = "readings_kPa"
-"""Column of the readings of the array, element by element: a list, which tables leave out."""
 
 MEASURES = {
     "force_N": "force",
@@ -60,10 +57,6 @@ MEANINGS = {
     "long_axis_deg": "direction of the long axis from that of the finger",
     "reach_distal_mm": "outermost place with 4 kPa, toward the tip",
     "reach_proximal_mm": "outermost place with 4 kPa, away from the tip",
-    "sensor_note": "why the array has no reading",
-    "sensor_area_mm2": "area of the elements of the array that read more than four times its noise",
-    "sensor_peak_kPa": "largest reading of the array",
-    "sensor_middle_distal_mm": "middle of the array from first touch, toward the tip",
     "hertz_radius_distal_mm": "effective radius of the contact at first touch along the finger",
     "hertz_radius_side_mm": "effective radius of the contact at first touch across the finger",
     "hertz_peak_pressure_kPa": "pressure in the middle of the contact",
@@ -78,7 +71,6 @@ MEANINGS = {
 """Meanings of the columns, without the columns of the grid."""
 
 PREFIXES = {
-    "sensor_": "by the array of the thesis, without noise: {}",
     "hertz_": "by elliptic Hertz contact on a half-space: {}",
     "spikes_": "spikes of the units of {}, at the end organs, up to the time of the row",
 }
@@ -97,7 +89,7 @@ ERRORS = {
 def meaning(name: str) -> str:
     """Return the meaning of a column; KeyError for one that is not described."""
     for prefix, of in PREFIXES.items():
-        if name.startswith(prefix) and name != "sensor_note":
+        if name.startswith(prefix):
             rest = name.removeprefix(prefix)
             return of.format(rest if prefix == "spikes_" else MEANINGS.get(name) or MEANINGS[rest])
     return MEANINGS[name]

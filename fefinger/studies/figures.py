@@ -1,4 +1,4 @@
-"""Figures of a study: every measure against a field, spikes, and readings of the array."""
+"""Figures of a study: every measure against a field, and spikes."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from fefinger.scene.field_units import split
-from fefinger.studies.columns import MEASURES, READINGS, Row, bounds, words
+from fefinger.studies.columns import MEASURES, Row, bounds, words
 from fefinger.studies.grid import DIGITS
-from fefinger.support.arrays import Array
-from fefinger.view import figures, quantities
+from fefinger.view import figures
 
 
 if TYPE_CHECKING:
@@ -39,30 +38,22 @@ class Companion(NamedTuple):
 
 
 COMPANIONS = {
-    "sensor_": Companion(
-        "--",
-        "from the array's readings",
-        {"highest_pressure_1mm2_kPa": "sensor_peak_kPa", "contact_area_mm2": "sensor_area_mm2"},
-    ),
     "hertz_": Companion(":", "elliptic Hertz at that depth", {}),
 }
 """Companions of the measures, by the prefix of their columns."""
 
 LEGEND = (
     "Solid lines are the finger that was simulated, with a point per scene; bars are its stated "
-    "error. Dashed lines are what the array of the thesis, between plate and pad, would read. "
-    "Dotted lines are Hertz's formula for the same curvatures at the same depth, without bone."
+    "error. Dotted lines are Hertz's formula for the same curvatures at the same depth, without "
+    "bone."
 )
-"""Caption of panels that have lines of all kinds."""
+"""Caption of panels that have lines of both kinds."""
 
 SAME = 0.005
 """Relative variation of a measure up to which it counts as constant."""
 
 NOTHING = 1e-9
 """Value of a measure, in its unit, that counts as zero: it is rounding."""
-
-STEP = 4.0
-"""kPa between isobars, as in Figure 3-3 of Pawluk (1997)."""
 
 
 def label(row: Row, series: Sequence[str]) -> str:
@@ -221,38 +212,4 @@ def spikes(rows: Rows, x: str, series: Sequence[str], labels: Sequence[str] = ()
             axis.set_ylim(bottom=0)
             axis.yaxis.get_major_locator().set_params(integer=True)
         _legend(drawn, groups)
-        return drawn
-
-
-def isobars(rows: Rows, x: str) -> "Figure":
-    """Draw the readings of the 8 x 8 array in each row as isobars, tip up; a cross: first touch."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    from fefinger.theory.array.sensor import ArraySensor
-
-    across = min(len(rows), 5)
-    count = -(-len(rows) // across)
-    line = np.unique(ArraySensor().positions[:, 0])
-    top = max(max(row[READINGS]) for row in rows)
-    levels = np.arange(STEP, max(top, 2.5 * STEP), STEP)
-    with figures.style():
-        drawn = figures.figure(figures.WIDE, 0.5 + 2.1 * count)
-        axes = drawn.subplots(count, across, squeeze=False, sharex=True, sharey=True)
-        for axis, row in zip(axes.flat, rows, strict=False):
-            middle = row["sensor_middle_distal_mm"]
-            pressure: Array = np.reshape(row[READINGS], (len(line), len(line)))
-            shown = levels[levels < pressure.max()]
-            if len(shown):
-                spread = {"vmin": levels[0], "vmax": levels[-1], "cmap": quantities.EVEN}
-                axis.contour(line, line + middle, pressure.T, shown, linewidths=0.9, **spread)
-            axis.plot(0, 0, "+", color="#D55E00", markersize=8)
-            axis.set(aspect="equal", title=_value(row, x), xlim=(-7, 7), ylim=(-8, 8))
-        for axis in axes.flat[len(rows) :]:
-            axis.set_axis_off()
-        drawn.supxlabel("sideways / mm", fontsize=9)
-        drawn.supylabel("distal from first touch / mm", fontsize=9)
-        colors = ScalarMappable(Normalize(levels[0], levels[-1]), quantities.EVEN)
-        label = "pressure on the array / kPa"
-        drawn.colorbar(colors, ax=axes, shrink=0.8, aspect=30, ticks=levels, label=label)
         return drawn

@@ -19,13 +19,12 @@ from fefinger.mesh.recipe import Recipe
 from fefinger.plan import choose, settled
 from fefinger.result import Result
 from fefinger.results import pressure as pressures
-from fefinger.results.array_sensor import response
 from fefinger.results.pressure import SPREAD
 from fefinger.results.records import Pad, Rung
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motions import Ramp
-from fefinger.studies.columns import ERRORS, READINGS, Row
+from fefinger.studies.columns import ERRORS, Row
 from fefinger.studies.force_depth import (
     SAME,
     NamedTime,
@@ -36,20 +35,15 @@ from fefinger.studies.force_depth import (
     stiffness,
     until,
 )
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
-from fefinger.theory.array.sensor import ArraySensor, isobar
 from fefinger.theory.contact.elliptic import LONGEST, Elliptic
-from fefinger.theory.contact.pressure_moments import Moments
 from fefinger.theory.contact.pressure_moments import moments as shape_of
 from fefinger.theory.relaxation import hereditary_integral
 
 
-THRESHOLD = 4.0
-"""Least reading of an element that counts as contact, in standard deviations of its noise."""
-
 LEVEL = 4.0
-"""Pressure in kPa whose isobar bounds the contact: the lowest one in Figure 3-3."""
+"""Pressure in kPa whose isobar bounds the contact: the lowest in Figure 3-3 of Pawluk (1997)."""
 
 ROUNDING = 1e-9
 """Shift in mm, asymmetry or ellipticity below which a value is rounding, and set to 0."""
@@ -135,7 +129,7 @@ def _row(result: Result, view: "PlaneView | None", when: NamedTime, highest: flo
     if result.spikes is not None:
         row |= _spikes(result, row["time_s"])
     if view is not None and row["force_N"] > 0:
-        row |= {**_shape(view, where), **_array(view, where)}
+        row |= _shape(view, where)
     if view is not None and view.touch is not None:
         row |= hertz(result, view.touch, where)
     return row
@@ -213,63 +207,24 @@ def _without_rounding(value: float) -> float:
     return 0.0 if abs(value) < ROUNDING else value
 
 
-def _columns(prefix: str, shape: Moments) -> Row:
-    return {
-        f"{prefix}shift_distal_mm": _without_rounding(float(shape.center[0])),
-        f"{prefix}shift_side_mm": _without_rounding(float(shape.center[1])),
-        f"{prefix}asymmetry": _without_rounding(shape.asymmetry),
-        f"{prefix}ellipticity": _without_rounding(shape.ellipticity),
-        f"{prefix}long_axis_deg": shape.long_axis,
-    }
-
-
 def _shape(view: PlaneView, where: float) -> Row:
+    """Make columns of the shape of the pressure; without a reach where LEVEL is not reached."""
     now, triangles = at(view.pressure, where), view.pad.triangles
     shape = shape_of(view.places, triangles, view.areas, now)
-    return {**_columns("", shape), **_reach("", view.places, triangles, now)}
-
-
-def _reach(prefix: str, places: Array, triangles: Integers, pressure: Array) -> dict[str, float]:
-    """Return how far the isobar of LEVEL is from first touch, distal and proximal; {} without."""
-    line = isobar(places, triangles, pressure, LEVEL)[..., 0]
-    if not line.size:
-        return {}
-    return {
-        f"{prefix}reach_distal_mm": float(line.max()),
-        f"{prefix}reach_proximal_mm": float(-line.min()),
+    row = {
+        "shift_distal_mm": _without_rounding(float(shape.center[0])),
+        "shift_side_mm": _without_rounding(float(shape.center[1])),
+        "asymmetry": _without_rounding(shape.asymmetry),
+        "ellipticity": _without_rounding(shape.ellipticity),
+        "long_axis_deg": shape.long_axis,
     }
-
-
-def _array(view: PlaneView, where: float) -> Row:
-    """Make columns from readings of the array of Pawluk (1997), without noise; {} without a plate.
-
-    Its center is the center of pressure at the largest force, as in section 3.2.1; all elements are
-    read at the same time.
-    """
-    sensor, pad, pressure = ArraySensor(), view.pad, view.pressure
-    if view.result.scene.indenter.flat is None:
-        return {}
-    heaviest = pressure[int(np.argmax(view.result.response.force))] * pad.areas
-    middle = heaviest @ view.places / heaviest.sum()
-    try:
-        weights = response(sensor, pad, view.places - middle)
-    except ValueError as error:
-        return {"sensor_note": f"not read: {error}"}
-    readings, element = weights @ at(pressure, where), sensor.pitch**2
-    places = sensor.positions + middle
-    # Both diagonals of each square, as one would break the symmetry of the array.
-    mirrored = np.arange(sensor.elements**2).reshape(sensor.elements, -1)[:, ::-1].ravel()
-    triangles = np.concatenate([sensor.triangles, mirrored[sensor.triangles]])
-    halves = np.full(len(triangles), element / 4)
-    return {
-        "sensor_force_N": float(readings.sum() * element) * NEWTON_PER_MILLINEWTON,
-        "sensor_area_mm2": float((readings > THRESHOLD * sensor.noise).sum() * element),
-        "sensor_peak_kPa": float(readings.max()),
-        **_columns("sensor_", shape_of(places, triangles, halves, readings)),
-        **_reach("sensor_", places, triangles, readings),
-        "sensor_middle_distal_mm": float(middle[0]),
-        READINGS: [float(value) for value in readings],
-    }
+    line = pressures.isobar(view.places, triangles, now, LEVEL)[..., 0]
+    if line.size:
+        row |= {
+            "reach_distal_mm": float(line.max()),
+            "reach_proximal_mm": float(-line.min()),
+        }
+    return row
 
 
 def stated(result: Result, where: float, given: str) -> dict[str, float]:

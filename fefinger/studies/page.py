@@ -3,9 +3,8 @@
 from collections.abc import Iterator, Sequence
 
 from fefinger.pages import page
-from fefinger.scene.field_units import split
 from fefinger.studies import figures
-from fefinger.studies.columns import ERRORS, MEASURES, READINGS, Row
+from fefinger.studies.columns import ERRORS, MEASURES, Row
 from fefinger.studies.force_depth import POINTS, WINDOW
 from fefinger.studies.grid import remarks
 from fefinger.studies.tables import StudyRows
@@ -30,11 +29,9 @@ HOW = "How the measures are defined"
 
 SAME = "Every measure is the same in all of these rows, but for rounding of half a percent."
 
-ARRAY = (
-    "The array of the thesis (8 x 8 elements 2 mm apart, a Gaussian of 0.96 mm, here without "
-    "noise) lies on the plate, centered on the center of pressure at the largest force; its "
-    "contact area is that of the elements above 2 kPa. Hertz's ellipse follows from the curvatures "
-    "of the skin, fitted within 2 mm of first touch, at the same depths, on a relaxing half-space."
+HERTZ = (
+    "Hertz's ellipse follows from the curvatures of the skin, fitted within 2 mm of first touch, "
+    "at the same depths, on a relaxing half-space."
 )
 
 MAIN = (
@@ -45,13 +42,9 @@ MAIN = (
 )
 SHAPE = (
     *("at", "shift_distal_mm", "asymmetry", "ellipticity", "reach_distal_mm", "reach_proximal_mm"),
-    *("sensor_peak_kPa", "sensor_asymmetry", "hertz_force_N", "hertz_contact_area_mm2"),
-    *("hertz_highest_pressure_1mm2_kPa",),
+    *("hertz_force_N", "hertz_contact_area_mm2", "hertz_highest_pressure_1mm2_kPa"),
 )
 """Columns of the tables on the page; the files have all."""
-
-MOST = 15
-"""Largest number of maps of the array on the page."""
 
 Part = dict[str, object]
 """A section of the page: title, texts, and perhaps a picture, bullets or a table."""
@@ -59,7 +52,7 @@ Part = dict[str, object]
 
 def html(study: StudyRows) -> str:
     """Render the page of a study."""
-    has_readings = any(row.get("sensor_peak_kPa") is not None for row in study.rows)
+    has_hertz = any(row.get("hertz_force_N") is not None for row in study.rows)
     done = study.scenes - len(study.failures)
     swept = []
     for name, values in study.about["grid"].items():
@@ -73,8 +66,8 @@ def html(study: StudyRows) -> str:
         title=f"{study.name} over {', '.join(study.about['grid'])}",
         answer=f"{done} of {study.scenes} scenes were answered: {grid}.",
         notes=[*filter(None, [study.about.get("chosen")]), *remarks(study.rows, study.over)],
-        lines=(errors(study.rows), *([figures.LEGEND] if has_readings else [])),
-        parts=[*_parts(study), part(HOW, MEANING, *([ARRAY] if has_readings else []))],
+        lines=(errors(study.rows), *([figures.LEGEND] if has_hertz else [])),
+        parts=[*_parts(study), part(HOW, MEANING, *([HERTZ] if has_hertz else []))],
         provenance=list(page.flat(study.about)),
     )
 
@@ -137,7 +130,7 @@ def _given(name: str, row: Row) -> bool:
 
 
 def _parts(study: StudyRows) -> Iterator[Part]:
-    """Yield the sections: failures, figures at each time, spikes, maps and tables."""
+    """Yield the sections: failures, figures at each time, spikes and tables."""
     if study.failures:
         failed = [
             f"{', '.join(f'{field} = {value}' for field, value in values.items())}: {brief(error)}"
@@ -165,29 +158,6 @@ def _parts(study: StudyRows) -> Iterator[Part]:
     if any("spikes" in row for row in ends):
         picture = page.svg(figures.spikes(ends, x, series, labels))
         yield part("Spikes of the whole scene", picture=picture)
-    yield from maps(done, x, series)
     more = "All columns are in table.csv."
     yield part("Rows: contact, and expected errors", more, table=table(done, (*study.over, *MAIN)))
-    yield part("Rows: shape, array, Hertz", more, table=table(done, (*study.over, *SHAPE)))
-
-
-def maps(rows: Sequence[Row], x: str, series: Sequence[str]) -> Iterator[Part]:
-    """Yield the section with readings of the array, if any: of the series with the most of them.
-
-    The readings are at the first of the forces, or else of the depths, of the rows.
-    """
-    with_array = [row for row in rows if row.get(READINGS)]
-    times = sorted({row["at"] for row in with_array}, key=lambda at: (not at.endswith("N"), at))
-    if not times:
-        return
-    groups = figures.grouped([row for row in with_array if row["at"] == times[0]], series)
-    label, group = max(groups.items(), key=lambda each: len(each[1]))
-    if any(isinstance(row[x], str) for row in group):
-        return
-    of = f" ({label})" if label else ""
-    yield part(
-        f"Readings of the array at {times[0]}",
-        f"Isobars 4 kPa apart as in Figure 3-3 of the thesis, at values of {split(x)[0]}{of}, in "
-        "the same colors in all panels; the tip is up, and the cross is first touch.",
-        picture=page.svg(figures.isobars(sorted(group, key=lambda row: row[x])[:MOST], x)),
-    )
+    yield part("Rows: shape, Hertz", more, table=table(done, (*study.over, *SHAPE)))

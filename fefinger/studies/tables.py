@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fefinger.pages.page import flat
 from fefinger.scene.field_units import split
-from fefinger.studies.columns import MEASURES, MISSED, READINGS, meaning
+from fefinger.studies.columns import MEASURES, MISSED, meaning
 from fefinger.support.atomic_write import in_place, netcdf
 from fefinger.support.checks import InputError
 from fefinger.support.inputs import read_json
@@ -144,13 +144,6 @@ def dataset(study: StudyRows) -> "xr.Dataset":
         )
         for name in done
     }
-    with_array = [row for row in rows if row.get(READINGS)]
-    if with_array:
-        readings = np.full((*shape, len(with_array[0][READINGS])), np.nan)
-        for row in with_array:
-            readings[tuple(axes[name].index(row[name]) for name in keys)] = row[READINGS]
-        about = {"units": "kPa", "long_name": "readings of the array, row by row of its elements"}
-        arrays[READINGS] = ([*keys, "element"], readings, about)
     coordinates = {
         name: (name, values, _about(name, split(name)[0])) for name, values in axes.items()
     }

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from fefinger.calibration import pad_radius, press_store
+from fefinger.calibration.array_sensor import ArraySensor, blurred
 from fefinger.calibration.curve import family
 from fefinger.calibration.slow_press import SlowPress
 from fefinger.scene import library
-from fefinger.theory.array.sensor import ArraySensor, blurred
 
 
 def made(exponent=1.0, radius=14.0, ratio=1.0, count=24, deepest=1.8):

@@ -7,9 +7,9 @@ import pytest
 
 import fefinger as ff
 from fefinger.calibration import pad_radius, targets
+from fefinger.calibration.array_sensor import ArraySensor
 from fefinger.calibration.slow_press import array_pressure, pressed
 from fefinger.mechanics import hertz
-from fefinger.theory.array.sensor import ArraySensor
 
 
 def test_the_thesis_finds_its_own_half_space(formula):

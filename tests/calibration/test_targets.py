@@ -9,6 +9,7 @@ import pytest
 from fefinger.validation.oracles import synthetic
 
 from fefinger.calibration import inverse, targets
+from fefinger.calibration.array_sensor import ArraySensor
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.force import Forces, prony_of
 from fefinger.calibration.outcome import line
@@ -16,7 +17,6 @@ from fefinger.scene import pawluk1997
 from fefinger.scene.finger import Finger
 from fefinger.support import inputs
 from fefinger.support.checks import InputError
-from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.lumped.spring import Spring, force
 from fefinger.theory.relaxation import Prony
 

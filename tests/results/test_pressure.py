@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from fefinger.results import array_sensor
+from fefinger.calibration import array_sensor
+from fefinger.calibration.array_sensor import ArraySensor
 from fefinger.results import pressure as pressures
 from fefinger.results.records import Pad
-from fefinger.theory.array.sensor import ArraySensor
 
 
 def disk(seed, n=900):
@@ -91,7 +91,7 @@ def test_an_array_feels_a_pressure_that_is_linear_between_coarse_points():
         pad = disk(seed, 200)
         places = pad.points[:, :2]
         pressure = 20 + places @ [2.0, 3.0]
-        felt = array_sensor.response(sensor, pad, places) @ pressure
+        felt = array_sensor.reading_matrix(sensor, pad, places) @ pressure
         between.append(np.abs(felt - exact).max() / exact.max())
         lumped = sensor.weights(places, pad.areas) @ pressure
         by_points.append(np.abs(lumped - exact).max() / exact.max())

@@ -1,12 +1,10 @@
 """The page of a study: bars, isobars, what is told on top, tables that fit; and its progress."""
 
-import numpy as np
 import pytest
 
 from fefinger.commands import study as command
 from fefinger.studies import figures
 from fefinger.studies import page as report
-from fefinger.studies.columns import READINGS
 from fefinger.studies.grid import MESH, remarks
 from fefinger.studies.study import Study
 
@@ -72,38 +70,11 @@ def test_a_series_is_named_with_units_and_keeps_its_color_where_others_are_missi
     assert len(looks) == len(groups)
 
 
-def test_the_maps_of_the_array_are_of_one_series_which_is_named():
-    speed = "motion.speed_mm_per_s"
-    reading = {"sensor_middle_distal_mm": 0.0, READINGS: [9.0] * 64}
-    rows = [
-        {**row(angle, **{speed: each}, **reading), "at": "1 N"}
-        for each, angles in ((5, [20]), (60, [20, 35]))
-        for angle in angles
-    ]
-    (section,) = report.maps(rows, X, [speed])
-    assert "at values of indenter.angle (speed 60 mm/s), in" in section["texts"][0]
-
-
 def test_values_that_are_no_numbers_are_words_on_the_axis():
     rows = [row(angle, force_N=force) for angle, force in ((None, 1.0), (30, 2.0))]
     about = {"grid": {"indenter.angle": [None, 30]}}
     page = report.html(Study("press", (X,), tuple(rows), (), 2, 0, about))
     assert ">None</" in page
-
-
-def test_isobars_have_one_color_for_one_pressure_in_all_panels_and_a_bar_with_the_unit():
-    peak = np.exp(-((np.arange(8) - 3.5) ** 2) / 6)
-    rows = [
-        row(angle, sensor_middle_distal_mm=0.0, **{READINGS: (top * np.outer(peak, peak)).ravel()})
-        for angle, top in ((0, 9.0), (30, 30.0), (60, 3.0))
-    ]
-    *maps, bar = figures.isobars(rows, X).axes
-    assert bar.get_ylabel() == "pressure on the array / kPa"
-    assert bar.get_ylim() == (4, 24)
-    assert [axis.get_title(loc="left") for axis in maps] == ["0 deg", "30 deg", "60 deg"]
-    low, high = (axis.collections[0] for axis in maps[:2])
-    assert low.get_clim() == high.get_clim() == (4, 24)
-    assert not maps[2].collections
 
 
 def test_the_page_tells_on_top_what_was_not_reached_and_what_the_bars_are():

@@ -20,14 +20,13 @@ from fefinger.mechanics.hertz import tissue
 from fefinger.pipeline import run
 from fefinger.scene.field_units import column
 from fefinger.studies import tasks
-from fefinger.studies.columns import READINGS, meaning
+from fefinger.studies.columns import meaning
 from fefinger.studies.grid import parse_at, parse_over, product
 from fefinger.studies.measures import rows
 from fefinger.studies.tables import StudyRows
 from fefinger.support.checks import InputError
 from fefinger.support.processes import cores
 from fefinger.support.text import percent
-from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony
 
@@ -123,9 +122,9 @@ def pressed():
 
 def test_every_column_has_a_meaning_and_the_console_is_narrow(pressed):
     told = [{"indenter.angle_deg": 30.0, **row} for row in rows(pressed, depths=(1.0, 5.0))]
-    for name in {name for row in told for name in row} - {"indenter.angle_deg", READINGS}:
+    for name in {name for row in told for name in row} - {"indenter.angle_deg"}:
         assert meaning(name)
-    assert meaning("sensor_ellipticity").startswith("by the array of the thesis, without noise: 1 ")
+    assert meaning("hertz_ellipticity").startswith("by elliptic Hertz contact on a half-space: 1 ")
     assert meaning("spikes_SAI").startswith("spikes of the units of SAI, at the end organs")
     study = StudyRows("press", ("indenter.angle_deg",), tuple(told), (), 1, 0, {"grid": {}})
     lines = command.study_summary(command.study_record(study, [])).splitlines()
@@ -183,15 +182,6 @@ def test_hertz_beside_it_is_that_of_the_radii_of_the_shape(pressed):
     assert row["hertz_ellipticity"] == pytest.approx(1 - want.axis_ratio, abs=5e-3)
 
 
-def test_the_array_blurs_but_keeps_force_and_center(pressed):
-    row = rows(pressed)[1]
-    assert row["sensor_force_N"] == pytest.approx(row["force_N"], rel=0.03)
-    assert row["sensor_shift_distal_mm"] == pytest.approx(row["shift_distal_mm"], abs=0.05)
-    assert row["sensor_peak_kPa"] < row["highest_pressure_1mm2_kPa"]
-    assert row["sensor_area_mm2"] > row["contact_area_mm2"]
-    assert len(row["readings_kPa"]) == len(ArraySensor().positions)
-
-
 def test_a_relaxing_half_space_is_told_with_its_relaxed_modulus():
     scene = ff.Scene(
         finger=ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998"),
@@ -213,12 +203,10 @@ def test_opposite_tilts_are_mirror_images():
         told.append(rows(run(scene, mechanics="linear"))[0])
     left, right = told
     assert abs(left["shift_side_mm"]) > 0.05
-    for prefix in ("", "sensor_"):
-        for name in (f"{prefix}shift_side_mm", f"{prefix}long_axis_deg"):
-            assert left[name] == pytest.approx(-right[name], abs=1e-3), name
-        for name in ("asymmetry", "ellipticity", "shift_distal_mm", "reach_distal_mm"):
-            name = prefix + name
-            assert left[name] == pytest.approx(right[name], abs=1e-4), name
+    for name in ("shift_side_mm", "long_axis_deg"):
+        assert left[name] == pytest.approx(-right[name], abs=1e-3), name
+    for name in ("asymmetry", "ellipticity", "shift_distal_mm", "reach_distal_mm"):
+        assert left[name] == pytest.approx(right[name], abs=1e-4), name
     assert left["hertz_force_N"] == pytest.approx(right["hertz_force_N"], rel=1e-3)
 
 

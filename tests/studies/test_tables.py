@@ -78,15 +78,6 @@ def test_an_array_says_what_was_not_reached_and_what_every_column_holds():
     assert data["spikes_SAI"].attrs["long_name"].startswith("spikes of the units of SAI")
 
 
-def test_what_the_array_reads_is_an_array_too():
-    row = {"x_mm": 1.0, "at": "end", "status": "done", "readings_kPa": [1.0, 2.0]}
-    none = {"x_mm": 2.0, "at": "end", "status": "done"}
-    data = tables.dataset(_study([row, none]))
-    assert data["readings_kPa"].dims == ("x_mm", "at", "element")
-    assert data["readings_kPa"].sel(x_mm=1.0).values.tolist() == [[1.0, 2.0]]
-    assert np.isnan(data["readings_kPa"].sel(x_mm=2.0)).all()
-
-
 def _study(rows):
     return Study("made-up", ("x_mm",), tuple(rows), (), len(rows), 0, {"grid": {"x": [1, 2]}})
 

@@ -12,11 +12,11 @@ from fefinger.validation.panels import panel, panels
 
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
+from fefinger.calibration.array_sensor import ArraySensor, blurred
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.targets import aligned
 from fefinger.scene import library, pawluk1997
 from fefinger.support.arrays import Array
-from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.view.figures import INK, WIDE
 
 

@@ -13,6 +13,7 @@ from fefinger.validation.oracles.fingerpad import Fingerpad
 
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
+from fefinger.calibration.array_sensor import ArraySensor, blurred
 from fefinger.calibration.calibrate import SMALLER
 from fefinger.calibration.curve import family
 from fefinger.calibration.force import Forces
@@ -27,7 +28,6 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
-from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.relaxation import Prony
 
 

@@ -13,30 +13,31 @@ import numpy as np
 from fefinger.validation.oracles.synthetic import FORCE_NOISE, POSITION_NOISE
 
 from fefinger.calibration import slow_press
+from fefinger.calibration.array_sensor import ArraySensor
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.outcome import FREQUENCIES, errors
 from fefinger.calibration.record import Calibration
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press.placement import on_neighborhood, whole_pad
 from fefinger.mechanics.press.time_steps import time_grid
-from fefinger.mechanics.stiffening import Stiffening
 from fefinger.results.records import Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.motions import Ramp, RampSinusoid
 from fefinger.support.arrays import Array
-from fefinger.theory.array.sensor import ArraySensor
-from fefinger.theory.relaxation import Prony
+from fefinger.theory.relaxation import Prony, exprel
 
 
 PRONY = Prony((0.27, 0.45, 0.16, 0.12), (200.0, 9.0, 0.6))
 TOUCH = 0.6  # mm
 COARSE, STANDARD = "coarse", "standard"
-LAW = Stiffening(0.25, 0.9)  # 2.2 N at the depth below
+T_B, T_M = 0.25, 0.9
+"""b and m in 1/mm of t(u) (Pawluk 1997, Eq. 3.11): 2.2 N at the depth below."""
+
 SPEED, DEPTH, HOLD = 60.0, 1.5, 6.0
 SLOW, PRESS = 0.2, 1.8  # mm/s, mm
 RATE, FRAMES = 1e4, 40
 TRUTH = {
-    **{"t_b": LAW.b, "t_m": LAW.m, "x0": TOUCH, "pad_radius": 0.8 * 14.0},
+    **{"t_b": T_B, "t_m": T_M, "x0": TOUCH, "pad_radius": 0.8 * 14.0},
     **{f"c{i}": c for i, c in enumerate(PRONY.weights)},
     **{f"v{i}": v for i, v in enumerate(PRONY.v, start=1)},
 }
@@ -73,10 +74,16 @@ def start() -> Finger:
     return Finger.subject("a.h.", resolution=COARSE, prony=slow_press.RELAXED, tissue="maeno1998")
 
 
+def t(depth: float) -> float:
+    """Return t(u) = (b / m) [exp(m u) - 1] at a depth in mm; 0 out of contact."""
+    into = max(depth, 0.0)
+    return T_B * into * float(exprel(T_M * into))
+
+
 def stiffened(mesh: str = COARSE) -> Loop:
-    """Return the finger of the twin with LAW, ready to be stepped."""
+    """Return the finger of the twin with t(u), ready to be stepped."""
     plate = slow_press.PLATE
-    return Loop(finger(mesh), plate, mechanics="condensed", deepest=PRESS, stiffening=LAW)
+    return Loop(finger(mesh), plate, mechanics="condensed", deepest=PRESS, stiffening=t)
 
 
 @cache

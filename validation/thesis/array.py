@@ -8,9 +8,11 @@ from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles.fingerpad import Fingerpad, series_modulus
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import PROFILES, SENSOR, pad
+from fefinger.validation.thesis.readings import triangles
 
+from fefinger.calibration.array_sensor import ArraySensor, blurred, fit_fingerpad
+from fefinger.results.pressure import isobar
 from fefinger.support.arrays import Array
-from fefinger.theory.array.sensor import ArraySensor, blurred, fit_fingerpad, isobar
 from fefinger.theory.relaxation import hereditary_integral
 
 
@@ -87,7 +89,7 @@ def isobar_radius(newtons: float) -> float:
     means, depth = quasi_static(newtons)
     fine = ArraySensor(elements=301, pitch=0.05)
     r = np.hypot(*fine.positions.T)
-    segments = isobar(fine.positions, fine.triangles, means.relaxed_pressure(r, depth), 2 * LEVEL)
+    segments = isobar(fine.positions, triangles(fine), means.relaxed_pressure(r, depth), 2 * LEVEL)
     return float(np.hypot(*np.moveaxis(segments, -1, 0)).mean())
 
 

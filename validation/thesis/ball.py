@@ -11,8 +11,8 @@ from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import BALL_DEPTH, BALLS, SENSOR, ball
 from numpy.typing import ArrayLike
 
+from fefinger.calibration.array_sensor import ArraySensor, BlurredCap, SensorFit, blurred, search
 from fefinger.support.arrays import Array
-from fefinger.theory.array.sensor import ArraySensor, BlurredCap, SensorFit, blurred, search
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import Contact
 

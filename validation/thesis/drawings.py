@@ -12,8 +12,8 @@ from fefinger.validation.thesis.figures import COLORS, canvas
 from fefinger.validation.thesis.pressure import PROFILES, ball, pad
 from fefinger.validation.thesis.sensor import array_pressure, ball_pressure
 
+from fefinger.calibration.array_sensor import ArraySensor
 from fefinger.support.arrays import Array
-from fefinger.theory.array.sensor import ArraySensor
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.view.figures import INK, STEEL, figure
 

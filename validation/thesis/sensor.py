@@ -9,8 +9,8 @@ from fefinger.validation.thesis.array import GRAM_FORCE
 from fefinger.validation.thesis.lumped import DIGITS
 from fefinger.validation.thesis.pressure import BALL_DEPTH, BALLS, ball
 
+from fefinger.calibration.array_sensor import ArraySensor, blurred
 from fefinger.support.arrays import Array
-from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.contact.hertz import Hertz
 
 

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fefinger.validation.thesis import readings
 
 import fefinger as ff
-from fefinger.results import array_sensor
+from fefinger.calibration.array_sensor import ArraySensor, blurred, plane
 from fefinger.support.checks import InputError
-from fefinger.theory.array.sensor import ArraySensor, blurred
 from fefinger.theory.relaxation import Prony
 
 
@@ -24,7 +24,7 @@ def result():
 
 def test_the_readings_are_the_blurred_pressure_of_hertz(result):
     sensor = ArraySensor()
-    last = array_sensor.read(result).pressure[-1]
+    last = readings.read(result).pressure[-1]
     peak = 1.5e3 * result.force[-1] / (np.pi * 14.0)
 
     def hertz(r):
@@ -37,26 +37,24 @@ def test_the_readings_are_the_blurred_pressure_of_hertz(result):
 
 def test_an_angled_plate_sees_the_same_circle(result):
     steep = replace(SCENE, indenter=ff.Flat(angle=40, tilt=5))
-    reading = array_sensor.read(ff.run(steep, mechanics="hertz"))
-    assert reading.pressure[-1] == pytest.approx(array_sensor.read(result).pressure[-1], abs=1e-2)
+    reading = readings.read(ff.run(steep, mechanics="hertz"))
+    assert reading.pressure[-1] == pytest.approx(readings.read(result).pressure[-1], abs=1e-2)
 
 
 def test_distal_is_x_and_the_noise_is_seeded(result):
-    points = array_sensor.plane(SCENE.indenter, result.pad.points)
+    points = plane(SCENE.indenter, result.pad.points)
     offset = result.pad.points - result.pad.points[0]
     across = np.abs(offset[:, 1]) < 1e-9
     assert np.corrcoef(points[across, 0], offset[across, 0])[0, 1] > 0.99
-    one, two = (array_sensor.read(result, seed=s).pressure for s in (1, 1))
+    one, two = (readings.read(result, seed=s).pressure for s in (1, 1))
     assert (one == two).all()  # exact: one seed, twice
-    assert np.std(one - array_sensor.read(result).pressure) == pytest.approx(0.5, rel=0.03)
+    assert np.std(one - readings.read(result).pressure) == pytest.approx(0.5, rel=0.03)
 
 
 def test_what_cannot_be_read_gets_a_sentence(result):
     with pytest.raises(InputError, match=r"ask\.pressure"):
-        array_sensor.read(
-            ff.run(replace(SCENE, ask=replace(ASK, pressure=False)), mechanics="hertz")
-        )
+        readings.read(ff.run(replace(SCENE, ask=replace(ASK, pressure=False)), mechanics="hertz"))
     with pytest.raises(InputError, match="expected a plate"):
-        array_sensor.read(ff.run(replace(SCENE, indenter=ff.Sphere(5.0)), mechanics="hertz"))
+        readings.read(ff.run(replace(SCENE, indenter=ff.Sphere(5.0)), mechanics="hertz"))
     with pytest.raises(InputError, match="sensor: areas"):
-        array_sensor.read(result, ArraySensor(sigma=0.002))
+        readings.read(result, ArraySensor(sigma=0.002))

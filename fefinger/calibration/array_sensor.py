@@ -1,4 +1,4 @@
-"""Tactile array sensor of Pawluk (1997): simulated readings, and the thesis's fit to readings.
+"""The tactile array of Pawluk (1997) on the plate, and the thesis's fit to its readings.
 
 8 x 8 elements 2 mm apart, each a Gaussian of 0.96 mm, scanned one after the other at 200 Hz, with
 noise of 0.5 kPa. Lengths in mm, pressures in kPa, times in s. Source: Pawluk (1997), section 3.2,
@@ -10,8 +10,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.geometry.profiles import directions
+from fefinger.results.pressure import cuts, net
+from fefinger.results.records import Pad
+from fefinger.scene.indenter import Indenter, direction
+from fefinger.support.checks import InputError
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
 
@@ -28,17 +33,6 @@ COARSEST = 1.5
 then 2 exp(-2 pi² sigma² / spacing²) = 3e-4 (Poisson summation)."""
 
 TABLE = 120  # number of contact radii, and of distances, in the table of the blurred pressure
-
-
-@dataclass(frozen=True)
-class Reading:
-    """Readings of the array: consecutive frames, each scanned element by element.
-
-    time (n_frames, n) s of each reading; pressure (n_frames, n) kPa.
-    """
-
-    time: Array
-    pressure: Array
 
 
 @dataclass(frozen=True)
@@ -75,14 +69,6 @@ class ArraySensor:
         return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
 
     @property
-    def triangles(self) -> NDArray[np.int64]:
-        """Two triangles (m, 3) per square of four elements, for isobars."""
-        corner = np.arange(self.elements**2).reshape(self.elements, self.elements)
-        a, b = corner[:-1, :-1].ravel(), corner[:-1, 1:].ravel()
-        c, d = corner[1:, :-1].ravel(), corner[1:, 1:].ravel()
-        return np.concatenate([np.stack([a, b, d], axis=1), np.stack([a, d, c], axis=1)])
-
-    @property
     def delays(self) -> Array:
         """Time (n,) s after the start of a frame at which each element is read."""
         return np.arange(self.elements**2) / (self.elements**2 * self.rate)
@@ -109,59 +95,6 @@ class ArraySensor:
             raise ValueError(msg)
         square = ((self.positions[:, None] - points) ** 2).sum(axis=-1)
         return np.exp(-square / (2 * self.sigma**2)) / (2 * np.pi * self.sigma**2) * areas
-
-    def scan(
-        self, time: ArrayLike, element_pressure: ArrayLike, *, seed: int | None = None
-    ) -> Reading:
-        """Simulate readings of the pressure (n_t, n) in kPa on the elements at times (n_t,) s.
-
-        The pressure is linear between the times and read from `time[0]` on; only whole frames are
-        returned. `seed` is that of the noise; None: without noise.
-
-        Raises
-        ------
-        ValueError
-            Shapes that do not match, times that do not increase, or less than one frame.
-        """
-        time = elastic.numbers("time", "times", time)
-        element_pressure = elastic.numbers("element_pressure", "pressures", element_pressure)
-        if element_pressure.shape[:1] != time.shape or not (np.diff(time) > 0).all():
-            msg = f"time: expected {len(element_pressure)} rising times, received {time.shape}"
-            raise ValueError(msg)
-        span = time[-1] - time[0] - self.delays[-1]
-        if span < 0:
-            msg = f"time: expected at least one frame of {1 / self.rate:g} s, received less"
-            raise ValueError(msg)
-        starts = time[0] + np.arange(int(span * self.rate + 1e-9) + 1) / self.rate
-        at = starts[:, None] + self.delays
-        columns = zip(at.T, element_pressure.T, strict=True)
-        read = np.stack([np.interp(when, time, value) for when, value in columns], axis=1)
-        if seed is not None:
-            read = read + np.random.default_rng(seed).normal(0.0, self.noise, read.shape)
-        return Reading(at, read)
-
-
-def isobar(points: ArrayLike, triangles: ArrayLike, pressure: ArrayLike, level: float) -> Array:
-    """Line of constant pressure as segments (k, 2, 2) mm, from linear triangles.
-
-    points (n, 2) mm, triangles (m, 3), pressure (n,) kPa. A vertex at exactly `level` is outside.
-    """
-    points = elastic.numbers("isobar", "places", points)
-    pressure = elastic.numbers("isobar", "pressures", pressure)
-    elastic.numbers("isobar", "level", level)
-    corners = np.asarray(triangles)
-    above = pressure[corners] > level
-    crossed = corners[above.any(axis=1) & ~above.all(axis=1)]
-    inside = pressure[crossed] > level
-    # The corner that is alone on its side of the level: both cut edges meet there.
-    lone = np.argmax(inside == (inside.sum(axis=1) == 1)[:, None], axis=1)
-    rows = np.arange(len(crossed))
-    one = crossed[rows, lone]
-    ends = []
-    for other in (crossed[rows, (lone + 1) % 3], crossed[rows, (lone + 2) % 3]):
-        part = (level - pressure[one]) / (pressure[other] - pressure[one])
-        ends.append(points[one] + part[:, None] * (points[other] - points[one]))
-    return np.stack(ends, axis=1)
 
 
 def blurred(
@@ -281,3 +214,29 @@ def search(
         raise ValueError(msg)
     spread = float(np.sum((pressure - pressure.mean()) ** 2))
     return SensorFit(dict(zip(guess, values.tolist(), strict=True)), float(minimum.fun) / spread)
+
+
+def reading_matrix(sensor: ArraySensor, pad: Pad, places: Array) -> Array:
+    """Matrix (n_elements, n_pad) from pressures on the pad to pressures on the array's elements.
+
+    places (n_pad, 2) mm: points of the pad in the plane of the array, between which the pressure
+    varies linearly.
+
+    Raises ValueError if the triangles of the pad are too large for the elements.
+    """
+    between, loads = net(pad, cuts(pad, sensor.sigma))
+    areas = np.asarray(loads.sum(axis=1)).ravel()
+    loaded = areas > 0
+    weights = sensor.weights((between @ places)[loaded], areas[loaded]) / areas[loaded]
+    return np.asarray(weights @ loads[loaded])
+
+
+def plane(indenter: Indenter, points: Array) -> Array:
+    """Project points (n, 3) mm onto the plane of the plate: (n, 2) mm, distal and sideways.
+
+    Raises InputError for another indenter.
+    """
+    if indenter.flat is None:
+        msg = f"indenter: expected a plate to put the array on, received a {indenter.kind}"
+        raise InputError(msg)
+    return np.asarray(points @ directions(direction(indenter.flat)).T)

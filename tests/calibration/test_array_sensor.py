@@ -5,16 +5,16 @@ import pytest
 from fefinger.validation.oracles.fingerpad import Fingerpad, series_modulus
 from fefinger.validation.thesis.ball import fit_ball
 from fefinger.validation.thesis.claims import two_pole
+from fefinger.validation.thesis.readings import Reading, scan, triangles
 
-from fefinger.scene import pawluk1997
-from fefinger.theory.array.sensor import (
+from fefinger.calibration.array_sensor import (
     ArraySensor,
     BlurredCap,
-    Reading,
     blurred,
     fit_fingerpad,
-    isobar,
 )
+from fefinger.results.pressure import isobar
+from fefinger.scene import pawluk1997
 from fefinger.theory.contact.hertz import Hertz
 
 
@@ -31,7 +31,7 @@ def grid(step, half=8.0):
 
 
 def readings(time, points, areas, pressure, seed=None) -> Reading:
-    return SENSOR.scan(time, pressure @ SENSOR.weights(points, areas).T, seed=seed)
+    return scan(SENSOR, time, pressure @ SENSOR.weights(points, areas).T, seed=seed)
 
 
 # Elements
@@ -69,9 +69,6 @@ def test_without_blur_the_pressure_is_what_it_was():
     assert sharp == pytest.approx(5.0 - 0.1 * (r**2 + 2 * 0.2**2), abs=1e-9)
 
 
-# The rubber ball
-
-
 # Scan and noise
 
 
@@ -105,14 +102,14 @@ def test_noise_is_seeded_and_as_large_as_told():
 def test_isobars_of_a_cone_are_circles_and_close():
     fine = ArraySensor(elements=80, pitch=0.2)
     heights = 20 - 2 * np.hypot(*fine.positions.T)
-    line = isobar(fine.positions, fine.triangles, heights, 8.0)
+    line = isobar(fine.positions, triangles(fine), heights, 8.0)
     assert np.hypot(*line.reshape(-1, 2).T) == pytest.approx(6.0, abs=2e-3)
     length = np.linalg.norm(line[:, 1] - line[:, 0], axis=1).sum()
     assert length == pytest.approx(12 * np.pi, rel=1e-3)
     ends = np.round(line.reshape(-1, 2), 9)
     _, count = np.unique(ends, axis=0, return_counts=True)
     assert (count % 2 == 0).all()
-    assert isobar(fine.positions, fine.triangles, heights, 99.0).shape == (0, 2, 2)
+    assert isobar(fine.positions, triangles(fine), heights, 99.0).shape == (0, 2, 2)
 
 
 # Fits by the procedure of the thesis

@@ -1,1 +1,0 @@
-"""Tactile array sensor of the source document, and parameter fits to its readings."""
