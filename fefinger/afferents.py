@@ -1,6 +1,6 @@
 """Spikes from the strain at the end organs, and a check of their counts on a coarser mesh.
 
-`scene/population.py` describes a population, `mechanics/press/population.py` places it under the
+`scene/population.py` describes a population, `mechanics/press/sites.py` places it under the
 skin. This module adds the published anatomy, and lets the units of a family fire
 (`neural/family.py`).
 """

@@ -10,8 +10,7 @@ import fefinger as ff
 from fefinger import afferents
 from fefinger.afferents import fire
 from fefinger.mechanics import get
-from fefinger.mechanics.press import population
-from fefinger.mechanics.press.sites import meshed, spherical
+from fefinger.mechanics.press.sites import meshed, of_population, place_units, spherical
 from fefinger.pages import report
 from fefinger.scene import builtin
 from fefinger.scene.indenter import direction
@@ -38,23 +37,23 @@ def scene(layout, **options):
 
 
 def test_a_scatter_has_as_many_units_as_its_disc_holds():
-    units = population.place(asked(ff.Scatter(radius=5.0, seed=2), TYPES), SKIN, AXIS)
+    units = place_units(asked(ff.Scatter(radius=5.0, seed=2), TYPES), SKIN, AXIS)
     area = 0.01 * np.pi * 25
     for kind, row in innervation().items():
         assert units.types.count(kind) == round(row.density * area)
         counts = np.bincount(units.unit)[np.array(units.types) == kind]
         assert row.organs[0] <= counts.min() <= counts.max() <= row.organs[1]
     sparse = ff.Scatter(branched=False, densities={"SAI": 10.0})
-    plain = population.place(asked(sparse, ("SAI",)), SKIN, AXIS)
+    plain = place_units(asked(sparse, ("SAI",)), SKIN, AXIS)
     assert len(plain.unit) == len(plain.types) == round(10 * area)
 
 
 def test_sites_are_the_end_organs_below_the_skin():
-    found = population.sites(population.place(asked(ff.Scatter(seed=1)), SKIN, AXIS))
+    found = of_population(place_units(asked(ff.Scatter(seed=1)), SKIN, AXIS))
     depth = 14 - np.linalg.norm(found.points - 14 * AXIS, axis=1)
     np.testing.assert_allclose(depth, found.depths, atol=0.01)
     deeper = asked(ff.Scatter(seed=1), ("SAI",), depths={"SAI": 2.0})
-    assert set(population.sites(population.place(deeper, SKIN, AXIS)).depths) == {2.0}
+    assert set(of_population(place_units(deeper, SKIN, AXIS)).depths) == {2.0}
 
 
 OTHERS = [
@@ -88,7 +87,7 @@ def test_other_types_and_their_order_change_no_unit(layout):
 
 def test_every_place_has_a_unit_of_each_type():
     for layout, count in ((LINE, 5), (ff.Places(places=((0, 0), (1, 2))), 2), (ff.Grid(), 61)):
-        units = population.place(asked(layout), SKIN, AXIS)
+        units = place_units(asked(layout), SKIN, AXIS)
         places = len(units.types) // 2
         assert units.types == ("SAI", "FAI") * places
         assert places == pytest.approx(count, abs=20 if count == 61 else 0)

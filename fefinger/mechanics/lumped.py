@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence import costs, tissue
+from fefinger.mechanics.evidence import costs, features
 from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.evidence.stated_errors import stated
 from fefinger.mechanics.press import notes
@@ -90,7 +90,7 @@ class LumpedLaw(NamedTuple):
 def law(case: Situation) -> LumpedLaw:
     """Return the law of the finger of a scene, or the law of Table 2.1 with a caveat."""
     finger = case.finger
-    if tissue.subject(finger) is not None:
+    if features.calibrated_subject(finger) is not None:
         error, evidence = stated(Candidate(name), case)
         evidence = f"{evidence}: Table 2.1 against the finger that was fitted to it"
         return _printed(case, error, evidence)
@@ -150,7 +150,7 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
     sizes = [finger.width, finger.thickness, finger.pad_radius, contrast, skin]
     names = ("width_mm", "thickness_mm", "pad_radius_mm", "skin_over_subcutaneous", "skin_mm")
     same = np.allclose(sizes, [row[name] for name in names], rtol=SAME)
-    return same and tissue.published(finger)
+    return same and features.published_tissue(finger)
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:

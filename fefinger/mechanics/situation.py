@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
-from fefinger.mechanics.evidence import presses, tissue
+from fefinger.mechanics.evidence import features, presses
 from fefinger.mechanics.evidence.features import Features
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.notes import Reason
@@ -105,7 +105,7 @@ class Situation:
     @cached_property
     def as_pressed(self) -> bool:
         """Whether the finger has the form and the bone of those that were pressed."""
-        return tissue.as_pressed(self.finger)
+        return features.as_pressed(self.finger)
 
     @cached_property
     def depth_over_thickness(self) -> float:

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from fefinger.neural import streaming_step as compiled
 from fefinger.neural.checked_signals import checked_types, organ_columns
 from fefinger.neural.drives import DEFAULT_DRIVE, Reference, driven_displacements, in_plane
-from fefinger.neural.endorgans import END_ORGANS, modes_of
-from fefinger.neural.generators import GAINS, LARGEST_CURRENT
+from fefinger.neural.endorgans import END_ORGANS, GAINS, LARGEST_CURRENT, modes_of
 from fefinger.neural.membranes import METHODS, HodgkinHuxley, IntegrateAndFire, vectorized
 from fefinger.neural.membranes.equations import Stepping
 from fefinger.neural.recorded import LONGEST, Recorded, parameters_of, units_of

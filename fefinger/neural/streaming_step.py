@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.neural.generators import LARGEST_CURRENT
+from fefinger.neural.endorgans import LARGEST_CURRENT
 from fefinger.neural.membranes.equations import Block, Stepping
 from fefinger.neural.membranes.integrate_and_fire_compiled import eventful
 from fefinger.neural.membranes.vectorized import LANES, interval

@@ -8,8 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.checked_signals import UnitInput, coarse_remarks, dense_times, remarks
-from fefinger.neural.endorgans import END_ORGANS, Organ, PoleZero, chord_steps
-from fefinger.neural.generators import GAINS, LARGEST_CURRENT, transduce
+from fefinger.neural.endorgans import (
+    END_ORGANS,
+    GAINS,
+    LARGEST_CURRENT,
+    Organ,
+    PoleZero,
+    chord_steps,
+    transduce,
+)
 from fefinger.neural.membranes import LARGEST_STEP, Firing, HodgkinHuxley, Membrane
 from fefinger.neural.membranes.firing import largest_step, trimmed
 from fefinger.neural.trains import SpikeTrains

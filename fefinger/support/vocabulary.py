@@ -1,6 +1,6 @@
 """Names that a scene can choose from: afferent types, drives, generators and rules.
 
-The implementations are in `neural/endorgans.py`, `neural/drives.py`, `neural/generators.py` and
+The implementations are in `neural/endorgans.py` (with generators), `neural/drives.py` and
 `neural/units.py`.
 """
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from fefinger.geometry import section
 from fefinger.geometry.finger_mesh import BONE
 from fefinger.neural.trains import FEW
 from fefinger.results.result_record import ResultRecord
@@ -102,7 +101,7 @@ class Medial:
 def medial(result: ResultRecord, field: str, frame: int) -> Medial:
     """Cut the finger of a result at a stored frame; InputError if the field is unknown."""
     fields = quantities.fields_of(result)
-    cut = section.cut(fields.points, fields.cells, fields.region)
+    cut = frames.cut(fields.points, fields.cells, fields.region)
     values = cut.at(quantities.values(result, field, frame))
     rest, moved = cut.at(fields.points), cut.at(fields.displacement[frame])
     places = (rest + moved)[:, [0, 2]]

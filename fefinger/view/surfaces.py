@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fefinger.geometry import finger_mesh, mirror, section
+from fefinger.geometry import finger_mesh, mirror
 from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, volumes
 from fefinger.geometry.locate import inside_weights
 from fefinger.results.records import Fields
 from fefinger.support.arrays import Array, Flags, Integers
+from fefinger.view import frames
 
 
 NAMES = {SKIN: "skin", SUBCUTANEOUS: "subcutaneous tissue", BONE: "bone"}
@@ -22,7 +23,7 @@ SOFT = (NAMES[SKIN], NAMES[SUBCUTANEOUS], PAD, FRONT)
 
 
 @dataclass(frozen=True)
-class Piece(section.EdgePoints):
+class Piece(frames.EdgePoints):
     """A surface of one tissue: triangles (n_tri, 3) of its points; `flat`: a face of the cut."""
 
     name: str
@@ -35,7 +36,7 @@ def cut_open(fields: Fields) -> tuple[Piece, ...]:
 
     The part of the skin that touches the object at any time is a piece of its own, the pad.
     """
-    cut = section.cut(fields.points, fields.cells, fields.region)
+    cut = frames.cut(fields.points, fields.cells, fields.region)
     places = cut.at(fields.points)
     touches = np.asarray((fields.pressure > 0).any(axis=0))
     pieces = []
@@ -66,7 +67,7 @@ def other_half(fields: Fields) -> tuple[Piece, ...]:
 
 def outlines(fields: Fields) -> Piece:
     """Return the lines that bound the regions of the medial section; `triangles` are (k, 2)."""
-    cut = section.cut(fields.points, fields.cells, fields.region)
+    cut = frames.cut(fields.points, fields.cells, fields.region)
     return Piece(cut.edges, cut.weight, "outlines", cut.outlines())
 
 
@@ -154,7 +155,7 @@ def follow(fields: Fields, points: Array) -> Followed:
 
     A point outside of the mesh follows the nearest place of the nearest cell.
     """
-    mirrored = (points[:, 1] < 0) & section.is_half(fields.points)
+    mirrored = (points[:, 1] < 0) & frames.is_half(fields.points)
     place = np.where(mirrored[:, None], mirror.image(points), points)
     cell, weight = inside_weights(fields.points[fields.cells], place)
     return Followed(points, fields.cells[cell], weight, mirrored)

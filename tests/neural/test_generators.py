@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.neural.generators import (
+from fefinger.neural.endorgans import (
     GENERATOR_BY_NAME,
     LARGEST_CURRENT,
     linear,

@@ -6,7 +6,7 @@ from fefinger.validation.neural.connor_stevens import ConnorStevens
 from refusals import refused
 
 from fefinger.neural.drives import Reference, equivalent_displacements
-from fefinger.neural.generators import GAINS, transduce
+from fefinger.neural.endorgans import GAINS, transduce
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.neural.streaming import ROOM, Afferents
 from fefinger.support.checks import InputError

@@ -8,8 +8,7 @@ from fefinger.validation.neural.filters import spring
 from refusals import refused
 
 from fefinger.neural import units
-from fefinger.neural.endorgans import END_ORGANS, PoleZero
-from fefinger.neural.generators import GAINS, transduce
+from fefinger.neural.endorgans import END_ORGANS, GAINS, PoleZero, transduce
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.neural.units import simulate_units
 from fefinger.neural.variation import Variation

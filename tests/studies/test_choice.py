@@ -6,7 +6,7 @@ import fefinger as ff
 from fefinger import plan
 from fefinger.results.records import Refusal, Rung
 from fefinger.results.result_record import Plan, Settings
-from fefinger.studies import one_mechanics
+from fefinger.studies import study
 from fefinger.studies.tasks import StudyRequest
 from fefinger.support.checks import InputError
 
@@ -43,12 +43,12 @@ def planned(monkeypatch, takes, refusing=()):
         rung = Rung(name, 1.0, 0.1, "a report")
         return Plan(name, (rung,), "", reasons, Settings(mesh, None, 2, ("force",), ()))
 
-    monkeypatch.setattr(one_mechanics, "choose", choose)
+    monkeypatch.setattr(study, "choose", choose)
 
 
 def test_scenes_that_take_the_same_are_held_to_it_without_a_word(monkeypatch):
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")))
-    found, said = one_mechanics.agreed(tasks(ANGLES))
+    found, said = study.agreed(tasks(ANGLES))
     assert mechanics_of(found) == {"linear"}
     assert set(meshes_of(found)) == {"coarse"}
     assert said == ""
@@ -56,20 +56,20 @@ def test_scenes_that_take_the_same_are_held_to_it_without_a_word(monkeypatch):
 
 def test_a_study_that_goes_on_keeps_its_choice_whatever_is_cheapest_by_then(monkeypatch, tmp_path):
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "standard")))
-    first = one_mechanics.agreed(tasks(ANGLES), ANGLES, tmp_path)
+    first = study.agreed(tasks(ANGLES), ANGLES, tmp_path)
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("condensed", "standard")))
-    assert one_mechanics.agreed(tasks(ANGLES), ANGLES, tmp_path) == first
+    assert study.agreed(tasks(ANGLES), ANGLES, tmp_path) == first
     other = {"indenter.angle": (15, 30)}
-    assert one_mechanics.agreed(tasks(other), other, tmp_path)[0][0]["mechanics"] == "condensed"
+    assert study.agreed(tasks(other), other, tmp_path)[0][0]["mechanics"] == "condensed"
     for kept in tmp_path.iterdir():
         kept.write_text("{")
-    again = one_mechanics.agreed(tasks(ANGLES), ANGLES, tmp_path)[0]
+    again = study.agreed(tasks(ANGLES), ANGLES, tmp_path)[0]
     assert mechanics_of(again) == {"condensed"}
 
 
 def test_a_scene_that_none_answers_is_not_said_to_be_answered(monkeypatch):
     planned(monkeypatch, {15: ("linear", "coarse"), 30: ("linear", "standard")})
-    known = one_mechanics.choose
+    known = study.choose
 
     def choose(scene, mechanics=None):
         if scene.indenter.angle == 45:
@@ -77,25 +77,25 @@ def test_a_scene_that_none_answers_is_not_said_to_be_answered(monkeypatch):
             raise InputError(message)
         return known(scene, mechanics)
 
-    monkeypatch.setattr(one_mechanics, "choose", choose)
-    said = one_mechanics.agreed(tasks(ANGLES))[1]
+    monkeypatch.setattr(study, "choose", choose)
+    said = study.agreed(tasks(ANGLES))[1]
     assert said.startswith("The scenes that can be answered are answered by linear")
 
 
 @pytest.mark.parametrize("name", ["hertz", "layered"])
 def test_what_is_alike_at_all_angles_answers_no_study_of_them(monkeypatch, name):
     planned(monkeypatch, dict.fromkeys((15, 30, 45), (name, None)))
-    found, said = one_mechanics.agreed(tasks(ANGLES), ANGLES)
+    found, said = study.agreed(tasks(ANGLES), ANGLES)
     assert mechanics_of(found) == {"condensed"}
     assert f"would be {name}, which does not depend on the place of contact" in said
-    found, said = one_mechanics.agreed(tasks(ANGLES), ["motion.depth"])
+    found, said = study.agreed(tasks(ANGLES), ["motion.depth"])
     assert mechanics_of(found) == {name}
 
 
 def test_the_cheapest_that_refuses_none_answers_all_on_the_finest_mesh(monkeypatch):
     takes = {15: ("lumped", None), 30: ("linear", "coarse"), 45: ("linear", "standard")}
     planned(monkeypatch, takes)
-    found, said = one_mechanics.agreed(tasks(ANGLES))
+    found, said = study.agreed(tasks(ANGLES))
     assert mechanics_of(found) == {"linear"}
     assert set(meshes_of(found)) == {"standard"}
     assert said.startswith("All scenes are answered by linear on the standard mesh; the cheapest ")
@@ -104,45 +104,45 @@ def test_the_cheapest_that_refuses_none_answers_all_on_the_finest_mesh(monkeypat
 
 def test_one_that_refuses_a_scene_is_passed_over(monkeypatch):
     planned(monkeypatch, {15: ("hertz", None), 30: ("linear", "coarse"), 45: ("hertz", None)})
-    assert mechanics_of(one_mechanics.agreed(tasks(ANGLES))[0]) == {"linear"}
+    assert mechanics_of(study.agreed(tasks(ANGLES))[0]) == {"linear"}
     takes = {15: ("hertz", None), 30: ("linear", "coarse"), 45: ("hertz", None)}
     planned(monkeypatch, takes, refusing=("linear",))
-    assert mechanics_of(one_mechanics.agreed(tasks(ANGLES))[0]) == {"solid"}
+    assert mechanics_of(study.agreed(tasks(ANGLES))[0]) == {"solid"}
     planned(monkeypatch, takes, refusing=("linear", "solid"))
     asked = tasks(ANGLES)
-    assert one_mechanics.agreed(asked) == (asked, "")
+    assert study.agreed(asked) == (asked, "")
 
 
 def test_a_mechanics_that_the_scenes_name_answers_them(monkeypatch):
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")), refusing=("hertz",))
     named = tasks(ANGLES, **{"ask.mechanics": "hertz"})
-    assert mechanics_of(one_mechanics.agreed(named)[0]) == {"hertz"}
+    assert mechanics_of(study.agreed(named)[0]) == {"hertz"}
     compared = tasks({"ask.mechanics": ("hertz", "linear"), **ANGLES})
-    assert one_mechanics.agreed(compared) == (compared, "")
+    assert study.agreed(compared) == (compared, "")
 
 
 def test_a_mechanics_that_is_named_answers_all_on_the_finest_mesh_that_one_needs(monkeypatch):
     takes = {15: ("lumped", "coarse"), 30: ("lumped", "coarse"), 45: ("lumped", "standard")}
     planned(monkeypatch, takes, refusing=("linear",))
-    found, said = one_mechanics.agreed(tasks(ANGLES, "linear"))
+    found, said = study.agreed(tasks(ANGLES, "linear"))
     assert mechanics_of(found) == {"linear"}
     assert set(meshes_of(found)) == {"standard"}
     assert said.startswith("All scenes are answered by linear on the standard mesh, the finest ")
     assert "for others linear on the coarse mesh would suffice" in said
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")))
-    assert one_mechanics.agreed(tasks(ANGLES, "linear"))[1] == ""
+    assert study.agreed(tasks(ANGLES, "linear"))[1] == ""
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("hertz", None)))
     asked = tasks(ANGLES, "hertz")
-    assert one_mechanics.agreed(asked) == (asked, "")
+    assert study.agreed(asked) == (asked, "")
 
 
 def test_the_mesh_of_a_mechanics_that_is_named_is_kept_where_it_has_one(monkeypatch, tmp_path):
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "standard")))
-    first = one_mechanics.agreed(tasks(ANGLES, "linear"), ANGLES, tmp_path)
+    first = study.agreed(tasks(ANGLES, "linear"), ANGLES, tmp_path)
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "coarse")))
-    assert one_mechanics.agreed(tasks(ANGLES, "linear"), ANGLES, tmp_path) == first
+    assert study.agreed(tasks(ANGLES, "linear"), ANGLES, tmp_path) == first
     planned(monkeypatch, dict.fromkeys((15, 30, 45), ("hertz", None)))
-    one_mechanics.agreed(tasks(ANGLES, "hertz"), ANGLES, tmp_path)
+    study.agreed(tasks(ANGLES, "hertz"), ANGLES, tmp_path)
     assert len(list(tmp_path.iterdir())) == 1
 
 
@@ -150,7 +150,7 @@ def test_meshes_that_scenes_state_stay(monkeypatch):
     planned(monkeypatch, {30: ("linear", "coarse")})
     over = {"finger.resolution": ("coarse", "standard")}
     for name in ("linear", None):
-        found, said = one_mechanics.agreed(tasks(over, name), over)
+        found, said = study.agreed(tasks(over, name), over)
         assert (meshes_of(found), said) == (["coarse", "standard"], "")
 
 

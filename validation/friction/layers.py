@@ -15,7 +15,7 @@ from fefinger.validation.afferents import patterns
 from fefinger.validation.friction import dots
 from scipy.signal import resample
 
-from fefinger.mechanics.press import population
+from fefinger.mechanics.press.sites import of_population, place_units
 from fefinger.neural.populations import Surface
 from fefinger.results.records import Sites
 from fefinger.scene.scene import Scene
@@ -47,7 +47,7 @@ def sites(scene: Scene) -> Sites:
     flat = np.stack(np.meshgrid(lines, lines, [0.0], indexing="ij"), axis=-1).reshape(-1, 3)
     normals = np.tile([0.0, 0.0, -1.0], (len(flat), 1))
     skin = Surface(flat, normals, np.full(len(flat), 0.25))
-    return population.sites(population.place(scene.ask, skin, np.array([0.0, 0.0, 1.0])))
+    return of_population(place_units(scene.ask, skin, np.array([0.0, 0.0, 1.0])))
 
 
 def strains(scene: Scene, organs: Sites) -> Array:

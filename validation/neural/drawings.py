@@ -9,8 +9,7 @@ from fefinger.validation.neural.filters import SLOW, same_rate
 from fefinger.validation.neural.sweep import MODELS, SLOWED, STANDARD, impulses, swing
 from fefinger.validation.panels import ticks_at
 
-from fefinger.neural.endorgans import END_ORGANS, PoleZero
-from fefinger.neural.generators import GAINS, saturating
+from fefinger.neural.endorgans import END_ORGANS, GAINS, PoleZero, saturating
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.support.arrays import Array
 from fefinger.view.figures import COLORS, INK, STEEL, figure

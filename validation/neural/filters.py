@@ -17,8 +17,7 @@ from fefinger.validation.neural.sweep import (
 )
 from fefinger.validation.oracles.chains import Resonant, realize, under_force
 
-from fefinger.neural.endorgans import END_ORGANS, PoleZero
-from fefinger.neural.generators import GAINS, saturating
+from fefinger.neural.endorgans import END_ORGANS, GAINS, PoleZero, saturating
 from fefinger.support.arrays import Array
 
 

@@ -8,8 +8,7 @@ import numpy as np
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.neural.sweep import SLOWED, current
 
-from fefinger.neural.endorgans import END_ORGANS
-from fefinger.neural.generators import GAINS, saturating, transduce
+from fefinger.neural.endorgans import END_ORGANS, GAINS, saturating, transduce
 from fefinger.neural.membranes import Firing, HodgkinHuxley
 
 

@@ -10,8 +10,7 @@ from fefinger.validation.case import Case, Expected
 from fefinger.validation.neural.filters import derivative
 from fefinger.validation.neural.sweep import SPRING
 
-from fefinger.neural.endorgans import END_ORGANS, Organ
-from fefinger.neural.generators import GAINS, GENERATOR_BY_NAME
+from fefinger.neural.endorgans import END_ORGANS, GAINS, GENERATOR_BY_NAME, Organ
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.scene.motions import Trapezoid
 from fefinger.support.arrays import Array

@@ -2,8 +2,7 @@
 
 stated_errors.py    the error that a mechanics states of a scene: one rule
 presses.py          measured presses, as `reports/evidence.json` holds them
-features.py         what compares two presses
-tissue.py           tissue and form of the fingers that were pressed
+features.py         what compares two presses: form, tissue and object
 vibration.py        what inertia adds
 costs.py            seconds of the mechanics, and of meshes
 """

@@ -12,6 +12,6 @@ axisymmetric.py             `hertz` and `layered`: contacts and fields of closed
 reference.py                the small press that converts strain to displacement
 response.py, modal_response.py    the Response, from the solved contact
 
-The other files are parts of these: where things lie (placement, sites, population), of what they
+The other files are parts of these: where things lie (placement, sites), of what they
 are made (materials), in which steps (time_steps, load_steps), and what is left out (limits, notes).
 """

@@ -31,7 +31,6 @@ from fefinger.fem.elements.spaces import trace
 from fefinger.geometry import mirror
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press import limits, operator, placement, problem, sliding
-from fefinger.mechanics.press.candidates import on_enough_candidates
 from fefinger.mechanics.press.discretization import needs_continuation
 from fefinger.mechanics.press.modal_body import (
     FingerModes,
@@ -42,6 +41,7 @@ from fefinger.mechanics.press.modal_body import (
 from fefinger.mechanics.press.modal_press import contact_of
 from fefinger.mechanics.press.placement import first_moments, whole_pad
 from fefinger.mechanics.press.pressing_object import pressing_object
+from fefinger.mechanics.press.problem import on_enough_candidates
 from fefinger.mechanics.press.reference import reference_press
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.press.time_steps import RESOLVED

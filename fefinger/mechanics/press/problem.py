@@ -3,17 +3,19 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
 from fefinger.contact.march import History
 from fefinger.fem.body import Body, Reduced, Solid
+from fefinger.fem.condensation import OutsideError
 from fefinger.fem.contact.deformed_gap import ContactSurface
 from fefinger.fem.contact.obstacle import Obstacle
+from fefinger.fem.contact.patch import Patch
 from fefinger.fem.linalg.system import System
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import placement
+from fefinger.mechanics.press import limits, placement
 from fefinger.mechanics.press.discretization import FORCE_DEPTH, needs_continuation
 from fefinger.mechanics.press.limits import check_depth
 from fefinger.mechanics.press.load_steps import LoadSteps
@@ -29,7 +31,8 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Flags, Integers
+from fefinger.support.checks import ConvergenceError
 from fefinger.support.progress import Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
@@ -283,3 +286,39 @@ def frames_of(depth: Array, peak: int) -> Integers:
     moving = np.searchsorted(path, np.linspace(0, path[-1], FRAMES_MOVING))
     evenly = np.linspace(0, len(depth) - 1, FRAMES_RESTING).round()
     return np.unique(np.concatenate([moving, evenly, [peak]]).astype(np.int64))
+
+
+Answer = TypeVar("Answer")
+
+
+def on_enough_candidates(
+    body: Solid,
+    depth: float,
+    candidates: Callable[[float, int], Patch],
+    attempt: Callable[[Patch, int], tuple[Answer, Flags]],
+) -> Answer:
+    """Return the answer of a contact that stays within its candidates.
+
+    candidates(reach, rings) gives those within `reach` mm at first touch, and rings of vertices
+    around them: next to an edge the gap grows within a facet to any reach, so each attempt has one
+    ring more. attempt(candidates, rings) gives the answer on them, and which (n,) are pressed.
+    depth mm: a first guess of the largest.
+
+    Raises
+    ------
+    OutsideError
+        If contact leaves the loadable part of the pad.
+    ConvergenceError
+        If contact spreads beyond all candidates that are tried.
+    """
+    reach = REACH * depth
+    for rings in range(ATTEMPTS):
+        on_pad = candidates(reach, rings)
+        answer, pressed = attempt(on_pad, rings)
+        reached = np.flatnonzero(on_pad.border & pressed)
+        if len(reached) == 0:
+            return answer
+        if body.cut_off(on_pad.vertices[reached]):
+            raise OutsideError(limits.OUTSIDE)
+        reach *= GROW
+    raise ConvergenceError(limits.spread_beyond(reach))

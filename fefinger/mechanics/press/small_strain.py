@@ -18,10 +18,14 @@ from fefinger.fem.contact.travel import Travel
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.press import limits, placement, problem, sliding
-from fefinger.mechanics.press.candidates import on_enough_candidates
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.materials import fixed_facets, tissues, with_nail
-from fefinger.mechanics.press.problem import Press, SmallStrainHistory, SolutionMethod
+from fefinger.mechanics.press.problem import (
+    Press,
+    SmallStrainHistory,
+    SolutionMethod,
+    on_enough_candidates,
+)
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
 from fefinger.results.records import Response
