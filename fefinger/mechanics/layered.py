@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 name = "layered"
 traits = Traits(meshed=False, finite=False)
 
-PLATE_LEVELS = 8
+PLATE_LEVELS = 8  # of the table of contacts that the small reference press is read from
 
 THINNEST = 0.02
 """Least share of the tissue over the bone that the layer below the skin has, a convention: a film

@@ -28,7 +28,7 @@ from fefinger.mechanics.loop_setup import SUBSTEP, LoopOptions, prepare
 from fefinger.mechanics.press import limits
 from fefinger.mechanics.press.prepared import Precision, medial_normal
 from fefinger.mechanics.press.tabulated_contact import TabulatedContact
-from fefinger.neural.streaming import SteppedUnits
+from fefinger.neural.stepped import SteppedUnits
 from fefinger.results.records import LoopState, Sites, Step
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter, Plate, direction

@@ -17,7 +17,7 @@ from fefinger.support.vocabulary import GENERATORS, RECORDED_RULES, RULES, TYPES
 if TYPE_CHECKING:
     from fefinger.neural.checked_signals import UnitInput
     from fefinger.neural.drives import Reference
-    from fefinger.neural.streaming import SteppedUnits, UnitStepper
+    from fefinger.neural.stepped import SteppedUnits, UnitStepper
     from fefinger.neural.trains import SpikeTrains
     from fefinger.neural.variation import Variation
 
@@ -66,7 +66,7 @@ class Family(ABC):
         """
 
     def stepper(self, units: Units) -> "UnitStepper":
-        """Return what advances the units by one step, for loops in real time.
+        """Make the stepper of units, for loops in real time.
 
         It has `reset()`, and `step(x_in, dt)`: x_in (n_units,) at the end of a step of `dt` s, in
         which it is linear; returns the spikes as (index of the unit, s since the step began).
@@ -78,7 +78,7 @@ class Family(ABC):
         )
 
     def notes(self) -> tuple[str, ...]:
-        """Return what a result says of the units."""
+        """Say of the units what a reader of the result has to know."""
         return (f"Afferents: the family {self.name}, which is not of the package.",)
 
     def refused(self, **chosen: object) -> tuple[str, ...]:
@@ -148,7 +148,7 @@ class Family(ABC):
         types (n_organs,); unit (n_organs,): index of the unit of each end organ, the largest of
         whose inputs is the unit's; one each where it is None.
         """
-        from fefinger.neural.streaming import OwnAfferents
+        from fefinger.neural.stepped import OwnAfferents
 
         owner = np.arange(len(types)) if unit is None else np.asarray(unit)
         first = np.unique(owner, return_index=True)[1]
@@ -207,7 +207,16 @@ def _checked(family: Family, found: Sequence[Array], units: "UnitInput") -> list
     return times
 
 
-class Recorded(Family):
+class OfPackage(Family):
+    """A family of the package: its units are simulated by `fire`, with their own checks."""
+
+    def simulate(self, time: Array, x_in: Array, units: Units) -> Sequence[Array]:
+        """Return the spike times of each unit in s."""
+        trains = self.fire(time, x_in, types=units.types, variation=units.variation, check=False)
+        return trains.times
+
+
+class Recorded(OfPackage):
     """Units that were fitted to recorded responses (`neural/recorded.py`)."""
 
     name = "recorded"
@@ -235,17 +244,12 @@ class Recorded(Family):
         return {kind: unit.corner for kind, unit in fitted().items()}
 
     def notes(self) -> tuple[str, ...]:
-        """Return what the input of the units is."""
+        """Say what strain the input of the units is."""
         return (
             "Afferents: the family recorded, fitted to units of monkeys under probes and spheres. "
             "The input of a unit is its strain, expressed in mm of travel of a pin 1 mm wide that "
             "causes it.",
         )
-
-    def simulate(self, time: Array, x_in: Array, units: Units) -> Sequence[Array]:
-        """Return the spike times of each unit in s."""
-        trains = self.fire(time, x_in, types=units.types, variation=units.variation, check=False)
-        return trains.times
 
     def fire(self, time: Array, drive: Array, **options: Any) -> "SpikeTrains":
         """Simulate units, as `recorded.simulate_recorded`."""
@@ -270,7 +274,7 @@ class Recorded(Family):
         return RecordedAfferents(types, normals, unit=unit, **options)
 
 
-class Thesis(Family):
+class Thesis(OfPackage):
     """The chain of Pawluk (1997), with its squid membrane (`neural/units.py`)."""
 
     name = "thesis"
@@ -303,11 +307,6 @@ class Thesis(Family):
         from fefinger.neural.drives import equivalent_displacements
 
         return equivalent_displacements(strain, normals, types, reference, drives=drives)
-
-    def simulate(self, time: Array, x_in: Array, units: Units) -> Sequence[Array]:
-        """Return the spike times of each unit in s."""
-        trains = self.fire(time, x_in, types=units.types, variation=units.variation, check=False)
-        return trains.times
 
     def fire(self, time: Array, drive: Array, **options: Any) -> "SpikeTrains":
         """Simulate units, as `units.simulate_units`."""

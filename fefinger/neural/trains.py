@@ -1,26 +1,27 @@
 """Spike trains of afferent units: their record, and its exports to files and tables."""
 
 import hashlib
-import os
-import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
 from datetime import UTC, datetime
-from importlib import import_module
 from importlib.metadata import version
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
-from zipfile import BadZipFile
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fefinger.neural.train_files import (
+    LISTS,
+    NPZ_FORMAT,
+    PER_UNIT,
+    SIGNALS,
+    fields_of,
+    in_place,
+    of_extra,
+    read_npz,
+)
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.atomic_write import moved
 from fefinger.support.checks import InputError, names
-from fefinger.support.inputs import check_input
 
 
 if TYPE_CHECKING:
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
 FEW = 12
 """Largest number of units that are listed and drawn one by one."""
 
-NPZ_FORMAT = "fefinger spike trains 1"
-
 CSV_COLUMNS = ("unit", "type", "x_mm", "y_mm", "z_mm", "time_s")
 
 UNIT_COLUMNS = (
@@ -41,9 +40,6 @@ UNIT_COLUMNS = (
 )
 """Columns of the table of units, with their number of spikes from t_start_s to t_stop_s."""
 
-SIGNALS = ("x_in", "current")
-PER_UNIT = ("peak_mV", "block_seconds", "stimulus_driven")
-LISTS = ("types", "names", "notes")
 OPTIONAL = ("delays", "positions", "depths", "seed", "trial")
 
 UNITS = {
@@ -193,12 +189,12 @@ class SpikeTrains:
 
         Silent units have no row: `units_to_csv` writes all.
         """
-        with _in_place(path) as new:
+        with in_place(path) as new:
             self.to_pandas().to_csv(new, columns=list(CSV_COLUMNS), index=False)
 
     def units_to_csv(self, path: str | PathLike[str]) -> None:
         """Write one row per unit in UNIT_COLUMNS, silent ones too; unknown places are empty."""
-        with _in_place(path) as new:
+        with in_place(path) as new:
             self.units_to_pandas().to_csv(new, index=False)
 
     def to_npz(self, path: str | PathLike[str]) -> None:
@@ -221,15 +217,15 @@ class SpikeTrains:
             "units_of_arrays": [f"{name} {unit}" for name, unit in UNITS.items()],
             "meanings": [f"{name}: {meaning}" for name, meaning in MEANINGS.items()],
         }
-        with _in_place(path) as new, open(new, "wb") as file:
+        with in_place(path) as new, open(new, "wb") as file:
             np.savez_compressed(file, **arrays)
 
     @classmethod
     def from_npz(cls, path: str | PathLike[str]) -> Self:
         """Read spike trains that `to_npz` wrote; InputError for another file."""
-        data = _read_npz(path)
+        data = read_npz(path)
         try:
-            fields = _fields(data)
+            fields = fields_of(data)
         except (KeyError, IndexError, TypeError, ValueError) as error:
             raise InputError(
                 f"{path}: expected every array of spike trains, cannot use them: {error}; "
@@ -311,7 +307,7 @@ class SpikeTrains:
         position_mm and depth_mm; displacement and current are IrregularlySampledSignals. Needs the
         extra `neo`.
         """
-        neo, pq = _extra("neo", "neo"), _extra("quantities", "neo")
+        neo, pq = of_extra("neo", "neo"), of_extra("quantities", "neo")
         segment = neo.Segment(name="trial")
         span = {"t_start": self.t_start * pq.s, "t_stop": self.t_stop * pq.s}
         for i, times in enumerate(self.times):
@@ -346,7 +342,7 @@ class SpikeTrains:
         Lengths are in mm in the table and in m in the series, as the format requires. `started` is
         the time of the session with its zone, by default now. Needs the extra `nwb`.
         """
-        pynwb = _extra("pynwb", "nwb")
+        pynwb = of_extra("pynwb", "nwb")
         digest = hashlib.sha256(b"".join(times.tobytes() for times in (*self.times, self.x_in)))
         provenance = _provenance(self)
         file = pynwb.NWBFile(
@@ -385,38 +381,8 @@ class SpikeTrains:
             description=f"one column per unit: {MEANINGS['x_in']}",
         )
         file.add_stimulus(series)
-        with _in_place(path) as new, pynwb.NWBHDF5IO(str(new), "w") as io:
+        with in_place(path) as new, pynwb.NWBHDF5IO(str(new), "w") as io:
             io.write(file)
-
-
-def _read_npz(path: str | PathLike[str]) -> dict[str, NDArray[Any]]:
-    """Read the arrays of a file that `to_npz` wrote."""
-    check_input(str(path), path, "an NPZ file of spike trains")
-    try:
-        # Opened here: numpy leaves a damaged file open.
-        with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
-            data = {name: file[name] for name in file.files}
-    except (OSError, ValueError, EOFError, TypeError, BadZipFile, zlib.error) as error:
-        # Not what numpy says of another file: it advises to run the code in it.
-        why = f": {error}" if isinstance(error, OSError) else ": it is none, or damaged"
-        msg = f"{path}: expected an NPZ file of spike trains, which cannot be read{why}"
-        raise InputError(msg) from error
-    if str(data.get("format")) != NPZ_FORMAT:
-        msg = f"{path}: expected the format {NPZ_FORMAT!r}, received {data.get('format')}"
-        raise InputError(msg)
-    return data
-
-
-def _fields(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
-    """Convert stored arrays to the fields of SpikeTrains; KeyError where one is missing."""
-    fields: dict[str, Any] = {name: data[name] for name in ("time", *SIGNALS, *PER_UNIT)}
-    fields |= {name: tuple(data[name].tolist()) for name in LISTS}
-    fields |= {name: data[name] for name in ("delays", "positions", "depths") if name in data}
-    fields |= {name: int(data[name].item()) for name in ("seed", "trial") if name in data}
-    fields |= {name: data[name].item() for name in ("family",) if name in data}
-    fields["times"] = tuple(np.split(data["spikes"], data["offsets"][1:-1]))
-    fields["t_start"], fields["t_stop"] = data["span"].tolist()
-    return fields
 
 
 def _provenance(trains: SpikeTrains) -> dict[str, Any]:
@@ -431,29 +397,6 @@ def _provenance(trains: SpikeTrains) -> dict[str, Any]:
 def _whole(value: int) -> int | str:
     """Return a whole number of 0 or more, as text where it has more bits than files hold."""
     return value if value <= np.iinfo(np.int64).max else str(value)
-
-
-def _extra(module: str, extra: str) -> Any:
-    """Import a module of an extra; InputError explains how to install it."""
-    try:
-        return import_module(module)
-    except ModuleNotFoundError as error:
-        msg = f"{module} is not installed; install it with: pip install 'fefinger[{extra}]'"
-        raise InputError(msg) from error
-
-
-@contextmanager
-def _in_place(path: str | PathLike[str]) -> Iterator[Path]:
-    """Yield a temporary name next to `path`; move the file to `path` after the enclosed block."""
-    path = Path(path)
-    if not os.path.isdir(path.parent):
-        raise InputError(f"{path}: expected a folder that exists, received {str(path.parent)!r}")
-    try:
-        with moved(path) as new:
-            yield new
-    except OSError as error:
-        msg = f"{path}: cannot be written: {error.strerror or error}; choose another file"
-        raise InputError(msg) from None
 
 
 def _equal(one: Any, other: Any) -> bool:

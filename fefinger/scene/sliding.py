@@ -58,12 +58,13 @@ class Slide(Ramped):
     direction: float = 0.0
     passes: int = 1
     settle: float = 0.5
-    approach: float = None  # type: ignore[assignment]  # filled in, by the control
+    approach: float | None = None
     corner: float = AS_LONG_AS_FITS
 
     @property
     def ramp_duration(self) -> float:
         """Length of the press in s, with sharp corners."""
+        assert self.approach is not None  # filled in, by the control
         return self.level / self.approach
 
     @property

@@ -34,7 +34,7 @@ WHAT, CHECKSUMS = "what.txt", "checksums.txt"
 CHUNK = 2**20
 """Bytes that are read at a time for a checksum."""
 
-DAY = 24 * 3600.0
+DAY = 24 * 3600.0  # s
 
 ABANDONED = DAY
 """Age in s from which an unfinished entry counts as abandoned by its process."""
@@ -83,7 +83,7 @@ def unused(days: float) -> tuple[Entry, ...]:
 
 
 def load(place: Path, read: Callable[[Path], Value]) -> Value | None:
-    """Return what `read` makes of the folder of an entry, which counts as used; None without one.
+    """Read the folder of an entry with `read`, as its last use; None without an entry.
 
     An entry that is damaged is removed.
     """

@@ -18,7 +18,7 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Final
 
 
-INTERRUPTED: Final = 130
+INTERRUPTED: Final = 130  # 128 + SIGINT, as shells have it
 MESSAGE: Final = "interrupted; nothing was left half-written"
 
 PATIENCE: Final = 5.0

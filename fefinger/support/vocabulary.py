@@ -42,7 +42,7 @@ class Control(StrEnum):
 
     @classmethod
     def of_kind(cls, kind: str) -> "Control":
-        """Return what a motion prescribes whose kind in a scene is "ramp" or "force-ramp"."""
+        """Control of a motion by its kind in a scene, as "ramp" or "force-ramp"."""
         return cls.FORCE if kind.startswith("force-") else cls.DEPTH
 
 

@@ -92,7 +92,7 @@ def _marks(
 
 
 def leader_order(marks: Array, ends: Array) -> list[int]:
-    """Return which mark (n, 2) each end (n, 2) of a leader line belongs to, so that none cross.
+    """Assign a mark (n, 2) to each end (n, 2) of a leader line, so that no lines cross.
 
     The leaders are the shortest in all: two that cross would be shorter with their ends swapped.
     """

@@ -111,7 +111,7 @@ class Texture:
     shift: Callable[[float], Array]
 
     def rise(self, time: float, points: Array) -> Array:
-        """Return how far (n,) mm drawn points (n, 3) are from the surface at a time in s.
+        """Distances (n,) mm of drawn points (n, 3) from the surface at a time in s.
 
         Along the direction of travel; 0 where the surface has no height.
         """

@@ -22,7 +22,8 @@ from fefinger.neural.recorded import (
     simulate_recorded,
     units_of,
 )
-from fefinger.neural.streaming import ROOM, RecordedAfferents
+from fefinger.neural.stepped import ROOM
+from fefinger.neural.streaming import RecordedAfferents
 from fefinger.neural.variation import Variation, numbered
 from fefinger.support.vocabulary import TYPES
 

@@ -8,7 +8,8 @@ from refusals import refused
 from fefinger.neural.drives import Reference, equivalent_displacements
 from fefinger.neural.endorgans import GAINS, transduce
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
-from fefinger.neural.streaming import ROOM, Afferents
+from fefinger.neural.stepped import ROOM
+from fefinger.neural.streaming import Afferents
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 

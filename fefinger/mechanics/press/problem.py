@@ -52,7 +52,7 @@ FACETS_PER_RATE = 6.0
 """The same, below which FAII count vertices of the mesh: they do over dots 5.4 facets wide (61
 impulses/s, on exact layers 0.4) and over narrower ones (suite `friction`)."""
 
-FRAMES_MOVING, FRAMES_RESTING = 20, 6
+FRAMES_MOVING, FRAMES_RESTING = 20, 6  # stored fields: along the path, and evenly in time
 
 
 @dataclass(frozen=True)

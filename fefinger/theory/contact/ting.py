@@ -123,7 +123,7 @@ class NestedContact:
         self.depth = self.edge = 0.0
 
     def state(self) -> tuple[Any, ...]:
-        """Return what the next step depends on; no copies, as a step makes new arrays."""
+        """Return the state that the next step depends on; no copies, as a step makes new arrays."""
         arrays = self._terms, self._share, self.stressed, self.strained
         return (*arrays, self.depth, self.edge)
 

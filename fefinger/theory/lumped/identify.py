@@ -35,7 +35,7 @@ from fefinger.theory.relaxation import Prony
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
 
-TERMS = 3
+TERMS = 3  # exponentials of G in Table 3.1 of Pawluk (1997)
 FASTEST = 300.0  # 1/s, initial value of the fastest rate
 EVALUATIONS = 500  # limit for the fit of the hold
 FAINT = 1e-6  # weight below which a term counts as missing
