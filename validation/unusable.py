@@ -92,7 +92,7 @@ BAD_COMMANDS = (
     "spikes",
     "spikes --from series.csv",
     "spikes --from press.csv --type RA",
-    "calibrate --subject x.y.",
+    "calibrate press.csv --subject x.y.",
     "view .",
     "view out --screenshot a.xyz",
     "mesh flat-press --picture a",

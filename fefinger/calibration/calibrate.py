@@ -1,4 +1,4 @@
-"""Fit a finger to a subject or a record in stages, each of which starts from the one before.
+"""Fit a finger to a target in stages, each of which starts from the one before.
 
 `lumped` identifies stiffness, touch and G of the model of Pawluk (1997). `condensed` scales the
 linear finger by the t(u) of the model. `solid` fits modulus and exponent of stiffening tissue, on
@@ -7,7 +7,6 @@ which the thesis's fit of simulated frames must agree with its fit of the measur
 """
 
 import math
-import os
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -19,12 +18,11 @@ from fefinger.calibration import targets
 from fefinger.calibration.curve import Family, family
 from fefinger.calibration.force import SHAPE, Forces
 from fefinger.calibration.inverse import solve
-from fefinger.calibration.outcome import AGREES, FitResult, checked, outcome, reach, refuse_gross
+from fefinger.calibration.outcome import AGREES, FitResult, checked, outcome, refuse_gross
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import PART
-from fefinger.calibration.targets import Frames, RecordTarget, SubjectTarget
-from fefinger.scene import pawluk1997
+from fefinger.calibration.targets import Frames, Target
 from fefinger.scene.finger import RESOLUTIONS, Finger
 from fefinger.support.checks import InputError, choice
 from fefinger.support.progress import Progress
@@ -83,16 +81,15 @@ def calibrate(
     check: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Calibration:
-    """Fit a finger to a subject of Pawluk (1997) or to the record of a user.
+    """Fit a finger to the record of a user.
 
     Parameters
     ----------
     source
-        A subject of Table 2.1, as "a.h.", or a CSV file of time (s), position (mm), force (N) with
-        a fast ramp and a hold of a plate at 30 degrees to the bone.
+        A CSV file of time (s), position (mm), force (N) with a fast ramp and a hold of a plate at
+        30 degrees to the bone.
     finger
-        Size and tissues, whose moduli are the prior of the fit; by default the size of the subject
-        and published tissue, as in the command. Required for a record.
+        Size and tissues, whose moduli are the prior of the fit.
     mechanics
         "condensed" (small strain, times the t(u) of Pawluk 1997) or "solid" (finite strain,
         stiffening tissue).
@@ -101,7 +98,7 @@ def calibrate(
     frames
         CSV file of a slow press: time, position (mm from touch), p1 ... p64 (kPa).
     check
-        CSV file of a motion with unloading, which is predicted and not fitted; only for a record.
+        CSV file of a motion with unloading, which is predicted and not fitted.
     progress
         Called with the name of a stage and the fraction of it that is done.
 
@@ -114,46 +111,21 @@ def calibrate(
     """
     choice("mechanics", mechanics, MECHANICS)
     choice("resolution", resolution, RESOLUTIONS)
-    start = finger or targets.finger_of(_named(source))
-    work = Work(replace(start, resolution=resolution), progress)
-    wanted = _target(work, source)
-    if check is not None and isinstance(wanted, SubjectTarget):
+    if finger is None:
         raise InputError(
-            "check: expected the record of a user (DATA.csv) to fit, whose touch the prediction "
-            f"needs, received the subject {wanted.name!r}; subjects are checked on sinusoids "
-            "automatically"
+            f"{source}: expected the size of the finger with a record, received none; give width "
+            "and thickness in mm, or the subject whose size it has"
         )
+    work = Work(replace(finger, resolution=resolution), progress)
+    with work.stage("lumped") as misfit:
+        record = targets.record(source, resolution)
+        targets.check_depth(record, finger)
+        misfit(record.lumped_misfit)
     measured = None if frames is None else targets.frames(frames)
     predicted = None if check is None else targets.unloading(check)
-    search = Search(work, wanted, measured)
-    calibration = search.solid() if mechanics == "solid" else search.condensed()
-    refuse_gross(calibration, wanted)
+    calibration = Search(work, record, measured).calibration(mechanics)
+    refuse_gross(calibration, record)
     return calibration if predicted is None else checked(calibration, predicted)
-
-
-def _named(source: str | Path) -> str:
-    """Return the subject that a source names; InputError for a record without a finger."""
-    names = list(pawluk1997.lumped())
-    if isinstance(source, str) and source in names:
-        return source
-    msg = (
-        f"{source}: expected the size of the finger with a record, received none; give width and "
-        "thickness in mm, or the subject whose size it has"
-    )
-    if not os.path.exists(source):
-        listed = ", ".join(names)
-        msg = f"calibrate: expected a subject ({listed}) or a CSV file, received {str(source)!r}"
-    raise InputError(msg)
-
-
-def _target(work: Work, source: str | Path) -> SubjectTarget | RecordTarget:
-    if isinstance(source, str) and source in pawluk1997.lumped():
-        return targets.subject(source)
-    with work.stage("lumped") as misfit:
-        record = targets.record(source, work.finger.resolution)
-        targets.check_depth(record, work.finger)
-        misfit(record.lumped_misfit)
-    return record
 
 
 @dataclass(frozen=True)
@@ -171,11 +143,19 @@ class Trial:
 
 @dataclass(frozen=True)
 class Search:
-    """Fit of a target, with frames of the array or None, by presses of one finger."""
+    """Fit of a target by presses of one finger, with measured frames of the array or none.
+
+    printed: the thesis's fit of frames that are not there themselves.
+    """
 
     work: Work
-    wanted: SubjectTarget | RecordTarget
+    wanted: Target
     frames: Frames | None
+    printed: pad.PadFit | None = None
+
+    def calibration(self, mechanics: str) -> Calibration:
+        """Fit by a mechanics of MECHANICS."""
+        return self.solid() if mechanics == "solid" else self.condensed()
 
     def condensed(self) -> Calibration:
         """Fit the linear finger times t(u), at the pad radius that agrees with the frames.
@@ -205,7 +185,7 @@ class Search:
         """Fit stiffening tissue, at the pad radius that agrees with the frames."""
         work, start, power = self.work, self.work.finger, None
         first = radius = start.pad_radius
-        has_frames = self.frames is not None or isinstance(self.wanted, SubjectTarget)
+        has_frames = self.frames is not None or self.printed is not None
         with work.stage("solid, coarse") as misfit:
             coarse = self._wide_enough(first)
             part = coarse.deepest / start.thickness
@@ -241,7 +221,7 @@ class Search:
         """
         curves = self._row(radius, EXPONENTS)
         result = self._solved(curves, radius)
-        if SHAPE in result.solution.at_bounds or reach(self.wanted, result) > curves.deepest:
+        if SHAPE in result.solution.at_bounds or self._reach(result) > curves.deepest:
             return self._row(radius, (*EXPONENTS, *STIFFER))
         return curves
 
@@ -291,7 +271,14 @@ class Search:
     @cached_property
     def _goal(self) -> pad.PadFit:
         """The thesis's fit of measured frames, which its fit of simulated frames has to meet."""
-        return pad.printed(self.wanted.name) if self.frames is None else pad.thesis_fit(self.frames)
+        if self.frames is not None:
+            return pad.thesis_fit(self.frames)
+        assert self.printed is not None  # no goal is asked for without either
+        return self.printed
+
+    def _reach(self, result: FitResult) -> float:
+        """Largest depth in mm of the target."""
+        return self.wanted.reach(result.law, result.solution.values)
 
     def _spread(self, result: FitResult, radius: float, power: float) -> float:
         """Estimate the standard deviation in mm of a pad radius from frames.
@@ -327,7 +314,7 @@ class Search:
             press = work.press("solid", finger.resolution, radius, exponent, part=part)
             curves = curves.corrected(press, exponent, radius)
             result = self._solved(curves, radius, result)
-            if press.halt and reach(self.wanted, result) <= press.depth[-1]:
+            if press.halt and self._reach(result) <= press.depth[-1]:
                 end = float(press.depth[-1])
             fitted = math.nan if power is None else pad_fit(result).radius
             trials.append(Trial(radius, result, curves, fitted))
@@ -351,7 +338,7 @@ class Search:
         whole = self._forces(replace(curves, reached=math.inf), radius)
         unlimited = FitResult(result.solution, whole.law(result.solution.values))
         frames = pad.slow_press(unlimited.law)[-1]
-        deep = max(float(frames), reach(self.wanted, unlimited))
+        deep = max(float(frames), self._reach(unlimited))
         return min(round(DEEPER * deep, 2), curves.deepest)
 
     def _array(self, result: FitResult) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""Residuals of a calibration: stiffness and relaxation of a subject, or the force of a record."""
+"""Residuals of a calibration: a target against the force of the curves of a family."""
 
 import math
 from collections.abc import Sequence
@@ -8,13 +8,13 @@ import numpy as np
 
 from fefinger.calibration.curve import Curve, Family, ForceLaw
 from fefinger.calibration.inverse import Unknown, Values
-from fefinger.calibration.targets import RecordTarget, SubjectTarget
+from fefinger.calibration.targets import Target
 from fefinger.scene import library, pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony
 
 
-MODULUS, SHAPE, RATIO, RADIUS, TOUCH = "modulus", "exponent", "skin_ratio", "pad_radius", "x0"
+MODULUS, SHAPE, RATIO, RADIUS = "modulus", "exponent", "skin_ratio", "pad_radius"
 GAIN, GROWTH = "t_b", "t_m"
 
 SHARE_SD, RATE_SD = 0.35, 1.0
@@ -76,7 +76,7 @@ class Forces:
     radius mm, and its standard deviation where frames gave it, which adds to all others.
     """
 
-    target: SubjectTarget | RecordTarget
+    target: Target
     family: Family
     modulus: float
     ratio: float
@@ -85,12 +85,8 @@ class Forces:
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
-        """Unknowns of the target."""
-        unknowns = self._elastic_unknowns
-        if isinstance(self.target, RecordTarget):
-            x0 = self.target.lumped.spring.x0
-            touch = "bounds about the touch of the lumped fit"
-            unknowns += (Unknown(TOUCH, x0 - 0.2, x0 - 2.0, x0 + 0.5, "mm", touch, log=False),)
+        """Unknowns of finger and target."""
+        unknowns = self._elastic_unknowns + self.target.unknowns
         if self.radius_sd is not None:
             prior = (self.radius, self.radius_sd / self.radius)
             radius = Unknown(RADIUS, self.radius, *RADII, "mm", FRAMES, prior=prior)
@@ -133,15 +129,7 @@ class Forces:
 
     def residual(self, values: Values) -> Array:
         """Compute the residuals (n_residuals,) in standard deviations of the data."""
-        law = self.law(values)
-        if isinstance(self.target, RecordTarget):
-            force = law.loading(self.target.time, self.target.position - values[TOUCH])
-            return self.target.residuals(force)
-        stiffnesses = law.stiffness(self.target.force) - self.target.stiffness
-        relaxation = law.prony.relaxation(self.target.time) - self.target.relaxation
-        return np.concatenate(
-            [stiffnesses / self.target.stiffness_sd, relaxation / self.target.relaxation_sd]
-        )
+        return self.target.residual(self.law(values), values)
 
     def _curve(self, values: Values) -> tuple[Curve, float]:
         """Evaluate the relaxed curve of the values, and the factor on its force."""
@@ -156,11 +144,7 @@ class Forces:
         solid = len(self.family.shapes) > 1
         values = {SHAPE: shape, MODULUS: self.modulus} if solid else {GROWTH: shape, GAIN: 1.0}
         curve, _ = self._curve(values)
-        if isinstance(self.target, RecordTarget):
-            spring, prony = self.target.lumped.spring, self.target.lumped.prony
-            top = float(spring.force(self.target.position).max())
-        else:
-            spring, prony, top = self.target.spring, self.target.prony, self.target.force[-1]
+        spring, prony, top = self.target.lumped_law
         depth = min(float(spring.position(top)) - spring.x0 + 0.2, 0.8 * curve.deepest)
         factor = prony.long_time * top / float(curve.force(depth))
         if solid:

@@ -15,7 +15,6 @@ from fefinger.calibration.array_sensor import ArraySensor, fit_fingerpad
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.force import RADII
 from fefinger.calibration.targets import Frames, aligned
-from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.relaxation import Prony, hereditary_integral
@@ -155,9 +154,3 @@ def scatter(law: ForceLaw) -> float:
     """Simulate the standard deviation of the fitted R in mm due to the noise of the array."""
     fits = [thesis_fit(simulated(law, seed=seed)).radius for seed in range(SEEDS)]
     return float(np.std(fits, ddof=1))
-
-
-def printed(subject: str) -> PadFit:
-    """Return the row of Table 3.2 of a subject."""
-    row = pawluk1997.quasistatic()[subject]
-    return PadFit(row.radius, row.m, row.b, float("nan"))

@@ -1,39 +1,28 @@
-"""Targets of a calibration: the curves of a subject, the record of a user, frames of the array."""
+"""Targets of a calibration: the record of a user, frames of an array; what a target offers."""
 
-import math
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from scipy.linalg import solve_triangular
 
 from fefinger.calibration import lumped_fit
 from fefinger.calibration.array_sensor import ArraySensor
+from fefinger.calibration.curve import ForceLaw
+from fefinger.calibration.inverse import Unknown, Values
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, choice
+from fefinger.support.checks import InputError
+from fefinger.theory.lumped import confidence
 from fefinger.theory.lumped.identify import TERMS, Identification, joint
 from fefinger.theory.lumped.ramp_hold import RampHold, averages, deviation_of, split
-from fefinger.theory.lumped.spring import Spring, constant_velocity, force
+from fefinger.theory.lumped.spring import Spring, force
 from fefinger.theory.relaxation import Prony
 
-
-SPEED = 60.0
-"""mm/s of the ramps of Pawluk (1997)."""
-
-PEAK = 2.5
-"""N at the end of these ramps (2 to 3 N, section 2.2.2)."""
-
-FORCES = 40
-"""Number of forces at which the stiffness of a subject is compared: a ramp of 30 ms, sampled at 13
-kHz and averaged over 9 samples, has about as many independent values."""
-
-HOLD = 6.0
-"""Length of the holds of Pawluk (1997) in s (5 to 7 s)."""
 
 LIVELY = 1e-3
 """Smallest relative fall of the force in a hold that counts as relaxation."""
@@ -60,23 +49,71 @@ would be fitted in the hold alone, where all samples share one error of the mesh
 """
 
 
-@dataclass(frozen=True)
-class SubjectTarget:
-    """Target of a subject of Table 2.1: elastic stiffness against force, and relaxation.
+TOUCH = "x0"
+"""Name of the position of first touch in a record."""
 
-    force (n,) N of the instantaneous response; stiffness (n,) N/mm and stiffness_sd N/mm, the
-    scatter that VAF_k leaves; time (k,) s after a step, relaxation (k,) and relaxation_sd likewise.
-    """
+BIAS = (
+    "one G relaxes the force, where the stress relaxes and strain is finite: weights of a twin "
+    "come back 2 to 3 % off, its exponent 4 %, its fastest rate 5 %, which their deviations do not "
+    "count"
+)
+"""Bias of fits by `solid` (suite `calibration`, twin of solid)."""
 
-    name: str
+RADIUS_KNOWN = (
+    "modulus, exponent: their deviations take the pad radius as known; the record of a twin whose "
+    "radius was 8 % smaller than that of the fit gave 0.85 of its modulus and 0.8 of its exponent"
+)
+"""Effect of a pad radius that no frames determine: `solid` on the coarse mesh, a finger 15 mm wide
+and 11 mm thick, 1.6 mm deep, fitted with and without its own radius. Subjects scatter by 13 %."""
+
+APART = 0.1
+"""Difference in mm of two estimates of the touch above which it is reported."""
+
+
+class LumpedLaw(NamedTuple):
+    """The lumped model of a target, which starts its fit; top: its largest elastic force in N."""
+
     spring: Spring
     prony: Prony
-    force: Array
-    stiffness: Array
-    stiffness_sd: float
-    time: Array
-    relaxation: Array
-    relaxation_sd: float
+    top: float
+
+
+class Target(Protocol):
+    """Data that a finger is fitted to: a record, or curves of force and relaxation."""
+
+    @property
+    def name(self) -> str:
+        """Name of the data in messages."""
+
+    @property
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """Unknowns of the data, besides those of the finger."""
+
+    @property
+    def lumped_law(self) -> LumpedLaw:
+        """The lumped model of the same data."""
+
+    def residual(self, law: ForceLaw, values: Values) -> Array:
+        """Residuals (n,) of a force law, in standard deviations of the data."""
+
+    def reach(self, law: ForceLaw, values: Values) -> float:
+        """Largest depth in mm of the data."""
+
+    def misfits(self, law: ForceLaw, values: Values) -> dict[str, float]:
+        """Misfits by name."""
+
+    def remarks(self, values: Values, *, finite: bool, with_frames: bool) -> tuple[str, ...]:
+        """Sentences on parameters that the data do not identify."""
+
+    def checks(self, law: ForceLaw) -> dict[str, dict[str, float]]:
+        """Errors of predictions of data that were not fitted, by name."""
+
+    def quality(self, residuals: dict[str, float]) -> str:
+        """Say in a clause how close the fit is; `residuals` as of a Calibration."""
+
+    @property
+    def advice(self) -> str:
+        """What to check where the misfit exceeds the scatter of the data, as a clause, or ""."""
 
 
 @dataclass(frozen=True)
@@ -121,6 +158,77 @@ class RecordTarget:
         freedom = max(1, len(residuals) - len(self.lumped.parameters) + 1)
         return float(residuals @ residuals) / freedom
 
+    @property
+    def advice(self) -> str:
+        """Causes of misfit that lie in the record."""
+        return "; tare the force, and check for drift or a lag of the force"
+
+    @property
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """The touch."""
+        x0 = self.lumped.spring.x0
+        touch = "bounds about the touch of the lumped fit"
+        return (Unknown(TOUCH, x0 - 0.2, x0 - 2.0, x0 + 0.5, "mm", touch, log=False),)
+
+    @property
+    def lumped_law(self) -> LumpedLaw:
+        """The lumped model of the record."""
+        spring = self.lumped.spring
+        return LumpedLaw(spring, self.lumped.prony, float(spring.force(self.position).max()))
+
+    def residual(self, law: ForceLaw, values: Values) -> Array:
+        """Whitened residuals (n,) of a force law, in standard deviations."""
+        return self.residuals(self._loaded(law, values))
+
+    def reach(self, law: ForceLaw, values: Values) -> float:
+        """Largest depth in mm of the record."""
+        return float(self.position.max() - values[TOUCH])
+
+    def misfits(self, law: ForceLaw, values: Values) -> dict[str, float]:
+        """Errors of the force, in N and as fractions."""
+        model = self._loaded(law, values)
+        rms = float(np.sqrt(np.mean((model - self.force) ** 2)))
+        return {"force rms in N": rms} | errors(self.force, model)
+
+    def checks(self, law: ForceLaw) -> dict[str, dict[str, float]]:
+        """Return none: a check is another record."""
+        return {}
+
+    def quality(self, residuals: dict[str, float]) -> str:
+        """Say how close the fit is."""
+        return f"squared error {100 * residuals['mse']:.2g} % of the variance"
+
+    def remarks(self, values: Values, *, finite: bool, with_frames: bool) -> tuple[str, ...]:
+        """Sentences on parameters that the record does not identify."""
+        lumped, sentences = self.lumped, list[str]()
+        if len(lumped.prony.v) < TERMS:
+            sentences.append(
+                f"relaxation: the lumped fit of the record converges with {len(lumped.prony.v)} "
+                f"of {TERMS} terms only, the priors determine the rest; ramp faster or hold longer"
+            )
+        sentences += [
+            f"relaxation, in the lumped fit of the record: {each}"
+            for each in confidence.terms(
+                self.record, lumped.prony, lumped.uncertainty, "here the priors determine it"
+            )
+        ]
+        x0 = lumped.spring.x0
+        sentences += confidence.bias(self.record, lumped.prony, x0, lumped.uncertainty)
+        if abs(values[TOUCH] - x0) >= APART:
+            sentences.append(
+                f"x0: this finger touches at {values[TOUCH]:.2g} mm, the lumped law of the same "
+                f"record at {x0:.2g} mm: the touch depends on the model, which the deviation of x0 "
+                "does not include"
+            )
+        if finite:
+            sentences.append(f"exponent, c0, c1, v1 ...: {BIAS}")
+            if not with_frames:
+                sentences.append(RADIUS_KNOWN)
+        return tuple(sentences)
+
+    def _loaded(self, law: ForceLaw, values: Values) -> Array:
+        return law.loading(self.time, self.position - values[TOUCH])
+
     def _lumped_force(self) -> Array:
         return force(self.lumped.spring, self.lumped.prony, self.time, self.position)
 
@@ -156,6 +264,17 @@ error, so that it does not affect the relaxation.
 """
 
 
+def errors(measured: Array, model: Array) -> dict[str, float]:
+    """Compute the squared error of Eq. 2.5 and the error at the peaks, both as fractions.
+
+    The error at the peaks is the mean over the largest quarter of the forces.
+    """
+    about = float(np.sum((measured - measured.mean()) ** 2))
+    high = measured >= np.quantile(measured, 0.75)
+    peak = np.abs(model[high] - measured[high]).mean() / measured[high].mean()
+    return {"mse": float(np.sum((model - measured) ** 2)) / about, "peak": float(peak)}
+
+
 def finger_of(name: str | None, **values: Any) -> Finger:
     """Finger from which a fit starts: of a subject of Table 2.1, of its means, or of a size alone.
 
@@ -171,40 +290,6 @@ def finger_of(name: str | None, **values: Any) -> Finger:
     if name in (None, pawluk1997.MEANS):
         return Finger(**given)
     return Finger.subject(name, **given)
-
-
-def subject(name: str) -> SubjectTarget:
-    """Make the target of a subject of Table 2.1, or of its means, from the lumped model.
-
-    Raises
-    ------
-    InputError
-        For a name that Table 2.1 does not have.
-    """
-    rows = pawluk1997.lumped()
-    choice("subject", name, rows)
-    row = rows[name]
-    stiffness_vaf, hold_vaf = row.vaf
-    spring = Spring(row.b, row.m)
-    deepest = float(spring.position(PEAK / row.prony.long_time))
-    depth = np.linspace(0.0, deepest, 2000)
-    ramp = constant_velocity(spring, row.prony, depth, SPEED)
-    top = float(spring.force(np.interp(PEAK, ramp, depth)))
-    force = np.linspace(0.0, top, FORCES + 1)[1:]
-    time = np.geomspace(1e-3, HOLD, 100)
-    even = row.prony.relaxation(np.linspace(1e-3, HOLD, 10000))
-    stiffness = spring.stiffness(force)
-    return SubjectTarget(
-        name=name,
-        spring=spring,
-        prony=row.prony,
-        force=force,
-        stiffness=stiffness,
-        stiffness_sd=math.sqrt(1 / stiffness_vaf - 1) * float(np.std(stiffness)),
-        time=time,
-        relaxation=row.prony.relaxation(time),
-        relaxation_sd=math.sqrt(1 / hold_vaf - 1) * float(np.std(even)),
-    )
 
 
 def record(file: str | Path, mesh: str) -> RecordTarget:

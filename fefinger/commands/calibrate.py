@@ -13,14 +13,8 @@ NO_TISSUE = "no tissue.toml is written: t(u) scales the force, not a tissue; use
 
 
 @click.command()
-@click.argument("data", metavar="[DATA.csv]", required=False)
-@click.option(
-    "--subject",
-    "subjects",
-    multiple=True,
-    metavar="NAME",
-    help="Subject of Pawluk (1997) to fit (repeatable), or whose finger size applies to DATA.csv.",
-)
+@click.argument("data", metavar="DATA.csv")
+@click.option("--subject", metavar="NAME", help="Subject of Pawluk (1997) whose finger size it is.")
 @click.option("--width", type=float, help="Width of the fingertip in DATA.csv in mm.")
 @click.option("--thickness", type=float, help="Thickness of that fingertip in mm.")
 @click.option("--pad-radius", type=float, help="Effective pad radius of that fingertip in mm.")
@@ -34,14 +28,11 @@ NO_TISSUE = "no tissue.toml is written: t(u) scales the force, not a tissue; use
 @click.option(
     "--resolution", default="standard", help="Mesh of the last step: coarse, standard, fine."
 )
-@click.option(
-    "--workers", default=1, type=click.IntRange(1), help="Subjects fitted at the same time."
-)
 @output_option("calibration.json and, by solid, tissue.toml")
 @json_option
 def calibrate(
-    data: str | None,
-    subjects: tuple[str, ...],
+    data: str,
+    subject: str | None,
     width: float | None,
     thickness: float | None,
     pad_radius: float | None,
@@ -49,37 +40,48 @@ def calibrate(
     check: str | None,
     mechanics: str,
     resolution: str,
-    workers: int,
     output: str | None,
     as_json: bool,
 ) -> None:
     """Fit the tissue of a finger to a ramp and hold.
 
     DATA.csv is your own record of a plate at 30 degrees to the bone, with the columns time (s),
-    position (mm) and force (N). Without it the records of the subjects of Pawluk (1997) are fitted.
-    Solved presses are cached: an interrupted calibration continues where it stopped. On a coarse
-    mesh solid takes some 1.5 minutes of CPU and condensed 15 s; on the standard mesh solid takes
-    longer, by one to six presses.
+    position (mm) and force (N). Solved presses are cached: an interrupted calibration continues
+    where it stopped. On a coarse mesh solid takes some 1.5 minutes of CPU and condensed 15 s; on
+    the standard mesh solid takes longer, by one to six presses.
     """
-    from fefinger.calibration import jobs
+    from fefinger.calibration import calibrate as calibration
+    from fefinger.calibration.record import keep_others
+    from fefinger.calibration.targets import finger_of
     from fefinger.results.candidate import MECHANICS
+    from fefinger.support import outputs
+    from fefinger.support.checks import InputError
 
     given = {"width": width, "thickness": thickness, "pad_radius": pad_radius}
     size: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
-    how = {"mechanics": mechanics, "resolution": resolution, "frames": frames, "check": check}
-    todo = jobs.jobs(data, subjects, size, how)
-    with jobs.folders(todo, output) as folders:
+    missing = [name for name in ("width", "thickness") if name not in size]
+    if subject is None and missing:
+        raise InputError(
+            f"--{missing[0]}: expected the size of the finger in {data} in mm, received none; give "
+            "--width and --thickness, or --subject"
+        )
+    finger = finger_of(subject, **size)
+    how: dict[str, Any] = {"mechanics": mechanics, "resolution": resolution}
+    with outputs.output(output) as folder:
+        if folder is not None:
+            keep_others(folder)
         with console.progress() as report:
-            calibrations = jobs.run(todo, workers, report)
+            found = calibration.calibrate(
+                data, finger=finger, frames=frames, check=check, progress=report, **how
+            )
 
         def text(record: console.Record) -> str:
-            told = console.with_files("\n\n".join(map(repr, calibrations)), record)
-            finite = all(MECHANICS[each.mechanics].finite for each in calibrations)
-            return told if finite else f"{told}\n{NO_TISSUE}"
+            told = console.with_files(repr(found), record)
+            return told if MECHANICS[found.mechanics].finite else f"{told}\n{NO_TISSUE}"
 
         console.save_and_print(
-            lambda: jobs.save(calibrations, folders),
-            lambda files: {"calibrations": [c.record() for c in calibrations], "files": files},
+            lambda: [] if folder is None else found.save(folder),
+            lambda files: {"calibrations": [found.record()], "files": files},
             text,
             as_json=as_json,
         )

@@ -7,20 +7,28 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from fefinger.validation.calibration.subject_target import (
+    SubjectTarget,
+    calibrate_subject,
+    printed,
+    target_of,
+)
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.calibration import calibrate, jobs, pad_radius, press_store, targets
+from fefinger.calibration import calibrate, pad_radius, press_store, targets
 from fefinger.calibration.curve import ForceLaw
-from fefinger.calibration.outcome import errors, refuse_gross, stiffening
+from fefinger.calibration.outcome import refuse_gross, stiffening
 from fefinger.calibration.record import Calibration, Parameter, Stage
 from fefinger.calibration.slow_press import LATER, PART, SPARE
+from fefinger.calibration.targets import errors
 from fefinger.scene import library
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.lumped import identify
 from fefinger.theory.relaxation import Prony
 
 
+OF_AH = ("none.csv", "--subject", "a.h.")
 PRONY = Prony((0.3, 0.42, 0.16, 0.12), (220.0, 9.0, 0.6))
 
 
@@ -123,16 +131,9 @@ def test_a_record_that_shows_fewer_terms_is_calibrated(tmp_path, solved, law, wr
 def test_a_touch_beside_that_of_the_lumped_law_is_told(tmp_path, solved, law, write, monkeypatch):
     press = write(tmp_path / "press.csv", record_of(law.at(2.4, 14.0), 0.7, 0.4))
     for apart, count in ((1.0, 0), (1e-9, 1)):
-        monkeypatch.setattr("fefinger.calibration.outcome.APART", apart)
+        monkeypatch.setattr(targets, "APART", apart)
         found = ff.calibrate(press, finger=targets.finger_of("a.h."), resolution="coarse")
         assert sum("x0: this finger touches at" in said for said in found.unidentified) == count
-
-
-def test_a_subject_takes_no_check_and_nothing_is_solved(tmp_path, solved, linear, write):
-    check = write(tmp_path / "wave.csv", wave_on(linear.at(0.9, 14.0), 1.3, 0.4))
-    with pytest.raises(InputError, match="check: expected the record of a user"):
-        ff.calibrate("a.h.", mechanics="condensed", check=check)
-    assert solved == []
 
 
 def test_a_record_is_calibrated_through_solid(tmp_path, solved, law, write):
@@ -153,7 +154,7 @@ def test_a_record_is_calibrated_through_solid(tmp_path, solved, law, write):
 
 def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
     said = []
-    found = ff.calibrate("a.h.", progress=lambda stage, part: said.append((stage, part)))
+    found = calibrate_subject("a.h.", progress=lambda stage, part: said.append((stage, part)))
     assert [stage.name for stage in found.stages] == [
         *("solid, coarse", "array, coarse", "solid, standard", "array")
     ]
@@ -206,38 +207,36 @@ def test_a_pad_radius_whose_r_is_as_printed_remains(monkeypatch, fitted, radius)
     fits = iter((fitted, smaller))
     monkeypatch.setattr(calibrate.Search, "_solved", lambda *given: None)
     monkeypatch.setattr(calibrate, "pad_fit", lambda result: SimpleNamespace(radius=next(fits)))
-    search = calibrate.Search(work, targets.subject("a.h."), None)
+    search = calibrate.Search(work, target_of("a.h."), None, printed("a.h."))
     found, power = search._radius(None, (14.0, 12.6), None)
     assert (found, power) == (radius, pytest.approx(1.63))
 
 
-def test_the_command_prints_and_writes(tmp_path, solved, capsys):
-    words = ["calibrate", "--subject", "a.h.", "--subject", "d.s.", "--mechanics", "condensed"]
+def test_the_command_prints_and_writes(tmp_path, solved, linear, write, capsys):
+    press = write(tmp_path / "press.csv", record_of(linear.at(0.9, 14.0), 1.3, 0.4))
+    words = ["calibrate", str(press), "--subject", "a.h.", "--mechanics", "condensed"]
     assert main([*words, "--json", "-o", str(tmp_path / "out")]) == 0
     out = json.loads(capsys.readouterr().out)
-    assert [each["target"] for each in out["calibrations"]] == ["a.h.", "d.s."]
-    assert [file.split("/")[-2] for file in out["files"]] == ["ah", "ds"]
-    assert main([*words[:3], *words[5:]]) == 0
+    assert [each["target"] for each in out["calibrations"]] == [str(press)]
+    assert [file.split("/")[-1] for file in out["files"]] == ["calibration.json"]
+    assert main(words) == 0
     text = capsys.readouterr().out
-    for said in ("Fitted a.h. in", "t_m", "+-", "not identified: pad_radius", "not fitted"):
+    for said in ("Fitted ", "t_m", "+-", "not identified: pad_radius", "no tissue.toml"):
         assert said in text
 
 
 REFUSED = {
-    "nothing": ([], "expected DATA.csv or --subject"),
+    "nothing": ([], "DATA.csv"),
     "no size": (["none.csv"], "--width: expected the size of the finger"),
     "no file": (["none.csv", "--width", "14", "--thickness", "10"], "a path that does not exist"),
-    "nobody": (["--subject", "x.y."], "finger.subject"),
-    "two": (["none.csv", "--subject", "a.h.", "--subject", "d.s."], "expected one with DATA.csv"),
-    "mechanics": (["--subject", "a.h.", "--mechanics", "hertz"], "mechanics: expected one of"),
+    "nobody": (["none.csv", "--subject", "x.y."], "finger.subject"),
+    "mechanics": ([*OF_AH, "--mechanics", "hertz"], "mechanics: expected one of"),
     "resolution": (
-        ["--subject", "a.h.", "--resolution", "best"],
+        [*OF_AH, "--resolution", "best"],
         "resolution: expected one of 'coarse', 'standard', 'fine', received 'best'",
     ),
-    "no one resolution": (["--subject", "a.h.", "--resolution", "auto"], "received 'auto'"),
-    "check": (["--subject", "a.h.", "--check", "x.csv"], "check: expected the record of a user"),
-    "frames": (["--subject", "a.h.", "--frames", "x.csv"], "a path that does not exist"),
-    "unmeasured": (["--subject", "f.c."], "width"),
+    "no one resolution": ([*OF_AH, "--resolution", "auto"], "received 'auto'"),
+    "unmeasured": (["none.csv", "--subject", "f.c."], "width"),
 }
 
 
@@ -248,16 +247,14 @@ def test_the_command_refuses_what_it_cannot_use(words, message, capsys, solved):
     assert solved == []
 
 
-@pytest.mark.parametrize("subjects", [["a.h."], ["a.h.", "d.s."]], ids=["one", "two"])
-def test_a_refusal_leaves_no_empty_folder(subjects, tmp_path, solved):
-    words = [word for name in subjects for word in ("--subject", name)]
+def test_a_refusal_leaves_no_empty_folder(tmp_path, solved):
     out = tmp_path / "new" / "out"
-    assert main(["calibrate", *words, "--resolution", "auto", "-o", str(out)]) == 2
+    assert main(["calibrate", *OF_AH, "--resolution", "auto", "-o", str(out)]) == 2
     assert list(tmp_path.iterdir()) == []
 
 
 def test_an_empty_name_is_no_folder_of_a_calibration(capsys, solved):
-    assert main(["calibrate", "--subject", "a.h.", "--subject", "d.s.", "-o", ""]) == 2
+    assert main(["calibrate", *OF_AH, "-o", ""]) == 2
     assert "output folder: expected a name" in capsys.readouterr().err
     assert solved == []
 
@@ -266,17 +263,11 @@ def test_an_empty_name_is_no_folder_of_a_calibration(capsys, solved):
 def test_a_file_that_is_none_of_a_calibration_is_not_replaced(name, tmp_path, capsys, solved):
     own = tmp_path / name
     own.write_text("[1]\n")
-    words = ["calibrate", "--subject", "a.h.", "--resolution", "coarse", "-o", str(tmp_path)]
+    words = ["calibrate", *OF_AH, "--resolution", "coarse", "-o", str(tmp_path)]
     assert main(words) == 2
     assert f"'{name}'" in capsys.readouterr().err
     assert own.read_text() == "[1]\n"
     assert solved == []
-
-
-def test_subjects_are_calibrated_in_processes_of_their_own():
-    todo = [{"source": name, "mechanics": "condensed"} for name in ("nobody", "no one")]
-    with pytest.raises(InputError, match="expected a subject"):
-        jobs.run(todo, workers=2)
 
 
 def test_errors_are_those_of_equation_2_5():
@@ -397,8 +388,8 @@ def test_a_press_that_ends_early_is_told_and_ends_those_after_it_if_it_holds_wha
         return found
 
     monkeypatch.setattr(press_store.Work, "press", press)
-    monkeypatch.setattr("fefinger.calibration.calibrate.reach", lambda *_: needed)
-    found = ff.calibrate("a.h.")
+    monkeypatch.setattr(SubjectTarget, "reach", lambda *_: needed)
+    found = calibrate_subject("a.h.")
     assert len(asked) > 1
     assert asked[1][0] == pytest.approx(asked[0][1] if needed < asked[0][1] else asked[0][0])
     if needed > asked[0][1]:

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from fefinger.validation.calibration.subject_target import target_of
 from fefinger.validation.oracles import synthetic
 
 from fefinger.calibration import inverse, targets
@@ -26,14 +27,14 @@ PRONY = Prony((0.3, 0.42, 0.16, 0.12), (220.0, 9.0, 0.6))
 
 
 def test_a_subject_is_the_line_of_table_2_1():
-    found = targets.subject("a.h.")
+    found = target_of("a.h.")
     assert line(found.force, found.stiffness) == pytest.approx((2.1, 0.18))
     scatter = np.random.default_rng(0).normal(0, found.stiffness_sd, (4000, len(found.force)))
     noisy = found.stiffness + scatter
     vaf = 1 - (scatter**2).sum() / ((noisy - noisy.mean()) ** 2).sum()
     assert vaf == pytest.approx(0.98, abs=2e-3)
     with pytest.raises(InputError, match="Did you mean"):
-        targets.subject("ah.")
+        target_of("ah.")
 
 
 @pytest.mark.parametrize(
@@ -41,7 +42,7 @@ def test_a_subject_is_the_line_of_table_2_1():
     [(34.0, 10.0, "Maeno 1998"), (4.6, 3.1, "the tissue of the finger that was given: a factor")],
 )
 def test_a_prior_says_what_it_is_taken_from(law, modulus, ratio, words):
-    forces = Forces(targets.subject("a.h."), law, modulus, ratio, 14.0)
+    forces = Forces(target_of("a.h."), law, modulus, ratio, 14.0)
     by_name = {each.name: each for each in forces.unknowns}
     assert by_name["modulus"].prior[0] == modulus
     for name in ("modulus", "skin_ratio"):
@@ -57,7 +58,7 @@ def test_stiffness_against_force_does_not_know_the_scale_of_depth(law):
 
 
 def test_a_finger_of_the_family_is_found_again_from_its_own_stiffness(law):
-    wanted = targets.subject("a.h.")
+    wanted = target_of("a.h.")
     k = ForceLaw(law.at(2.4, 14.0), wanted.prony, 25.0 / 34.0).stiffness(wanted.force)
     forces = Forces(replace(wanted, stiffness=k), law, 34.0, 3.0, 14.0)
     found = inverse.solve(forces.residual, forces.unknowns, forces.starts())

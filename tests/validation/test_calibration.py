@@ -17,8 +17,9 @@ from fefinger.validation.calibration import (
 )
 from fefinger.validation.calibration import split as calibration_split
 from fefinger.validation.calibration.report import calibrated, rows
+from fefinger.validation.calibration.subject_target import target_of
 
-from fefinger.calibration import pad_radius, targets
+from fefinger.calibration import pad_radius
 from fefinger.calibration.outcome import line, stiffening
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.finger import Finger
@@ -92,7 +93,7 @@ def test_frames_of_a_contact_of_hertz_carry_its_force_and_have_its_radius():
 
 
 def test_the_scatter_of_a_line_is_that_of_many_lines():
-    wanted = targets.subject("a.h.")
+    wanted = target_of("a.h.")
     rng = np.random.default_rng(3)
     noise = wanted.stiffness_sd * rng.normal(size=(4000, len(wanted.force)))
     lines = [line(wanted.force, wanted.stiffness + each) for each in noise]

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from fefinger.validation.calibration.report import calibrated, rows
 from fefinger.validation.calibration.split import PARTS
+from fefinger.validation.calibration.subject_target import target_of
 from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.validation.panels import panel, panels
 
 from fefinger.calibration import pad_radius as pad
-from fefinger.calibration import targets
 from fefinger.calibration.array_sensor import ArraySensor, blurred
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.targets import aligned
@@ -69,7 +69,7 @@ def _split() -> Any:
 def _stiffness() -> Any:
     made, axes = panel(WIDE, 3.2)
     for name, color in zip(rows(), COLORS, strict=False):
-        wanted, calibration = targets.subject(name), calibrated(name)
+        wanted, calibration = target_of(name), calibrated(name)
         stiffnesses = calibration.law.stiffness(wanted.force)
         axes.plot(wanted.force, wanted.stiffness, "--", color=color)
         axes.plot(wanted.force, stiffnesses, color=color, label=name)

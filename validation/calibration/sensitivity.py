@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
+from fefinger.validation.calibration.subject_target import printed, target_of
 from fefinger.validation.oracles.fingerpad import Fingerpad
 
 from fefinger.calibration import pad_radius as pad
@@ -129,7 +130,7 @@ def of_finger(name: str, finger: Finger, law: Laws) -> Fitted | None:
     done = fit(finger, law)
     if done is None:
         return None
-    solution, wanted = done.solution, targets.subject(finger.subject_name)
+    solution, wanted = done.solution, target_of(finger.subject_name)
     frames = pad.simulated(done.law, heaviest=FORCE)
     thesis_fit, last = pad.thesis_fit(frames), frames.pressure[-1]
     m, b = line(wanted.force, done.law.stiffness(wanted.force))
@@ -155,7 +156,7 @@ def fit(finger: Finger, law: Laws, exponents: tuple[float, ...] = EXPONENTS) -> 
     if len(presses) < 2:
         return None
     curves = family(tuple(presses), finger.pad_radius, presses.__getitem__)
-    wanted, modulus = targets.subject(finger.subject_name), finger.subcutaneous.modulus
+    wanted, modulus = target_of(finger.subject_name), finger.subcutaneous.modulus
     forces = Forces(wanted, curves, modulus, 1.0, finger.pad_radius)
     free = [replace(each, prior=None) for each in forces.unknowns if not each.held]
     solution = solve(forces.residual, free, forces.starts())
@@ -208,7 +209,7 @@ def of_reading(calibration: Calibration) -> list[Found]:
 def of_force(calibration: Calibration) -> list[Found]:
     """Apply the thesis's fit to contacts of Hertz's shape and the printed R, by their force."""
     subject, law = calibration.target, calibration.law
-    radius, row = pad.printed(subject).radius, pawluk1997.lumped()[subject]
+    radius, row = printed(subject).radius, pawluk1997.lumped()[subject]
     depth = pad.slow_press(law)
     relaxed = row.prony.long_time * row.b / row.m
     top = float(np.log1p(pad.HEAVIEST / relaxed) / row.m)
@@ -271,7 +272,7 @@ def oracle(subject: str) -> float:
 
     The mean over NOISES readings with the noise of the array.
     """
-    row = pad.printed(subject)
+    row = printed(subject)
     fits = [pad.thesis_fit(half_space(subject, seed)) for seed in range(NOISES)]
     names = ("radius", "m", "c0_b")
     means = {name: float(np.mean([getattr(fit, name) for fit in fits])) for name in names}

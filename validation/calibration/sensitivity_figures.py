@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from fefinger.validation.calibration.report import calibrated, sensitivity
+from fefinger.validation.calibration.subject_target import printed
 from fefinger.validation.panels import panels
 
-from fefinger.calibration import pad_radius
 from fefinger.view.figures import INK, STEEL, WIDE
 
 
@@ -68,13 +68,13 @@ def _sensitivity() -> Any:
     blocks = [each for each in (sensitivity()["finger"], sensitivity()["reading"][subject]) if each]
     count = sum(len(block) for block in blocks)
     made, axes = panels(WIDE, 0.8 + 0.21 * count, 1, len(NAMES), sharey=True)
-    printed = pad_radius.printed(subject)
+    table_3_2 = printed(subject)
     for ax, name, head in zip(axes, NAMES, HEADS, strict=True):
         first = 0
         for block in blocks:
             _block(ax, block, name, first)
             first += len(block) + 1
-        ax.axvline(getattr(printed, name), color=ORANGE, linestyle="--", linewidth=1)
+        ax.axvline(getattr(table_3_2, name), color=ORANGE, linestyle="--", linewidth=1)
         ax.set_xlabel(head)
         ax.margins(x=0.28)
     names = [name for block in blocks for name in (*(each["lever"] for each in block), "")]
@@ -143,12 +143,12 @@ def _sessions() -> dict[str, Any]:
 
 
 def _rows(subject: str) -> list[list[str]]:
-    printed = pad_radius.printed(subject)
+    table_3_2 = printed(subject)
     force = {each["lever"]: each for each in sensitivity()["force"][subject]}
     at_zero, early = (each for name, each in force.items() if name.startswith("relaxed force"))
     residuals = calibrated(subject).residuals
     rows = {
-        "Table 3.2": (*(getattr(printed, name) for name in NAMES), None),
+        "Table 3.2": (*(getattr(table_3_2, name) for name in NAMES), None),
         "its half-space, read": _fitted(force["Table 3.2 itself, with noise"]),
         "force of Table 2.1": _fitted(at_zero),
         "touched 0.3 mm before": _fitted(early),

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from fefinger.validation.calibration.subject_target import target_of
 
 from fefinger.calibration import slow_press, targets
 from fefinger.calibration.calibrate import EXPONENTS
@@ -35,7 +36,7 @@ def split(calibration: Calibration) -> dict[str, float]:
     finger = targets.finger_of(
         calibration.target, resolution="coarse", pad_radius=calibration.finger["pad_radius"]
     )
-    wanted = targets.subject(calibration.target)
+    wanted = target_of(calibration.target)
     deep = float(calibration.curve.depth(wanted.prony.long_time * wanted.force[-1]))
     deep = min(deep, calibration.deepest)
     linear, _ = curve(slow_press.small(finger))

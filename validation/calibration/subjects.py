@@ -13,14 +13,19 @@ import numpy as np
 from fefinger.validation.calibration import sensitivity
 from fefinger.validation.calibration.figures import profile
 from fefinger.validation.calibration.report import calibrated, rows
+from fefinger.validation.calibration.subject_target import (
+    FREQUENCIES,
+    SubjectTarget,
+    printed,
+    target_of,
+)
 from fefinger.validation.case import Case, Expected, Noted
 
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
 from fefinger.calibration.curve import Curve, ForceLaw, curve
-from fefinger.calibration.outcome import FREQUENCIES, line, stiffening
+from fefinger.calibration.outcome import line, stiffening
 from fefinger.calibration.slow_press import press
-from fefinger.calibration.targets import SubjectTarget
 from fefinger.scene import library, pawluk1997
 from fefinger.support.arrays import Array
 
@@ -64,7 +69,7 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
 
 def _force(subject: str) -> Iterator[Case]:
     calibration, row = calibrated(subject), pawluk1997.lumped()[subject]
-    sd, _ = line_sd(targets.subject(subject))
+    sd, _ = line_sd(target_of(subject))
     name = f"{subject}: m of stiffness against force of the calibrated finger"
     limits = Expected(row.m, 3 * sd, "1/mm")
     reason = "three standard deviations that VAF_k leaves over these forces"
@@ -81,7 +86,7 @@ def _force(subject: str) -> Iterator[Case]:
 
 
 def _pressed_again(subject: str) -> Iterator[Case]:
-    row, calibration = pad.printed(subject), calibrated(subject)
+    row, calibration = printed(subject), calibrated(subject)
     kept_curve = "the report, whose curves are between presses"
     name = f"{subject}: a new press of the calibrated finger, coarse mesh"
     measure = partial(again, subject)
@@ -90,7 +95,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
     yield Case(
         f"{subject}: b of stiffness against force of a new press, coarse mesh",
         partial(first_stiffness, subject),
-        Expected(calibration.residuals["b"], 3 * line_sd(targets.subject(subject))[1], "N/mm"),
+        Expected(calibration.residuals["b"], 3 * line_sd(target_of(subject))[1], "N/mm"),
         f"{kept_curve}; wanted is Table 2.1",
         wanted=pawluk1997.lumped()[subject].b,
         shortfall=STIFFER,
@@ -128,7 +133,7 @@ def first_stiffness(subject: str) -> Noted:
 
     Over the forces that the new press reaches.
     """
-    calibration, wanted, one = calibrated(subject), targets.subject(subject), fresh(subject)
+    calibration, wanted, one = calibrated(subject), target_of(subject), fresh(subject)
     last = float(one.force(one.deepest)) / calibration.prony.long_time
     force = wanted.force[wanted.force <= last]
     laws = ForceLaw(one, calibration.prony), calibration.law

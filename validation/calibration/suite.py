@@ -18,6 +18,7 @@ from fefinger.validation.calibration import (
     twin,
 )
 from fefinger.validation.calibration.report import calibrated, rows
+from fefinger.validation.calibration.subject_target import target_of
 from fefinger.validation.calibration.subjects import PRINTED
 from fefinger.validation.case import Case, Expected
 
@@ -26,9 +27,9 @@ from fefinger.calibration.calibrate import EXPONENTS
 from fefinger.calibration.curve import curve, family
 from fefinger.calibration.force import Forces
 from fefinger.calibration.inverse import Residual, Unknown, Values, jacobian
-from fefinger.calibration.outcome import ONE_G
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.slow_press import SlowPress, press
+from fefinger.calibration.targets import BIAS
 from fefinger.mechanics import solid
 from fefinger.scene import library
 from fefinger.scene.ask import Ask
@@ -46,7 +47,7 @@ def order() -> float:
     """Return the order of the remainder of Taylor's series with the Jacobian of a fit."""
     finger = twin.start()
     linear = family((1.0,), finger.pad_radius, lambda _: press(finger, "condensed"))
-    forces = Forces(targets.subject("a.h."), linear, 34.0, 3.0, finger.pad_radius)
+    forces = Forces(target_of("a.h."), linear, 34.0, 3.0, finger.pad_radius)
     values = {each.name: each.start for each in forces.unknowns} | {"t_b": 0.02}
     rest = remainders(forces.residual, forces.unknowns, values)
     return float(np.log2(rest[0] / rest[2]) / 2)
@@ -164,13 +165,13 @@ def _of_solid(seeds: int) -> Iterator[Case]:
         limits = Expected(solid_twin.WITHIN[name], 2.0, "seeds")
         source = "the parameters of the twin"
         yield Case(
-            title, measure, limits, source, wanted=seeds - 1, shortfall=ONE_G, reason="as found"
+            title, measure, limits, source, wanted=seeds - 1, shortfall=BIAS, reason="as found"
         )
     for name in solid_twin.TRUTH:
         title = f"twin of solid: {name} over the true one less 1, mean of {seeds} seeds"
         measured = partial(solid_twin.missed, name, seeds)
         limits = Expected(0.0, solid_twin.OFF)
-        yield Case(title, measured, limits, "the parameters of the twin", reason=ONE_G)
+        yield Case(title, measured, limits, "the parameters of the twin", reason=BIAS)
 
 
 def finding() -> dict[str, Any]:

@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 from fefinger.validation.calibration import sensitivity
 from fefinger.validation.calibration.report import ROUND_TIP, round_tip
+from fefinger.validation.calibration.subject_target import printed, target_of
 from fefinger.validation.case import Case, Expected
 from fefinger.validation.human.suite import MANFREDI, RAYLEIGH
 from fefinger.validation.problems.chain import SUBJECTS
 
 from fefinger.calibration import pad_radius as pad
-from fefinger.calibration import slow_press, targets
+from fefinger.calibration import slow_press
 from fefinger.calibration.curve import ForceLaw, curve
 from fefinger.calibration.force import prony_of
 from fefinger.calibration.outcome import stiffening
@@ -130,7 +131,7 @@ def refitted(finger: Finger, law: sensitivity.Laws) -> Finger:
 def figures(step: str, finger: Finger) -> Figures:
     """Press the finger of a subject whose tissue is fitted."""
     assert finger.subject_name is not None
-    wanted, prony = targets.subject(finger.subject_name), finger.prony
+    wanted, prony = target_of(finger.subject_name), finger.prony
     law = ForceLaw(curve(slow_press.press(finger, "solid"))[0], prony)
     fitted = law.stiffness(wanted.force)
     rest = [
@@ -221,9 +222,9 @@ def _fit(subject: str, row: dict[str, Any]) -> Iterator[Case]:
     yield Case(
         f"{subject}: R that the thesis's fit finds",
         partial(row.__getitem__, "radius"),
-        Expected(SHORT[subject][0] if short else pad.printed(subject).radius, 0.5, "mm"),
+        Expected(SHORT[subject][0] if short else printed(subject).radius, 0.5, "mm"),
         source,
-        wanted=pad.printed(subject).radius if short else None,
+        wanted=printed(subject).radius if short else None,
         shortfall=NARROW if short else "",
         reason="rounding of a printed R",
     )

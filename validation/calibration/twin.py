@@ -10,13 +10,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from fefinger.validation.calibration.subject_target import FREQUENCIES
 from fefinger.validation.oracles.synthetic import FORCE_NOISE, POSITION_NOISE
 
 from fefinger.calibration import slow_press
 from fefinger.calibration.array_sensor import ArraySensor
 from fefinger.calibration.calibrate import calibrate
-from fefinger.calibration.outcome import FREQUENCIES, errors
 from fefinger.calibration.record import Calibration
+from fefinger.calibration.targets import errors
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press.placement import on_neighborhood, whole_pad
 from fefinger.mechanics.press.time_steps import time_grid

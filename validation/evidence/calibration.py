@@ -11,10 +11,10 @@ from typing import Any
 from fefinger.validation.calibration import split
 from fefinger.validation.calibration.figures import profile
 from fefinger.validation.calibration.split import PARTS
+from fefinger.validation.calibration.subject_target import calibrate_subject
 from fefinger.validation.problems.chain import SUBJECTS
 from fefinger.validation.provenance import save, saved
 
-from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.record import Calibration
 from fefinger.scene.library import CALIBRATED
 from fefinger.support.arrays import Array
@@ -26,7 +26,7 @@ FORCES = (0.54, 1.1, 2.3)
 
 def row(subject: str) -> dict[str, Any]:
     """Return the calibration of a subject, its split and its profiles."""
-    calibration = calibrate(subject)
+    calibration = calibrate_subject(subject)
     return {
         "calibration": calibration.record(),
         "split": split.table(calibration),
