@@ -138,11 +138,8 @@ def couple(
     finger at `place` (3,) mm, turned by `rotation` (3, 3). geoms: names of geoms with the shape
     that each has for the finger, its frame being the geom's.
 
-    Raises
-    ------
-    InputError
-        For names that the model lacks, geoms with which MuJoCo itself lets the body collide, or a
-        finger of several worlds.
+    Raises InputError for names that the model lacks, geoms with which MuJoCo itself lets the body
+    collide, or a finger of several worlds.
     """
     return Coupling(model, body, geoms, finger, rotation, place)
 

@@ -205,10 +205,7 @@ def _of_texts(label: str, base: str, new: str) -> Iterator[str]:
 def record(*, quick: bool) -> Fingerprint:
     """Answer everything and return what came out; progress goes to standard error.
 
-    Raises
-    ------
-    RuntimeError
-        If a mesh had to be drawn, which would be another one the next time.
+    Raises RuntimeError if a mesh had to be drawn, which would be another one the next time.
     """
     made = Fingerprint(quick)
     with _alone() as folder, threadpool_limits(1, user_api="blas"):

@@ -52,10 +52,8 @@ def module_of(suite: str) -> ModuleType:
 
     A module is looked up in the working folder, and then on the path of Python; its code is run.
 
-    Raises
-    ------
-    InputError
-        No such suite, a module whose code fails, or one without a function `cases`.
+    Raises InputError for no such suite, a module whose code fails, or one without a function
+    `cases`.
     """
     if suite in SUITES:
         return import_module(f"fefinger.validation.{suite}.suite")

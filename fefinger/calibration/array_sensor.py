@@ -42,10 +42,7 @@ class ArraySensor:
     elements per side; pitch mm between centers; sigma mm of the spatial response; noise kPa,
     standard deviation; rate Hz of whole frames.
 
-    Raises
-    ------
-    ValueError
-        A size that is not above 0, or noise below 0.
+    Raises ValueError for a size that is not above 0, or noise below 0.
     """
 
     elements: int = 8
@@ -78,10 +75,8 @@ class ArraySensor:
 
         points (n_points, 2) mm in the plane of the array, areas (n_points,) mm².
 
-        Raises
-        ------
-        ValueError
-            Areas with sides above 1.5 sigma, which do not resolve the response of an element.
+        Raises ValueError for areas with sides above 1.5 sigma, which do not resolve the response of
+        an element.
         """
         points, areas = np.asarray(points, float), np.asarray(areas, float)
         if points.ndim != 2 or points.shape[1] != 2 or areas.shape != points.shape[:1]:

@@ -86,10 +86,7 @@ def solve(
 ) -> Solution:
     """Fit the unknowns from several starts; `residual` is in standard deviations of the data.
 
-    Raises
-    ------
-    ConvergenceError
-        If no start converges.
+    Raises ConvergenceError if no start converges.
     """
     from scipy.optimize import least_squares
 

@@ -47,12 +47,8 @@ class LumpedFit:
 def fit(file: str | Path, *, terms: int = identify.TERMS) -> LumpedFit:
     """Identify the lumped model in both ways from a CSV file, with `terms` exponentials.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read or used; the message names column and row.
-    ConvergenceError
-        If a fit does not converge.
+    Raises InputError if the file cannot be read or used; the message names column and row;
+    ConvergenceError if a fit does not converge.
     """
     time, position, force = read(file)
     try:
@@ -87,11 +83,8 @@ def columns(file: str | Path, units: dict[str, str], *, slow: bool = False) -> A
 
     `slow`: samples may be seconds apart.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a column is missing or in another unit, a number is not
-        finite, or times do not increase.
+    Raises InputError if the file cannot be read, a column is missing or in another unit, a number
+    is not finite, or times do not increase.
     """
     table = read_table(str(file), file)
     places = [_column(table, name, unit) for name, unit in units.items()]

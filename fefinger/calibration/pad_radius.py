@@ -97,10 +97,7 @@ def simulated(law: ForceLaw, *, seed: int | None = None, heaviest: float = HEAVI
 def thesis_fit(frames: Frames) -> PadFit:
     """Fit frames by the procedure of the thesis (Eq. 3.17).
 
-    Raises
-    ------
-    ConvergenceError
-        If the fit does not converge.
+    Raises ConvergenceError if the fit does not converge.
     """
     try:
         fit = fit_fingerpad(frames.depth, frames.pressure, frames.distance)

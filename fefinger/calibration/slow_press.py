@@ -76,12 +76,8 @@ def press(
     `part` is its depth over the thickness of the finger, default PART; `spare`: the
     tangent factorizations of `solid` beyond the usual ones.
 
-    Raises
-    ------
-    InputError
-        If the plate cannot press the finger to that depth.
-    ConvergenceError
-        If fewer than 8 steps are solved.
+    Raises InputError if the plate cannot press the finger to that depth, and ConvergenceError if
+    fewer than 8 steps are solved.
     """
     scene = pressed(finger, part or PART[mechanics])
     place = cache.root() / "presses" / key(scene, mechanics, spare)

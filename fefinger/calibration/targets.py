@@ -297,10 +297,8 @@ def record(file: str | Path, mesh: str) -> RecordTarget:
 
     `mesh` is the resolution of the model to be fitted.
 
-    Raises
-    ------
-    InputError
-        If the file has no usable ramp and hold, other units, or a response unlike a finger's.
+    Raises InputError if the file has no usable ramp and hold, other units, or a response unlike a
+    finger's.
     """
     return made(str(file), *lumped_fit.read(file), mesh)
 
@@ -347,10 +345,7 @@ def check_depth(wanted: RecordTarget, finger: Finger) -> None:
 def unloading(file: str | Path) -> tuple[Array, Array, Array]:
     """Read time s, position mm and force N, each (n,), of a record with unloading, for prediction.
 
-    Raises
-    ------
-    InputError
-        As `lumped_fit.read`, or if the indenter does not return.
+    Raises InputError as `lumped_fit.read`, or if the indenter does not return.
     """
     time, position, force = lumped_fit.read(file, fewest=FEWEST, of="a motion to predict")
     top = int(np.argmax(position))
@@ -371,10 +366,7 @@ def frames(file: str | Path) -> Frames:
     depth is that at the time of every element. The array is aligned by the frame with the largest
     sum, as in section 3.2.1 of the thesis.
 
-    Raises
-    ------
-    InputError
-        Missing columns, times that do not rise, another unit, or no contact.
+    Raises InputError for missing columns, times that do not rise, another unit, or no contact.
     """
     sensor = ArraySensor()
     count = len(sensor.positions)

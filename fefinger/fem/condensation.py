@@ -126,10 +126,7 @@ def condense(solid: Solid, tissues: Mapping[int, Elastic], fixed: Integers) -> C
     Incompressible tissue gets a compressibility of `REDUCED_COMPRESSIBILITY`, so that it can be
     factored.
 
-    Raises
-    ------
-    InputError
-        If the fixed unknowns leave a rigid motion free.
+    Raises InputError if the fixed unknowns leave a rigid motion free.
     """
     space = solid.space
     free = np.setdiff1d(np.arange(space.n_unknowns), fixed)
@@ -167,10 +164,7 @@ def reduce(
 ) -> Reduced:
     """Evaluate the operator on a patch: F, and the strains `strain` @ unknowns of unit loads.
 
-    Raises
-    ------
-    InputError
-        If the patch reaches beyond the palmar part of the pad.
+    Raises InputError if the patch reaches beyond the palmar part of the pad.
     """
     count = len(patch.vertices)
     flexibility = np.zeros((count, count))
@@ -212,10 +206,7 @@ def displaced(operator: Operator, loads: Array | sparse.csc_matrix) -> Array:
 
     The pressure unknowns on the pad itself are zero.
 
-    Raises
-    ------
-    InputError
-        If a load lies outside the palmar part of the pad.
+    Raises InputError if a load lies outside the palmar part of the pad.
     """
     unknowns = np.zeros(loads.shape)
     for part in operator.parts:

@@ -106,12 +106,9 @@ def lowest(
 ) -> Modes:
     """Compute the `count` lowest modes of a body held such that `solve` inverts its stiffness.
 
-    Raises
-    ------
-    InputError
-        If the body has fewer unknowns than modes wanted, or a number that is no count.
-    ConvergenceError
-        If the modes do not converge in a basis of `SLACK` times their number.
+    Raises InputError if the body has fewer unknowns than modes wanted, or a number that is no
+    count, and ConvergenceError if the modes do not converge in a basis of `SLACK` times their
+    number.
     """
     size = mass.shape[0]
     count = int(number("modes", count, at_least=1))

@@ -22,10 +22,7 @@ def height_map(file: Path, pitch: float) -> tuple[Array, Array, Array]:
 
     The places are `pitch` mm apart and cover the surface from its smallest x and y on.
 
-    Raises
-    ------
-    InputError
-        The file cannot be read, or its surface has a hole as seen along z.
+    Raises InputError if the file cannot be read, or its surface has a hole as seen along z.
     """
     import trimesh
 

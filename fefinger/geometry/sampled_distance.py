@@ -35,10 +35,8 @@ def sampled_surface(path: str | Path, pitch: float, margin: float) -> tuple[Arra
 
     Returns the distances (nx, ny, nz) mm, negative inside, and the first point (3,) mm.
 
-    Raises
-    ------
-    InputError
-        If there is no such file, it holds no surface, or the surface is open or inside out.
+    Raises InputError if there is no such file, it holds no surface, or the surface is open or
+    inside out.
     """
     import pyvista as pv
     import trimesh

@@ -53,11 +53,8 @@ class Surface(Profile):
     h counts from the highest place of the grid. `gradient`, if given, returns the derivatives
     (...,) of the height along x and y.
 
-    Raises
-    ------
-    InputError
-        Heights that are not finite, or no array; a surface with a kink, or that rises away from the
-        middle; a gradient of another function.
+    Raises InputError for heights that are not finite, or no array; a surface with a kink, or that
+    rises away from the middle; a gradient of another function.
     """
 
     function: Function

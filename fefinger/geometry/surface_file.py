@@ -91,11 +91,8 @@ class SurfaceFile:
 def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
     """Read and check the closed surface of a finger from an STL, OBJ, PLY or VTK file.
 
-    Raises
-    ------
-    InputError
-        The file is missing, empty or no surface; the surface is open, intersects itself, has a
-        flat side, or is not in mm and in the frame x distal, y radial, z dorsal.
+    Raises InputError if the file is missing, empty or no surface; the surface is open, intersects
+    itself, has a flat side, or is not in mm and in the frame x distal, y radial, z dorsal.
     """
     mesh, notes = read_closed(path, field)
     file = Path(path)

@@ -100,11 +100,8 @@ SHAPES = {
 def checked(response: object, name: str) -> Response:
     """Return the response of a mechanics of a user's own, if its arrays fit each other.
 
-    Raises
-    ------
-    InputError
-        What is no Response, an array of another shape, times that do not increase, or a time,
-        depth or force that is not finite.
+    Raises InputError for what is no Response, an array of another shape, times that do not
+    increase, or a time, depth or force that is not finite.
     """
     if not isinstance(response, Response):
         raise InputError(f"mechanics {name!r}: expected a Response, received {response!r}")

@@ -151,11 +151,8 @@ class Reference:
 
         `drives` names the drive of a type, where it is not DEFAULT_DRIVE.
 
-        Raises
-        ------
-        InputError
-            Unknown types or drives, a type that is missing in this press or whose drive in it is
-            not clearly above zero, or arrays of other shapes.
+        Raises InputError for unknown types or drives, a type that is missing in this press or whose
+        drive in it is not clearly above zero, or arrays of other shapes.
         """
         for kind in types:
             choice("types", kind, TYPES)
@@ -201,10 +198,7 @@ def equivalent_displacements(
     As `driven_displacements`, with the lengths of a reference press, so that a flat probe gives the
     one-dimensional case of the thesis. `drives`: drive per type, where it is not DEFAULT_DRIVE.
 
-    Raises
-    ------
-    InputError
-        As `driven_displacements` and `Reference.lengths`.
+    Raises InputError as `driven_displacements` and `Reference.lengths`.
     """
     lengths = reference.lengths(types, drives)
     chosen = {**DEFAULT_DRIVE, **(drives or {})}

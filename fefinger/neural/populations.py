@@ -31,11 +31,8 @@ ATTEMPTS = 200
 class Surface:
     """A piece of skin: points (n, 3) mm, unit outward normals (n, 3), areas (n,) mm² per point.
 
-    Raises
-    ------
-    InputError
-        Fewer points than NEIGHBORS, arrays that do not fit, normals that are not unit vectors,
-        areas that are negative or all zero.
+    Raises InputError for fewer points than NEIGHBORS, arrays that do not fit, normals that are not
+    unit vectors, areas that are negative or all zero.
     """
 
     points: Array
@@ -129,10 +126,8 @@ def scatter(
     the density times the area, rounded. Each type has its own random stream, so that leaving one
     out does not move the others; the surface has no influence, so that another mesh moves none.
 
-    Raises
-    ------
-    InputError
-        An unknown type, a density that is not above 0, or a disc too small for one unit.
+    Raises InputError for an unknown type, a density that is not above 0, or a disc too small for
+    one unit.
     """
     area = 0.01 * np.pi * number("radius", radius, above=0.0, unit="mm") ** 2
     types: list[str] = []

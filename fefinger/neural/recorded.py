@@ -81,10 +81,7 @@ class Recorded:
     `latency` after threshold, and a normal time of mean 0 and standard deviation `jitter` that is
     never beyond the latency: never before threshold, nor within `refractory` of the last.
 
-    Raises
-    ------
-    InputError
-        An unknown drive or a parameter out of its bounds.
+    Raises InputError for an unknown drive or a parameter out of its bounds.
     """
 
     drive: str

@@ -51,11 +51,8 @@ def read(path: str | PathLike[str]) -> Signals:
     positive into the skin, strain positive where it excites: compression for SAI and FAII, stretch
     of the skin for SAII and FAI.
 
-    Raises
-    ------
-    InputError
-        A file or a header that cannot be read, two columns with one name, a value that is not a
-        number, times that are not sorted, signals beyond LARGEST_MM or LARGEST_STRAIN.
+    Raises InputError for a file or a header that cannot be read, two columns with one name, a value
+    that is not a number, times that are not sorted, signals beyond LARGEST_MM or LARGEST_STRAIN.
     """
     table = read_table(str(path), path)
     header = table.header

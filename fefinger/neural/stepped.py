@@ -70,11 +70,8 @@ class SteppedUnits:
         The inputs of the units are linear within the step; a step of `dt` 0 is a jump. A step
         longer than `longest` is taken in equal parts, so that none of its spikes is lost.
 
-        Raises
-        ------
-        InputError
-            A strain of another shape or not finite, or an invalid `dt`: the state is then
-            unchanged.
+        Raises InputError for a strain of another shape or not finite, or an invalid `dt`: the state
+        is then unchanged.
         """
         if not 0.0 <= dt < math.inf:
             number("dt", dt, at_least=0, unit="s")

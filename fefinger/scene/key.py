@@ -150,10 +150,7 @@ def check(record: Any, *names: str) -> None:
     By default all of them; messages call them after the `table` of the record. Where None is the
     default the record fills it in, or does without.
 
-    Raises
-    ------
-    InputError
-        A value of another type, outside its limits or not among its words.
+    Raises InputError for a value of another type, outside its limits or not among its words.
     """
     known = keys_of(type(record))
     for name in names or known:

@@ -272,10 +272,8 @@ TISSUE_SETS |= {f"{name}{VISCOUS}": partial(_viscous, name) for name in tuple(TI
 def tissue_set(name: str) -> TissueSet:
     """Return the tissue set called `name`, or the one in a file that ends in .toml.
 
-    Raises
-    ------
-    InputError
-        An unknown name (the message suggests the nearest one), or a file without a tissue set.
+    Raises InputError for an unknown name (the message suggests the nearest one), or a file without
+    a tissue set.
     """
     if isinstance(name, str) and name.endswith(TISSUE_FILE):
         return _tissue_file(name)

@@ -31,11 +31,8 @@ def read_relief(file: Path, pitch: float | None, height: float | None) -> tuple[
     between its pixels, x to the right and y upward about its middle, and `height` mm from black to
     white. An STL (mm, z toward the finger) is sampled every `pitch` mm from its first corner on.
 
-    Raises
-    ------
-    InputError
-        The file cannot be read or used, its places do not fill a grid, or pitch or height are
-        missing, or one too many.
+    Raises InputError if the file cannot be read or used, its places do not fill a grid, or pitch or
+    height are missing, or one too many.
     """
     check_input("indenter.file", file, "a file of heights")
     kind = file.suffix.lower()

@@ -258,10 +258,7 @@ class SampledMotion(Motion):
         Its full scale is `amplitude` in mm or, with control = "force", in N; the preload is reached
         within `settle` s, and held as long. Of several channels the first is taken.
 
-        Raises
-        ------
-        InputError
-            No WAV file, or one without sound.
+        Raises InputError for no WAV file, or one without sound.
         """
         amplitude = number("motion.amplitude", amplitude, above=0)
         preload = number("motion.preload", preload, above=0)

@@ -263,10 +263,7 @@ def _dense(outline: Array, step: float) -> Array:
 def cells(text: str) -> Iterator[tuple[int, ...]]:
     """Yield the dots of every cell of a text, from 0.
 
-    Raises
-    ------
-    InputError
-        For a character that the table lacks.
+    Raises InputError for a character that the table lacks.
     """
     in_number = False
     for character in text.lower():

@@ -49,10 +49,7 @@ def as_input_error(place: str | PathLike[str]) -> Iterator[None]:
 def in_place(path: str | PathLike[str]) -> Iterator[Path]:
     """Yield a temporary name beside `path`; move the file to `path` after the enclosed block.
 
-    Raises
-    ------
-    InputError
-        A file that cannot be written; nothing is left of it.
+    Raises InputError for a file that cannot be written; nothing is left of it.
     """
     with as_input_error(path), moved(Path(path)) as new:
         yield new
@@ -64,10 +61,7 @@ def together(folder: str | PathLike[str], texts: Mapping[str, str]) -> Iterator[
 
     All files appear after the block has finished; none appears if it fails.
 
-    Raises
-    ------
-    InputError
-        A folder that cannot be written to.
+    Raises InputError for a folder that cannot be written to.
     """
     with as_input_error(folder), ExitStack() as opened:
         for name, text in texts.items():

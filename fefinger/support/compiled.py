@@ -74,10 +74,7 @@ def callback(function: Callable[..., Any], numbers: int, results: int) -> Any:
 
     Its arguments are so many `numbers` and an array (n,), and it returns so many `results`.
 
-    Raises
-    ------
-    TypeError
-        A function that numba does not compile.
+    Raises TypeError for a function that numba does not compile.
     """
     from numba import cfunc, float64, types
     from numba.core.errors import NumbaError

@@ -231,10 +231,7 @@ def cores() -> int:
 def threads() -> int:
     """Count the threads that computations of this process may use: its cores, or fewer by THREADS.
 
-    Raises
-    ------
-    InputError
-        If THREADS is no positive number.
+    Raises InputError if THREADS is no positive number.
     """
     limit = os.environ.get(THREADS, "")
     if not limit:

@@ -243,10 +243,8 @@ def load_plugin(name: str, folder: Path | None = None) -> None:
 
     Only what the module itself defines is registered. Its code is run.
 
-    Raises
-    ------
-    InputError
-        No such module, one whose code fails, another module of this name, or a name that is taken.
+    Raises InputError for no such module, one whose code fails, another module of this name, or a
+    name that is taken.
     """
     if not isinstance(name, str) or not all(part.isidentifier() for part in name.split(".")):
         raise InputError(f"plugins: expected names of Python modules, received {name!r}")

@@ -88,10 +88,7 @@ class Pad:
     def pressure(self, shape: Shape, depth: float) -> Array:
         """Pressure (n, n) in kPa under a rigid object `depth` mm deep.
 
-        Raises
-        ------
-        ConvergenceError
-            If the gap in contact stays above TOLERANCE of the depth.
+        Raises ConvergenceError if the gap in contact stays above TOLERANCE of the depth.
         """
         gap = self.gap(shape) - depth
         start = np.where(gap < 0, -self.layers.surface[0] * gap, 0.0)

@@ -102,11 +102,8 @@ def realize(organ: PoleZero, *, nerve: float = 1.0) -> Chain:
 
     The inverse of `Chain.displacement_filter`, by partial fractions of x_in / x_nerve.
 
-    Raises
-    ------
-    InputError
-        Where no springs and dampers have this filter: zeros and poles that do not interlace, as in
-        the FAI and FAII filters of the thesis, or a gain that is not between 0 and 1.
+    Raises InputError where no springs and dampers have this filter: zeros and poles that do not
+    interlace, as in the FAI and FAII filters of the thesis, or a gain that is not between 0 and 1.
     """
     nerve = number("nerve", nerve, above=0.0, unit="mN/mm")
     z, p = np.sort(organ.zeros), np.sort(organ.poles)
@@ -160,10 +157,7 @@ def under_force(organ: PoleZero, *, nerve: float, parallel: float) -> PoleZero |
     force = (K_parallel + K_nerve H) x_in, hence H / (K_parallel + K_nerve H). For filters that no
     chain realizes, as FAI and FAII; their poles become complex when the nerve spring is strong.
 
-    Raises
-    ------
-    InputError
-        Springs that are not positive, or two poles that coincide.
+    Raises InputError for springs that are not positive, or two poles that coincide.
     """
     nerve = number("nerve", nerve, above=0.0, unit="mN/mm")
     parallel = number("parallel", parallel, at_least=0.0, unit="mN/mm")

@@ -35,10 +35,8 @@ def scan(
     The pressure is linear between the times and read from `time[0]` on; only whole frames are
     returned. `seed` is that of the noise; None: without noise.
 
-    Raises
-    ------
-    ValueError
-        Shapes that do not match, times that do not increase, or less than one frame.
+    Raises ValueError for shapes that do not match, times that do not increase, or less than one
+    frame.
     """
     time = elastic.numbers("time", "times", time)
     element_pressure = elastic.numbers("element_pressure", "pressures", element_pressure)

@@ -86,10 +86,7 @@ class OwnObstacle:
     given: any object with an `axis` (3,) and `gap(points)` as of `Rigid`; perhaps `beyond(points)`
     and an `origin` (3,) mm, the point of first touch.
 
-    Raises
-    ------
-    InputError
-        If it has no axis of three finite numbers, or no gap.
+    Raises InputError if it has no axis of three finite numbers, or no gap.
     """
 
     given: Any

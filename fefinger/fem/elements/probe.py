@@ -30,10 +30,7 @@ def strain_at(space: Space, points: Array, planes: Sequence[int] = ()) -> sparse
     the axes across whose coordinate plane the body goes on as its mirror image: a point on one gets
     the mean with its image.
 
-    Raises
-    ------
-    InputError
-        If a point (n_points, 3) mm lies outside the body.
+    Raises InputError if a point (n_points, 3) mm lies outside the body.
     """
     return symmetric_part(len(points)) @ gradient_at(space, points, planes)
 
@@ -100,10 +97,7 @@ def locate(space: Space, points: Array) -> tuple[Integers, Integers, Array]:
 
     Points are numbered in order; a point on a face, edge or vertex has an entry for each cell.
 
-    Raises
-    ------
-    InputError
-        If a point (n_points, 3) mm lies outside the body.
+    Raises InputError if a point (n_points, 3) mm lies outside the body.
     """
     owners, cells, local = [], [], []
     for k, (near, weights) in enumerate(_around(space, points)):

@@ -38,10 +38,7 @@ def recovered_strain_at(
 
     `planes` are the axes across whose coordinate plane the body goes on as its mirror image.
 
-    Raises
-    ------
-    InputError
-        If a point (n_points, 3) mm lies outside the body.
+    Raises InputError if a point (n_points, 3) mm lies outside the body.
     """
     return symmetric_part(len(points)) @ recovered_gradient_at(space, points, planes)
 

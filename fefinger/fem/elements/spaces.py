@@ -117,10 +117,7 @@ class Space:
     def edge_nodes(self, triangles: Integers) -> Integers:
         """Edge nodes (n_triangles, 3) of vertex triples, on the edges 01, 12 and 02.
 
-        Raises
-        ------
-        KeyError
-            If a triangle has an edge that is not an edge of the mesh.
+        Raises KeyError if a triangle has an edge that is not an edge of the mesh.
         """
         pairs = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]], axis=2)
         keys = self._edge_key(*np.moveaxis(pairs, 2, 0))

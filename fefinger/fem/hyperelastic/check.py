@@ -64,10 +64,7 @@ def uniaxial(law: Law | str, stretch: Array, **parameters: float) -> Array:
     stretch: (n,) of a bar that is pulled or pressed along its axis. The stress comes from the
     elements.
 
-    Raises
-    ------
-    InputError
-        An unknown law, or parameters that are not its own.
+    Raises InputError for an unknown law, or parameters that are not its own.
     """
     chosen = law if isinstance(law, Law) else LAWS.named("law", law)
     material = Material(1.0, 0.0, chosen, chosen.values(parameters))

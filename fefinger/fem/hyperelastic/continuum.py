@@ -183,10 +183,7 @@ def continuum(
 
     `soft` are the labels whose stiffness sets the scale, all by default.
 
-    Raises
-    ------
-    InputError
-        If a cell has no volume.
+    Raises InputError if a cell has no volume.
     """
     corners = space.points[space.cells]
     if not (np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) > 0).all():

@@ -100,10 +100,7 @@ class Anderson:
     def next(self, point: Array, change: Array) -> Array:
         """Return the next point (n,) after `point`, which the iteration would move by `change`.
 
-        Raises
-        ------
-        ConvergenceError
-            If changes have grown beyond numbers.
+        Raises ConvergenceError if changes have grown beyond numbers.
         """
         self.points = [*self.points, point][-self.depth :]
         self.changes = [*self.changes, change][-self.depth :]

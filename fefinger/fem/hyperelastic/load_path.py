@@ -125,11 +125,8 @@ def follow(
     the first time, whose value is reached by a jump. Without an `allowance` the number of
     factorizations has no limit.
 
-    Raises
-    ------
-    ConvergenceError
-        If a step does not converge after SPLITS splits, or takes more than the allowance has
-        left; all before it has been observed.
+    Raises ConvergenceError if a step does not converge after SPLITS splits, or takes more than the
+    allowance has left; all before it has been observed.
     """
     body, contact = equilibrium.body, equilibrium.contact
     state = State(np.zeros(body.space.n_unknowns), np.zeros(len(contact)), 0.0)

@@ -63,10 +63,7 @@ def material_of(elastic: Elastic, law: str = "neo-hookean", **parameters: float)
 def compiled(law: Law) -> CompiledLaw:
     """Compile a law, or read it from the cache of numba.
 
-    Raises
-    ------
-    InputError
-        A function that numba does not compile.
+    Raises InputError for a function that numba does not compile.
     """
     try:
         function: CompiledLaw = callback(law.density, numbers=2, results=6)

@@ -127,12 +127,8 @@ class Equilibrium:
     def find(self, start: State, target: Target) -> State:
         """Solve for the equilibrium of one load step, starting from the state `start`.
 
-        Raises
-        ------
-        ConvergenceError
-            If it is not reached; the step was too large for the body or the contact.
-        Exhausted
-            If it takes more factors than are allowed.
+        Raises ConvergenceError if it is not reached; the step was too large for the body or the
+        contact; Exhausted if it takes more factors than are allowed.
         """
         if not target.by_force:
             start = replace(start, depth=target.value)
@@ -258,10 +254,7 @@ class Equilibrium:
         subtracts the force of this support again. Unless `consistent`, the positive definite
         tangent is factored instead, which needs no support.
 
-        Raises
-        ------
-        ConvergenceError
-            If it is singular.
+        Raises ConvergenceError if it is singular.
         """
         body, gain = self.body, target.history.gain
         pressed = iterate.state.pressure > 0
@@ -314,10 +307,7 @@ class Equilibrium:
         least of its multiples by powers of STRIDE with which it is stable. Under force control
         there is no support, and the share is 1.
 
-        Raises
-        ------
-        ConvergenceError
-            If it is singular.
+        Raises ConvergenceError if it is singular.
         """
         body, projected = self.body, self.contact.projected
         values = iterate.state.values

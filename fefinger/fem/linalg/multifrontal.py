@@ -125,10 +125,8 @@ class Assembly:
 def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Factor:
     """Factor a symmetric quasi-definite matrix (n, n), given in the order of its unknowns.
 
-    Raises
-    ------
-    InputError
-        If a pivot block is not definite: part of the body is not held, or a cell is degenerate.
+    Raises InputError if a pivot block is not definite: part of the body is not held, or a cell is
+    degenerate.
     """
     order = dissection.order
     arranged = matrix[order][:, order].tocsr()

@@ -93,10 +93,7 @@ def factor(
 ) -> ApproximateFactor:
     """Factor a symmetric matrix (n, n), given in the order of its unknowns.
 
-    Raises
-    ------
-    InputError
-        If a pivot block is singular, or a number beyond the precision.
+    Raises InputError if a pivot block is singular, or a number beyond the precision.
     """
     order = dissection.order
     arranged = matrix[order][:, order].tocsr()

@@ -83,10 +83,7 @@ class System:
     def approximate_factor(self) -> ApproximateFactor:
         """Approximate factor of the matrix at rest, cached; see the function of this name.
 
-        Raises
-        ------
-        InputError
-            If the matrix is singular.
+        Raises InputError if the matrix is singular.
         """
         return approximate_factor(self.matrix, self, held=True)
 
@@ -97,11 +94,8 @@ class System:
         `prescribed` gives the values of the fixed unknowns, (n_fixed,) or (n_fixed, k); without it
         they are zero.
 
-        Raises
-        ------
-        ConvergenceError
-            If the relative residual stays above `tolerances.LINEAR_RESIDUAL` or, where rounding
-            allows no less, above `tolerances.FORCE_BALANCE`.
+        Raises ConvergenceError if the relative residual stays above `tolerances.LINEAR_RESIDUAL`
+        or, where rounding allows no less, above `tolerances.FORCE_BALANCE`.
         """
         right = loads[self.free]
         if prescribed is not None:
@@ -152,10 +146,7 @@ class System:
 def factor(space: Space, matrix: sparse.csr_matrix, fixed: Integers) -> System:
     """Build and factor the system of `matrix` of `space`, with the unknowns `fixed` prescribed.
 
-    Raises
-    ------
-    InputError
-        If the fixed unknowns leave a rigid motion free, or a cell is degenerate.
+    Raises InputError if the fixed unknowns leave a rigid motion free, or a cell is degenerate.
     """
     system = prepare(space, matrix, fixed)
     _ = system.solver  # factor now, so that a singular system is reported here
@@ -185,10 +176,7 @@ def approximate_factor(
     In single precision or, where that fails, in double. With `held`, the factor also fails where
     it does not solve for rigid motions, as in a body without held facets.
 
-    Raises
-    ------
-    InputError
-        If it is singular, or beyond double precision.
+    Raises InputError if it is singular, or beyond double precision.
     """
     close = system.neighbor(matrix)
     rigid = system.rigid if held else np.empty((len(system.free), 0))

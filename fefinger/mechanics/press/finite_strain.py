@@ -100,15 +100,9 @@ def respond(
 
     allowance: limit on tangent factorizations, by default BUDGET.
 
-    Raises
-    ------
-    InputError
-        If the indenter does not touch the pad, or goes deeper than the tissue or the pad allows.
-    Stopped
-        If an equilibrium is not reached, or takes more than the allowance; it holds the Response of
-        the steps before.
-    ConvergenceError
-        If that are fewer than WORTH.
+    Raises InputError if the indenter does not touch the pad, or goes deeper than the tissue or the
+    pad allows; Stopped if an equilibrium is not reached, or takes more than the allowance; it holds
+    the Response of the steps before; ConvergenceError if that are fewer than WORTH.
     """
     stages = Stages(progress)
     press = Press.of(scene, FINITE_STRAIN, stages, mechanics=mechanics, notes=notes)

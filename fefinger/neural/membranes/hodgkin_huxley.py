@@ -111,10 +111,7 @@ class HodgkinHuxley:
         (shorter ones count as 1 s). Spikes that a slow oscillation near threshold causes are
         exponentially sensitive: no step bounds their error.
 
-        Raises
-        ------
-        InputError
-            A tolerance below a billionth of the run.
+        Raises InputError for a tolerance below a billionth of the run.
         """
         least = _FINEST * max(1.0, seconds)
         wanted = 1e3 * _FINEST * number("tolerance", tolerance, at_least=least, unit="s") / least

@@ -139,10 +139,8 @@ def relative_radius(*radii: float) -> float:
 
     A flat surface has an infinite Ri, a hollow one a negative Ri. Pawluk (1997), section 3.5.
 
-    Raises
-    ------
-    ValueError
-        A radius of 0, or conforming surfaces, which do not touch first in a point.
+    Raises ValueError for a radius of 0, or conforming surfaces, which do not touch first in a
+    point.
     """
     if not radii or any(radius == 0 or math.isnan(radius) for radius in radii):
         raise ValueError(f"radii: expected radii in mm other than 0, received {list(radii)}")

@@ -37,10 +37,7 @@ def moments(
 
     triangles (m, 3); areas (m,) mm², which may be larger than their projection on the plane.
 
-    Raises
-    ------
-    ValueError
-        A pressure with a force of 0 or less.
+    Raises ValueError for a pressure with a force of 0 or less.
     """
     corners, areas = np.asarray(triangles), elastic.numbers("moments", "areas", areas)
     at = elastic.numbers("moments", "places", places)[corners]

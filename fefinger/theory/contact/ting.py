@@ -134,10 +134,7 @@ class NestedContact:
     def advance(self, dt: float, depth: float) -> None:
         """Move the indenter to a depth in mm within dt >= 0 s, at a constant rate.
 
-        Raises
-        ------
-        ValueError
-            A depth beyond the deepest; nothing has moved then.
+        Raises ValueError for a depth beyond the deepest; nothing has moved then.
         """
         if depth > self.deepest * (1 + SAME):
             raise ValueError(
@@ -152,10 +149,7 @@ class NestedContact:
 
         elastic: the force of the body over these nodes and this measure.
 
-        Raises
-        ------
-        ValueError
-            A force that presses deeper than the deepest; nothing has moved then.
+        Raises ValueError for a force that presses deeper than the deepest; nothing has moved then.
         """
         gain, past, *factors = self._past(dt)
         onset = gain * self.measure - past
@@ -350,11 +344,8 @@ def press_by_force(
 
     At zero force the indenter just touches.
 
-    Raises
-    ------
-    ValueError
-        As `press_by_depth`; also for a force below zero, and an elastic one that does not rise
-        with depth, but for the first nodes, where it may stay 0.
+    Raises ValueError as `press_by_depth`; also for a force below zero, and an elastic one that does
+    not rise with depth, but for the first nodes, where it may stay 0.
     """
     time, force = checked_signal("force", time, force)
     steps = np.diff(elastic.values)

@@ -82,10 +82,7 @@ def thesis(
     A 9 point average, the derivative by 5 points, a line through stiffness against force (Eq. 2.4)
     for m and b, x0 by least squares with these, and `terms` exponentials through the hold.
 
-    Raises
-    ------
-    ValueError
-        A record without a usable ramp and hold (see `ramp_hold.split`).
+    Raises ValueError for a record without a usable ramp and hold (see `ramp_hold.split`).
     """
     _check_terms(terms)
     record = split(time, position, force)
@@ -180,12 +177,8 @@ def joint(
     both are estimated from the record. The search starts from the rates of the hold and from rates
     at equal ratios.
 
-    Raises
-    ------
-    ValueError
-        A record without a usable ramp and hold.
-    RuntimeError
-        A fit that does not converge.
+    Raises ValueError for a record without a usable ramp and hold, and RuntimeError for a fit that
+    does not converge.
     """
     _check_terms(terms)
     record = split(time, position, force)
@@ -253,10 +246,7 @@ def _best(record: RampHold, starts: list[Array]) -> "OptimizeResult":
 
     Each fit has its own weights, by which a diverged fit may look good.
 
-    Raises
-    ------
-    RuntimeError
-        If all fits leave the range that can be computed.
+    Raises RuntimeError if all fits leave the range that can be computed.
     """
     t, x, f, _ = averages(record)
     fits, reason = [], ""

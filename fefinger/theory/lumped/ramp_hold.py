@@ -53,12 +53,9 @@ class RampHold:
 def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
     """Check a record and find its ramp and hold.
 
-    Raises
-    ------
-    ValueError
-        Shapes that do not match, times that do not increase, values that are not finite, no
-        contact, no hold, fewer than 20 samples in the ramp in contact or in the hold, or contact
-        from the first sample on.
+    Raises ValueError for shapes that do not match, times that do not increase, values that are not
+    finite, no contact, no hold, fewer than 20 samples in the ramp in contact or in the hold, or
+    contact from the first sample on.
     """
     time, position, force = (np.asarray(values, float) for values in (time, position, force))
     _check(time, position, force)
@@ -184,10 +181,7 @@ def derivative(x: Array, y: Array) -> Array:
 
     The points need not be equally spaced; it is exact for polynomials up to degree 4.
 
-    Raises
-    ------
-    ValueError
-        Fewer than 5 points, or two equal x among 5 neighbors.
+    Raises ValueError for fewer than 5 points, or two equal x among 5 neighbors.
     """
     if len(x) < 5:
         raise ValueError(f"derivative: expected at least 5 points, received {len(x)}")
