@@ -8,10 +8,12 @@ noise of 0.5 kPa. Lengths in mm, pressures in kPa, times in s. Source: Pawluk (1
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fefinger.calibration import lumped_fit
 from fefinger.geometry.profiles import directions
 from fefinger.results.pressure import cuts, net
 from fefinger.results.records import Pad
@@ -31,6 +33,12 @@ PER_SIGMA = 3.0
 COARSEST = 1.5
 """Largest spacing of points over sigma: the error of their sum as an integral of the Gaussian is
 then 2 exp(-2 pi² sigma² / spacing²) = 3e-4 (Poisson summation)."""
+
+FEWEST = 4
+"""Fewest frames of a press, for three fitted parameters."""
+
+PRESSURE = (1.0, 500.0)
+"""Range in kPa of the largest reading of an array on a finger."""
 
 TABLE = 120  # number of contact radii, and of distances, in the table of the blurred pressure
 
@@ -235,3 +243,54 @@ def plane(indenter: Indenter, points: Array) -> Array:
         msg = f"indenter: expected a plate to put the array on, received a {indenter.kind}"
         raise InputError(msg)
     return np.asarray(points @ directions(direction(indenter.flat)).T)
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Readings of an array in a slow press.
+
+    depth (n_t, n) mm, pressure (n_t, n) kPa of elements at distance (n,) mm from the center of
+    contact.
+    """
+
+    depth: Array
+    pressure: Array
+    distance: Array
+
+
+def frames(file: str | Path) -> Frames:
+    """Read the frames of the array from a CSV file: time, position (mm from touch), p1 ... p64.
+
+    One frame per row, in kPa, read element by element in the row order of the array, so that the
+    depth is that at the time of every element. The array is aligned by the frame with the largest
+    sum, as in section 3.2.1 of the thesis.
+
+    Raises InputError for missing columns, times that do not rise, another unit, or no contact.
+    """
+    sensor = ArraySensor()
+    count = len(sensor.positions)
+    units = {"time": "s", "position": "mm"} | {f"p{i}": "kPa" for i in range(1, count + 1)}
+    table = lumped_fit.columns(file, units, slow=True)
+    time, depth, pressure = table[:, 0], table[:, 1], table[:, 2:]
+    if len(table) < FEWEST:
+        msg = f"{file}: expected {FEWEST} frames or more of a slow press, received {len(table)}"
+        raise InputError(msg)
+    (low, high), largest = PRESSURE, float(pressure.max())
+    if largest <= 0:
+        raise InputError(f"{file}: p1 ... : expected pressures above 0 in contact, received none")
+    if not low <= largest <= high:
+        raise InputError(
+            f"{file}: p1 ... : expected kPa, with a largest pressure of {low:g} to {high:g}, "
+            f"received {largest:.3g}, as if it were in {'MPa' if largest < low else 'Pa'}; convert "
+            "the columns"
+        )
+    reached = np.interp(time[:, None] + sensor.delays, time, depth)
+    return aligned(reached, pressure, sensor)
+
+
+def aligned(depth: Array, pressure: Array, sensor: ArraySensor) -> Frames:
+    """Center frames (n_t, n) mm and kPa on the center of pressure of the one of largest sum."""
+    heaviest = np.maximum(pressure[int(np.argmax(pressure.sum(axis=1)))], 0.0)
+    center = heaviest @ sensor.positions / heaviest.sum()
+    distance = np.hypot(*(sensor.positions - center).T)
+    return Frames(depth, pressure, distance)

@@ -13,8 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
+from fefinger.calibration import array_sensor, targets
 from fefinger.calibration import pad_radius as pad
-from fefinger.calibration import targets
+from fefinger.calibration.array_sensor import Frames
 from fefinger.calibration.curve import Family, family
 from fefinger.calibration.force import SHAPE, Forces
 from fefinger.calibration.inverse import solve
@@ -22,7 +23,7 @@ from fefinger.calibration.outcome import AGREES, FitResult, checked, outcome, re
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import PART
-from fefinger.calibration.targets import Frames, Target
+from fefinger.calibration.targets import Target
 from fefinger.scene.finger import RESOLUTIONS, Finger
 from fefinger.support.checks import InputError, choice
 from fefinger.support.progress import Progress
@@ -121,7 +122,7 @@ def calibrate(
         record = targets.record(source, resolution)
         targets.check_depth(record, finger)
         misfit(record.lumped_misfit)
-    measured = None if frames is None else targets.frames(frames)
+    measured = None if frames is None else array_sensor.frames(frames)
     predicted = None if check is None else targets.unloading(check)
     calibration = Search(work, record, measured).calibration(mechanics)
     refuse_gross(calibration, record)

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fefinger.calibration.array_sensor import ArraySensor, fit_fingerpad
+from fefinger.calibration.array_sensor import ArraySensor, Frames, aligned, fit_fingerpad
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.force import RADII
-from fefinger.calibration.targets import Frames, aligned
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.relaxation import Prony, hereditary_integral

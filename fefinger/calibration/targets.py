@@ -10,7 +10,6 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from fefinger.calibration import lumped_fit
-from fefinger.calibration.array_sensor import ArraySensor
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.inverse import Unknown, Values
 from fefinger.scene import library, pawluk1997
@@ -34,11 +33,7 @@ RETURN = 0.1
 """Smallest return of the indenter over its travel for a record to count as unloading."""
 
 FEWEST = 4
-"""Fewest frames of a press, for three fitted parameters."""
-
-PRESSURE = (1.0, 500.0)
-"""Range in kPa of the largest reading of an array on a finger."""
-
+"""Fewest samples of a motion to predict."""
 
 ONE_G = 1e-3
 """Least standard deviation of a sample, over the largest force of a record.
@@ -233,19 +228,6 @@ class RecordTarget:
         return force(self.lumped.spring, self.lumped.prony, self.time, self.position)
 
 
-@dataclass(frozen=True)
-class Frames:
-    """Readings of an array in a slow press.
-
-    depth (n_t, n) mm, pressure (n_t, n) kPa of elements at distance (n,) mm from the center of
-    contact.
-    """
-
-    depth: Array
-    pressure: Array
-    distance: Array
-
-
 MESH = {"coarse": 4.3e-3, "standard": 3e-3, "fine": 3e-3}
 """Relative standard deviation of a force due to the model's mesh, by resolution.
 
@@ -357,44 +339,6 @@ def unloading(file: str | Path) -> tuple[Array, Array, Array]:
             f"loading was fitted, received one that returns {back:.3g} of {way:.3g} mm"
         )
     return time, position, force
-
-
-def frames(file: str | Path) -> Frames:
-    """Read the frames of the array from a CSV file: time, position (mm from touch), p1 ... p64.
-
-    One frame per row, in kPa, read element by element in the row order of the array, so that the
-    depth is that at the time of every element. The array is aligned by the frame with the largest
-    sum, as in section 3.2.1 of the thesis.
-
-    Raises InputError for missing columns, times that do not rise, another unit, or no contact.
-    """
-    sensor = ArraySensor()
-    count = len(sensor.positions)
-    units = {"time": "s", "position": "mm"} | {f"p{i}": "kPa" for i in range(1, count + 1)}
-    table = lumped_fit.columns(file, units, slow=True)
-    time, depth, pressure = table[:, 0], table[:, 1], table[:, 2:]
-    if len(table) < FEWEST:
-        msg = f"{file}: expected {FEWEST} frames or more of a slow press, received {len(table)}"
-        raise InputError(msg)
-    (low, high), largest = PRESSURE, float(pressure.max())
-    if largest <= 0:
-        raise InputError(f"{file}: p1 ... : expected pressures above 0 in contact, received none")
-    if not low <= largest <= high:
-        raise InputError(
-            f"{file}: p1 ... : expected kPa, with a largest pressure of {low:g} to {high:g}, "
-            f"received {largest:.3g}, as if it were in {'MPa' if largest < low else 'Pa'}; convert "
-            "the columns"
-        )
-    reached = np.interp(time[:, None] + sensor.delays, time, depth)
-    return aligned(reached, pressure, sensor)
-
-
-def aligned(depth: Array, pressure: Array, sensor: ArraySensor) -> Frames:
-    """Center frames (n_t, n) mm and kPa on the center of pressure of the one of largest sum."""
-    heaviest = np.maximum(pressure[int(np.argmax(pressure.sum(axis=1)))], 0.0)
-    center = heaviest @ sensor.positions / heaviest.sum()
-    distance = np.hypot(*(sensor.positions - center).T)
-    return Frames(depth, pressure, distance)
 
 
 def _check_finger(name: str, parts: RampHold, lumped: Identification) -> None:

@@ -76,3 +76,13 @@ def in_place(path: str | PathLike[str]) -> Iterator[Path]:
     except OSError as error:
         msg = f"{path}: cannot be written: {error.strerror or error}; choose another file"
         raise InputError(msg) from None
+
+
+def equal(one: Any, other: Any) -> bool:
+    """Whether two values of a field are equal; tuples and arrays element by element."""
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(equal, one, other))
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        both = one is not None and other is not None
+        return both and np.array_equal(one, other, equal_nan=True)
+    return bool(one == other)

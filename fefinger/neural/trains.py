@@ -15,6 +15,7 @@ from fefinger.neural.train_files import (
     NPZ_FORMAT,
     PER_UNIT,
     SIGNALS,
+    equal,
     fields_of,
     in_place,
     of_extra,
@@ -134,7 +135,7 @@ class SpikeTrains:
         if not isinstance(other, SpikeTrains):
             return NotImplemented
         return all(
-            _equal(getattr(self, each.name), getattr(other, each.name)) for each in fields(self)
+            equal(getattr(self, each.name), getattr(other, each.name)) for each in fields(self)
         )
 
     def __hash__(self) -> int:
@@ -397,13 +398,3 @@ def _provenance(trains: SpikeTrains) -> dict[str, Any]:
 def _whole(value: int) -> int | str:
     """Return a whole number of 0 or more, as text where it has more bits than files hold."""
     return value if value <= np.iinfo(np.int64).max else str(value)
-
-
-def _equal(one: Any, other: Any) -> bool:
-    """Whether two values of a field are equal; tuples and arrays element by element."""
-    if isinstance(one, tuple) and isinstance(other, tuple):
-        return len(one) == len(other) and all(map(_equal, one, other))
-    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
-        both = one is not None and other is not None
-        return both and np.array_equal(one, other, equal_nan=True)
-    return bool(one == other)

@@ -117,7 +117,6 @@ NOT_IN_SCENE = {
 }
 """What to do instead of keys that are looked for in a scene."""
 
-
 OBJECTS = {
     **dict.fromkeys(("ball", "bead"), "sphere"),
     **dict.fromkeys(("plate", "surface", "plane"), "flat"),
@@ -168,8 +167,7 @@ def parts(table: Mapping[str, object], folder: Path | None) -> dict[str, Any]:
             msg = f"{name}: missing; expected a table [{name}] with, for example, {example}"
             raise InputError(msg)
     if folder is None:
-        # A stored scene without a family is older than the choice: it was of the thesis. One with
-        # a linear solver is older than there being one of them alone.
+        # Older scenes: without a family they were of the thesis, and solvers could be chosen.
         sub["ask"] = {"afferents": "thesis"} | sub["ask"]
         sub["ask"].pop("solver", None)
     arguments: dict[str, Any] = {

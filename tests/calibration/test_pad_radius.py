@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.calibration import pad_radius, targets
-from fefinger.calibration.array_sensor import ArraySensor
+from fefinger.calibration import pad_radius
+from fefinger.calibration.array_sensor import ArraySensor, Frames
 from fefinger.calibration.slow_press import array_pressure, pressed
 from fefinger.mechanics import hertz
 
@@ -19,7 +19,7 @@ def test_the_thesis_finds_its_own_half_space(formula):
     t = np.expm1(1.5 * x) / 1.5
     scale = 8e-3 / 3 * 3.0 * np.sqrt(14.0) * x**1.5 * t / one.force
     own = replace(one, force=scale * one.force, array_pressure=scale[:, None] * one.array_pressure)
-    frames = targets.Frames(
+    frames = Frames(
         np.repeat(x[20::20, None], 64, 1),
         own.array_pressure[20::20],
         np.hypot(*ArraySensor().positions.T),

@@ -9,7 +9,7 @@ import pytest
 from fefinger.validation.calibration.subject_target import target_of
 from fefinger.validation.oracles import synthetic
 
-from fefinger.calibration import inverse, targets
+from fefinger.calibration import array_sensor, inverse, targets
 from fefinger.calibration.array_sensor import ArraySensor
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.force import Forces, prony_of
@@ -147,7 +147,7 @@ def table_of_frames(one, factor=1.0):
 
 def test_frames_are_read_about_their_center(tmp_path, formula, write):
     one = formula(1.0)
-    found = targets.frames(write(tmp_path / "f.csv", table_of_frames(one), HEADS))
+    found = array_sensor.frames(write(tmp_path / "f.csv", table_of_frames(one), HEADS))
     assert found.pressure.shape == found.depth.shape == (24, 64)
     np.testing.assert_allclose(found.distance, np.hypot(*ArraySensor().positions.T), atol=1e-6)
     assert found.depth[3, 63] > found.depth[3, 0]  # read later
@@ -166,9 +166,9 @@ FRAMES = {
 def test_frames_that_cannot_be_used_get_a_sentence(tmp_path, spoil, message, formula, write):
     file = write(tmp_path / "f.csv", spoil(table_of_frames(formula())), HEADS)
     with pytest.raises(InputError, match=message):
-        targets.frames(file)
+        array_sensor.frames(file)
     with pytest.raises(InputError, match="one column 'p3'"):
-        targets.frames(write(tmp_path / "g.csv", np.ones((5, 4)), "time,position,p1,p2"))
+        array_sensor.frames(write(tmp_path / "g.csv", np.ones((5, 4)), "time,position,p1,p2"))
 
 
 def test_what_is_missed_is_taken_apart_into_independent_errors():

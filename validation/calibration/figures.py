@@ -12,9 +12,8 @@ from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.validation.panels import panel, panels
 
 from fefinger.calibration import pad_radius as pad
-from fefinger.calibration.array_sensor import ArraySensor, blurred
+from fefinger.calibration.array_sensor import ArraySensor, aligned, blurred
 from fefinger.calibration.curve import ForceLaw
-from fefinger.calibration.targets import aligned
 from fefinger.scene import library, pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.view.figures import INK, WIDE
