@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from fefinger.neural import trains as trains_module
+from fefinger.neural import train_files
 from fefinger.neural.trains import CSV_COLUMNS, UNIT_COLUMNS, UNITS, SpikeTrains
 from fefinger.support.checks import InputError
 
@@ -246,7 +246,7 @@ def test_a_missing_extra_is_named(form, extra, monkeypatch, tmp_path):
     def missing(name):
         raise ModuleNotFoundError(name)
 
-    monkeypatch.setattr(trains_module, "import_module", missing)
+    monkeypatch.setattr(train_files, "import_module", missing)
     assert importlib.import_module is not missing
     arguments = (tmp_path / "spikes.nwb",) if form == "to_nwb" else ()
     with pytest.raises(InputError, match=f"fefinger\\[{extra}\\]"):
