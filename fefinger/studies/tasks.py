@@ -190,7 +190,7 @@ def cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Answer]]
         ) from None
     try:
         client = Client(address)
-    except (OSError, ValueError) as error:
+    except Exception as error:  # of any class: a TypeError where tls:// has no certificates
         raise InputError(
             "--scheduler: expected the address of a Dask scheduler, such as tcp://host:8786, "
             f"received {address!r} ({error})"

@@ -428,10 +428,11 @@ def test_a_cluster_gives_the_same():
     assert far.failures == near.failures
 
 
-def test_a_scheduler_that_is_not_there_gets_a_sentence(monkeypatch):
+@pytest.mark.parametrize("address", ["nowhere", "tls://127.0.0.1:1", "inproc://1/2/3"])
+def test_an_address_of_no_scheduler_gets_a_sentence(address):
     pytest.importorskip("distributed", reason="needs the extra 'distributed'")
-    with pytest.raises(InputError, match="received 'nowhere'"):
-        ff.study("flat-press", {"indenter.angle": (20,)}, scheduler="nowhere")
+    with pytest.raises(InputError, match=f"--scheduler: .*received '{address}'"):
+        ff.study("flat-press", {"indenter.angle": (20,)}, scheduler=address)
 
 
 def test_without_the_extra_the_cluster_is_refused(monkeypatch):
