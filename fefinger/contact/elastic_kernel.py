@@ -207,21 +207,29 @@ def flexibility(kernel: Kernel, facets: Facets, count: int, images: Array = WHOL
     C is symmetric as the mean of both orders of integration, exact over one facet and by the
     quadrature of the skin over the other.
     """
-    weighted = one_sided(kernel, facets, count, images)
-    return (weighted + weighted.T) / 2
+    return symmetric(one_sided(kernel, facets, count, images))
+
+
+def symmetric(matrix: Array) -> Array:
+    """Return the mean (n, n) of a matrix and its transpose."""
+    return np.asarray((matrix + matrix.T) / 2)
 
 
 def one_sided(kernel: Kernel, facets: Facets, count: int, images: Array = WHOLE) -> Array:
     """Return C (n, n) mm³/kPa as of `flexibility`, its columns exact and its rows by quadrature."""
     points = np.ascontiguousarray(facets.places.reshape(-1, 3))
     moved = moved_points(kernel, facets, points, count, images)
-    rows = moved.reshape(*facets.places.shape[:2], count)
-    weighted = np.zeros((count, count))
+    return weighted(facets, moved.reshape(*facets.places.shape[:2], count))
+
+
+def weighted(facets: Facets, moved: Array) -> Array:
+    """Return the integrals (n, n) of each hat times displacements (k, q, n) at the places."""
+    rows = np.zeros((moved.shape[-1], moved.shape[-1]))
     for corner in range(3):
         owned = facets.owner[:, corner] >= 0
-        sums = np.einsum("tq,tqn->tn", facets.hats[owned, corner], rows[owned])
-        np.add.at(weighted, facets.owner[owned, corner], sums)
-    return weighted
+        sums = np.einsum("tq,tqn->tn", facets.hats[owned, corner], moved[owned])
+        np.add.at(rows, facets.owner[owned, corner], sums)
+    return rows
 
 
 def moved_points(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.mechanics import condensed, get, linear, modal
+from fefinger.mechanics import condensed, get, linear, modal, solid
 from fefinger.mechanics.press.notes import RIGID_OBJECT
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Response
@@ -106,7 +106,35 @@ def test_modes_at_rest_are_statics_and_a_hard_object_is_rigid_to_them() -> None:
     assert hard == pytest.approx(rigid, rel=1e-9)
 
 
-@pytest.mark.parametrize("name", ["lumped", "pressed", "solid"])
+@pytest.mark.usefixtures("few_steps")
+def test_solid_tends_to_small_strain_and_to_the_rigid_object() -> None:
+    """Where it presses little, also with the other law of relaxation and contact on deformed skin.
+
+    The 1 % is finite strain: it falls with the depth, as of a rigid object.
+    """
+    press = ff.Ramp(20, 0.1)
+    soft = scene(ff.Flat(30, modulus=60), press)
+    found, small = solid.respond(soft), condensed.respond(soft)
+    assert found.force[-1] == pytest.approx(small.force[-1], rel=0.01)
+    assert found.contact_area[-1] == pytest.approx(small.contact_area[-1], rel=0.02)
+    assert found.numbers["penetration_mm"] < 0.15 * 0.1  # in the deformed object
+    hard, rigid = (solid.respond(scene(ff.Flat(30, modulus=E), press)) for E in (1e14, None))
+    assert hard.force == pytest.approx(rigid.force, rel=1e-9, abs=1e-12)
+    assert found.force[-1] < 0.5 * rigid.force[-1]
+
+
+@pytest.mark.usefixtures("few_steps")
+def test_solid_holds_a_force_on_a_soft_ball() -> None:
+    motion = ff.RampHold(loading_rate=2, force=0.03, hold=0.05)
+    found, small = (
+        each.respond(scene(ff.Sphere(8, modulus=40, thickness=3), motion))
+        for each in (solid, condensed)
+    )
+    assert found.force[-1] == pytest.approx(0.03, rel=1e-6)
+    assert found.depth[-1] == pytest.approx(small.depth[-1], rel=0.02)
+
+
+@pytest.mark.parametrize("name", ["lumped", "layered", "pressed"])
 def test_a_mechanics_of_rigid_objects_refuses(name: str) -> None:
     refusals = get(name).refuse(Situation.of(scene(ff.Flat(30, modulus=50))))
     (refusal,) = (each for each in refusals if each.field == "indenter.modulus")

@@ -31,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from fefinger.contact.soft_surface import RIGID_SURFACE, ObjectSurface
 from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import RINGS, Candidates, Neighborhood, candidates, neighborhood
 from fefinger.fem.elements.assembly import scattered
@@ -227,7 +228,8 @@ class ContactSurface:
 
     on: the candidates; neighborhood: they and the vertices around them, where gaps are read;
     at_rest (n_near, 3) mm: the undeformed positions of the neighborhood; reach mm: the largest gap
-    of the candidates; spreads: whether gaps are weighted over the deformed pad.
+    of the candidates; spreads: whether gaps are weighted over the deformed pad; surface: how far
+    the obstacle gives way under the pressure.
     """
 
     obstacle: Obstacle
@@ -237,6 +239,7 @@ class ContactSurface:
     n_unknowns: int
     reach: float
     spreads: bool = True
+    surface: ObjectSurface = RIGID_SURFACE
 
     def __len__(self) -> int:
         """Return the number of candidates."""
@@ -276,6 +279,7 @@ class ContactSurface:
         """Evaluate the gaps and loads of the pad in a state."""
         distance, gradient = self.obstacle.implicit(self.deformed(state.values), state.depth)
         distance = np.where(np.isfinite(distance), distance, FAR)
+        distance = distance + self.surface.at_places(state.pressure)
         part = self.on.part
         count, points = part.weights.shape
         spread, spreading = np.ones((count, points)), np.zeros((count, 6, points, 3))
@@ -288,13 +292,14 @@ class ContactSurface:
         nodal = values[self.rows]
         return np.asarray(self.on.places + np.einsum("kq,tkc->tqc", self.on.part.quadratic, nodal))
 
-    def clearance(self, values: Array, depth: float) -> tuple[Array, Array]:
+    def clearance(self, state: State) -> tuple[Array, Array]:
         """Compute normal gaps (n_near,) mm and displacements (n_near, 3) mm of the neighborhood.
 
         The gap is FAR where the obstacle is not ahead.
         """
-        moved = values[3 * self.neighborhood.vertices[:, None] + np.arange(3)]
-        distance, gradient = self.obstacle.implicit(self.at_rest + moved, depth)
+        moved = state.values[3 * self.neighborhood.vertices[:, None] + np.arange(3)]
+        distance, gradient = self.obstacle.implicit(self.at_rest + moved, state.depth)
+        distance = distance + self.surface.around(state.pressure)
         gap = distance / np.linalg.norm(gradient, axis=1)
         return np.where(np.isfinite(gap), gap, FAR), moved
 

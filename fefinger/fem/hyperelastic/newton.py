@@ -348,7 +348,7 @@ class Equilibrium:
 
     def _step(self, iterate: Iterate, target: Target, mixing: "Anderson") -> State:
         """Make one iteration: linearized body, exact complementarity of the contact."""
-        state, factored = iterate.state, self._factored
+        state, factored, surface = iterate.state, self._factored, self.contact.surface
         gaps, loads, projected = iterate.gap.gaps, iterate.gap.loads, self.contact.projected
         mean_gap = gaps / projected  # mm; `gaps` are mm³
         near = (state.pressure > 0) | (mean_gap <= mean_gap.min() + NEAR * abs(state.depth))
@@ -360,7 +360,7 @@ class Equilibrium:
         following, closing = factored.travel(loads, projected)  # mm and mm² per mm of travel
         gaps_then = gaps + state.depth * closing + loads.T @ at_same_contact  # mm³, at a depth of 0
         while True:
-            solver = factored.contact(near)
+            solver = surface.softened(factored.contact(near), near, gain_ratio)
             pressure, depth = np.zeros(len(projected)), state.depth
             bare_gaps = gaps_then[near] - gain_ratio * (  # mm³, without any pressure
                 solver.flexibility @ state.pressure[near]
@@ -381,6 +381,7 @@ class Equilibrium:
             change = at_same_contact + factored.moved(gain_ratio * (pressure - state.pressure))
             change += (depth - state.depth) * following
             predicted_gaps = gaps + (state.depth - depth) * projected + loads.T @ change
+            predicted_gaps += surface.opened(pressure - state.pressure)
             penetrating = ~near & (predicted_gaps < 0)
             if not penetrating.any():
                 break

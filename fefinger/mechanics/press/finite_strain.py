@@ -24,6 +24,7 @@ from fefinger.mechanics.press.load_steps import (
     tissue_relaxations,
 )
 from fefinger.mechanics.press.materials import NAIL, materials, relaxations
+from fefinger.mechanics.press.pressing_object import object_surface
 from fefinger.mechanics.press.problem import FiniteStrainHistory, Press, frames_of
 from fefinger.mechanics.press.reference import reference_strain, reference_unknowns
 from fefinger.mechanics.press.response import finite_strain_response
@@ -182,7 +183,7 @@ class _Recorder:
     def keep(self, number: int, state: State) -> None:
         """Record step `number`."""
         self.last = state.values
-        clearance = self.contact.clearance(state.values, state.depth)
+        clearance = self.contact.clearance(state)
         strain = logarithmic((self.probe @ state.values).reshape(-1, 3, 3))
         self.rows.append((state.depth, state.pressure, *clearance, self._moment(state), strain))
         if number in self.course.frames:
@@ -235,6 +236,7 @@ def follow_course(
             reach,
             spreads=elements.nearly_incompressible,
         )
+        contact = replace(contact, surface=object_surface(press.indenter, body, contact))
         limits.check_under(press.motion, press.obstacle, body, contact.on.beyond)
         history = _on_candidates(press, elements, contact, course, stages)
         pressed = np.asarray((history.pressure > 0).any(axis=0))

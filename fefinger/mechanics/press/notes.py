@@ -174,6 +174,8 @@ def finite_sliding_reasons(motion: Motion, indenter: Indenter) -> Iterator[Reaso
             "alone slides at finite strain"
         )
         yield Reason("motion.kind", reason)
+    if motion.slides:
+        yield from soft_reasons(indenter)
     if indenter.friction > 0 and not motion.along_line:
         reason = (
             f"indenter.friction = {indenter.friction:g} > 0, motion.kind = {motion.kind!r}: its "

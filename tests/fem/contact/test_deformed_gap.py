@@ -211,8 +211,8 @@ def test_the_gaps_at_vertices_are_distances_along_the_normal():
     space, contact, _ = surface(Plane())
     values = np.zeros(space.n_unknowns)
     values[: space.n_displacements] = np.tile(0.3 * AXIS, space.n_nodes)
-    gap, moved = contact.clearance(values, 0.1)
-    rest, _ = contact.clearance(np.zeros(space.n_unknowns), 0.0)
+    gap, moved = contact.clearance(State(values, np.zeros(len(contact)), 0.1))
+    rest, _ = contact.clearance(State(np.zeros(space.n_unknowns), np.zeros(len(contact)), 0.0))
     assert gap - rest == pytest.approx(0.2)
     assert moved == pytest.approx(np.tile(0.3 * AXIS, (len(gap), 1)))
 
@@ -225,7 +225,7 @@ def test_points_that_the_obstacle_is_not_ahead_of_are_far_away():
     values[: space.n_displacements : 3] = 10.0
     found = contact.at(State(values, np.ones(len(contact)), 0.0))
     assert (found.gaps > 0.5 * FAR * contact.projected).all()
-    assert contact.clearance(values, 0.0)[0] == pytest.approx(FAR)
+    assert contact.clearance(State(values, np.zeros(len(contact)), 0.0))[0] == pytest.approx(FAR)
     for each in (found.loads.data, found.fold_stiffness, found.stiffness().data):
         assert np.isfinite(each).all()
 
