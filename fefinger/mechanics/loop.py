@@ -26,7 +26,8 @@ from fefinger.fem.contact.obstacle import Rigid
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.loop_setup import SUBSTEP, LoopOptions, prepare
 from fefinger.mechanics.press import limits
-from fefinger.mechanics.press.prepared import Precision, medial_normal
+from fefinger.mechanics.press.prepared import Precision
+from fefinger.mechanics.press.prepared_rolling import medial_normal
 from fefinger.mechanics.press.tabulated_contact import TabulatedContact
 from fefinger.neural.stepped import SteppedUnits
 from fefinger.results.records import LoopState, Sites, Step

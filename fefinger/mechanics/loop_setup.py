@@ -10,7 +10,13 @@ import numpy as np
 from fefinger.fem.contact.obstacle import OwnObstacle
 from fefinger.mechanics import condensed
 from fefinger.mechanics import pressed as finite_strain
-from fefinger.mechanics.press import elastic_press, prepared, tabulated_contact, tabulated_press
+from fefinger.mechanics.press import (
+    elastic_press,
+    prepared,
+    prepared_rolling,
+    tabulated_contact,
+    tabulated_press,
+)
 from fefinger.mechanics.press.notes import (
     elastic_hard_parts_reasons,
     friction_reasons,
@@ -155,7 +161,7 @@ def prepare(options: LoopOptions, stages: Stages) -> Prepared:
     if options.mechanics == MODAL:
         return prepared.inertial(finger, indenter, deepest, *how, options.substep)
     if options.angles is not None:
-        return prepared.rolled(finger, options.angles, deepest, *how)
+        return prepared_rolling.rolled(finger, options.angles, deepest, *how)
     if options.reach is not None and options.known is not None:
         return prepared.slid(finger, options.known, deepest, options.reach, *how)
     return prepared.pressed(finger, indenter, deepest, *how)

@@ -4,14 +4,13 @@ A finger is reduced to the candidates of a press of a given depth; the contact o
 the mechanics of the same name.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal, Protocol
 
 import numpy as np
 from scipy import sparse
-from scipy.spatial import ConvexHull
 
 from fefinger.contact.active_set import BEYOND, DONE, TURNED
 from fefinger.contact.complementarity import Complementarity
@@ -19,15 +18,13 @@ from fefinger.contact.frictional import FrictionalContact
 from fefinger.contact.frictionless import FrictionlessContact
 from fefinger.contact.inertial import InertialContact
 from fefinger.contact.readout import Readout, readout
-from fefinger.contact.rolling import RollingContact
 from fefinger.contact.stepper import Target
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.condensation import Operator, OutsideError
-from fefinger.fem.contact.obstacle import Obstacle, OwnObstacle, Rigid
-from fefinger.fem.contact.patch import Patch, patch, smooth_places
+from fefinger.fem.contact.obstacle import OwnObstacle, Rigid
+from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.travel import Travel
 from fefinger.fem.elements.recovery import recovered_strain_at
-from fefinger.fem.elements.spaces import trace
 from fefinger.geometry import mirror
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press import limits, operator, placement, problem, sliding
@@ -49,8 +46,7 @@ from fefinger.neural.drives import Reference
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
-from fefinger.scene.indenter import Indenter, direction
-from fefinger.scene.indenters import Flat
+from fefinger.scene.indenter import Indenter
 from fefinger.scene.motions import Ramp
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import ConvergenceError, InputError
@@ -59,9 +55,6 @@ from fefinger.support.progress import Stages
 
 APART = 0.25
 """Distance in mm of the places within reach at which candidates of a sliding object are sought."""
-
-MEDIAL = (0, 2)
-"""Components of the normal of a plate that rolls: it turns about y."""
 
 Precision = Literal["double", "single"]
 
@@ -209,7 +202,7 @@ def slid(
     with stages.stage("factor") as report:
         solid = operator.operator(finger, half=False, progress=report)
     obstacle = placement.obstacle(indenter, solid)
-    chosen = sites or _central(finger, obstacle)
+    chosen = sites or organs_under(finger, obstacle)
     probe = partial(recovered_strain_at, solid.space, chosen.points, solid.planes)
     path, mu = _disc(reach), indenter.friction
 
@@ -235,65 +228,6 @@ def slid(
     places = (solid.space.points[on.vertices] - obstacle.origin) @ frame(obstacle.axis)[:2].T
     prepared = _prepared(finger, made, contact, reduced.strain_operator, precision)
     return replace(prepared, places=places)
-
-
-def rolled(
-    finger: Finger,
-    angles: Sequence[float],
-    deepest: float,
-    sites: Sites | None,
-    precision: Precision,
-    stages: Stages,
-) -> Prepared:
-    """Prepare half a finger under a plate that turns about y between `angles` in degrees.
-
-    Errors as `pressed`.
-    """
-    with stages.stage("factor") as report:
-        solid = operator.operator(finger, half=True, progress=report)
-    obstacle = placement.obstacle(Flat(float(np.mean(angles))), solid)
-    chosen = sites or _central(finger, obstacle)
-    every = [
-        patch(solid.space, solid.pad, solid.normals, Obstacle(axis, np.zeros(3)), np.inf)
-        for axis in np.eye(3)[list(MEDIAL)]
-    ]
-    surface = trace(solid.space, solid.pad)
-    skin = smooth_places(solid.space.points, solid.normals, surface)[..., MEDIAL].reshape(-1, 2)
-    outline = skin[ConvexHull(skin).vertices]
-    under = _under_plates(solid, every[0], outline, angles, problem.REACH * deepest)
-    on = _both_directions(every, under)
-
-    def strains(points: Array) -> Array:
-        probe = partial(recovered_strain_at, solid.space, solid.folded(points), solid.planes)
-        found = operator.reduced(finger, solid, on, points, probe).strain_operator
-        return unfolded(solid, points, found)
-
-    folded = solid.folded(chosen.points)
-    probe = partial(recovered_strain_at, solid.space, folded, solid.planes)
-    reduced = operator.reduced(finger, solid, on, folded, probe)
-    n, weights = int(under.sum()), every[0].areas[under]
-    moments = np.array([each.gap[under] for each in every])
-    along = -every[1].moment[under, 1] / every[1].projected[under]
-    rim = np.flatnonzero(_on_rim(solid, every[0].vertices[under]))
-    flexibility = reduced.flexibility.reshape(2, n, 2, n)
-    return Prepared(
-        finger=finger,
-        solid=solid,
-        sites=chosen,
-        contact=RollingContact(flexibility, moments, weights, outline, rim, finger.prony.branches),
-        readout=readout(
-            2 * weights,
-            weights,
-            2 * weights * np.stack([along, np.zeros(n)]),
-            unfolded(solid, chosen.points, reduced.strain_operator).T,
-            np.float32 if precision == "single" else np.float64,
-        ),
-        touch=obstacle.origin,
-        shown=(f"a plate from {min(angles):g} to {max(angles):g} degrees",),
-        reduced=reduced,
-        strains=strains,
-        reference=partial(_reference, finger, solid, chosen),
-    )
 
 
 def unfolded(solid: Solid, points: Array, strain: Array) -> Array:
@@ -323,7 +257,7 @@ def _reduction(
         obstacle = indenter
     else:
         obstacle = placement.obstacle(indenter, solid)
-    chosen = sites or _central(finger, obstacle)
+    chosen = sites or organs_under(finger, obstacle)
     where = solid.folded(chosen.points)
     probe = partial(recovered_strain_at, solid.space, where, solid.planes)
 
@@ -409,7 +343,7 @@ def _prepared(
         shown=(f"{count} vertices may touch",),
         reduced=made.reduced,
         strains=strains,
-        reference=partial(_reference, finger, solid, made.sites),
+        reference=partial(reference_of, finger, solid, made.sites),
     )
 
 
@@ -419,13 +353,13 @@ def _limits(solid: Solid, on: Patch) -> Integers:
     return np.select([on.obstacle_border, edge], [TURNED, BEYOND], DONE)
 
 
-def _central(finger: Finger, obstacle: Rigid) -> Sites:
+def organs_under(finger: Finger, obstacle: Rigid) -> Sites:
     """Place one end organ of each type under the first touch of an object."""
     origin = np.asarray(getattr(obstacle, "origin", np.zeros(3)))
     return central_sites(Ask(), finger.pulp, origin, obstacle.axis)
 
 
-def _reference(finger: Finger, solid: Solid, sites: Sites) -> Reference:
+def reference_of(finger: Finger, solid: Solid, sites: Sites) -> Reference:
     """Return the press that scales the strain at the sites for units of the thesis."""
     ask = Ask(spikes=tuple(dict.fromkeys(sites.types)))
     plate = problem.reference_plate(finger, solid, ask)
@@ -440,39 +374,3 @@ def _disc(radius: float) -> Array:
     turn = np.linspace(0.0, 2 * np.pi, 8 * count, endpoint=False)
     rim = radius * np.column_stack([np.cos(turn), np.sin(turn)])
     return np.vstack([square[np.hypot(*square.T) < radius], rim, np.zeros((1, 2))])
-
-
-def medial_normal(angle: float) -> tuple[float, float]:
-    """Return the normal (x, z) of a plate at an angle in degrees, in the plane of rolling."""
-    x, z = direction(Flat(angle))[list(MEDIAL)].tolist()
-    return x, z
-
-
-def _under_plates(
-    solid: Solid, every: Patch, outline: Array, angles: Sequence[float], reach: float
-) -> Flags:
-    """Flag the vertices that any of the plates is within `reach` mm of at first touch."""
-    points = solid.space.points[every.vertices][:, MEDIAL]
-    nearest = np.full(len(points), np.inf)
-    for angle in np.arange(min(angles), max(angles) + 1.0, 1.0):
-        normal = np.array(medial_normal(min(float(angle), max(angles))))
-        nearest = np.minimum(nearest, points @ normal - float((outline @ normal).min()))
-    return nearest <= reach
-
-
-def _both_directions(every: Sequence[Patch], chosen: Flags) -> Patch:
-    """Return the patch of chosen vertices with unit loads along both axes of the medial plane."""
-    loads, places = (
-        sparse.hstack([getattr(each, name)[:, chosen] for each in every]).tocsc()
-        for name in ("loads", "places")
-    )
-    vertices = np.tile(every[0].vertices[chosen], 2)
-    seen = replace(every[0].neighborhood, vertices=vertices)
-    return replace(every[0], vertices=vertices, loads=loads, places=places, neighborhood=seen)
-
-
-def _on_rim(solid: Solid, vertices: Integers) -> Flags:
-    """Flag the candidates next to pad vertices that are none, or on the border of the pad."""
-    inside = np.isin(solid.pad, vertices)
-    beside = solid.pad[inside.any(axis=1) & ~inside.all(axis=1)]
-    return np.isin(vertices, beside) | np.isin(vertices, placement.border(solid))
