@@ -43,9 +43,11 @@ class Pad(NamedTuple):
 
 
 class Factors(NamedTuple):
-    """t (k, i) of Pawluk's modulus by angles (k,) in degrees and penetrations (i,) in mm.
+    """Pawluk's modulus by angles (k,) in degrees and penetrations (i,) in mm of plates.
 
-    The angle is that of a plate, about y: 0 below the pad, positive toward the tip.
+    values (k, i, 3): the logarithm of t, and of the patch in mm², and the fullness of the
+    penetration, see `posed.penetration`. The angle is that of a plate, about y: 0 below the pad,
+    positive toward the tip.
     """
 
     angles: Array
@@ -57,7 +59,7 @@ class Moves(NamedTuple):
     """One step of all worlds: the objects' poses at its end, and how it is judged.
 
     rotation (w, b, 3, 3) and place (w, b, 3) mm of the objects `shapes` in the frame of the finger;
-    dt s; deepest mm: penetration beyond which a step is not valid; factors: t by depth and angle.
+    dt s; deepest mm: penetration beyond which a step is not valid; factors: t of plates.
     """
 
     shapes: Shapes

@@ -50,9 +50,16 @@ from fefinger.theory.contact.stack import Stack
 TURNED = 1e-6
 """Largest entry of R' R - 1 of a rotation matrix: written in single precision it is 1e-7."""
 
-ANGLES, DEPTHS = (15.0, 30.0, 45.0), 12
+ANGLES, DEPTHS = (0.0, 15.0, 30.0, 45.0), 12
 """Angles in degrees of plates, and number of depths, at which the factor of finite strain is taken.
 """
+
+LIGHT = 0.25
+"""Depth in mm up to which log t grows in proportion: forces there hang on where a mesh is touched.
+"""
+
+MIDDLE = 2
+"""Index in ANGLES of the plate that touches farthest from the border of the pad."""
 
 REPORT = "tactile-error.json"
 """Report of errors of the force, beside `solid`."""
@@ -192,7 +199,7 @@ class TactileFinger:
         self._state: pad_worlds.Worlds
         self._out: pad_worlds.Readings
         self._made: tuple[tuple[Shape, ...], Shapes] | None = None
-        self._factors = Factors(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.ones((2, 2)))
+        self._factors = Factors(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.zeros((2, 2, 3)))
         self._rest()
         if finite_strain:
             self._factors = self._finite_strain(progress)
@@ -207,16 +214,28 @@ class TactileFinger:
             self.finger, deepest=2 * self.deepest, sites=self.sites, finite_strain=False
         )
         depths = self.deepest * np.linspace(0.0, 1.0, DEPTHS + 1)
-        values = np.ones((len(ANGLES), len(depths)))
-        for row, angle in zip(values, ANGLES, strict=True):
-            table = Loop(self.finger, Flat(angle), deepest=self.deepest, progress=progress)
-            rotation, touch = under(angle), table.prepared.touch
+        light = min(int(np.searchsorted(depths, LIGHT)), DEPTHS)
+        values = np.zeros((len(ANGLES), len(depths), 3))
+        for i in sorted(range(len(ANGLES)), key=lambda i: abs(i - MIDDLE)):  # the inner ones first
+            table = Loop(self.finger, Flat(ANGLES[i]), deepest=self.deepest, progress=progress)
+            row, inner = values[i], values[i + np.sign(MIDDLE - i)]
+            rotation, place = under(ANGLES[i]), table.prepared.touch
             normal = rotation[:, 2]
-            for k, depth in enumerate(depths.tolist()[1:], 1):
-                pose = Plane(), rotation, touch + depth * normal
-                along = float(pad.step([pose], RELAXED).wrench[0, :3] @ normal)
-                row[k] = table.rest(RELAXED, depth=depth).force / along
-            row[0] = row[1]
+            for k in range(light, len(depths)):
+                touch = pad.step([(Plane(), rotation, place + depths[k] * normal)], RELAXED)
+                along = float(touch.wrench[0, :3] @ normal)
+                if along == 0.0:
+                    continue  # as far as nothing is touched, t is 1
+                (_, work), frame = pad._solvers[0], pad._out.frame[0, 0]
+                _, _, patch, fullness = posed.penetration(pad.pad, frame, work)
+                row[k, 1:] = np.log(patch), fullness
+                if touch.valid:
+                    row[k, 0] = np.log(table.rest(RELAXED, depth=float(depths[k])).force / along)
+                else:  # the pad is stiff at its border: in proportion to the plate further inside
+                    row[k, 0] = row[k - 1, 0]
+                    row[k, 0] *= inner[k, 0] / inner[k - 1, 0] if inner[k - 1, 0] > 0 else 1.0
+            row[:light] = row[light]
+            row[:light, 0] *= depths[:light] / depths[light]
             pad.reset()
         return Factors(np.array(ANGLES), depths, values)
 
