@@ -24,6 +24,7 @@ from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.slow_press import PART
 from fefinger.calibration.targets import Target
+from fefinger.mesh.store import mesh_problem
 from fefinger.scene.finger import RESOLUTIONS, Finger
 from fefinger.support.checks import InputError, choice
 from fefinger.support.progress import Progress
@@ -118,12 +119,16 @@ def calibrate(
             "and thickness in mm, or the subject whose size it has"
         )
     work = Work(replace(finger, resolution=resolution), progress)
+    problem = mesh_problem(work.finger)
+    if problem:
+        raise InputError(problem)
+    # All files are read before the first fit, which takes seconds.
+    measured = None if frames is None else array_sensor.frames(frames)
+    predicted = None if check is None else targets.unloading(check)
     with work.stage("lumped") as misfit:
         record = targets.record(source, resolution)
         targets.check_depth(record, finger)
         misfit(record.lumped_misfit)
-    measured = None if frames is None else array_sensor.frames(frames)
-    predicted = None if check is None else targets.unloading(check)
     calibration = Search(work, record, measured).calibration(mechanics)
     refuse_gross(calibration, record)
     return calibration if predicted is None else checked(calibration, predicted)

@@ -51,6 +51,21 @@ def wave_on(one, factor, x0):
     return np.column_stack([time, position, force])
 
 
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ({"check": "none.csv"}, "none.csv: expected a CSV file"),
+        ({"frames": "none.csv"}, "none.csv: expected a CSV file"),
+        ({"finger": ff.Finger(3.0, 11.0)}, "finger.width: expected a finite number in mm at least"),
+    ],
+    ids=str,
+)
+def test_what_cannot_be_used_is_refused_before_anything_is_fitted(given, expected, monkeypatch):
+    monkeypatch.setattr(targets, "record", None)
+    with pytest.raises(InputError, match=expected):
+        ff.calibrate("press.csv", **{"finger": ff.Finger(15.0, 11.0)} | given)
+
+
 def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linear, write):
     one, x0 = linear.at(0.9, 14.0), 0.4
     table = record_of(one, 1.3, x0)
