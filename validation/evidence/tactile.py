@@ -112,12 +112,13 @@ OTHER_BARS: tuple[tuple[float, float, At], ...] = (
 )
 
 
-def presses() -> Iterator[Press]:
-    """Give every press: fast and slow, held for a short or a long time; then the slides."""
-    for fitted in (True, False):
-        for number, each in enumerate(objects(fitted)):
-            speed, hold = ((5.0, 0.2), (20.0, 0.5), (60.0, 1.0))[number % 3]
-            yield Press(*each, Trapezoid(speed, DEEPEST, hold=hold), fitted)
+def presses(fitted: bool) -> Iterator[Press]:
+    """Give the presses, fast and slow, held for a short or a long time; then slides."""
+    for number, each in enumerate(objects(fitted)):
+        speed, hold = ((5.0, 0.2), (20.0, 0.5), (60.0, 1.0))[number % 3]
+        yield Press(*each, Trapezoid(speed, DEEPEST, hold=hold), fitted)
+    if fitted:
+        return
     for angle, mu, depth, direction in ((30.0, 0.4, 1.0, 180.0), (20.0, 0.3, 0.7, 90.0)):
         slide = Slide(20.0, depth, distance=4.0, direction=direction, settle=0.1)
         yield Press(Flat(angle, friction=mu), shapes.Plane(), 0.0, UPRIGHT, slide, False)
@@ -192,13 +193,20 @@ def errors(depth: Array, found: Array, reference: Array, judged: Flags) -> Error
     return answer
 
 
-if __name__ == "__main__":
-    rows = []
-    for tissue in (None, "maeno1998"):
-        finger = Finger.subject("a.h.", resolution="coarse", tissue=tissue)
-        for number, press in enumerate(presses()):
-            if tissue is None or number % 4 == 0:
-                rows.append(row(finger, press))
-                print(rows[-1], flush=True)
+def main(folder: Path) -> None:
+    """Press both kinds of tissue, first what judges; write the report after every press."""
     about = "Errors of the tactile finger beside `solid`, by object and depth"
-    save(Path(sys.argv[1]) / REPORT, {"about": about, "bands_mm": list(BANDS), "rows": rows})
+    rows: list[dict[str, Any]] = []
+    for fitted in (False, True):
+        for tissue in (None, "maeno1998"):
+            finger = Finger.subject("a.h.", resolution="coarse", tissue=tissue)
+            for number, press in enumerate(presses(fitted)):
+                if tissue is None or number % 4 == 0:
+                    rows.append(row(finger, press))
+                    print(rows[-1], flush=True)
+                    record = {"about": about, "bands_mm": list(BANDS), "rows": rows}
+                    save(folder / REPORT, record)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
