@@ -1,7 +1,7 @@
 """Figures of a study: every measure against a field, and spikes."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,21 +26,8 @@ MARKERS = "os^D"
 """Markers of the first to the fourth series of a color."""
 
 
-class Companion(NamedTuple):
-    """A measure from elsewhere, drawn in the same panel: line style, label, and other columns.
-
-    Its column is the prefix with the name of the measure, unless `columns` names another.
-    """
-
-    style: Literal["--", ":"]
-    label: str
-    columns: dict[str, str]
-
-
-COMPANIONS = {
-    "hertz_": Companion(":", "elliptic Hertz at that depth", {}),
-}
-"""Companions of the measures, by the prefix of their columns."""
+HERTZ, OF_HERTZ = "hertz_", "elliptic Hertz at that depth"
+"""Prefix of the columns of a half-space, drawn as dotted lines in the same panels; its label."""
 
 LEGEND = (
     "Solid lines are the finger that was simulated, with a point per scene; bars are its stated "
@@ -106,12 +93,9 @@ def panels(
             for axis in [axis for axis in column if axis.axison][-1:]:
                 axis.set_xlabel(words(x))
                 axis.tick_params(labelbottom=True)
-        handles = [
-            Line2D([], [], color=figures.INK, linestyle=other.style, label=other.label)
-            for prefix, other in COMPANIONS.items()
-            if any(_number(row, name) for row in rows for name in row if name.startswith(prefix))
-        ]
-        _legend(drawn, groups, handles)
+        hertz = Line2D([], [], color=figures.INK, linestyle=":", label=OF_HERTZ)
+        there = any(_number(row, name) for row in rows for name in row if name.startswith(HERTZ))
+        _legend(drawn, groups, [hertz] if there else [])
         return drawn
 
 
@@ -121,12 +105,11 @@ def varying(rows: Rows, skip: Sequence[str] = ()) -> list[str]:
 
 
 def _panel(axis: "Axes", groups: Groups, x: str, name: str) -> None:
-    """Draw one measure with its expected errors and its companions."""
-    others = [(each.style, each.columns.get(name, at + name)) for at, each in COMPANIONS.items()]
+    """Draw one measure with its expected errors, and the same of a half-space."""
     for number, group in enumerate(groups.values()):
         look = _look(number)
         _bars(axis, group, x, name, number)
-        for style, column in [("-", name), *others]:
+        for style, column in (("-", name), (":", HERTZ + name)):
             finite = [row for row in group if _number(row, column)]
             axis.plot(
                 [row[x] for row in finite],
