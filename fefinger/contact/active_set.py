@@ -45,6 +45,11 @@ class LcpState(NamedTuple):
     work: Array
     counts: Integers
 
+    @property
+    def volatile(self) -> tuple[Array | Integers, ...]:
+        """Arrays that a failed solution leaves changed."""
+        return self.x, self.moved, self.where, self.place, self.counts
+
 
 def lcp_state(flexibility: Array) -> LcpState:
     """Allocate the solver state of a flexibility (n, n), without contact."""

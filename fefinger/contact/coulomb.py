@@ -365,6 +365,11 @@ class CoulombSolver:
         self._unknowns = Unknowns(vertex, code, entries[0], entries[1], np.zeros(3 * n))
         self._forget()
 
+    @property
+    def volatile(self) -> tuple[Array | Integers, ...]:
+        """Arrays that a failed solution leaves changed."""
+        return self.x, self.moved, self.where, self.place, self.counts
+
     def solve(self, offset: Array, tolerance: float) -> int:
         """Solve for x with b = `offset` (3n,), from the last x; return DONE or a failure."""
         n = len(self.where)

@@ -1,4 +1,4 @@
-"""A contact through time: what its four kinds share.
+"""A contact through time: what its kinds share.
 
     stepper.advance(dt, Target(depth))             # or Target(force, by_force=True), in mN
     stepper.depth, stepper.pressure, stepper.elastic
@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.contact import complementarity
-from fefinger.contact.active_set import DONE, ENDLESS, MISSED, SINGULAR, LcpState
-from fefinger.contact.coulomb import CoulombSolver
+from fefinger.contact.active_set import DONE, ENDLESS, MISSED, SINGULAR
 from fefinger.contact.force_control import CORRECTIONS, DEPTH, PEAK, depth_search
 from fefinger.contact.prony_history import PronyHistory
 from fefinger.support.arrays import Array, Flags, Integers
@@ -56,6 +55,30 @@ State = tuple[NDArray[Any], ...]
 """Copies of all arrays that a later step depends on."""
 
 
+class StepSolver(Protocol):
+    """Solver of a step: its solution, and the arrays that a failure leaves changed.
+
+    x (k,): begins with the pressures; place: which are in contact, else -1; counts: the second one
+    is that of the solutions.
+    """
+
+    @property
+    def x(self) -> Array:
+        """The solution."""
+
+    @property
+    def place(self) -> Integers:
+        """Which vertices are in contact."""
+
+    @property
+    def counts(self) -> Integers:
+        """Counts of work."""
+
+    @property
+    def volatile(self) -> State:
+        """The arrays that a failure leaves changed."""
+
+
 class Stepper(ABC):
     """A contact through time, at rest at first.
 
@@ -74,7 +97,7 @@ class Stepper(ABC):
 
     def __init__(
         self,
-        solver: LcpState | CoulombSolver,
+        solver: StepSolver,
         history: PronyHistory,
         limits: Integers,
         kept: State = (),
@@ -86,10 +109,7 @@ class Stepper(ABC):
         self.pressure: Array = solver.x[: len(limits)]
         self.solved: Integers = solver.counts[1:2]
         self._place = solver.place
-        volatile: State = (
-            *(self.search, solver.x, solver.moved),
-            *(solver.where, solver.place, solver.counts),
-        )
+        volatile: State = (self.search, *solver.volatile)
         past = history.terms, history.moved_terms, history.elastic, history.moved_elastic
         self._state: State = (*volatile, self.pose, *past, *kept)
         self._volatile = [(each, np.empty_like(each)) for each in volatile]
