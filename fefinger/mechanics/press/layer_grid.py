@@ -1,0 +1,253 @@
+"""Exact layers on a periodic grid: their compliance by wavenumber, and the strain below.
+
+The body of a pad whose skin is touched by any heights (`contact/gridded.py`). Amplitudes at every
+depth are those of `theory/contact/stack.py`.
+
+A grid repeats the contact at every period. What the images add to the displacement is nearly the
+same all over the contact, so the compliance of the mean takes its average away; `images` measures
+what is left.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft, sparse
+
+from fefinger.support.arrays import Array, Flags
+from fefinger.theory.contact.stack import Stack
+
+
+UNIFORM = 1e-3
+"""Wavenumber in 1/mm whose kernels serve the mean, far below one over the thickness."""
+
+DECAYED = 22.0
+"""Wavenumber times depth beyond which nothing of a wave is left: exp(-22) is 3e-10."""
+
+SMOOTH = 6.5
+"""Wavenumber times width of a Gaussian load beyond which it has no waves."""
+
+FREE = 6
+"""Periods of a grid whose images count as away, in the sum over images."""
+
+FEWEST = 24
+"""Least number of grid points for the strain at a depth."""
+
+Waves = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class LayerGrid:
+    """Layers under a periodic square grid of `points` a side, `spacing` mm apart.
+
+    width: standard deviation in mm of the Gaussian pressure for which the images are taken away.
+    """
+
+    layers: Stack
+    points: int
+    spacing: float
+    width: float = 1.0
+
+    @property
+    def period(self) -> float:
+        """Length of a side in mm."""
+        return self.points * self.spacing
+
+    @cached_property
+    def lines(self) -> Array:
+        """Grid lines (n,) in mm about the middle."""
+        return np.asarray(self.spacing * (np.arange(self.points) - self.points // 2), np.float64)
+
+    @cached_property
+    def places(self) -> Array:
+        """Places (n, n, 2) in mm of the grid."""
+        return np.stack(np.meshgrid(self.lines, self.lines, indexing="ij"), axis=-1)
+
+    @cached_property
+    def compliance(self) -> Array:
+        """Displacement in mm of the surface per kPa of every wave (n, n // 2 + 1)."""
+        _, sink, _, _ = amplitudes(self.layers, wavenumbers(self.points, self.spacing), 0.0)
+        sink[0, 0] -= self.of_images(0.0)[0] * self.period**2
+        return sink
+
+    def of_images(self, z: float) -> tuple[float, float, float]:
+        """Return what the images of a load of 1 mN add to its own mean fields at the depth z mm.
+
+        Displacement in mm, strain in the plane (the sum of both) and across it.
+        """
+        here, away = self._seen(z, 1), self._seen(z, FREE)
+        return here[0] - away[0], here[1] - away[1], here[2] - away[2]
+
+    def _seen(self, z: float, periods: int) -> tuple[float, float, float]:
+        """Return the mean fields under a Gaussian load of 1 mN, and under its images."""
+        side = periods * self.period
+        points = 2 * math.ceil(SMOOTH / self.width * side / (2 * np.pi)) + 2
+        xi = wavenumbers(points, side / points)
+        slide, sink, stretch, _ = amplitudes(self.layers, xi, z)
+        plane = np.where(xi > 0, slide, 0.0)
+        # Columns of waves that are not stored are those of the others, but of the ends.
+        load = np.exp(-((xi * self.width) ** 2)) / side**2
+        load[:, 1:-1] *= 2
+        first, second, third = (float((load * each).sum()) for each in (sink, plane, stretch))
+        return first, second, third
+
+    def images(self, pressure: Array, displacement: Array) -> float:
+        """Return the largest displacement in mm that images leave in a contact.
+
+        pressure (n, n) kPa and its displacement (n, n) mm: against a grid of twice the period.
+        """
+        n = self.points
+        wide = np.zeros((2 * n, 2 * n))
+        wide[:n, :n] = pressure
+        larger = LayerGrid(self.layers, 2 * n, self.spacing, self.width)
+        alone = fft.irfft2(fft.rfft2(wide) * larger.compliance, wide.shape)[:n, :n]
+        loaded = pressure > 0.0
+        return float(np.abs(alone - displacement)[loaded].max(initial=0.0))
+
+    def waves(self, pressure: Array) -> Waves:
+        """Return the Fourier transform (n, n // 2 + 1) of a pressure (n, n) or (n²,) kPa."""
+        return np.asarray(fft.rfft2(np.reshape(pressure, (self.points, self.points))))
+
+
+def wavenumbers(points: int, spacing: float) -> Array:
+    """Return the wavenumbers (n, n // 2 + 1) in 1/mm of a square grid, as of `scipy.fft.rfft2`."""
+    return np.asarray(np.hypot(*along_axes(points, spacing)), np.float64)
+
+
+def along_axes(points: int, spacing: float) -> tuple[Array, Array]:
+    """Return the wavenumbers (n, n // 2 + 1) in 1/mm along both axes."""
+    first, second = np.meshgrid(
+        2 * np.pi * fft.fftfreq(points, spacing),
+        2 * np.pi * fft.rfftfreq(points, spacing),
+        indexing="ij",
+    )
+    return first, second
+
+
+def amplitudes(layers: Stack, xi: Array, z: float) -> Array:
+    """Return fields (4, ...) at the depth z mm per kPa of waves with wavenumbers of any shape.
+
+    Strain along the wave, displacement in mm into the body, strain across the plane, and twice the
+    shear strain; of the first and the last the amplitude a quarter of a wave aside.
+    """
+    xi = np.maximum(xi, UNIFORM)
+    single, place = np.unique(np.round(xi, 9), return_inverse=True)
+    slide, sink, axial, shear = layers.kernels(single, z)[:, place.reshape(xi.shape)]
+    layer = layers.layers[layers.locate(z)[0]]
+    nu, twice = layer.poisson, 2 * layer.shear
+    stretch = ((1 - 2 * nu) * axial / twice - nu * slide) / (1 - nu)
+    return np.stack([slide, sink / xi, stretch, 2 * shear / twice])
+
+
+class _Level(NamedTuple):
+    """End organs at one depth: which, a coarser grid, its transfer functions, and interpolation.
+
+    chosen (n_sites,); points of the coarser grid; transfer (6, m, m // 2 + 1): of strain xx, yy,
+    zz, xy, yz, xz per kPa; at (k, m²): the spline at the sites.
+    """
+
+    chosen: Flags
+    points: int
+    transfer: Waves
+    at: sparse.csr_matrix
+
+
+COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+"""Indices of the components of a strain."""
+
+
+class StrainProbe:
+    """Strain at sites below a grid, linear in the pressure.
+
+    Waves decay with the depth, so that each depth has a grid as coarse as what is left of them;
+    between its points a cubic spline is read, whose coefficients are part of the transfer.
+
+    Parameters
+    ----------
+    grid
+        The layers.
+    places
+        (n_sites, 2) mm below the grid.
+    depths
+        (n_sites,) mm, above 0.
+    """
+
+    def __init__(self, grid: LayerGrid, places: Array, depths: Array) -> None:
+        self.grid, self.count = grid, len(places)
+        self._levels = [
+            _level(grid, places, depths == z, float(z)) for z in np.unique(np.asarray(depths))
+        ]
+
+    def strain(self, pressure: Array) -> Array:
+        """Return the strain (n_sites, 3, 3) of a pressure (n, n) or (n²,) kPa.
+
+        In the frame of the grid, z into the body; positive in tension.
+        """
+        waves, out = self.grid.waves(pressure), np.empty((self.count, 3, 3))
+        for level in self._levels:
+            kept = cropped(waves, self.grid.points, level.points)
+            shape = (level.points, level.points)
+            fields = fft.irfft2(kept * level.transfer, shape, axes=(1, 2))
+            values = level.at @ fields.reshape(6, -1).T
+            for (i, j), value in zip(COMPONENTS, values.T, strict=True):
+                out[level.chosen, i, j] = out[level.chosen, j, i] = value
+        return out
+
+
+def cropped(waves: Waves, points: int, fewer: int) -> Waves:
+    """Return the waves (m, m // 2 + 1) of a coarser grid, scaled to its number of points."""
+    if fewer == points:
+        return waves
+    half = fewer // 2
+    kept = np.concatenate([waves[:half, : half + 1], waves[-half:, : half + 1]])
+    kept[half] = 0.0
+    kept[:, half] = 0.0
+    return np.asarray(kept * (fewer / points) ** 2)
+
+
+def _level(grid: LayerGrid, places: Array, chosen: Flags, z: float) -> _Level:
+    """Prepare the strain at one depth."""
+    needed = 2 * math.ceil(DECAYED / z * grid.period / (2 * np.pi)) + 2
+    points = min(grid.points, max(FEWEST, fft.next_fast_len(needed + needed % 2)))
+    points = grid.points if points % 2 else points
+    step = grid.period / points
+    first, second = along_axes(points, step)
+    xi = np.maximum(np.hypot(first, second), UNIFORM)
+    slide, _, stretch, shear = amplitudes(grid.layers, xi, z)
+    transfer = np.stack(
+        [
+            first**2 / xi**2 * slide,
+            second**2 / xi**2 * slide,
+            stretch,
+            first * second / xi**2 * slide,
+            -1j * second / xi * shear / 2,
+            -1j * first / xi * shear / 2,
+        ]
+    )
+    _, plane, across = grid.of_images(z)
+    area = grid.period**2
+    transfer[:3, 0, 0] -= np.array([plane / 2, plane / 2, across]) * area
+    # The coefficients of the cubic spline through the points of a wave are it over this.
+    spline = np.multiply(*((2 + np.cos(k * step)) / 3 for k in (first, second)))
+    first_line = float(grid.lines[0])
+    return _Level(
+        chosen, points, transfer / spline, splines((places[chosen] - first_line) / step, points)
+    )
+
+
+def splines(at: Array, points: int) -> sparse.csr_matrix:
+    """Return the matrix (k, m²) of periodic uniform cubic B-splines at places (k, 2) in points."""
+    cell = np.floor(at)
+    t = (at - cell)[..., None]
+    weights = np.concatenate(
+        [(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, 1 + 3 * t + 3 * t**2 - 3 * t**3, t**3], axis=-1
+    )
+    index = (cell[..., None].astype(np.int64) + np.arange(-1, 3)) % points
+    both = weights[:, 0, :, None] * weights[:, 1, None, :] / 36
+    number = index[:, 0, :, None] * points + index[:, 1, None, :]
+    rows = np.repeat(np.arange(len(at)), 16)
+    shape = (len(at), points**2)
+    return sparse.csr_matrix((both.ravel(), (rows, number.ravel())), shape)
