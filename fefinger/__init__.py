@@ -73,6 +73,7 @@ if TYPE_CHECKING:
     from fefinger.scene.population import Line as Line
     from fefinger.scene.population import Places as Places
     from fefinger.scene.population import Scatter as Scatter
+    from fefinger.scene.ridges import Ridges as Ridges
     from fefinger.scene.samples import Sampled as Sampled
     from fefinger.scene.scene import Scene as Scene
     from fefinger.scene.sliding import SampledPath as SampledPath
@@ -131,6 +132,7 @@ _HOMES = {
     "theory.relaxation": ("Prony",),
     "mechanics.tactile_finger": ("TactileFinger", "TaxelGrid"),
     "mechanics.vibrations": ("Vibrations",),
+    "scene.ridges": ("Ridges",),
     "scene.tissue": ("Hard", "Tissue"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

@@ -1,6 +1,6 @@
 """A whole motion of any kind of contact, step by step."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -95,9 +95,25 @@ def march(
     ConvergenceError
         If the contact or the depth under force control does not converge.
     """
+    numbers = np.arange(len(prescribed.time)) if stored is None else stored
+    rows = collected(stepper, prescribed, stepper.record, progress, numbers)
+    return _history(rows, prescribed, numbers, int(stepper.solved[0]))
+
+
+def collected(
+    stepper: Stepper,
+    prescribed: Prescribed,
+    record: Callable[[], Mapping[str, Any]],
+    progress: Callable[[float], None] = lambda fraction: None,
+    numbers: Integers | None = None,
+) -> dict[str, Array]:
+    """Take a contact through a motion, as `march`; return what `record` reads, by its names.
+
+    numbers (n_out,): of the steps at which it does, rising; all by default.
+    """
     targets = prescribed.targets()
     stepper.begin(targets[0], float(prescribed.value.max(initial=0.0)))
-    numbers = np.arange(len(prescribed.time)) if stored is None else stored
+    numbers = np.arange(len(prescribed.time)) if numbers is None else numbers
     steps = np.diff(prescribed.time, prepend=prescribed.time[0]).tolist()
     rows: dict[str, Array] = {}
     row, count = 0, len(numbers)
@@ -106,13 +122,13 @@ def march(
         if outcome != DONE:
             raise failure(stepper, outcome, target, float(prescribed.time[k]))
         if row < count and k == numbers[row]:
-            for name, value in stepper.record().items():
+            for name, value in record().items():
                 if name not in rows:
                     rows[name] = np.empty((count, *np.shape(value)), np.asarray(value).dtype)
                 rows[name][row] = value
             row += 1
             progress((k + 1) / len(steps))
-    return _history(rows, prescribed, numbers, int(stepper.solved[0]))
+    return rows
 
 
 def failure(

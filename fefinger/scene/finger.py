@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.key import Key, check
+from fefinger.scene.ridges import Ridges
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.inputs import check_input
@@ -90,6 +91,9 @@ class Finger:
     cut
         Boundary condition of the proximal cut: "fixed", or "nail", where only nail and bone hold
         the finger.
+    ridges
+        None: a smooth pad. Papillary ridges, [finger.ridges], are of `layered` alone, where they
+        are finer than any mesh.
     resolution
         Mesh: "coarse", "standard" or "fine"; "auto" lets the planner choose the coarsest one that
         is accurate enough, and is "standard" where nothing is planned.
@@ -120,6 +124,7 @@ class Finger:
     nail: Annotated[str | Hard | None, Key(words=("free",))] = None
     cut: Annotated[str, Key(words=("fixed", "nail"))] = "fixed"
     resolution: Annotated[str, Key(words=(AUTO, *RESOLUTIONS))] = AUTO
+    ridges: Ridges | None = None
 
     def __post_init__(self) -> None:
         """Fill in defaults of the library, then check every field."""

@@ -14,6 +14,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.scene.key import Key, KeyField, forms, keys_of_kind, needed
 from fefinger.scene.population import Layout, Scatter
+from fefinger.scene.ridges import Ridges
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.scene.toml import FILE_KEYS, FROM_FILE, KINDS, PRONY, SUBJECT
 from fefinger.support.vocabulary import TYPES
@@ -148,7 +149,7 @@ def _of_type(hint: object, key: Key) -> Schema:
             **({} if key.free else {"propertyNames": {"enum": list(TYPES)}}),
             "additionalProperties": _of_type(arguments[1], key),
         }
-    if one in (Tissue, Hard):
+    if one in (Tissue, Hard, Ridges):
         return _table(_keys(one), required=() if one is Tissue else needed(one))
     if one is Prony:
         hints = get_type_hints(Prony)

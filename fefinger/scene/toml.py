@@ -24,6 +24,7 @@ from fefinger.scene.motions import (
     Vibration,
 )
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
+from fefinger.scene.ridges import Ridges
 from fefinger.scene.samples import WAVE_OPTIONS, Sampled
 from fefinger.scene.sliding import SampledPath, Slide
 from fefinger.scene.textured import Relief
@@ -240,6 +241,8 @@ def _finger(table: dict[str, Any], folder: Path | None) -> Finger:
     for part in ("bone", "nail"):
         if isinstance(table.get(part), Mapping):
             table[part] = _material(Hard, f"finger.{part}", dict(table[part]))
+    if isinstance(table.get("ridges"), Mapping):
+        table["ridges"] = _material(Ridges, "finger.ridges", dict(table["ridges"]))
     if folder is None:
         return Finger.stored(subject_name=subject, **table)
     if subject is not None:
@@ -260,7 +263,7 @@ def _finger(table: dict[str, Any], folder: Path | None) -> Finger:
 
 
 def _material(cls: type[object], name: str, values: dict[str, object]) -> Any:
-    """Construct a Tissue or Hard from the values of the table `name`."""
+    """Construct a Tissue, Hard or Ridges from the values of the table `name`."""
     try:
         return _record(cls, name, values)
     except InputError as error:  # which names the field "tissue.modulus" or "hard.modulus"
@@ -378,7 +381,7 @@ def _plain(record: object) -> dict[str, Any]:
     table: dict[str, Any] = {}
     for name, known in keys_of_kind(type(record), getattr(record, "kind", "")).items():
         value = getattr(record, name)
-        if isinstance(value, Tissue | Hard | Prony):
+        if isinstance(value, Tissue | Hard | Prony | Ridges):
             value = _plain(value)
         elif isinstance(value, Layout):
             value = {"kind": value.kind, **_plain(value)}

@@ -234,7 +234,10 @@ def _level(grid: LayerGrid, places: Array, chosen: Flags, z: float) -> _Level:
     spline = np.multiply(*((2 + np.cos(k * step)) / 3 for k in (first, second)))
     first_line = float(grid.lines[0])
     return _Level(
-        chosen, points, transfer / spline, splines((places[chosen] - first_line) / step, points)
+        chosen,
+        points,
+        np.asarray(transfer / spline, np.complex128),
+        splines((places[chosen] - first_line) / step, points),
     )
 
 

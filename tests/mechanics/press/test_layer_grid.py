@@ -21,7 +21,7 @@ RADIUS, WIDE = 10.0, 2.0  # mm, of a paraboloid and its contact
 
 @pytest.fixture(scope="module")
 def ball():
-    """A paraboloid pressed on the layers: the grid, the contact and the exact one."""
+    """Press a paraboloid on the layers: the grid, the contact and the exact one."""
     exact = paraboloid(STACK, RADIUS, contact_radius=WIDE)
     grid = LayerGrid(STACK, 120, 0.1, width=WIDE / 2)
     gap = np.sum(grid.places**2, axis=-1) / (2 * RADIUS)

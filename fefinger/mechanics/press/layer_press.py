@@ -1,0 +1,270 @@
+"""Press and slide of any object on exact layers, on a grid as fine as the object and the ridges.
+
+Contact is solved at the times that resolve the motion and the texture; in between, strain is a
+cubic spline in time, so that it has a second derivative for FAII.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from fefinger.contact.gridded import GridContact
+from fefinger.contact.march import Prescribed, collected
+from fefinger.geometry.profiles import frame
+from fefinger.mechanics.press.axisymmetric import Touch
+from fefinger.mechanics.press.layer_gap import LayerGap, first_touch, pad_of, window
+from fefinger.mechanics.press.layer_grid import LayerGrid, StrainProbe
+from fefinger.mechanics.press.limits import check_reached
+from fefinger.mechanics.press.sites import end_organ_sites, spherical
+from fefinger.mechanics.press.time_steps import time_grid
+from fefinger.neural.drives import Reference
+from fefinger.results.records import Lateral, Response, Sites
+from fefinger.scene.indenter import direction
+from fefinger.scene.indenters import STANDARD
+from fefinger.scene.scene import Scene
+from fefinger.support.arrays import Array, Flags
+from fefinger.support.checks import InputError
+from fefinger.support.progress import Stages
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
+
+
+HELD = 20_000_000
+"""Pressures that are held while a motion is solved; of more the means of blocks of points are."""
+
+EDGE = 2
+"""Grid points at the border of a grid that contact must not reach."""
+
+RISEN = 1.1
+"""Growth of the force after which the images are looked at again."""
+
+
+@dataclass(frozen=True)
+class LayerPress:
+    """A scene on a grid of layers; InputError for an object that is placed beyond the pad."""
+
+    scene: Scene
+    grid: LayerGrid
+
+    @cached_property
+    def first(self) -> Touch:
+        """First touch."""
+        first = first_touch(self.scene.finger, self.scene.indenter)
+        if first is None:
+            raise InputError(
+                f"indenter.at: expected a place on the pad, a sphere of "
+                f"{self.scene.finger.pad_radius:g} mm under the 30 degree plate, received "
+                f"{self.scene.indenter.place}"
+            )
+        return first
+
+    @cached_property
+    def gap(self) -> LayerGap:
+        """Gap at a depth of 0."""
+        return LayerGap.of(self.scene, self.first.axis, self.grid)
+
+    @cached_property
+    def sites(self) -> Sites | None:
+        """End organs, where strain is asked."""
+        ask, finger = self.scene.ask, self.scene.finger
+        if not (ask.strain or ask.spikes):
+            return None
+        skin = partial(spherical, finger.pad_radius, direction(STANDARD))
+        return end_organ_sites(ask, finger.pulp, self.first.origin, self.first.axis, skin)
+
+    def solve(self, stages: Stages, *, refine: int = 1) -> "Solved":
+        """March the contact through the motion; `refine` divides every step."""
+        motion, branches = self.scene.motion, self.scene.finger.prony.branches
+        feature = self.scene.indenter.feature if motion.slides else math.inf
+        time = time_grid(motion, fast=False, feature=feature, refine=refine)
+        shape = (self.grid.points, self.grid.points)
+        contact = GridContact(self.grid.compliance, shape, self.grid.spacing, self.gap, branches)
+        value = motion.value(time) / (NEWTON_PER_MILLINEWTON if motion.by_force else 1.0)
+        prescribed = Prescribed(motion.control, time, value, motion.shift(time))
+        read = self._reader(contact, len(time))
+        with stages.stage("contact") as report:
+            return Solved(time, collected(contact, prescribed, read, report))
+
+    def block(self, count: int) -> int:
+        """Return the side in points of a block whose mean pressure is kept at `count` times."""
+        size = 1
+        while count * math.ceil(self.grid.points / size) ** 2 > HELD:
+            size += 1
+        return size
+
+    def _reader(self, contact: GridContact, count: int) -> Callable[[], Mapping[str, Any]]:
+        """Return what reads a contact after each of `count` steps."""
+        n, sites, block = self.grid.points, self.sites, self.block(count)
+        places, edge = self.grid.places.reshape(-1, 2), border(n).ravel()
+        probe = None if sites is None else StrainProbe(self.grid, *placed(self.first, sites))
+        looked = np.zeros(2)  # the largest force, and what images leave there
+
+        def read() -> dict[str, Any]:
+            p, area = contact.pressure, contact.area
+            if contact.force > RISEN * looked[0]:
+                looked[:] = contact.force, self._images(contact)
+            total = float(p.sum())
+            row: dict[str, Any] = {
+                "depth": contact.depth,
+                "force": contact.force,
+                "area": np.count_nonzero(p) * area,
+                "center": p @ places / total if total else np.full(2, np.nan),
+                "push": self.gap.push((contact.pose[0], contact.pose[1]), p) * area,
+                "bordering": bool(p[edge].any()),
+                "images": looked[1],
+            }
+            if self.scene.ask.pressure:
+                row["pressure"] = blocks(p.reshape(n, n), block).astype(np.float32)
+            if probe is not None:
+                row["strain"] = probe.strain(contact.elastic)
+            return row
+
+        return read
+
+    def _images(self, contact: GridContact) -> float:
+        """Return what periodic images leave, over the largest displacement in the contact."""
+        shape = (self.grid.points, self.grid.points)
+        pressure, moved = contact.pressure.reshape(shape), contact.solver.moved.reshape(shape)
+        return self.grid.images(pressure, moved) / float(np.abs(moved[pressure > 0]).max())
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A solved motion: times (n,) s, and values (n, ...) that were read, by name."""
+
+    time: Array
+    rows: Mapping[str, Array]
+
+    def smooth(self, name: str, time: Array) -> Array:
+        """Return values at times (n_t,) s by a cubic spline, whose second derivative is smooth."""
+        values = self.rows[name]
+        return values if self._same(time) else np.asarray(CubicSpline(self.time, values)(time))
+
+    def joined(self, name: str, time: Array) -> Array:
+        """Return values at times (n_t,) s by lines."""
+        values = self.rows[name]
+        return values if self._same(time) else linear(self.time, values, time)
+
+    def _same(self, time: Array) -> bool:
+        # exact: both are made by `time_grid`, and are the same without FAII
+        return np.array_equal(time, self.time)
+
+
+def linear(at: Array, values: Array, time: Array) -> Array:
+    """Join values (n, ...) at times (n,) by lines, at times (n_t,)."""
+    after = np.clip(np.searchsorted(at, time), 1, len(at) - 1)
+    part = (time - at[after - 1]) / (at[after] - at[after - 1])
+    part = part.reshape(-1, *(1,) * (values.ndim - 1)).astype(values.dtype)
+    return np.asarray(values[after - 1] * (1 - part) + values[after] * part)
+
+
+def blocks(values: Array, size: int) -> Array:
+    """Return the means (m, m) of square blocks of `size` points; beyond the grid there is 0."""
+    if size == 1:
+        return values
+    short = -len(values) % size
+    padded = np.pad(values, ((0, short), (0, short)))
+    m = len(padded) // size
+    return np.asarray(padded.reshape(m, size, m, size).mean(axis=(1, 3)))
+
+
+def placed(first: Touch, sites: Sites) -> tuple[Array, Array]:
+    """Return where sites lie under the flat skin of a grid, (n, 2) mm, and their depths (n,)."""
+    over = sites.points + sites.depths[:, None] * sites.normals - first.origin
+    return over @ frame(first.axis)[:2].T, sites.depths
+
+
+def turned(strain: Array, first: Touch, sites: Sites) -> Array:
+    """Return strains (n_t, n, 3, 3) in the frame of the finger; z runs along a site's normal."""
+    inward = -sites.normals
+    u = frame(first.axis)[0]
+    one = u - (inward @ u)[:, None] * inward
+    one /= np.linalg.norm(one, axis=1, keepdims=True)
+    rows = np.stack([one, np.cross(inward, one), inward], axis=1)
+    return np.asarray(np.swapaxes(rows, 1, 2) @ strain @ rows)
+
+
+def border(points: int) -> Flags:
+    """Return which points (n, n) of a grid lie at its border."""
+    inside = np.zeros((points, points), dtype=bool)
+    inside[EDGE:-EDGE, EDGE:-EDGE] = True
+    return ~inside
+
+
+def respond(
+    scene: Scene,
+    grid: LayerGrid,
+    reference: Callable[[], Reference],
+    stages: Stages,
+    *,
+    mechanics: str,
+    notes: tuple[str, ...],
+    refine: int = 1,
+) -> Response:
+    """Solve a scene on a grid; `reference` gives the press that scales strain.
+
+    InputError if contact reaches the end of the object or of the grid. ConvergenceError if a
+    contact is not found.
+    """
+    press, motion = LayerPress(scene, grid), scene.motion
+    solved = press.solve(stages, refine=refine)
+    rows = solved.rows
+    _check(scene, grid, rows)
+    feature = scene.indenter.feature if motion.slides else math.inf
+    time = time_grid(motion, fast="FAII" in scene.ask.spikes, feature=feature)
+    parts: dict[str, Any] = {}
+    if scene.ask.pressure:
+        with stages.stage("pressure"):
+            parts |= _pressure(press, solved, time)
+    if press.sites is not None:
+        with stages.stage("strain"):
+            strain = turned(solved.smooth("strain", time), press.first, press.sites)
+            parts |= {"sites": press.sites, "strain": strain}
+    if motion.slides:
+        push = solved.joined("push", time) * NEWTON_PER_MILLINEWTON
+        parts["lateral"] = Lateral(motion.shift(time), push)
+    return Response(
+        mechanics=mechanics,
+        time=time,
+        depth=solved.joined("depth", time),
+        force=solved.joined("force", time) * NEWTON_PER_MILLINEWTON,
+        reference=reference() if scene.ask.spikes else None,
+        status=f"Solved: the contact on {grid.points} x {grid.points} points at {len(solved.time)} "
+        "times, each gap closed to 1e-6 of the largest displacement.",
+        seconds=stages.seconds,
+        notes=notes,
+        numbers={
+            "grid_points": grid.points,
+            "grid_spacing_mm": grid.spacing,
+            "images_over_displacement": float(rows["images"].max()),
+        },
+        **parts,
+    )
+
+
+def _check(scene: Scene, grid: LayerGrid, rows: Mapping[str, Array]) -> None:
+    """Check that the press went no deeper than the tissue, and no wider than the grid."""
+    check_reached(scene.motion, scene.finger.pulp, float(rows["depth"].max()))
+    if rows["bordering"].any():
+        raise InputError(
+            f"motion: expected a contact within the {grid.period:.3g} mm of skin that are solved, "
+            "received one that reaches their border; press less, or keep the object over the pad"
+        )
+
+
+def _pressure(press: LayerPress, solved: Solved, time: Array) -> dict[str, Any]:
+    """Return the quantities of a Response that are read from the pressure."""
+    kept, across = solved.rows["pressure"], frame(press.first.axis)[:2]
+    part = window(kept)
+    inside = Solved(solved.time, {"pressure": kept[:, part[0], part[1]]})
+    pressure = inside.joined("pressure", time).reshape(len(time), -1).astype(np.float64)
+    return {
+        "pad": pad_of(press.first, press.grid, press.gap, press.block(len(solved.time)), part),
+        "pressure": pressure,
+        "contact_area": solved.joined("area", time),
+        "centroid": (press.first.origin + solved.joined("center", time) @ across)[:, :2],
+    }
