@@ -209,6 +209,9 @@ def _rung(
         reason = f"expected relative error = {format_excess(judged, ask.rel_error)} ({ERROR})"
         refusals = (*refusals, Refusal(name, "accuracy", reason, ERROR))
     error = max(whole, inertia.vibration) if left_out else whole
+    if case.finger.ridges is not None and not MECHANICS[name].ridges:
+        reason = "finger.ridges: this mechanics has a smooth pad"
+        refusals = (*refusals, Refusal(name, "accuracy", reason, "finger.ridges"))
     refusals = (*refusals, *left_out)
     wall = costs.wall(name, case, seconds)
     if costs.beside(seconds):

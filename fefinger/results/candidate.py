@@ -8,11 +8,12 @@ from fefinger.support import registry
 
 
 class Traits(NamedTuple):
-    """Traits of a mechanics: whether it has a mesh, finite strain, and inertia."""
+    """Traits of a mechanics: whether it has a mesh, finite strain, inertia, ridges of the skin."""
 
     meshed: bool
     finite: bool
     inertia: bool = False
+    ridges: bool = False
 
 
 class _TraitsByName(Mapping[str, Traits]):

@@ -125,7 +125,7 @@ def respond(
             r, z, frames = _cylinder(first, sites)
             own = _of_the_skin(history, share)
             strain = turned(own.strain(_strain(contact, history.nodes, r, z)), frames)
-            reference = _reference(scene.ask, finger.pulp, plate) if scene.ask.spikes else None
+            reference = small_press(scene.ask, finger.pulp, plate) if scene.ask.spikes else None
     radii, steps = len(history.nodes), len(history.time)
     return Response(
         mechanics=mechanics,
@@ -229,7 +229,7 @@ def turned(components: Array, frames: Array) -> Array:
     return tensors.reshape(len(components), len(frames), 3, 3)
 
 
-def _reference(ask: Ask, pulp: float, plate: ElasticContact) -> "Reference":
+def small_press(ask: Ask, pulp: float, plate: ElasticContact) -> "Reference":
     """Return the strain of the relaxed finger under the standard plate, at a small depth."""
     from fefinger.neural.drives import Reference
 

@@ -42,13 +42,10 @@ PER_DEPTH = 6.0
 PER_CONTACT = 48
 """Grid points across the contact of a smooth object."""
 
-FINEST = 0.02
-"""Least distance in mm of grid points, that of the samples of an object."""
-
 MOST = 1024
-"""Most grid points of a side: 1 GB, and some seconds a step."""
+"""Most grid points of a side: half a GB, and a second a step."""
 
-AROUND = 1.5
+AROUND = 1.0
 """Free skin about the contact, both sides together, in thicknesses of the layers."""
 
 SEEN = 20
@@ -114,19 +111,19 @@ def first_touch(finger: Finger, indenter: Indenter) -> Touch | None:
     return Touch(finger.pad_radius * (direction(STANDARD) - axis), axis)
 
 
-def spacing(scene: Scene, reach: float, shallowest: float) -> float:
+def spacing(finger: Finger, indenter: Indenter, reach: float, shallowest: float) -> float:
     """Return the distance in mm of the grid points for a contact of a radius of `reach` mm.
 
     shallowest: depth in mm of the end organ nearest to the skin.
     """
-    indenter, ridges = scene.indenter, scene.finger.ridges
+    ridges = finger.ridges
     widths = [2 * reach / PER_CONTACT, shallowest / PER_DEPTH]
     if indenter.hertzian is None:
         part = min(indenter.feature, indenter.narrowest)
         widths += [part / PER_FEATURE, indenter.least_radius / PER_RADIUS]
     if ridges is not None and ridges.height > 0:
         widths.append(ridges.pitch / PER_RIDGE)
-    return max(FINEST, min(widths))
+    return min(widths)
 
 
 def grid_of(layers: Stack, reach: float, step: float) -> LayerGrid:
@@ -158,7 +155,7 @@ def check_ridges(ridges: Ridges | None, reach: float) -> None:
 
 def window(kept: Array) -> tuple[slice, slice]:
     """Return the part of blocks (n_t, m, m) that a pressure ever touches, and one block around."""
-    touched = (kept > 0.0).any(axis=0)
+    touched = np.asarray(kept > 0.0).any(axis=0)
     part = []
     for axis in (1, 0):
         at = np.flatnonzero(touched.any(axis=axis))

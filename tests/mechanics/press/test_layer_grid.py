@@ -66,7 +66,7 @@ def test_the_strain_below_is_that_of_the_hankel_integrals(ball):
     wanted = dyad(radial, out, out) + dyad(around, side, side)
     wanted = wanted + dyad(down, deep + 0 * out, deep + 0 * out)
     wanted = wanted + dyad(slanted, out, deep + 0 * out) + dyad(slanted, deep + 0 * out, out)
-    assert got == pytest.approx(wanted, abs=4e-3 * np.abs(wanted).max())
+    assert got == pytest.approx(wanted, abs=5e-3 * np.abs(wanted).max())
 
 
 def test_the_strain_of_a_wave_is_that_at_every_place():
