@@ -7,6 +7,7 @@ from fefinger.validation.finger import split as finger_split
 from fefinger.validation.friction import bonded, dots, layers, sheared, waves
 from fefinger.validation.problems import chain
 
+from fefinger.contact.stepper import Target
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.lumped.spring import Spring
 
@@ -101,11 +102,11 @@ def test_dots_on_layers_that_have_gone_more_than_half_their_way_are_mirrored(mon
     organs, pad = layers.sites(scene), layers.fine()
     strains = layers.strains(scene, organs)
     moved = np.array([1.5, 0.0])
-    pressure = pad.pressure_by_force(
-        lambda at: scene.indenter.profile.rise(at - moved), 600.0, np.ones(pad.places.shape[:2])
-    )
+    gap = pad.gap(lambda at: scene.indenter.profile.rise(at - moved))
+    contact = pad.contact(lambda shift: gap)
+    contact.advance(0.0, Target(600.0, by_force=True))
     shallow = organs.depths == organs.depths.min()
-    found = pad.strain(pressure, float(organs.depths.min()), organs.points[shallow, :2])
+    found = pad.strain(contact.pressure, float(organs.depths.min()), organs.points[shallow, :2])
     assert strains[3, shallow] == pytest.approx(found, abs=1e-3 * np.abs(found).max())
     assert np.abs(strains[1, shallow] - found).max() > 0.1 * np.abs(found).max()
     layers.fine.cache_clear()

@@ -1,13 +1,12 @@
 """Scanned dots on exact layers, finer than any mesh of the finger: rates against their spacing.
 
-The same units and dots as in `dots.py`, under a paraboloid on the layers of the skin
-(`afferents/patterns.py`): elastic, on a grid of 0.06 mm. Dots on a grid move by their spacing until
-all repeats, and dots moved to one side are the mirror image of those moved to the other: half a
-spacing is solved. In between the strain is its Fourier series over the way.
+The same units and dots as in `dots.py`, on the grid of the mechanics `layered`, with and without
+ridges of the skin. Elastic, and of one period: dots on a grid move by their spacing until all
+repeats, and dots moved to one side are the mirror image of those moved to the other: half a spacing
+is solved. In between the strain is its Fourier series over the way.
 """
 
-from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -15,30 +14,34 @@ from fefinger.validation.afferents import patterns
 from fefinger.validation.friction import dots
 from scipy.signal import resample
 
+from fefinger.contact.stepper import Target
+from fefinger.mechanics.press.layer_grid import StrainProbe
 from fefinger.mechanics.press.sites import of_population, place_units
 from fefinger.neural.populations import Surface
 from fefinger.results.records import Sites
+from fefinger.scene.ridges import Ridges
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
 POINTS, SPACING = 256, 0.06
-"""Grid points on a side and their distance in mm: with 0.08 mm FAII fire 3 impulses/s more."""
+"""Grid points on a side and their distance in mm."""
 
 STEP = 0.1  # mm of the way between solutions, a seventh of a dot
+
+FINE_STEP = 0.05  # mm of the same on ridges, a ninth of one
 
 EVERY = 2e-4  # s between the samples that units are given
 
 SKIN = 8.0  # mm, half the side of the skin on which units are laid out
 
-START = 3.0  # mm, radius of the pressure that the first solution starts from
-
 
 @cache
 def fine() -> patterns.Pad:
     """Return the pad of the experiments on the grid of this module."""
-    return replace(patterns.pad(), points=POINTS, spacing=SPACING)
+    pad = patterns.pad()
+    return patterns.Pad(pad.layers, pad.radius, POINTS, SPACING)
 
 
 def sites(scene: Scene) -> Sites:
@@ -50,39 +53,34 @@ def sites(scene: Scene) -> Sites:
     return of_population(place_units(scene.ask, skin, np.array([0.0, 0.0, 1.0])))
 
 
-def strains(scene: Scene, organs: Sites) -> Array:
+def strains(scene: Scene, organs: Sites, ridges: Ridges | None = None) -> Array:
     """Strain (n, n_organs, 3, 3) at the end organs over a spacing of the dots of a scene, evenly.
 
-    The first is that with a dot in the middle of the pad.
+    The first is that with a dot in the middle of the pad, where straight ridges have a crest.
     """
     indenter: Any = scene.indenter
     pad, profile, spacing = fine(), indenter.profile, indenter.spacing
     force = scene.motion.peak / NEWTON_PER_MILLINEWTON
-    count = max(3, round(spacing / STEP))
+    count = max(3, round(spacing / (STEP if ridges is None else FINE_STEP)))
+    grid = pad.grid
+    skin = pad.gap(lambda at: 0.0 * at[..., 0] if ridges is None else ridges.valleys(at))
+    contact = pad.contact(lambda shift: skin + profile.rise(grid.places - np.array(shift)))
     places, n = organs.points[:, :2], len(organs.points)
     both = np.vstack([places, places * [-1.0, 1.0]])
+    probe = StrainProbe(grid, both, np.tile(organs.depths, 2))
     mirror = np.array([-1.0, 1.0, 1.0])
     out = np.empty((count, n, 3, 3))
-    pressure = np.maximum(0.0, 1.0 - np.hypot(*np.moveaxis(pad.places, -1, 0)) / START)
-
-    def rise_at(shift: Array) -> patterns.Shape:
-        return lambda at: profile.rise(at - shift)
-
     for k in range(count // 2 + 1):
-        shift = np.array([spacing * k / count, 0.0])
-        pressure = pad.pressure_by_force(rise_at(shift), force, pressure)
-        for z in np.unique(organs.depths):
-            deep = organs.depths == z
-            strain = pad.strain(pressure, float(z), both[np.tile(deep, 2)])
-            here, there = np.split(strain, 2)
-            out[k, deep] = here
-            out[-k, deep] = there * np.multiply.outer(mirror, mirror)
+        target = Target(force, by_force=True, shift=(spacing * k / count, 0.0))
+        patterns.solved(contact, target)
+        out[k], there = np.split(probe.strain(contact.pressure), 2)
+        out[-k] = there * np.multiply.outer(mirror, mirror)
     return out
 
 
 @cache
 def scanned(
-    spacing: float, diameter: float = dots.DIAMETER
+    spacing: float, diameter: float = dots.DIAMETER, ridges: Ridges | None = None
 ) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
     """Rates in Hz, and mean and deviation of strain, over dots, by type.
 
@@ -90,7 +88,7 @@ def scanned(
     """
     scene = dots.scene(spacing, diameter)
     organs, speed = sites(scene), float(scene.to_dict()["motion"]["speed"])
-    strain = strains(scene, organs)
+    strain = strains(scene, organs, ridges)
     count = round(spacing / speed / EVERY)
     passes = round(dots.DISTANCE / spacing)
     one = resample(dots.inputs(strain, organs), count, axis=0)
@@ -98,3 +96,7 @@ def scanned(
     inputs = np.concatenate([np.tile(one, (passes, 1)), one[:1]])
     rates = dots.fired(organs, time, inputs, spacing / speed)
     return rates, dots.variations(strain, organs)
+
+
+ridged = partial(scanned, ridges=Ridges())
+"""The same with ridges of the skin."""

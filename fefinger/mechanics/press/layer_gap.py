@@ -22,7 +22,7 @@ from fefinger.scene.indenter import Indenter, direction
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.ridges import Ridges
 from fefinger.scene.scene import Scene
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
 from fefinger.theory.contact.stack import Stack
 
@@ -155,7 +155,7 @@ def check_ridges(ridges: Ridges | None, reach: float) -> None:
 
 def window(kept: Array) -> tuple[slice, slice]:
     """Return the part of blocks (n_t, m, m) that a pressure ever touches, and one block around."""
-    touched = np.asarray(kept > 0.0).any(axis=0)
+    touched: Flags = np.any(kept > 0.0, axis=0)
     part = []
     for axis in (1, 0):
         at = np.flatnonzero(touched.any(axis=axis))

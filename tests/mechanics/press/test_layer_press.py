@@ -81,7 +81,7 @@ def test_a_texture_that_has_moved_by_its_period_repeats():
     assert force[-1] == pytest.approx(force[start], rel=2e-3)
     assert np.ptp(force[start:]) > 0.01 * force[start]
     push = rows.rows["push"]
-    assert np.abs(push[start:, 0]).max() > 0.02 * force[start]
+    assert np.abs(push[start:, 0]).max() > 0.01 * force[start]
     assert np.abs(push[:, 1]).max() < 1e-6 * force[start]
 
 
@@ -110,7 +110,7 @@ def test_what_a_grid_cannot_answer_is_refused_in_a_sentence():
     assert field(wide) == ["finger.ridges.pitch"]
     sharp = scene(indenter=ff.Pin(0.2, corner=0.002))
     assert field(sharp) == ["indenter"]
-    deep = scene(indenter=ff.Bar(3.0, 0.5), motion=ff.Ramp(20, 5.0))
+    deep = scene(indenter=ff.Bar(3.0, 0.5), motion=ff.Ramp(20, 4.9))
     assert field(deep) == ["motion.depth"]
 
 
