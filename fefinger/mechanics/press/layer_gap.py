@@ -1,7 +1,7 @@
 """Gap between a pad with or without ridges and any object, over the points of a grid.
 
 The pad is a paraboloid on flat layers; the object its heights, of which the skin meets those that
-lie ahead of its undeformed points, as in `press/sliding.py`.
+lie ahead of its undeformed points.
 """
 
 import math

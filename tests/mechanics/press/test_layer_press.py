@@ -110,8 +110,6 @@ def test_what_a_grid_cannot_answer_is_refused_in_a_sentence():
     assert field(wide) == ["finger.ridges.pitch"]
     sharp = scene(indenter=ff.Pin(0.2, corner=0.002))
     assert field(sharp) == ["indenter"]
-    deep = scene(indenter=ff.Bar(3.0, 0.5), motion=ff.Ramp(20, 4.9))
-    assert field(deep) == ["motion.depth"]
 
 
 def test_contact_at_the_border_of_the_grid_is_an_error():
