@@ -19,8 +19,7 @@ import numpy as np
 from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.stated_errors import StatedError, error_of
-from fefinger.mechanics.press import axisymmetric, layer_gap, layer_press, notes
-from fefinger.mechanics.press.layer_grid import LayerGrid
+from fefinger.mechanics.press import axisymmetric, notes
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.mechanics.press.time_steps import time_grid
@@ -43,6 +42,7 @@ from fefinger.theory.relaxation import creep_integral
 
 
 if TYPE_CHECKING:
+    from fefinger.mechanics.press.layer_grid import LayerGrid
     from fefinger.theory.contact.contact_table import ContactTable
 
 
@@ -178,12 +178,14 @@ def _ridges(finger: Finger) -> Ridges | None:
 
 
 @lru_cache(maxsize=32)
-def grid(finger: Finger, indenter: Indenter, motion: Motion, ask: Ask) -> LayerGrid:
+def grid(finger: Finger, indenter: Indenter, motion: Motion, ask: Ask) -> "LayerGrid":
     """Return the grid of a press: contact and thickness wide, as fine as object, ridges and organs.
 
     InputError for one that does not fit into memory, for a contact wider than the pad is round,
     and for ridges coarser than the contact.
     """
+    from fefinger.mechanics.press import layer_gap
+
     reach = _reach(finger, indenter, motion)
     layer_gap.check_ridges(_ridges(finger), reach)
     types = ask.spikes or (tuple(innervation()) if ask.strain else ())
@@ -217,6 +219,8 @@ def _reach(finger: Finger, indenter: Indenter, motion: Motion) -> float:
 
 def _grid_refusals(case: Situation) -> list[Reason]:
     """Return the features of a scene that a grid of layers cannot represent."""
+    from fefinger.mechanics.press import layer_gap
+
     unable = [*notes.own_relaxation_reasons(case.finger), *case.too_long]
     unable += notes.friction_reasons(case.indenter)
     if case.motion.turns_plate:
@@ -305,6 +309,8 @@ def _plate(finger: Finger) -> "ContactTable":
 
 
 def _respond_on_grid(scene: Scene, progress: Progress | None) -> Response:
+    from fefinger.mechanics.press import layer_press
+
     finger, ridges = scene.finger, _ridges(scene.finger)
     if ridges is None:
         skin = SMOOTH
