@@ -19,6 +19,8 @@ result.Result         `save`, `load` and `show`; its page is written by `pages/r
 
 Where else to look:
 
+textures, ridges      of `layered`: `mechanics/press/layer_press.py`, solved on a grid in
+                      `contact/grid_solver.py`
 friction              `mechanics/press/sliding.py` at small strain (solved in
                       `contact/frictional.py`), `mechanics/press/dragged.py` at finite strain
 table of `pressed`    `mechanics/press/elastic_press.py`: `load_or_solve` reads it, or solves and

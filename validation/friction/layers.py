@@ -6,7 +6,7 @@ repeats, and dots moved to one side are the mirror image of those moved to the o
 is solved. In between the strain is its Fourier series over the way.
 """
 
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -53,10 +53,11 @@ def sites(scene: Scene) -> Sites:
     return of_population(place_units(scene.ask, skin, np.array([0.0, 0.0, 1.0])))
 
 
-def strains(scene: Scene, organs: Sites, ridges: Ridges | None = None) -> Array:
+def strains(scene: Scene, organs: Sites, ridges: Ridges | None = None, start: float = 0.0) -> Array:
     """Strain (n, n_organs, 3, 3) at the end organs over a spacing of the dots of a scene, evenly.
 
-    The first is that with a dot in the middle of the pad, where straight ridges have a crest.
+    The first is that with a dot in the middle of the pad, where straight ridges have a crest. With
+    a `start` mm from there nothing is mirrored.
     """
     indenter: Any = scene.indenter
     pad, profile, spacing = fine(), indenter.profile, indenter.spacing
@@ -70,17 +71,21 @@ def strains(scene: Scene, organs: Sites, ridges: Ridges | None = None) -> Array:
     probe = StrainProbe(grid, both, np.tile(organs.depths, 2))
     mirror = np.array([-1.0, 1.0, 1.0])
     out = np.empty((count, n, 3, 3))
-    for k in range(count // 2 + 1):
-        target = Target(force, by_force=True, shift=(spacing * k / count, 0.0))
+    for k in range(count if start else count // 2 + 1):
+        target = Target(force, by_force=True, shift=(start + spacing * k / count, 0.0))
         patterns.solved(contact, target)
         out[k], there = np.split(probe.strain(contact.pressure), 2)
-        out[-k] = there * np.multiply.outer(mirror, mirror)
+        if not start:
+            out[-k] = there * np.multiply.outer(mirror, mirror)
     return out
 
 
 @cache
 def scanned(
-    spacing: float, diameter: float = dots.DIAMETER, ridges: Ridges | None = None
+    spacing: float,
+    diameter: float = dots.DIAMETER,
+    ridges: Ridges | None = None,
+    start: float = 0.0,
 ) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
     """Rates in Hz, and mean and deviation of strain, over dots, by type.
 
@@ -88,7 +93,7 @@ def scanned(
     """
     scene = dots.scene(spacing, diameter)
     organs, speed = sites(scene), float(scene.to_dict()["motion"]["speed"])
-    strain = strains(scene, organs, ridges)
+    strain = strains(scene, organs, ridges, start)
     count = round(spacing / speed / EVERY)
     passes = round(dots.DISTANCE / spacing)
     one = resample(dots.inputs(strain, organs), count, axis=0)
@@ -96,7 +101,3 @@ def scanned(
     inputs = np.concatenate([np.tile(one, (passes, 1)), one[:1]])
     rates = dots.fired(organs, time, inputs, spacing / speed)
     return rates, dots.variations(strain, organs)
-
-
-ridged = partial(scanned, ridges=Ridges())
-"""The same with ridges of the skin."""

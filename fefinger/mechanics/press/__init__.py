@@ -9,6 +9,8 @@ tabulated_press.py          contact of `pressed`: that table along a motion
 modal_press.py, harmonic.py    contact with inertia of `modal`, in time and by frequency
 sliding.py, dragged.py      contact under a path or with friction, at small and finite strain
 axisymmetric.py             `hertz` and `layered`: contacts and fields of closed formulas
+layer_press.py              `layered` of any object, on a grid: its gaps in layer_gap.py, its
+                            compliance and strain in layer_grid.py
 reference.py                the small press that converts strain to displacement
 response.py, modal_response.py    the Response, from the solved contact
 
