@@ -107,7 +107,8 @@ def number(
     if inside and abs(result) <= HUGE and (above != 0 or result >= TINY):
         return result
     if inside:
-        above, at_least, below, at_most = None, -HUGE if above != 0 else TINY, None, HUGE
+        least = -HUGE if at_least is None else at_least
+        above, at_least, below, at_most = None, TINY if above == 0 else least, None, HUGE
     limits = {"above": above, "at least": at_least, "below": below, "at most": at_most}
     suffix = f" in {unit}" if unit else ""
     wanted = " and ".join(f"{word} {x:g}" for word, x in limits.items() if x is not None)

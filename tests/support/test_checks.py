@@ -149,3 +149,8 @@ def test_numbers_that_overflow_or_vanish_when_multiplied_are_refused():
         numbers("x", [1.0, 1e300])
     with pytest.raises(InputError, match=r"at most 1, received 1e\+300"):
         number("x", 1e300, at_most=1)
+
+
+def test_a_number_that_is_too_large_is_told_the_limits_that_hold():
+    with pytest.raises(InputError, match=r"at least 0 and at most 1e\+30, received 1e\+300"):
+        number("days", 1e300, at_least=0.0)
