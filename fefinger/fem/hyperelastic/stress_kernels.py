@@ -227,15 +227,22 @@ def add_volumetric_stiffness(
 def project_to_semidefinite(moduli: Array, stress: Array) -> None:
     """Replace the moduli (6, 6) and the stress (6,) by their positive parts."""
     values, vectors = np.linalg.eigh(moduli)
-    if values[0] < 0:
-        moduli[:] = (vectors * np.maximum(values, 0.0)) @ vectors.T
+    if values[0] < 0:  # in loops: products of arrays and their copies take seconds to compile
+        for row in range(6):
+            for column in range(row + 1):
+                total = 0.0
+                for k in range(6):
+                    total += max(values[k], 0.0) * vectors[row, k] * vectors[column, k]
+                moduli[row, column] = moduli[column, row] = total
     full = np.empty((3, 3))
     for row in range(6):
         i, j = PAIRS[row]
         full[i, j] = full[j, i] = stress[row]
     values, vectors = np.linalg.eigh(full)
     if values[0] < 0:
-        full = (vectors * np.maximum(values, 0.0)) @ vectors.T
         for row in range(6):
             i, j = PAIRS[row]
-            stress[row] = full[i, j]
+            total = 0.0
+            for k in range(3):
+                total += max(values[k], 0.0) * vectors[i, k] * vectors[j, k]
+            stress[row] = total
