@@ -40,8 +40,8 @@ if TYPE_CHECKING:
     from fefinger.mechanics.former_loops import Rolling as Rolling
     from fefinger.mechanics.former_loops import Sliding as Sliding
     from fefinger.mechanics.loop import Loop as Loop
+    from fefinger.mechanics.press.taxel_grid import TaxelGrid as TaxelGrid
     from fefinger.mechanics.tactile_finger import TactileFinger as TactileFinger
-    from fefinger.mechanics.tactile_finger import TaxelGrid as TaxelGrid
     from fefinger.mechanics.vibrations import Vibrations as Vibrations
     from fefinger.neural.family import Family as Family
     from fefinger.neural.series import spikes as spikes
@@ -130,7 +130,8 @@ _HOMES = {
     "studies.receptive_field": ("ReceptiveField", "receptive_field"),
     "studies.study": ("study",),
     "theory.relaxation": ("Prony",),
-    "mechanics.tactile_finger": ("TactileFinger", "TaxelGrid"),
+    "mechanics.press.taxel_grid": ("TaxelGrid",),
+    "mechanics.tactile_finger": ("TactileFinger",),
     "mechanics.vibrations": ("Vibrations",),
     "scene.ridges": ("Ridges",),
     "scene.tissue": ("Hard", "Tissue"),

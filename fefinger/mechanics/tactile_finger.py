@@ -9,26 +9,25 @@ and the finger's relaxation; what finite strain adds is a factor by the deepest 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
-from scipy import sparse
 
 from fefinger.contact import active_set, pad_worlds, posed, posed_soft
 from fefinger.contact.coulomb import CoulombSolver
 from fefinger.contact.elastic_kernel import flexibility
-from fefinger.contact.pad_worlds import UNSOLVED, Factors, Moves, Pad, Softness
+from fefinger.contact.pad_worlds import UNSOLVED, Factors, Moves, Softness
 from fefinger.contact.signed_distance import Shapes
-from fefinger.mechanics.evidence.presses import read
+from fefinger.mechanics.evidence.tactile_errors import measured_errors
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press import operator
+from fefinger.mechanics.press.object_poses import Pose, poses
 from fefinger.mechanics.press.pad_compliance import pad_compliance
 from fefinger.mechanics.press.prepared import Precision
 from fefinger.mechanics.press.pressing_object import kernel
 from fefinger.mechanics.press.sites import end_organ_sites, meshed
+from fefinger.mechanics.press.taxel_grid import TaxelGrid
 from fefinger.neural.streaming import RecordedAfferents
 from fefinger.results.records import Sites
 from fefinger.results.touch import VERDICTS, Maps, Touch
@@ -47,12 +46,8 @@ from fefinger.support.vocabulary import TYPES
 from fefinger.theory.contact.stack import Stack
 
 
-TURNED = 1e-6
-"""Largest entry of R' R - 1 of a rotation matrix: written in single precision it is 1e-7."""
-
 ANGLES, DEPTHS = (0.0, 15.0, 30.0, 45.0), 12
-"""Angles in degrees of plates, and number of depths, at which the factor of finite strain is taken.
-"""
+"""Angles in degrees of plates, and depths, at which the factor of finite strain is taken."""
 
 LIGHT = 0.25
 """Depth in mm up to which log t grows in proportion: forces there hang on where a mesh is touched.
@@ -61,58 +56,8 @@ LIGHT = 0.25
 MIDDLE = 2
 """Index in ANGLES of the plate that touches farthest from the border of the pad."""
 
-REPORT = "tactile-error.json"
-"""Report of errors of the force, beside `solid`."""
-
-QUANTILE = 0.95
-"""Share of measured presses whose error is at most the stated one."""
-
 RELAXED = 1e4
 """Seconds in which any finger has relaxed."""
-
-Pose = tuple[Shape, ArrayLike, ArrayLike]
-"""An object, its rotation (3, 3) and its place (3,) mm in the frame of the finger."""
-
-
-@dataclass(frozen=True)
-class TaxelGrid:
-    """A grid of taxels over the pad, rows along x (distal) and columns along y.
-
-    pitch mm; center (2,) mm of the grid: beneath the middle of the pad by default. The skin beside
-    the grid belongs to the nearest taxel, so that no force is lost.
-    """
-
-    rows: int
-    columns: int
-    pitch: float = 1.6
-    center: tuple[float, float] = (-4.0, 0.0)
-
-    def __post_init__(self) -> None:
-        """Check the numbers."""
-        integer("taxels.rows", self.rows, at_least=1)
-        integer("taxels.columns", self.columns, at_least=1)
-        number("taxels.pitch", self.pitch, above=0, unit="mm")
-
-    @property
-    def places(self) -> Array:
-        """Middle (rows * columns, 2) mm of each taxel, column by column within a row."""
-        x, y = (
-            middle + self.pitch * (np.arange(n) - (n - 1) / 2)
-            for middle, n in zip(self.center, (self.rows, self.columns), strict=True)
-        )
-        return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-
-    def weights(self, pad: Pad) -> sparse.csr_matrix:
-        """Return N/kPa (n_taxels, n) of unit tractions: integrals of their hats over a taxel."""
-        counts = self.rows, self.columns
-        start = self.places[0]
-        at = np.rint((pad.places[..., :2] - start) / self.pitch).astype(int)
-        row, column = (np.clip(at[..., k], 0, counts[k] - 1) for k in (0, 1))
-        taxel = np.broadcast_to((row * self.columns + column)[:, None], pad.hats.shape)
-        owner = np.broadcast_to(pad.owner[:, :, None], pad.hats.shape)
-        owned = owner >= 0
-        entries = 1e-3 * pad.hats[owned], (taxel[owned], owner[owned])
-        return sparse.csr_matrix(entries, shape=(self.rows * self.columns, len(pad.areas)))
 
 
 class TouchState(NamedTuple):
@@ -279,17 +224,18 @@ class TactileFinger:
             With `strict`, if no contact is found.
         """
         dt = number("dt", dt, at_least=0, unit="s")
-        shapes, rotation, place, leading = self._poses(objects)
+        given = poses(objects, self.worlds)
+        shapes = self._packed(given.shapes)
         before = self.state() if self.strict else None
         if len(objects) != self._bodies:
             self._allocate(len(objects))
-        self._advance(shapes, rotation, place, dt)
+        self._advance(shapes, given.rotation, given.place, dt)
         if before is not None and (self._out.verdict > 0).any():
             verdict = int(self._out.verdict.max())
             self.restore(before)
             message = f"step: {VERDICTS[verdict]}"
             raise (ConvergenceError if verdict == UNSOLVED else InputError)(message)
-        return self._touch(leading=leading)
+        return self._touch(leading=given.leading)
 
     def _advance(self, shapes: Shapes, rotation: Array, place: Array, dt: float) -> None:
         size = -(-self.worlds // len(self._solvers))
@@ -346,44 +292,12 @@ class TactileFinger:
         ends, errors = measured_errors()
         return np.append(errors, np.nan)[np.searchsorted(ends, depth)]
 
-    def _poses(self, objects: Sequence[Pose]) -> tuple[Shapes, Array, Array, bool]:
-        """Return shapes, rotations (w, b, 3, 3), places (w, b, 3), and whether poses had worlds."""
-        shapes: list[Shape] = []
-        count, leading = self.worlds, False
-        rotation, place = np.empty((count, len(objects), 3, 3)), np.empty((count, len(objects), 3))
-        for b, each in enumerate(objects):
-            try:
-                shape, turn, at = each
-            except (TypeError, ValueError) as error:
-                raise InputError(
-                    f"objects: expected (shape, rotation, place) of each, received {each!r}"
-                ) from error
-            if not isinstance(shape, Shape):
-                raise InputError(
-                    f"objects: expected a shape such as ff.shapes.Sphere(10), received {shape!r}"
-                )
-            shapes.append(shape)
-            turned, there = np.asarray(turn, float), np.asarray(at, float)
-            for name, array, wanted in (("rotation", turned, (3, 3)), ("place", there, (3,))):
-                if array.shape not in {wanted, (count, *wanted)}:
-                    raise InputError(
-                        f"objects: expected a {name} {wanted} or {(count, *wanted)} of object {b}, "
-                        f"received an array of shape {array.shape}"
-                    )
-            leading |= turned.ndim == 3 or there.ndim == 2
-            rotation[:, b], place[:, b] = turned, there
-        if not np.isfinite(place).all():
-            raise InputError("objects: expected finite places in mm, received nan or inf")
-        off = np.abs(np.einsum("wbki,wbkj->wbij", rotation, rotation) - np.eye(3))
-        if not (off <= TURNED).all() or (np.linalg.det(rotation) < 0).any():
-            raise InputError(
-                "objects: expected rotation matrices, with R' R = 1 and determinant 1, received "
-                "another; give columns that are the object's axes in the frame of the finger"
-            )
-        if self._made is None or self._made[0] != tuple(shapes):
+    def _packed(self, shapes: tuple[Shape, ...]) -> Shapes:
+        """Return the objects as compiled code reads them, and set their flexibility."""
+        if self._made is None or self._made[0] != shapes:
             soft = self._softness(shapes)
-            self._made, self._soft = (tuple(shapes), packed(shapes)), soft
-        return self._made[1], rotation, place, leading or count > 1
+            self._made, self._soft = (shapes, packed(shapes)), soft
+        return self._made[1]
 
     def _softness(self, shapes: Sequence[Shape]) -> Softness | None:
         """Return the flexibility of objects of which some are soft; None if all are rigid.
@@ -471,17 +385,6 @@ class TactileFinger:
         for each in self._state:
             each[flags] = 0
         self._kept = False
-
-
-@cache
-def measured_errors() -> tuple[Array, Array]:
-    """Return ends of ranges of penetration in mm, and the error of the force in each.
-
-    That which 95 % of the presses of REPORT keep, on loading and after it.
-    """
-    measured = read(REPORT)
-    rows = np.array([[row["loading"], row["later"]] for row in measured["rows"]])
-    return np.array(measured["bands_mm"][1:]), np.quantile(rows.max(axis=1), QUANTILE, axis=0)
 
 
 def again(finger: Finger, options: dict[str, Any]) -> TactileFinger:

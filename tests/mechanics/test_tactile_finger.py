@@ -7,11 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fefinger.validation.evidence import tactile
 from numpy.typing import ArrayLike
 
 import fefinger as ff
 from fefinger.geometry.profiles import frame
-from fefinger.mechanics.tactile_finger import measured_errors, under
+from fefinger.mechanics.evidence.tactile_errors import measured_errors
+from fefinger.mechanics.tactile_finger import under
 from fefinger.results.touch import Touch
 from fefinger.scene.indenter import direction
 from fefinger.support.checks import InputError
@@ -394,6 +396,16 @@ def test_stated_errors_grow_with_depth_and_hold_in_the_presses_they_come_from() 
     assert len(ends) == len(errors) == 6
     assert (errors > 0.02).all()
     assert (np.diff(errors[1:]) > 0).all()
+
+
+def test_each_range_of_depth_has_the_error_of_the_press_there() -> None:
+    depth = np.array([0.1, 0.4, 0.7, 1.0, 0.5])
+    reference = np.array([1.0, 2.0, 3.0, 4.0, 2.0])
+    found = reference + np.array([0.1, -0.2, 0.9, 0.0, 1.0])
+    judged = np.array([True, True, False, True, True])
+    errors = tactile.errors(depth, found, reference, judged)
+    assert errors["loading"] == [0.1, 0.1, None, 0.0, None, None]
+    assert errors["later"] == [None, 0.25, None, 0.0, None, None]
 
 
 def test_what_it_cannot_answer_is_flagged_or_refused(tip: ff.TactileFinger) -> None:

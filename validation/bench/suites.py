@@ -20,7 +20,17 @@ from fefinger.support.checks import choice
 from fefinger.support.provenance import commit
 
 
-SUITES = ("fem", "solid", "pressed", "condensed", "modal", "neural", "recorded", "sliding")
+SUITES = (
+    "fem",
+    "solid",
+    "pressed",
+    "condensed",
+    "modal",
+    "neural",
+    "recorded",
+    "sliding",
+    "tactile",
+)
 
 Progress = Callable[[str, float], None]
 

@@ -23,8 +23,9 @@ from fefinger.validation.provenance import save
 from fefinger import pipeline, shapes
 from fefinger.fem.body import solid
 from fefinger.geometry.mirror import whole
+from fefinger.mechanics.evidence.tactile_errors import REPORT
 from fefinger.mechanics.press.placement import obstacle
-from fefinger.mechanics.tactile_finger import REPORT, TactileFinger
+from fefinger.mechanics.tactile_finger import TactileFinger
 from fefinger.mesh.store import load_or_build
 from fefinger.result import Result
 from fefinger.scene.ask import Ask
