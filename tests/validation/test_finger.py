@@ -109,6 +109,8 @@ def test_dots_on_layers_that_have_gone_more_than_half_their_way_are_mirrored(mon
     found = pad.strain(contact.pressure, float(organs.depths.min()), organs.points[shallow, :2])
     assert strains[3, shallow] == pytest.approx(found, abs=1e-3 * np.abs(found).max())
     assert np.abs(strains[1, shallow] - found).max() > 0.1 * np.abs(found).max()
+    later = layers.strains(scene, organs, start=0.5)
+    assert later[2] == pytest.approx(strains[3], abs=1e-3 * np.abs(strains).max())
     layers.fine.cache_clear()
 
 

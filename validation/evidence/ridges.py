@@ -31,6 +31,9 @@ VARIED = {
     "concentric": Ridges(shape="concentric"),
 }
 
+POINTS, SPACING = 384, 0.04
+"""Grid points on a side under ridges, and their distance in mm, as `layered` chooses it."""
+
 FINER, PART = 1.5, 1 / 3
 """Factor on the grid points, and part of a point by which the start is moved."""
 
@@ -76,23 +79,35 @@ def line(ridges: Ridges | None) -> dict[str, float]:
     return {"at_speed_over_pitch": float(waves[near].max()), "at_dots": float(waves[1])}
 
 
+def on_grid() -> dict[str, Any]:
+    """Return what is measured on the grid of ridges."""
+    with grid(POINTS, SPACING):
+        return {
+            "ridges_Hz": of_spacings(Ridges()),
+            "varied_Hz": {name: rates(AT, each) for name, each in VARIED.items()},
+            "moved_by_part_of_a_point_Hz": rates(AT, Ridges(), start=PART * SPACING),
+            "FAII_input_mm": {"smooth": line(None), "ridges": line(Ridges())},
+        }
+
+
+def on_other_grid(factor: float) -> dict[str, float]:
+    """Return the rates on a grid with so many times the points."""
+    with grid(2 * round(POINTS * factor / 2), SPACING / factor):
+        return rates(AT, Ridges())
+
+
 def report() -> dict[str, Any]:
     """Return the report."""
     places = np.array(dots.SPACINGS)
     recorded = {kind: np.interp(places, *at).tolist() for kind, at in dots.recorded().items()}
-    moved = rates(AT, Ridges(), start=PART * layers.SPACING)
-    with grid(round(layers.POINTS * FINER), layers.SPACING / FINER):
-        finer = rates(AT, Ridges())
     return {
         "spacing_mm": list(dots.SPACINGS),
         "recorded_Hz": recorded,
         "smooth_Hz": of_spacings(None),
-        "ridges_Hz": of_spacings(Ridges()),
         "varied_at_mm": AT,
-        "varied_Hz": {name: rates(AT, each) for name, each in VARIED.items()},
-        "finer_grid_Hz": finer,
-        "moved_by_part_of_a_point_Hz": moved,
-        "FAII_input_mm": {"smooth": line(None), "ridges": line(Ridges())},
+        "finer_grid_Hz": on_other_grid(FINER),
+        "coarser_grid_Hz": on_other_grid(1 / FINER),
+        **on_grid(),
     }
 
 
