@@ -43,6 +43,12 @@ RISEN = 1.1
 """Growth of the force after which the images are looked at again."""
 
 
+IMAGES = (
+    "The grid repeats the contact at its period: in the contact that changes the displacement by "
+    "at most {share:.1g} of the largest one, once its mean is taken away."
+)
+
+
 @dataclass(frozen=True)
 class LayerPress:
     """A scene on a grid of layers; InputError for an object that is placed beyond the pad."""
@@ -236,7 +242,7 @@ def respond(
         status=f"Solved: the contact on {grid.points} x {grid.points} points at {len(solved.time)} "
         "times, each gap closed to 1e-6 of the largest displacement.",
         seconds=stages.seconds,
-        notes=notes,
+        notes=(*notes, IMAGES.format(share=float(rows["images"].max()))),
         numbers={
             "grid_points": grid.points,
             "grid_spacing_mm": grid.spacing,

@@ -51,6 +51,7 @@ def test_a_plate_is_answered_as_without_a_grid(motion):
     total = grid.pressure @ grid.pad.areas * 1e-3
     assert total == pytest.approx(grid.force, rel=1e-5, abs=1e-9)
     assert grid.numbers["images_over_displacement"] < 1e-2
+    assert any("period" in note for note in grid.notes)
 
 
 def test_an_object_beside_the_middle_is_answered_in_the_frame_of_the_finger():
