@@ -24,6 +24,7 @@ ABOUT = {
     "condensed": "The condensed finger against the whole mesh that it was reduced from.",
     "friction": "Sliding and friction: Mindlin, limits, other methods, and what fingers show.",
     "pressed": "Tabulated presses at finite strain through time, against `solid` on the same mesh.",
+    "soft": "Soft objects: what stands for them, against meshed bodies at finite strain.",
     "waves": "Inertia and vibration against closed forms, a second method and published fingers.",
     "calibration": "Recovery of known tissue from synthetic fingers, and the calibrated subjects.",
     "neural": "Membranes, filters, end organs and spikes against adaptive and closed solutions.",

@@ -1,0 +1,1 @@
+"""Suite `soft`: soft objects against meshed ones at finite strain."""
