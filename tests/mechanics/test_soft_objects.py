@@ -142,19 +142,35 @@ def test_a_mechanics_of_rigid_objects_refuses(name: str) -> None:
     assert "50 kPa" in refusal.reason
 
 
-def test_soft_plates_do_not_turn_nor_sweep_and_errors_are_not_known() -> None:
+def test_soft_plates_do_not_turn_nor_sweep() -> None:
     plate = ff.Flat(30, modulus=50)
     slide = ff.Slide(10, depth=0.5, distance=2)
     refused = [each.refuse(Situation.of(scene(plate, slide))) for each in (linear, modal)]
     assert [each.field for each in refused[1]] == ["motion.kind"]
     assert not refused[0]
-    error, source = condensed.error(Situation.of(scene(plate)))
-    assert np.isnan(error)
-    assert source.startswith("not known")
-    with pytest.raises(InputError, match="condensed"):
-        ff.explain(scene(plate))
     with pytest.raises(InputError, match=r"indenter\.modulus: expected a rigid object"):
         ff.Vibrations(FINGER, plate, deepest=0.8)
     for options in ({"mechanics": "pressed"}, {"mechanics": "condensed", "angles": (20, 40)}):
         with pytest.raises(InputError, match=r"indenter\.modulus = 50 kPa"):
             ff.Loop(FINGER, plate, **options)
+
+
+def test_the_stated_error_has_a_part_of_the_soft_object_where_that_was_measured() -> None:
+    plate, rigid = (Situation.of(scene(ff.Flat(30, modulus=E))) for E in (50.0, None))
+    (error, source), (alone, _) = (condensed.error(each) for each in (plate, rigid))
+    assert error == pytest.approx(np.hypot(alone, 0.03))
+    assert "soft.json" in source
+    plan = ff.explain(scene(ff.Flat(30, modulus=50.0), rel_error=1.1 * error))
+    assert plan.mechanics in {"condensed", "linear", "solid"}
+    force = ff.RampHold(loading_rate=1, force=0.1, hold=0.1)
+    for unknown in (
+        scene(ff.Flat(30, modulus=50.0, thickness=2)),
+        scene(ff.Sphere(3, modulus=50.0)),
+        scene(ff.Flat(30, modulus=50.0), force),
+    ):
+        error, source = condensed.error(Situation.of(unknown))
+        assert np.isnan(error)
+        assert source.startswith("not known")
+    assert np.isnan(condensed.error(plate, "area")[0])
+    with pytest.raises(InputError, match="depth / relative radius"):
+        ff.explain(scene(ff.Sphere(3, modulus=50.0)))

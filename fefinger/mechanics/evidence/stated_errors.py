@@ -27,7 +27,7 @@ from fefinger.mechanics.evidence.features import Features
 from fefinger.mechanics.evidence.presses import EVIDENCE, Press, nearest, pressed, read
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate
-from fefinger.support.text import percent
+from fefinger.support.text import format_excess, percent
 from fefinger.support.vocabulary import TYPES
 
 
@@ -50,6 +50,11 @@ BEYOND = 1.06
 
 LEAST = 1e-4
 """Least error that is told from none."""
+
+
+SOFT, SHALLOW, THIN = 0.03, 0.15, 0.25
+"""Error of the force by what stands for a soft object, to a depth over the relative radius and over
+its thickness: the largest of the suite `soft` is 2.4 %."""
 
 
 class StatedError(NamedTuple):
@@ -90,13 +95,42 @@ def error_of(mechanics: str) -> Callable[..., StatedError]:
 
 
 def stated(candidate: Candidate, case: Situation, quantity: str = "force") -> StatedError:
-    """Return the error of a quantity and its source; nan where nothing comparable was measured."""
+    """Return the error of a quantity and its source; nan where nothing comparable was measured.
+
+    Under a soft object it is that under a rigid one, which deforms the skin more, and the object's.
+    """
+    found = _under_rigid(candidate, case, quantity)
+    if case.indenter.soft_body is None or math.isnan(found.error):
+        return found
+    if reason := _not_measured(case, quantity):
+        return StatedError(math.nan, f"not known: {reason}")
+    source = f"{found.source}; {percent(SOFT)} of the soft object (reports/soft.json)"
+    return StatedError(math.hypot(found.error, SOFT), source)
+
+
+def _not_measured(case: Situation, quantity: str) -> str:
+    """Return why the error of what stands for a soft object is not known; "" if it is."""
+    body, depth, least = case.indenter.soft_body, case.motion.deepest, case.indenter.least_radius
+    assert body is not None
+    if quantity != "force" or depth is None:
+        return "under soft objects it was measured of the force, at prescribed depths"
+    parts = (
+        (depth * (1 / case.finger.pad_radius + 1 / least), SHALLOW),
+        (depth / body.thickness, THIN),
+    )
+    names = "depth / relative radius", "depth / indenter.thickness"
+    for name, (part, most) in zip(names, parts, strict=True):
+        if part > most * (1 + 1e-9):
+            return f"{name} = {format_excess(part, most)}, and soft objects were measured to there"
+    return ""
+
+
+def _under_rigid(candidate: Candidate, case: Situation, quantity: str) -> StatedError:
+    """Return the error under a rigid object, as `stated`."""
     if candidate.resolution is None and not case.as_pressed:
         return StatedError(
             math.nan, "not known: it was measured on fingers of the shape and bone of the subjects"
         )
-    if case.indenter.soft_body is not None:
-        return StatedError(math.nan, "not known: no soft object was measured")
     if not MECHANICS[candidate.mechanics].finite:
         candidate = candidate.measured
     found = estimate(candidate, quantity, case.features, case.depth_over_thickness)
