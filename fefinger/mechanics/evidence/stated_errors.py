@@ -114,12 +114,11 @@ def _not_measured(case: Situation, quantity: str) -> str:
     assert body is not None
     if quantity != "force" or depth is None:
         return "under soft objects it was measured of the force, at prescribed depths"
-    parts = (
-        (depth * (1 / case.finger.pad_radius + 1 / least), SHALLOW),
-        (depth / body.thickness, THIN),
-    )
-    names = "depth / relative radius", "depth / indenter.thickness"
-    for name, (part, most) in zip(names, parts, strict=True):
+    curvature = 1 / case.finger.pad_radius + 1 / least
+    for name, part, most in (
+        ("depth / relative radius", depth * curvature, SHALLOW),
+        ("depth / indenter.thickness", depth / body.thickness, THIN),
+    ):
         if part > most * (1 + 1e-9):
             return f"{name} = {format_excess(part, most)}, and soft objects were measured to there"
     return ""
