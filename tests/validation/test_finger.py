@@ -1,5 +1,8 @@
 """Suites finger and friction: chain of models, split of causes, checks that can fail."""
 
+import json
+from importlib.resources import files
+
 import numpy as np
 import pytest
 from fefinger.validation.finger import causes
@@ -112,6 +115,22 @@ def test_dots_on_layers_that_have_gone_more_than_half_their_way_are_mirrored(mon
     later = layers.strains(scene, organs, start=0.5)
     assert later[2] == pytest.approx(strains[3], abs=1e-3 * np.abs(strains).max())
     layers.fine.cache_clear()
+
+
+def test_spikes_over_dots_on_ridges_hardly_depend_on_the_grid():
+    """Of the committed measurement, with what the page on sliding says of it."""
+    report = json.loads(files("fefinger.reports").joinpath("ridges.json").read_text("utf-8"))
+    at = dots.SPACINGS.index(report["varied_at_mm"])
+    for kind, rates in report["ridges_Hz"].items():
+        other = report["finer_grid_Hz"][kind], report["moved_by_part_of_a_point_Hz"][kind]
+        assert other == pytest.approx((rates[at], rates[at]), rel=0.08 if kind == "FAII" else 0.01)
+        smooth = np.array(report["smooth_Hz"][kind])
+        if kind == "FAII":
+            assert (np.array(rates) > smooth + 4.0).all()
+        else:
+            assert rates == pytest.approx(smooth, rel=0.07)
+    swing = report["FAII_input_mm"]
+    assert swing["ridges"]["at_speed_over_pitch"] > 20 * swing["smooth"]["at_speed_over_pitch"]
 
 
 def test_recorded_rates_are_those_of_three_types_over_rising_spacings():
