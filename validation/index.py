@@ -21,6 +21,7 @@ ABOUT = suites.ABOUT | {
     "calibration_sensitivity": (
         "Effect of assumptions on R, m and c0 b of the fit to simulated frames."
     ),
+    "ridges": "Rates over scanned dots with ridges of the skin, and what they depend on.",
     "round-tip": "From the flat pad of a.h. to a finger with a round tip, step by step.",
     "contact-angle": "Effect of the angle of a plate on contact, asymmetry, strain and spikes.",
     "bench-condensed": "Speed and memory of building and stepping condensed fingers.",
