@@ -16,11 +16,11 @@ class Ridges:
     Parameters
     ----------
     pitch
-        Distance of the ridges in mm. Men have a mean of 0.48 mm on fingertips, women of 0.43 mm
-        (Ohler & Cummins 1942, Am J Phys Anthropol 29:341); of macaques no measurement was at hand.
+        Distance of the ridges in mm. Of people it is about 0.5 mm (Maltoni et al., Handbook of
+        Fingerprint Recognition, 2009, chapter 3); of macaques no measurement was at hand.
     height
-        Height in mm of the crests over the valleys. The default is a round number between
-        published ones of some 0.06 to 0.2 mm, not a measured mean: vary it.
+        Height in mm of the crests over the valleys. The default is a convention, as no measured
+        mean was at hand: vary it.
     direction
         Degrees from across the finger (y) to the direction that straight ridges run in; at 0 they
         are crossed by what moves along the finger.

@@ -198,6 +198,7 @@ def _held(data: dict[str, Any]) -> Any:
                     max(row["actual"][quantity], LEAST),
                     marker="o",
                     markersize=6 if picked else 2.5,
+                    rasterized=not picked,  # a thousand points would take half a megabyte
                     color=COLORS[Candidate.of(name).mechanics],
                     markeredgecolor=INK if picked else "none",
                     linestyle="none",
