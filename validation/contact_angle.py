@@ -92,7 +92,7 @@ def main() -> None:
     made = provenance("python -m fefinger.validation.contact_angle WORK reports")
     record = {"data": "contact-angle.csv", "provenance": made}
     texts = {
-        "contact-angle.csv": table(rows).to_csv(index=False),
+        "contact-angle.csv": table(rows).to_csv(index=False, float_format="%.6g"),
         "contact-angle.json": json.dumps(record, indent=1) + "\n",
     }
     atomic_write.write(folder, texts)

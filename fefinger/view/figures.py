@@ -119,12 +119,19 @@ def svg(drawn: "Figure") -> str:
 
 
 def rounded(text: str) -> str:
-    """Return an SVG text with coordinates rounded to 0.01 pt, on one line: two thirds as long."""
+    """Return an SVG text on one line, a third as long in the address of a picture in a page.
 
-    def short(tag: re.Match[str]) -> str:
-        return re.sub(r"\d+\.\d{3,}", lambda number: f"{float(number[0]):.2f}", tag[0])
-
+    Coordinates are rounded to 0.01 pt, names that nothing refers to are left out, and tags have the
+    quotes that an address does not escape.
+    """
     drawn = text[text.index("<svg") :]  # without the declaration of XML
+    used = set(re.findall(r"#([\w-]+)", drawn))
+
+    def short(found: re.Match[str]) -> str:
+        tag = re.sub(r"\d+\.\d{3,}", lambda number: f"{float(number[0]):.2f}", found[0])
+        tag = re.sub(r' id="([^"]*)"', lambda name: name[0] if name[1] in used else "", tag)
+        return tag if "'" in tag else tag.replace('"', "'")
+
     return re.sub(r"\s*\n\s*", " ", re.sub(r"<[^>]*>", short, drawn))
 
 

@@ -48,7 +48,8 @@ CASE = {
     "verdict": "pass",
 }
 REPORTS = Path(__file__).resolve().parents[2] / "reports"
-PAGE_LIMIT, FOLDER_LIMIT = 500_000, 5_000_000  # bytes
+# Bytes; a clone holds all of them. The last 0.5 MB are 28 held-out scenes, ridges, soft objects.
+PAGE_LIMIT, FOLDER_LIMIT = 500_000, 6_000_000
 
 
 def test_the_committed_index_is_fresh():
