@@ -30,7 +30,7 @@ from fefinger.mechanics.press.sites import end_organ_sites, meshed
 from fefinger.mechanics.press.taxel_grid import TaxelGrid
 from fefinger.neural.streaming import RecordedAfferents
 from fefinger.results.records import Sites
-from fefinger.results.touch import VERDICTS, Maps, Touch
+from fefinger.results.touch import VERDICTS, Maps, Touch, TouchError
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import direction
@@ -275,7 +275,7 @@ class TactileFinger:
             slip=out.slip[pick].copy(),
             touched=out.touched[pick].copy(),
             verdict=np.array(out.verdict[pick]),
-            error=np.asarray(self._error(bodies[..., pad_worlds.DEPTH].max(axis=-1, initial=0.0))),
+            error=self._error(bodies[..., pad_worlds.DEPTH].max(axis=-1, initial=0.0)),
             linear=state.linear[pick].copy(),
             frame=out.frame[pick].copy(),
             hit=out.hit[pick].copy(),
@@ -285,12 +285,13 @@ class TactileFinger:
             soft=self._soft,
         )
 
-    def _error(self, depth: Array) -> Array:
-        """Return the error of the force at penetrations in mm, relative to the largest so far."""
+    def _error(self, depth: Array) -> TouchError:
+        """Return the errors at penetrations in mm."""
         if self._soft is not None or not self._options["finite_strain"]:
-            return np.full_like(depth, np.nan)
+            return TouchError(*(np.full_like(depth, np.nan) for _ in TouchError._fields))
         ends, errors = measured_errors()
-        return np.append(errors, np.nan)[np.searchsorted(ends, depth)]
+        band = np.searchsorted(ends, depth)
+        return TouchError(*(np.asarray(np.append(each, np.nan)[band]) for each in errors))
 
     def _packed(self, shapes: tuple[Shape, ...]) -> Shapes:
         """Return the objects as compiled code reads them, and set their flexibility."""

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
@@ -34,6 +35,19 @@ class Maps:
     areas: Array
 
 
+class TouchError(NamedTuple):
+    """Errors of force, contact area and strain at the end organs, each over the largest so far.
+
+    What 95 % of the presses of a.h. keep at this depth that the factor of finite strain was not
+    fitted to, whatever finger and object this is (nan: deeper, small strain alone, or a soft
+    object).
+    """
+
+    force: Array
+    area: Array
+    strain: Array
+
+
 @dataclass(frozen=True)
 class Touch:
     """Contact of a finger at the end of a step; with leading axis `worlds` where poses had one.
@@ -45,9 +59,8 @@ class Touch:
     that is soft; contact_area and stick_area (bodies,) mm²; pressure (n,) kPa and traction (n,
     3) kPa at the vertices of the pad; slip (n, 3) mm of the skin over the object in this step;
     touched (n,): the object near each vertex, or -1; valid: whether the step is within what the
-    finger can answer, else `reason` says why not; error: of the force, over the largest so far:
-    what 95 % of 28 presses of a.h. without friction keep at this depth, whatever finger and
-    object this is (nan: deeper, small strain alone, or a soft object).
+    finger can answer, else `reason` says why not; error: what is known of the errors at this
+    depth.
     """
 
     wrench: Array
@@ -59,7 +72,7 @@ class Touch:
     slip: Array
     touched: Integers
     verdict: Integers
-    error: Array
+    error: TouchError
     linear: Array = field(repr=False)
     frame: Array = field(repr=False)
     hit: Array = field(repr=False)

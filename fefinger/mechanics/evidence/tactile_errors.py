@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 
 from fefinger.mechanics.evidence.presses import read
+from fefinger.results.touch import TouchError
 from fefinger.support.arrays import Array
 
 
@@ -16,11 +17,20 @@ QUANTILE = 0.95
 
 
 @cache
-def measured_errors() -> tuple[Array, Array]:
-    """Return ends of ranges of penetration in mm, and the error of the force in each.
+def measured_errors() -> tuple[Array, TouchError]:
+    """Return ends of ranges of penetration in mm, and the errors in each.
 
-    That which 95 % of the presses of REPORT keep, on loading and after it.
+    Those which 95 % of the presses of REPORT keep, on loading and after it, of the presses that the
+    factor of finite strain was not fitted to.
     """
     measured = read(REPORT)
-    rows = np.array([[row["loading"], row["later"]] for row in measured["rows"]])
-    return np.array(measured["bands_mm"][1:]), np.quantile(rows.max(axis=1), QUANTILE, axis=0)
+    rows = [row for row in measured["rows"] if not row["fitted"]]
+    parts = np.array(
+        [
+            [(row[each]["loading"], row[each]["later"]) for row in rows]
+            for each in TouchError._fields
+        ],
+        dtype=float,
+    )
+    worst = np.fmax.reduce(parts, axis=2)
+    return np.array(measured["bands_mm"][1:]), TouchError(*np.nanquantile(worst, QUANTILE, axis=1))
