@@ -198,7 +198,8 @@ class Soft(Shape):
     thickness: float | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.shape, Shape) or isinstance(self.shape, Sampled | Soft):
+        samples = isinstance(self.shape, Shape) and self.shape.grid is not None
+        if not isinstance(self.shape, Shape) or samples or isinstance(self.shape, Soft):
             raise InputError(
                 "shape: expected a plane, sphere, box, capsule, cylinder or ellipsoid that is "
                 f"soft, received {self.shape!r}"

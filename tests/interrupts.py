@@ -6,6 +6,7 @@ final name unless the command was done; no temporary file and no process left. L
 """
 
 import argparse
+import math
 import os
 import random
 import shutil
@@ -30,12 +31,26 @@ GRACE = 1.0  # s after which no process of an ended command may be left
 
 @dataclass(frozen=True)
 class Command:
-    """A command line, how long it takes in s, and files that an earlier run made for it."""
+    """A command line, how long it takes in s, and what it needs.
+
+    needs: files that an earlier run made for it; record: the text of record.csv.
+    """
 
     words: tuple[str, ...]
     seconds: float
     needs: tuple[str, ...] = ()
     kept: tuple[str, ...] = ()  # final names that may be there: what is finished bit by bit
+    record: str = ""
+
+
+def record() -> str:
+    """Return the record of a press to 1.5 mm in 0.3 s and a hold, of a finger that relaxes."""
+    lines = ["time,position,force"]
+    for k in range(101):
+        time, depth = 0.01 * k, min(0.05 * k, 1.5)
+        left = 0.7 + 0.3 * math.exp(-max(time - 0.3, 0.0) / 0.2)
+        lines.append(f"{time:.2f},{depth:.3f},{0.2 * left * (math.exp(1.3 * depth) - 1.0):.4f}")
+    return "\n".join(lines) + "\n"
 
 
 PRESS = ("--set", "finger.resolution=coarse", "--set", "motion.hold=0.2")
@@ -53,11 +68,9 @@ COMMANDS = {
         kept=("out/scenes/*.json", "out/mechanics.json"),
     ),
     "calibrate": Command(
-        (
-            *("calibrate", "--subject", "a.h.", "--subject", "d.s.", "--workers", "2"),
-            *("--resolution", "coarse", "-o", "out"),
-        ),
+        ("calibrate", "record.csv", "--subject", "a.h.", "--resolution", "coarse", "-o", "out"),
         20.0,
+        record=record(),
     ),
     "validate": Command(("validate", "fem", "--quick", "-o", "out"), 15.0),
     "view": Command(("view", "made", "--screenshot", "out.png"), 4.0, needs=("made",)),
@@ -96,6 +109,8 @@ def draw(name: str, after: float, number: signal.Signals, made: Path | None = No
         for need in command.needs:
             assert made is not None
             shutil.copytree(made / need, place / need)
+        if command.record:
+            (place / "record.csv").write_text(command.record, encoding="ascii")
         before = {path.relative_to(place) for path in place.rglob("*")}
         for other in ("temporary", "cache"):
             Path(folder, other).mkdir()

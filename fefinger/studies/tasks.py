@@ -189,13 +189,14 @@ def cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Answer]]
             f"received {error}; pip install 'fefinger[distributed]'"
         ) from None
     try:
-        client = Client(address)
+        # No default: it would stay the scheduler of every other library here if it cannot connect.
+        client = Client(address, set_as_default=False)
     except Exception as error:  # of any class: a TypeError where tls:// has no certificates
         raise InputError(
             "--scheduler: expected the address of a Dask scheduler, such as tcp://host:8786, "
             f"received {address!r} ({error})"
         ) from None
-    with client:
+    with client, client.as_current():
         futures = {client.submit(answer, task, pure=False): i for i, task in enumerate(tasks)}
         for done in completed(futures):
             failure = done.exception()

@@ -431,8 +431,11 @@ def test_a_cluster_gives_the_same():
 @pytest.mark.parametrize("address", ["nowhere", "tls://127.0.0.1:1", "inproc://1/2/3"])
 def test_an_address_of_no_scheduler_gets_a_sentence(address):
     pytest.importorskip("distributed", reason="needs the extra 'distributed'")
+    import dask
+
     with pytest.raises(InputError, match=f"--scheduler: .*received '{address}'"):
         ff.study("flat-press", {"indenter.angle": (20,)}, scheduler=address)
+    assert dask.config.get("scheduler", None) is None
 
 
 def test_without_the_extra_the_cluster_is_refused(monkeypatch):
