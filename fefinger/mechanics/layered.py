@@ -81,7 +81,7 @@ SMOOTH = (
 
 RIDGED = (
     "The skin has {shape} ridges, sinusoidal heights of {height:g} mm every {pitch:g} mm; they do "
-    "not bend aside, and papillary ridges below them are left out. So are friction and inertia."
+    "not bend aside; the papillae of the dermis below are left out, as are friction and inertia."
 )
 
 UNKNOWN = "not known: no press on a grid was compared with finite strain"

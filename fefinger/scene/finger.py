@@ -92,7 +92,7 @@ class Finger:
         Boundary condition of the proximal cut: "fixed", or "nail", where only nail and bone hold
         the finger.
     ridges
-        None: a smooth pad. Papillary ridges, [finger.ridges], are of `layered` alone, where they
+        None: a smooth pad. Fingerprint ridges, [finger.ridges], are of `layered` alone, where they
         are finer than any mesh.
     resolution
         Mesh: "coarse", "standard" or "fine"; "auto" lets the planner choose the coarsest one that

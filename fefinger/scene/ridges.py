@@ -1,4 +1,4 @@
-"""Papillary ridges of the skin: heights of the pad that meets an object."""
+"""Fingerprint ridges of the skin: heights of the pad that meets an object."""
 
 from dataclasses import dataclass
 from typing import Annotated, ClassVar

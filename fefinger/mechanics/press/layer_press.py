@@ -195,7 +195,7 @@ def turned(strain: Array, first: Touch, sites: Sites) -> Array:
 
 
 def border(points: int) -> Flags:
-    """Return which points (n, n) of a grid lie at its border."""
+    """Flag the points (n, n) at the border of a grid."""
     inside = np.zeros((points, points), dtype=bool)
     inside[EDGE:-EDGE, EDGE:-EDGE] = True
     return ~inside
