@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.calibration import lumped_fit
 from fefinger.geometry.profiles import directions
 from fefinger.results.pressure import cuts, net
 from fefinger.results.records import Pad
 from fefinger.scene.indenter import Indenter, direction
+from fefinger.support import recording_files
 from fefinger.support.checks import InputError
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
@@ -269,8 +269,8 @@ def frames(file: str | Path) -> Frames:
     """
     sensor = ArraySensor()
     count = len(sensor.positions)
-    units = {"time": "s", "position": "mm"} | {f"p{i}": "kPa" for i in range(1, count + 1)}
-    table = lumped_fit.columns(file, units, slow=True)
+    wanted = ("time", "position", *(f"p{i} in kPa" for i in range(1, count + 1)))
+    table = recording_files.read(str(file), file).pick(wanted, slow=True)
     time, depth, pressure = table[:, 0], table[:, 1], table[:, 2:]
     if len(table) < FEWEST:
         msg = f"{file}: expected {FEWEST} frames or more of a slow press, received {len(table)}"

@@ -7,6 +7,7 @@ which the thesis's fit of simulated frames must agree with its fit of the measur
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -81,6 +82,7 @@ def calibrate(
     resolution: str = "standard",
     frames: str | Path | None = None,
     check: str | Path | None = None,
+    columns: Mapping[str, str] | None = None,
     progress: Progress | None = None,
 ) -> Calibration:
     """Fit a finger to the record of a user.
@@ -88,8 +90,8 @@ def calibrate(
     Parameters
     ----------
     source
-        A CSV file of time (s), position (mm), force (N) with a fast ramp and a hold of a plate at
-        30 degrees to the bone.
+        A file of time, position and force (text, `.lvm`, `.mat` or HDF5) with a fast ramp and a
+        hold of a plate at 30 degrees to the bone.
     finger
         Size and tissues, whose moduli are the prior of the fit.
     mechanics
@@ -100,7 +102,10 @@ def calibrate(
     frames
         CSV file of a slow press: time, position (mm from touch), p1 ... p64 (kPa).
     check
-        CSV file of a motion with unloading, which is predicted and not fitted.
+        File of a motion with unloading, which is predicted and not fitted.
+    columns
+        Header of time, position or force, where a file does not tell it, such as {"force":
+        "channel 2 in mN"}.
     progress
         Called with the name of a stage and the fraction of it that is done.
 
@@ -124,9 +129,9 @@ def calibrate(
         raise InputError(problem)
     # All files are read before the first fit, which takes seconds.
     measured = None if frames is None else array_sensor.frames(frames)
-    predicted = None if check is None else targets.unloading(check)
+    predicted = None if check is None else targets.unloading(check, columns)
     with work.stage("lumped") as misfit:
-        record = targets.record(source, resolution)
+        record = targets.record(source, resolution, columns)
         targets.check_depth(record, finger)
         misfit(record.lumped_misfit)
     calibration = Search(work, record, measured).calibration(mechanics)

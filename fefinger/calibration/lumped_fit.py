@@ -1,21 +1,20 @@
 """Fit the lumped finger to a user's ramp and hold: `fefinger fit DATA.csv`.
 
-The file has the columns time (s), position (mm, growing into the finger) and force (N, positive in
-compression), named in its first line; others are ignored. Both identifications of
-`theory/lumped/identify.py` are made, with their uncertainties.
+The file has the columns time, position (growing into the finger) and force (positive in
+compression), in any order, unit and format of `recording_files`; others are ignored. Both
+identifications of `theory/lumped/identify.py` are made, with their uncertainties.
 """
 
-import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fefinger.support import atomic_write
+from fefinger.support import atomic_write, recording_files
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError
-from fefinger.support.csv_columns import CsvTable, check_times, factor, read_table, shortened
 from fefinger.support.inputs import first_line
 from fefinger.support.outputs import keep
 from fefinger.support.text import strict_json, table
@@ -25,7 +24,7 @@ from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.lumped.identify import Identification
 
 
-UNITS = {"time": "s", "position": "mm", "force": "N"}
+QUANTITIES = ("time", "position", "force")
 WAYS = ("thesis", "joint")
 PARAMETER_UNITS = {"b": "N/mm", "m": "1/mm", "x0": "mm", "c": "", "v": "1/s"}
 
@@ -44,13 +43,17 @@ class LumpedFit:
     joint: Identification
 
 
-def fit(file: str | Path, *, terms: int = identify.TERMS) -> LumpedFit:
-    """Identify the lumped model in both ways from a CSV file, with `terms` exponentials.
+def fit(
+    file: str | Path, *, terms: int = identify.TERMS, columns: Mapping[str, str] | None = None
+) -> LumpedFit:
+    """Identify the lumped model in both ways from a file, with `terms` exponentials.
+
+    `columns` as of `read`.
 
     Raises InputError if the file cannot be read or used; the message names column and row;
     ConvergenceError if a fit does not converge.
     """
-    time, position, force = read(file)
+    time, position, force = read(file, columns=columns)
     try:
         fits = [
             way(time, position, force, terms=terms) for way in (identify.thesis, identify.joint)
@@ -63,61 +66,24 @@ def fit(file: str | Path, *, terms: int = identify.TERMS) -> LumpedFit:
 
 
 def read(
-    file: str | Path, *, fewest: int = 2 * ramp_hold.FEWEST, of: str = "a ramp and hold"
+    file: str | Path,
+    *,
+    fewest: int = 2 * ramp_hold.FEWEST,
+    of: str = "a ramp and hold",
+    columns: Mapping[str, str] | None = None,
 ) -> tuple[Array, Array, Array]:
-    """Read and check time in s from 0, position in mm and force in N, each (n,), of a CSV file.
+    """Read and check time in s from 0, position in mm and force in N, each (n,), of a file.
 
-    `fewest`: least number of rows; `of`: kind of record, for the message.
+    `fewest`: least number of rows; `of`: kind of record, for the message; `columns`: headers of
+    time, position or force that cannot be told, as of `Recording.pick`.
     """
-    time, position, force = columns(file, UNITS).T
+    time, position, force = recording_files.read(str(file), file).pick(QUANTITIES, columns).T
     if len(time) < fewest:
         raise InputError(f"{file}: expected at least {fewest} rows of {of}, received {len(time)}")
-    for name, values in zip(UNITS, (time, position, force), strict=True):
+    for name, values in zip(QUANTITIES, (time, position, force), strict=True):
         _check_unit(str(file), name, values)
     _check_signs(str(file), position, force)
     return time - time[0], position, force
-
-
-def columns(file: str | Path, units: dict[str, str], *, slow: bool = False) -> Array:
-    """Read the columns of a CSV file that `units` names, "time" among them: (n, n_columns).
-
-    `slow`: samples may be seconds apart.
-
-    Raises InputError if the file cannot be read, a column is missing or in another unit, a number
-    is not finite, or times do not increase.
-    """
-    table = read_table(str(file), file)
-    places = [_column(table, name, unit) for name, unit in units.items()]
-    sizes = [factor(table.header[i], *of) for i, of in zip(places, units.items(), strict=True)]
-    values = table.numbers(places) * np.array(sizes, dtype=float)
-    time = values[:, list(units).index("time")]
-    wrong = np.flatnonzero(np.diff(time) <= 0)
-    if wrong.size:
-        i = int(wrong[0]) + 1
-        what = "a repeated time" if time[i] == time[i - 1] else "an earlier time"
-        raise InputError(
-            f"{table.source}: line {table.line(i)}: expected a time above {time[i - 1]:g} s, "
-            f"received {what}, {time[i]:g}; sort the rows and keep one of each time"
-        )
-    if not slow:
-        check_times(table.source, table.header[places[list(units).index("time")]], time)
-    return values
-
-
-def _column(table: CsvTable, name: str, unit: str) -> int:
-    """Return the index of the column called `name`, alone or followed by a unit of FACTORS."""
-    head, file = table.header, table.source
-    matches = [i for i, cell in enumerate(head) if re.match(rf"{name}(?!\d)", cell.lower())]
-    if len(matches) != 1:
-        which = "none" if not matches else f"{len(matches)}: {', '.join(head[i] for i in matches)}"
-        raise InputError(
-            f"{file}: expected one column {name!r} ({unit}) in the first line, received {which} in "
-            f"{shortened(head)}"
-        )
-    if factor(head[matches[0]], name, unit) is None:
-        msg = f"{file}: column {head[matches[0]]!r}: expected {name} in {unit}; convert it"
-        raise InputError(msg)
-    return matches[0]
 
 
 def _check_unit(file: str, name: str, values: Array) -> None:

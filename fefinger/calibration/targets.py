@@ -1,5 +1,6 @@
 """Targets of a calibration: the record of a user, frames of an array; what a target offers."""
 
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -274,15 +275,15 @@ def finger_of(name: str | None, **values: Any) -> Finger:
     return Finger.subject(name, **given)
 
 
-def record(file: str | Path, mesh: str) -> RecordTarget:
-    """Read and check the target in a CSV file of time (s), position (mm) and force (N).
+def record(file: str | Path, mesh: str, columns: Mapping[str, str] | None = None) -> RecordTarget:
+    """Read and check the target in a file of time, position and force.
 
-    `mesh` is the resolution of the model to be fitted.
+    `mesh` is the resolution of the model to be fitted; `columns` as of `lumped_fit.read`.
 
     Raises InputError if the file has no usable ramp and hold, other units, or a response unlike a
     finger's.
     """
-    return made(str(file), *lumped_fit.read(file), mesh)
+    return made(str(file), *lumped_fit.read(file, columns=columns), mesh)
 
 
 def made(name: str, time: Array, position: Array, force: Array, mesh: str) -> RecordTarget:
@@ -324,12 +325,16 @@ def check_depth(wanted: RecordTarget, finger: Finger) -> None:
         )
 
 
-def unloading(file: str | Path) -> tuple[Array, Array, Array]:
+def unloading(
+    file: str | Path, columns: Mapping[str, str] | None = None
+) -> tuple[Array, Array, Array]:
     """Read time s, position mm and force N, each (n,), of a record with unloading, for prediction.
 
     Raises InputError as `lumped_fit.read`, or if the indenter does not return.
     """
-    time, position, force = lumped_fit.read(file, fewest=FEWEST, of="a motion to predict")
+    time, position, force = lumped_fit.read(
+        file, fewest=FEWEST, of="a motion to predict", columns=columns
+    )
     top = int(np.argmax(position))
     way = float(position[top] - position[0])
     back = float(position[top] - position[top:].min())

@@ -12,6 +12,31 @@ from fefinger.commands.console import json_option, output_option
 NO_TISSUE = "no tissue.toml is written: t(u) scales the force, not a tissue; use --mechanics solid"
 
 
+def column_option(command: console.Command) -> console.Command:
+    """Add `--column QUANTITY=HEADER`, a column that cannot be told by its name."""
+    return click.option(
+        "--column",
+        "columns",
+        multiple=True,
+        metavar="QUANTITY=HEADER",
+        callback=_named,
+        help="Header or number of a column, such as 'force=channel 2 in mN' (repeatable).",
+    )(command)
+
+
+def _named(context: object, option: object, given: tuple[str, ...]) -> dict[str, str]:
+    from fefinger.support.checks import InputError
+
+    pairs = [each.partition("=") for each in given]
+    for quantity, sign, header in pairs:
+        if not (quantity and sign and header):
+            raise InputError(
+                "--column: expected QUANTITY=HEADER, such as 'force=channel 2 in mN', received "
+                f"{quantity + sign + header!r}"
+            )
+    return {quantity.strip(): header.strip() for quantity, _, header in pairs}
+
+
 @click.command()
 @click.argument("data", metavar="DATA.csv")
 @click.option("--subject", metavar="NAME", help="Subject of Pawluk (1997) whose finger size it is.")
@@ -19,7 +44,8 @@ NO_TISSUE = "no tissue.toml is written: t(u) scales the force, not a tissue; use
 @click.option("--thickness", type=float, help="Thickness of that fingertip in mm.")
 @click.option("--pad-radius", type=float, help="Effective pad radius of that fingertip in mm.")
 @click.option("--frames", metavar="FILE", help="CSV of a slow press: time, position, p1 to p64.")
-@click.option("--check", metavar="FILE", help="CSV of a motion to predict, not to fit.")
+@click.option("--check", metavar="FILE", help="Record of a motion to predict, not to fit.")
+@column_option
 @click.option(
     "--mechanics",
     default="solid",
@@ -38,6 +64,7 @@ def calibrate(
     pad_radius: float | None,
     frames: str | None,
     check: str | None,
+    columns: dict[str, str],
     mechanics: str,
     resolution: str,
     output: str | None,
@@ -45,10 +72,11 @@ def calibrate(
 ) -> None:
     """Fit the tissue of a finger to a ramp and hold.
 
-    DATA.csv is your own record of a plate at 30 degrees to the bone, with the columns time (s),
-    position (mm) and force (N). Solved presses are cached: an interrupted calibration continues
-    where it stopped. On a coarse mesh solid takes some 1.5 minutes of CPU and condensed 15 s; on
-    the standard mesh solid takes longer, by one to six presses.
+    DATA.csv is your own record of a plate at 30 degrees to the bone, with the columns time,
+    position and force, in any order and unit: text, .lvm, .mat or HDF5. Solved presses are cached:
+    an interrupted calibration continues where it stopped. On a coarse mesh solid takes some 1.5
+    minutes of CPU and condensed 15 s; on the standard mesh solid takes longer, by one to six
+    presses.
     """
     from fefinger.calibration import calibrate as calibration
     from fefinger.calibration.record import keep_others
@@ -66,7 +94,7 @@ def calibrate(
             "--width and --thickness, or --subject"
         )
     finger = finger_of(subject, **size)
-    how: dict[str, Any] = {"mechanics": mechanics, "resolution": resolution}
+    how: dict[str, Any] = {"mechanics": mechanics, "resolution": resolution, "columns": columns}
     with outputs.output(output) as folder:
         if folder is not None:
             keep_others(folder)
@@ -95,12 +123,14 @@ def calibrate(
     type=click.IntRange(1, 5),
     help="Number of exponentials of the relaxation function.",
 )
+@column_option
 @output_option("fit.json and fit.csv")
 @json_option
-def fit(data: str, terms: int, output: str | None, as_json: bool) -> None:
+def fit(data: str, terms: int, columns: dict[str, str], output: str | None, as_json: bool) -> None:
     """Identify the lumped model of a finger from a ramp and hold.
 
-    DATA.csv has the columns time (s), position (mm) and force (N).
+    DATA.csv has the columns time, position and force, in any order and unit: text, .lvm, .mat or
+    HDF5.
     """
     from fefinger.calibration import lumped_fit
     from fefinger.support import outputs
@@ -108,7 +138,7 @@ def fit(data: str, terms: int, output: str | None, as_json: bool) -> None:
     with outputs.output(output) as folder:
         if folder is not None:
             lumped_fit.keep_others(folder)
-        identified = lumped_fit.fit(data, terms=terms)
+        identified = lumped_fit.fit(data, terms=terms, columns=columns)
         console.save_and_print(
             lambda: [] if folder is None else lumped_fit.save(identified, folder),
             lambda files: lumped_fit.record(identified) | {"files": files},

@@ -54,8 +54,8 @@ def wave_on(one, factor, x0):
 @pytest.mark.parametrize(
     ("given", "expected"),
     [
-        ({"check": "none.csv"}, "none.csv: expected a CSV file"),
-        ({"frames": "none.csv"}, "none.csv: expected a CSV file"),
+        ({"check": "none.csv"}, "none.csv: expected a file of a record"),
+        ({"frames": "none.csv"}, "none.csv: expected a file of a record"),
         ({"finger": ff.Finger(3.0, 11.0)}, "finger.width: expected a finite number in mm at least"),
     ],
     ids=str,
@@ -243,7 +243,10 @@ def test_the_command_prints_and_writes(tmp_path, solved, linear, write, capsys):
 REFUSED = {
     "nothing": ([], "DATA.csv"),
     "no size": (["none.csv"], "--width: expected the size of the finger"),
-    "no file": (["none.csv", "--width", "14", "--thickness", "10"], "a path that does not exist"),
+    "no file": (
+        ["none.csv", "--width", "14", "--thickness", "10"],
+        "'none.csv', which does not exist",
+    ),
     "nobody": (["none.csv", "--subject", "x.y."], "finger.subject"),
     "mechanics": ([*OF_AH, "--mechanics", "hertz"], "mechanics: expected one of"),
     "resolution": (

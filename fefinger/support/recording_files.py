@@ -1,0 +1,327 @@
+"""Files of rigs to a `Recording`: text in any locale, LabVIEW `.lvm`, MATLAB `.mat`, HDF5.
+
+Of a text the rows of numbers decide which separator and which decimal sign it has; lines above
+them are a header. Of MATLAB and HDF5 files the columns are the series of the most common length.
+"""
+
+import io
+import re
+import warnings
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fefinger.support.arrays import Array
+from fefinger.support.checks import InputError
+from fefinger.support.csv_columns import shortened
+from fefinger.support.inputs import MOST, check_input
+from fefinger.support.recordings import Recording, is_unit
+
+
+STYLES = (
+    *(("\t", "."), (";", "."), (",", "."), ("|", "."), (None, ".")),
+    *(("\t", ","), (";", ","), ("|", ","), (None, ",")),
+)
+"""Separators, None for spaces, and decimal signs of a text."""
+
+LOOKED = 200
+"""Lines at the end of a text by which its style is told."""
+
+LARGEST = 1e9
+"""Bytes of a file that is read."""
+
+RATES = ("fs", "rate", "sampling_rate", "sample_rate", "sampling_frequency", "samplerate")
+STEPS = ("dt", "delta_t", "sampling_interval", "sample_time")
+"""Names of numbers that stand for times that a file does not have."""
+
+END = "***End_of_Header***"
+COMMENT = re.compile(r"^\s*(#|%|//)\s*")
+Text = list[tuple[int, str]]
+
+
+class Series(NamedTuple):
+    """A series of a file: its name, its unit or "", and its values (n,)."""
+
+    name: str
+    unit: str
+    values: Array
+
+
+def read(field: str, file: str | Path) -> Recording:
+    """Read the columns of a file; messages begin with `field`, such as its name.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read, without rows of numbers, or with a row that is none.
+    """
+    path = Path(file)
+    check_input(field, path, "a file of a record, such as CSV")
+    if path.stat().st_size > LARGEST:
+        size = path.stat().st_size / 1e6
+        msg = f"{field}: expected a file of at most {LARGEST / 1e6:g} MB, received {size:.4g} MB"
+        raise InputError(f"{msg}; cut out the part that matters")
+    kind = path.suffix.lower()
+    if kind == ".mat":
+        found = _columns(field, _matlab(field, path))
+    elif kind in (".h5", ".hdf5", ".hdf", ".nc"):
+        found = _columns(field, _hdf5(field, path))
+    else:
+        text = _decoded(field, path.read_bytes())
+        found = _labview(field, text) if text.startswith("LabVIEW Meas") else _table(field, text)
+    if not np.isfinite(found.values).all():
+        row, column = np.argwhere(~np.isfinite(found.values))[0].tolist()
+        raise InputError(
+            f"{field}: line {found.line(row)}, column {found.headers[column]}: expected a finite "
+            f"number, received {found.values[row, column]:g}; remove rows without a value"
+        )
+    return found
+
+
+def _decoded(field: str, content: bytes) -> str:
+    """Return the text of a file in UTF-8, UTF-16 with its mark, or Windows' encoding."""
+    marked = content.startswith((b"\xff\xfe", b"\xfe\xff"))
+    for encoding in ("utf-16",) if marked else ("utf-8-sig", "cp1252"):
+        try:
+            text = content.decode(encoding)
+        except UnicodeError:
+            continue
+        if "\0" not in text:
+            return text
+    raise InputError(f"{field}: expected a CSV file of text, received other bytes")
+
+
+def _cells(line: str, separator: str | None) -> list[str]:
+    cells = [cell.strip().strip('"').strip() for cell in line.split(separator)]
+    return cells[:-1] if len(cells) > 2 and not cells[-1] else cells  # a separator ends the line
+
+
+def _number(cell: str, decimal: str) -> float | None:
+    if decimal == ",":
+        if "." in cell:
+            return None
+        cell = cell.replace(",", ".")
+    try:
+        return float(cell)
+    except ValueError:
+        return None
+
+
+def _is_row(cells: Sequence[str], decimal: str) -> bool:
+    return len(cells) > 1 and all(_number(cell, decimal) is not None for cell in cells)
+
+
+def _style(lines: Text) -> tuple[str | None, str] | None:
+    """Return the separator and the decimal sign in which most of the last lines are numbers."""
+    counts = [
+        sum(_is_row(_cells(line, separator), decimal) for _, line in lines[-LOOKED:])
+        for separator, decimal in STYLES
+    ]
+    return STYLES[int(np.argmax(counts))] if max(counts) else None
+
+
+def _table(field: str, text: str, named: Sequence[Sequence[str]] = ()) -> Recording:
+    """Read a text: a header of some lines or none, then rows of numbers.
+
+    named: names and units of the columns where another header gave them.
+    """
+    lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip(" \t,;\0")]
+    style = _style(lines)
+    if style is None:
+        received = f"the lines {shortened([lines[0][1]])} ..." if lines else "an empty file"
+        raise InputError(
+            f"{field}: expected a header and rows of numbers below it, received {received}"
+        )
+    separator, decimal = style
+    first = next(
+        i for i, (_, line) in enumerate(lines) if _is_row(_cells(line, separator), decimal)
+    )
+    rows = lines[first:]
+    count = Counter(len(_cells(line, separator)) for _, line in rows).most_common(1)[0][0]
+    headers, units = named or _header(lines[:first], separator, count)
+    values = _numbers(field, rows, style, headers, count)
+    return Recording(field, tuple(headers), tuple(units), values, lambda row: rows[row][0])
+
+
+def _header(above: Text, separator: str | None, count: int) -> tuple[list[str], list[str]]:
+    """Return names and units of columns from the lines above the numbers, by default numbered."""
+    found = [_cells(COMMENT.sub("", line), separator) for _, line in above]
+    fits = [cells for cells in found if len(cells) == count]
+    if not fits and found:  # a header with commas above rows with tabs, or the like
+        last = COMMENT.sub("", above[-1][1])
+        splits = (_cells(last, other) for other in (",", ";", "\t", "|", None))
+        fits = [cells for cells in splits if len(cells) == count][:1]
+    if not fits:
+        if found and len(found[-1]) > 1:  # a header of another length is told by a row
+            return found[-1], [""] * len(found[-1])
+        return [f"column {i}" for i in range(1, count + 1)], [""] * count
+    if len(fits) > 1 and all(map(is_unit, fits[-1])) and any(fits[-1]):
+        return fits[-2], fits[-1]
+    return fits[-1], [""] * count
+
+
+def _numbers(
+    field: str, rows: Text, style: tuple[str | None, str], headers: Sequence[str], count: int
+) -> Array:
+    """Return the numbers (n, count) of rows; InputError for a line that is none."""
+    separator, decimal = style
+    if len(rows) > MOST:
+        raise InputError(
+            f"{field}: expected at most {MOST} rows of {count} numbers, received {len(rows)}; take "
+            "fewer, or the part that matters"
+        )
+    body = "\n".join(line for _, line in rows)
+    body = body.replace(",", ".") if decimal == "," else body
+    try:
+        if len(headers) == count:
+            return np.loadtxt(io.StringIO(body), delimiter=separator, comments=None, ndmin=2)
+    except ValueError:
+        pass  # cell by cell finds what is wrong, and where
+    table = [_row(field, *row, style, headers) for row in rows]
+    return np.array(table, dtype=float)
+
+
+def _row(
+    field: str, at: int, line: str, style: tuple[str | None, str], headers: Sequence[str]
+) -> list[float]:
+    cells, where = _cells(line, style[0]), f"{field}: line {at}"
+    if len(cells) != len(headers):
+        todo = "; write 0.5 for 0,5 if its commas are decimal" if style == (",", ".") else ""
+        msg = f"{where}: expected {len(headers)} values, received {len(cells)}{todo}"
+        raise InputError(msg)
+    numbers = [_number(cell, style[1]) for cell in cells]
+    for cell, number, name in zip(cells, numbers, headers, strict=True):
+        if number is None:
+            msg = f"{where}, column {name}: expected a finite number, received {cell!r}"
+            raise InputError(f"{msg}; remove rows without a value")
+    return [number for number in numbers if number is not None]
+
+
+def _labview(field: str, text: str) -> Recording:
+    """Read the first segment of a LabVIEW measurement file, with times from X0 and Delta_X."""
+    *heads, body = text.split(END)
+    if len(heads) != 2:
+        raise InputError(
+            f"{field}: expected a LabVIEW file of one segment, received {max(len(heads) - 1, 0)}; "
+            "save each press in a file of its own"
+        )
+    pairs = (line.split("\t") for line in "".join(heads).splitlines())
+    head = {cells[0]: [cell.strip() for cell in cells[1:] if cell.strip()] for cells in pairs}
+    mark = {"Comma": ",", "Tab": "\t"}.get(next(iter(head.get("Separator", [])), "Tab"), "\t")
+    decimal = next(iter(head.get("Decimal_Separator", [])), ".")
+    lines = [line for line in body.splitlines() if line.strip()]
+    names = [cell.strip() for cell in lines[0].split(mark)]
+    names = names[:-1] if names[-1] == "Comment" else names
+    has_time = next(iter(head.get("X_Columns", [])), "One") != "No"
+    rows = [[cell.strip() for cell in line.split(mark)][: len(names)] for line in lines[1:]]
+    keep = [i for i, name in enumerate(names) if name and (has_time or name != "X_Value")]
+    keep = [i for i in keep if names[i] != "X_Value" or i == names.index("X_Value")]
+    numbers = [[_number(row[i], decimal) for i in keep if i < len(row)] for row in rows]
+    bad = next((k for k, row in enumerate(numbers) if None in row or len(row) < len(keep)), None)
+    if bad is not None:
+        msg = f"{field}: expected {len(keep)} numbers in every row, received {lines[1 + bad]!r:.60}"
+        raise InputError(msg)
+    values = np.array(numbers, dtype=float)
+    labels = [names[i] for i in keep]
+    stated = iter(head.get("Y_Unit_Label", []))
+    units = ["s" if name == "X_Value" else next(stated, "") for name in labels]
+    if not has_time:
+        start, step = (_number(head.get(key, [""])[0], decimal) for key in ("X0", "Delta_X"))
+        if step is None:
+            raise InputError(f"{field}: expected Delta_X, the time between rows, received none")
+        values = np.column_stack([(start or 0.0) + step * np.arange(len(values)), values])
+        labels, units = ["X_Value", *labels], ["s", *units]
+    offset = text[: len(text) - len(body)].count("\n") + 3
+    return Recording(field, tuple(labels), tuple(units), values, lambda row: row + offset)
+
+
+def _matlab(field: str, path: Path) -> Mapping[str, Any]:
+    """Return the variables of a MATLAB file by name; fields of a struct are "name.field"."""
+    from scipy.io import loadmat
+
+    if path.read_bytes()[:128].startswith(b"MATLAB 7.3") or _is_hdf5(path):
+        return _hdf5(field, path)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of objects that are no numbers
+            stored = loadmat(path, simplify_cells=True)
+    except Exception as error:  # of any class, by what the bytes are
+        raise InputError(f"{field}: expected a MATLAB file, received another: {error}") from None
+    return {name: value for name, value in _flat(stored) if not name.startswith("__")}
+
+
+def _flat(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value
+
+
+def _is_hdf5(path: Path) -> bool:
+    import h5py
+
+    return bool(h5py.is_hdf5(path))
+
+
+def _hdf5(field: str, path: Path) -> Mapping[str, Any]:
+    """Return the data sets of an HDF5 file by name; units are (unit, values)."""
+    import h5py
+
+    found: dict[str, Any] = {}
+
+    def visit(name: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset) and item.dtype.kind in "iuf":
+            unit = next((item.attrs[key] for key in ("units", "unit") if key in item.attrs), "")
+            unit = unit.decode() if isinstance(unit, bytes) else str(unit)
+            found[name.replace("/", ".")] = (unit, np.asarray(item[()]))
+
+    try:
+        with h5py.File(path) as file:
+            file.visititems(visit)
+    except OSError as error:
+        raise InputError(f"{field}: expected an HDF5 file, received another: {error}") from None
+    return found
+
+
+def _columns(field: str, stored: Mapping[str, Any]) -> Recording:
+    """Make a record of the series of the most common length among stored values."""
+    series: list[Series] = []
+    scalars: dict[str, float] = {}
+    for name, value in stored.items():
+        unit, value = value if isinstance(value, tuple) else ("", value)
+        array = np.asarray(value)
+        if array.dtype.kind not in "iuf":
+            continue
+        array = np.squeeze(array.astype(float))
+        if array.ndim == 0:
+            scalars[name.rpartition(".")[2].lower()] = float(array)
+        elif array.ndim == 1:
+            series.append(Series(name, unit, array))
+        elif array.ndim == 2:
+            tall = array if array.shape[0] >= array.shape[1] else array.T
+            series += [Series(f"{name} {i}", unit, row) for i, row in enumerate(tall.T, start=1)]
+    if not series:
+        raise InputError(f"{field}: expected series of numbers, received none in the file")
+    lengths = Counter(len(each.values) for each in series)
+    length = max(lengths, key=lambda size: (lengths[size], size))
+    series = [each for each in series if len(each.values) == length]
+    step = next((scalars[name] for name in STEPS if scalars.get(name, 0.0) > 0), None)
+    rate = next((scalars[name] for name in RATES if scalars.get(name, 0.0) > 0), None)
+    if step is None and rate is not None:
+        step = 1 / rate
+    names = [each.name.rpartition(".")[2] for each in series]
+    if len(set(names)) < len(names):
+        names = [each.name for each in series]
+    if step is not None and not any(name.lower() in ("time", "t") for name in names):
+        series.insert(0, Series("time", "s", np.arange(length) * np.float64(step)))
+        names.insert(0, "time")
+    values = np.column_stack([each.values for each in series])
+    return Recording(field, tuple(names), tuple(each.unit for each in series), values, _row_number)
+
+
+def _row_number(row: int) -> int:
+    return row + 1

@@ -1,0 +1,164 @@
+"""Records as rigs write them: one press in many files, and the sentences on what cannot be told."""
+
+import h5py
+import numpy as np
+import pytest
+from refusals import refused
+from scipy.io import savemat
+
+from fefinger.commands.calibrate import _named
+from fefinger.support import recording_files
+from fefinger.support.checks import InputError
+from fefinger.support.recordings import Recording
+
+
+WANTED = ("time", "position", "force")
+PRESS = np.column_stack([np.arange(6) * 1e-3, [0, 0.25, 0.5, 0.75, 1, 1], [0, 0, 0.5, 1, 2, 1.75]])
+"""Time s, position mm, force N."""
+
+
+def rows(table, separator=",", decimal=".", end=""):
+    lines = (separator.join(f"{x:.9g}" for x in row) + end for row in table.tolist())
+    return "".join(f"{line.replace('.', decimal)}\n" for line in lines)
+
+
+LVM = """LabVIEW Measurement\t
+Writer_Version\t2
+Separator\tTab
+Decimal_Separator\t,
+Multi_Headings\tNo
+X_Columns\t{columns}
+***End_of_Header***\t
+\t
+Channels\t2\t
+Samples\t6\t6\t
+Y_Unit_Label\tmm\tmN\t
+X_Dimension\tTime\tTime\t
+X0\t0,0E+0\t0,0E+0\t
+Delta_X\t0,001\t0,001\t
+***End_of_Header***\t\t
+X_Value\tPosition\tForce\tComment
+"""
+
+
+def lvm(columns):
+    table = PRESS * [1, 1, 1e3]
+    body = rows(table, "\t", ",", "\t")
+    if columns == "No":
+        body = "".join(f"\t{line}\n" for line in rows(table[:, 1:], "\t", ",", "\t").splitlines())
+    return LVM.format(columns=columns) + body
+
+
+TEXTS = {
+    "plain": "time,position,force\n" + rows(PRESS),
+    "order and units": "F [mN],t (ms),x (µm)\n" + rows(PRESS[:, [2, 0, 1]] * [1e3, 1e3, 1e3]),
+    "decimal commas": "Zeit [s];Weg [mm];Kraft [N]\n" + rows(PRESS, ";", ","),
+    "tabs and commas": "Time\tPosition\tForce\n" + rows(PRESS, "\t", ",", "\t"),
+    "units in a line": "Rig 3\nDate,today\n\nTime,Position,Force\n(s),(mm),(N)\n" + rows(PRESS),
+    "comments": "# subject 4\n# time_s displacement_m force_N\n" + rows(PRESS * [1, 1e-3, 1], " "),
+    "by unit": "clock (ms),gap (um),cell (N),temperature\n"
+    + rows(np.column_stack([PRESS * [1e3, 1e3, 1], np.full(6, 21.0)])),
+    "lvm": lvm("One"),
+    "lvm without times": lvm("No"),
+}
+
+
+@pytest.mark.parametrize("text", TEXTS.values(), ids=TEXTS)
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "cp1252", "utf-16"])
+def test_a_press_is_read_from_a_text(tmp_path, text, encoding):
+    file = tmp_path / "press.txt"
+    file.write_text(text, encoding=encoding)
+    found = recording_files.read(str(file), file).pick(WANTED)
+    np.testing.assert_allclose(found, PRESS, rtol=1e-9, atol=1e-12)
+
+
+def test_a_press_is_read_from_matlab_and_hdf5(tmp_path):
+    time, position, force = PRESS.T
+    files = [tmp_path / name for name in ("a.mat", "b.mat", "c.h5", "d.mat")]
+    savemat(files[0], {"trial": {"t": time, "pos": position, "force": force}, "note": "thumb"})
+    savemat(files[1], {"fs": 1000.0, "position": position, "force": force, "taps": [1.0, 2.0]})
+    for file in files[2:]:  # MATLAB's own files of version 7.3 are HDF5, with rows
+        with h5py.File(file, "w") as out:
+            out["run/time"] = time[None]
+            out["run/position"] = 1e3 * position
+            out["run/force"] = force
+            out["run/position"].attrs["units"] = "um"
+    for file in files:
+        found = recording_files.read(str(file), file).pick(WANTED)
+        np.testing.assert_allclose(found, PRESS, rtol=1e-9, atol=1e-12)
+
+
+def test_a_column_that_cannot_be_told_is_asked_for_and_taken(tmp_path):
+    file = tmp_path / "press.csv"
+    file.write_text("a,b,c\n" + rows(PRESS * [1e3, 1, 1e3]))
+    found = recording_files.read(str(file), file)
+    with pytest.raises(InputError, match=r"one column 'time' \(s\), received none .*'a,b,c'; say"):
+        found.pick(WANTED)
+    named = {"time": "A in ms", "position": "b", "force": "3 in mN"}
+    np.testing.assert_allclose(found.pick(WANTED, named), PRESS, rtol=1e-12)
+    for wrong, message in (
+        ({"time": "d"}, "time: expected one of the columns 'a,b,c', or its number, received 'd'"),
+        ({"time": "a in mm"}, "expected a unit of s, such as s, sec, .*, received 'mm'"),
+        ({"angle": "a"}, "--column: expected one of time, position, force .* received 'angle'"),
+    ):
+        with pytest.raises(InputError, match=message):
+            found.pick(WANTED, named | wrong)
+
+
+BAD = {
+    "empty": ("", "a header and rows of numbers below it, received an empty file"),
+    "words": ("time,position,force\nn,n,n\n", "rows of numbers below it, received the lines"),
+    "short row": ("time,position,force\n0,1,2\n0,1\n1,2,3\n", "line 3: expected 3 values, rec"),
+    "commas twice": ("time,position\n0,0,1,0\n0,1,1,0\n", "expected 2 values, .* write 0.5 for"),
+    "gap": ("time,position,force\n0,1,2\n1,,2\n2,2,2\n", "line 3, column position: .* received ''"),
+    "nan": ("time,position,force\n0,1,2\n1,nan,2\n", "line 3, column position: .*received nan"),
+    "two forces": (
+        "time,x,force_a,force_b\n0,1,2,3\n1,1,2,3\n",
+        "received 2, force_a, force_b",
+    ),
+    "two loads": ("time,x,force 1,force\n0,1,2,3\n1,1,2,3\n", None),
+    "volts": ("time,x,force (V)\n0,1,2\n1,1,2\n", r"column 'force \(V\)': expected force in N"),
+    "again": ("time,x,force\n0,1,2\n0,1,2\n", "line 3: expected a time above 0 s, .* repeated"),
+    "back": ("time,x,force\n1,1,2\n0,1,2\n", "line 3: expected a time above 1 s, .* earlier"),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), BAD.values(), ids=BAD)
+def test_what_is_no_record_is_refused_with_its_place(tmp_path, text, message):
+    file = tmp_path / "bad.csv"
+    file.write_text(text)
+    if message is None:
+        assert recording_files.read(str(file), file).pick(WANTED)[0, 2] == pytest.approx(3.0)
+        return
+    with pytest.raises(InputError, match=message) as refused:
+        recording_files.read(str(file), file).pick(WANTED)
+    assert str(refused.value).startswith(str(file))
+
+
+@pytest.mark.parametrize("name", ["a.mat", "a.h5", "a.csv", "a.lvm"])
+def test_bytes_that_are_no_file_of_their_kind_are_refused(tmp_path, name):
+    file = tmp_path / name
+    file.write_bytes(b"LabVIEW Measurement\n" if name == "a.lvm" else b"\x00\x01\x02\x03" * 40)
+    with pytest.raises(InputError, match="expected a"):
+        recording_files.read(str(file), file)
+    with pytest.raises(InputError, match="does not exist"):
+        recording_files.read("file", tmp_path / f"no{name}")
+
+
+def test_times_in_milliseconds_are_told_unless_a_unit_is_stated():
+    values = np.column_stack([np.arange(100.0), np.ones(100)])
+    for header, unit, told in (("time", "", True), ("t (s)", "", False), ("time", "s", False)):
+        found = Recording("f", (header, "force"), (unit, ""), values, int)
+        if told:
+            with pytest.raises(InputError, match="100 samples 1 apart, as if they were in ms"):
+                found.pick(("time", "force"))
+        else:
+            assert len(found.pick(("time", "force"))) == 100
+    assert len(Recording("f", ("time", "force"), ("", ""), values, int).pick(("time",), slow=True))
+
+
+@pytest.mark.parametrize("text", ["force", "=a", "force="])
+def test_a_column_is_named_by_a_quantity_and_a_header(text):
+    with refused("--column"):
+        _named(None, None, (text,))
+    assert _named(None, None, ("force=a = b in mN",)) == {"force": "a = b in mN"}
