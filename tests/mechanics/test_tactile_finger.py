@@ -380,6 +380,20 @@ def test_finite_strain_stiffens_the_plate_of_its_table_and_states_an_error() -> 
     assert np.isnan(soft.error).all()
 
 
+def test_under_a_soft_plate_the_factor_of_finite_strain_is_that_of_the_depth_of_the_skin() -> None:
+    finger = ff.Finger.subject("a.h.", resolution="coarse")
+    tip = ff.TactileFinger(finger, deepest=0.6)
+    rigid = plate(tip, 0.5, 1e4)
+    tip.reset()
+    soft = tip.step([(ff.shapes.Soft(ff.shapes.Plane(), 15), PLATE, 0.8 * NORMAL)], 1e4)
+    assert soft.valid  # its own depth is below `deepest`
+    assert soft.depth[0] < rigid.depth[0]
+    assert soft.stiffness < 0.99 * rigid.stiffness
+    tip.reset()
+    same = plate(tip, float(soft.depth[0]), 1e4)
+    assert soft.stiffness == pytest.approx(same.stiffness, rel=0.01)
+
+
 def test_friction_worlds_and_strictness_change_no_factor_of_finite_strain() -> None:
     finger = ff.Finger.subject("a.h.", resolution="coarse")
     plain = ff.TactileFinger(finger, deepest=0.6)
