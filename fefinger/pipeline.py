@@ -14,14 +14,14 @@ fem/                  elements; equilibria at finite strain in `fem/hyperelastic
                       response.py, finite_strain.py and tabulated_press.py
 afferents.fire        the spikes of that strain: `neural/recorded_compiled.py`, which
                       `neural/recorded.py` calls, or, of the family `thesis`,
-                      `neural/membranes/vectorized.py`, which `neural/units.py` calls
+                      `neural/membranes/vectorized.py`, which `neural/afferent_units.py` calls
 result.Result         `save`, `load` and `show`; its page is written by `pages/report.py`
 
 Where else to look:
 
 textures, ridges      of `layered`: `mechanics/press/layer_press.py`, solved on a grid in
                       `contact/grid_solver.py`
-friction              `mechanics/press/sliding.py` at small strain (solved in
+friction              `mechanics/press/moving_contact.py` at small strain (in
                       `contact/frictional.py`), `mechanics/press/dragged.py` at finite strain
 table of `pressed`    `mechanics/press/elastic_press.py`: `load_or_solve` reads it, or solves and
                       stores it; its files are written by `depth_table.write`

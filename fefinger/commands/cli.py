@@ -12,12 +12,12 @@ from contextlib import suppress
 
 import click
 
-from fefinger.commands.afferents import field, spikes
 from fefinger.commands.calibrate import calibrate, fit
 from fefinger.commands.console import DONE, FAILED, UNUSABLE
 from fefinger.commands.resources import cache, mesh, scenes
 from fefinger.commands.run import explain
 from fefinger.commands.run import run as run_scene
+from fefinger.commands.spikes import field, spikes
 from fefinger.commands.study import study
 from fefinger.commands.validate import bench, validate
 from fefinger.commands.view import live, view

@@ -20,7 +20,7 @@ from fefinger.fem.condensation import Operator
 from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.mechanics.loop_setup import MODAL, LoopOptions, prepare
 from fefinger.mechanics.press.fields import no_fields
-from fefinger.mechanics.press.harmonic import Vibrating
+from fefinger.mechanics.press.frequency_response import Vibrating
 from fefinger.mechanics.press.prepared import Prepared
 from fefinger.mesh.store import load_or_build
 from fefinger.results import vtkhdf

@@ -1,7 +1,7 @@
 """Afferent units, from strain or displacement to spikes: drives, filters, generators, membranes.
 
 A spike is made in `recorded_compiled.py` (family `recorded`, called by `recorded.py` or, step by
-step, by `streaming_step.py`) or `membranes/` (family `thesis`, called by `units.py`).
+step, by `streaming_step.py`) or `membranes/` (family `thesis`, called by `afferent_units.py`).
 
 This package takes arrays and is independent of mesh, finite elements and scene. The public names
 work on the spikes of a run, `ff.run(scene).spikes` and its `times`:

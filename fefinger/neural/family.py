@@ -275,7 +275,7 @@ class Recorded(OfPackage):
 
 
 class Thesis(OfPackage):
-    """The chain of Pawluk (1997), with its squid membrane (`neural/units.py`)."""
+    """The chain of Pawluk (1997), with its squid membrane (`neural/afferent_units.py`)."""
 
     name = "thesis"
     lengths: Mapping[str, float] = {}  # from a reference press
@@ -310,7 +310,7 @@ class Thesis(OfPackage):
 
     def fire(self, time: Array, drive: Array, **options: Any) -> "SpikeTrains":
         """Simulate units, as `units.simulate_units`."""
-        from fefinger.neural.units import simulate_units
+        from fefinger.neural.afferent_units import simulate_units
 
         return simulate_units(time, drive, **options)
 

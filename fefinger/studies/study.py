@@ -5,7 +5,7 @@
 
 Finished scenes are stored in the folder, by a hash of all their inputs, and not computed again; a
 scene that fails does not stop the others. `grid.py` reads the grid, `tasks.py` makes and runs the
-scenes, `measures.py` makes their rows, `tables.py` and `page.py` write table and page.
+scenes, `measures.py` makes their rows, `tables.py` and `study_page.py` write table and page.
 """
 
 import hashlib
@@ -71,7 +71,7 @@ class Study(StudyRows):
         Files of an earlier study of other scenes are moved into a subfolder; their new paths are
         returned too. Raises InputError where the files cannot be written, and leaves none.
         """
-        from fefinger.studies.page import html
+        from fefinger.studies.study_page import html
 
         place, page = output_folder(folder), html(self)
         record = {"name": self.name, "over": self.over, **self.about, "rows": self.rows}

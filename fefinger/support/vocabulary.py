@@ -1,7 +1,7 @@
 """Names that a scene can choose from: afferent types, drives, generators and rules.
 
 The implementations are in `neural/endorgans.py` (with generators), `neural/drives.py` and
-`neural/units.py`.
+`neural/afferent_units.py`.
 """
 
 from enum import StrEnum

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from refusals import refused
 
+from fefinger.neural.afferent_units import simulate_units
 from fefinger.neural.checked_signals import count_changes
 from fefinger.neural.drives import Reference, equivalent_displacements
 from fefinger.neural.membranes import IntegrateAndFire
 from fefinger.neural.recorded import simulate_recorded
-from fefinger.neural.units import simulate_units
 from fefinger.neural.variation import Variation
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
@@ -239,7 +239,7 @@ def test_strain_of_the_wrong_shape_is_refused():
 
 def test_numba_is_imported_only_when_a_membrane_runs():
     code = (
-        "import sys, fefinger.neural.drives, fefinger.neural.units;"
+        "import sys, fefinger.neural.drives, fefinger.neural.afferent_units;"
         "sys.exit(any(name in sys.modules for name in ('numba', 'scipy')))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -13,10 +13,10 @@ from refusals import refused
 import fefinger as ff
 from fefinger.__main__ import main
 from fefinger.neural import series
+from fefinger.neural.afferent_units import simulate_units
 from fefinger.neural.recorded import fitted
 from fefinger.neural.signals import read
 from fefinger.neural.trains import SpikeTrains
-from fefinger.neural.units import simulate_units
 from fefinger.scene.ask import Ask
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import FAMILIES, TYPES

@@ -6,8 +6,8 @@ from fefinger.validation.neural.connor_stevens import ConnorStevens
 from refusals import refused
 from scipy.integrate import solve_ivp
 
+from fefinger.neural.afferent_units import simulate_units
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
-from fefinger.neural.units import simulate_units
 from fefinger.support.checks import InputError
 
 

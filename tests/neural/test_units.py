@@ -7,10 +7,10 @@ import pytest
 from fefinger.validation.neural.filters import spring
 from refusals import refused
 
-from fefinger.neural import units
+from fefinger.neural import afferent_units
+from fefinger.neural.afferent_units import simulate_units
 from fefinger.neural.endorgans import END_ORGANS, GAINS, PoleZero, transduce
 from fefinger.neural.membranes import HodgkinHuxley
-from fefinger.neural.units import simulate_units
 from fefinger.neural.variation import Variation
 from fefinger.support.vocabulary import RULES, TYPES
 
@@ -83,7 +83,7 @@ def test_how_many_units_are_held_in_memory_changes_nothing(rule, monkeypatch):
     drive = np.outer(RAMP, np.random.default_rng(2).uniform(0.2, 1.0, len(unit)))
     options = {"types": types, "unit": unit, "rule": rule, "check": False}
     together = simulate_units(TIME, drive, **options)
-    monkeypatch.setattr(units, "_DENSE", 1)
+    monkeypatch.setattr(afferent_units, "_DENSE", 1)
     apart = simulate_units(TIME, drive, **options)
     assert together.count().min() > 0
     np.testing.assert_allclose(apart.current, together.current, rtol=1e-12)

@@ -13,7 +13,7 @@ from fefinger.plan import choose
 from fefinger.results import pressure
 from fefinger.scene.field_units import split
 from fefinger.scene.population import Scatter
-from fefinger.studies import page
+from fefinger.studies import study_page
 from fefinger.studies.columns import ERRORS, bounds, words
 from fefinger.studies.measures import SPEED, rows, share
 from fefinger.theory.contact.elliptic import Elliptic
@@ -113,7 +113,7 @@ def test_the_errors_of_rows_at_a_force_are_said_of_the_depth():
     held = run(
         ff.Scene(finger=FINGER, motion=PRESCRIBED[0], ask=ff.Ask(fields=False)), mechanics="hertz"
     )
-    sentence = page.errors(rows(held, forces=(0.2,)))
+    sentence = study_page.errors(rows(held, forces=(0.2,)))
     assert "depth" in sentence
     assert "force in" not in sentence
 

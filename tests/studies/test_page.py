@@ -3,8 +3,8 @@
 import pytest
 
 from fefinger.commands import study as command
-from fefinger.studies import figures
-from fefinger.studies import page as report
+from fefinger.studies import study_figures as figures
+from fefinger.studies import study_page as report
 from fefinger.studies.grid import MESH, remarks
 from fefinger.studies.study import Study
 

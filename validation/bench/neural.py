@@ -203,7 +203,7 @@ def ladder(fine: Spikes) -> list[Figure]:
 
 def chain() -> list[Figure]:
     """Return speed and memory from skin displacement to spikes, units of all four types."""
-    from fefinger.neural.units import simulate_units
+    from fefinger.neural.afferent_units import simulate_units
 
     types = tuple(np.tile(("SAI", "SAII", "FAI", "FAII"), UNITS // 4).tolist())
     press = np.outer(np.clip(TIME / 0.05, 0.0, 1.0), np.linspace(0.1, 1.5, len(types)))

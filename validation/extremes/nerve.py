@@ -8,9 +8,9 @@ from fefinger.validation.extremes.invariants import not_finite, off
 from fefinger.validation.extremes.trial import ANSWERED, REFUSED, Findings, Row, Trial, grouped
 from fefinger.validation.neural.connor_stevens import ConnorStevens
 
+from fefinger.neural.afferent_units import simulate_units
 from fefinger.neural.endorgans import END_ORGANS, PoleZero
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire, Membrane
-from fefinger.neural.units import simulate_units
 from fefinger.support.arrays import Array
 
 

@@ -17,9 +17,9 @@ from scipy import sparse
 from fefinger.contact.closed_contact import ClosedContact
 from fefinger.fem.condensation import displaced, reduce
 from fefinger.mechanics.press import placement
-from fefinger.mechanics.press.harmonic import RimError
+from fefinger.mechanics.press.frequency_response import RimError
 from fefinger.mechanics.press.modal_body import body_of_modes, residual_inertia
-from fefinger.mechanics.press.sliding import with_tractions
+from fefinger.mechanics.press.moving_contact import with_tractions
 from fefinger.mechanics.vibrations import Vibrations
 from fefinger.results.harmonic import PER_METER, Complex
 from fefinger.scene.finger import Finger

@@ -23,7 +23,7 @@ from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.linalg.system import System
 from fefinger.mechanics.press import operator, tabulated_press
 from fefinger.mechanics.press.finite_strain import FINITE_STRAIN
-from fefinger.mechanics.press.harmonic import Vibrating, about
+from fefinger.mechanics.press.frequency_response import Vibrating, about
 from fefinger.mechanics.press.materials import materials
 from fefinger.mechanics.press.modal_body import PER_CUBIC_METER, finger_modes
 from fefinger.mechanics.press.modal_press import operator_of

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.mechanics.evidence import units, vibration
+from fefinger.mechanics.evidence import unit_counts, vibration
 from fefinger.mechanics.evidence.presses import EVIDENCE, read
 from fefinger.mechanics.press.discretization import needs_continuation
 from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
@@ -82,7 +82,7 @@ def _organs(mechanics: str, case: Situation) -> float:
         return 0.0
     mesh = case.mesh if MECHANICS[mechanics].meshed else ""
     once, step = (seconds(mechanics, stage, mesh) for stage in ("organ", "organ_step"))
-    return units.organs(case.ask) * (once + len(case.times) * step)
+    return unit_counts.organs(case.ask) * (once + len(case.times) * step)
 
 
 def spike_seconds(case: Situation) -> float:
@@ -97,8 +97,8 @@ def spike_seconds(case: Situation) -> float:
     once, block, sample = (
         seconds("spikes", stage, family) for stage in ("setup", "block_second", "sample")
     )
-    spent = once + block * units.blocks(ask) * case.motion.duration
-    return spent + sample * units.organs(ask) * len(case.times)
+    spent = once + block * unit_counts.blocks(ask) * case.motion.duration
+    return spent + sample * unit_counts.organs(ask) * len(case.times)
 
 
 def mesh_seconds(case: Situation, *, follow: bool = True) -> float:

@@ -6,8 +6,10 @@ small_strain.py             contact of `linear` and `condensed` through time
 finite_strain.py            contact of `solid` through load steps
 elastic_press.py            the table over depth of `pressed` (depth_table.py): read, or solved
 tabulated_press.py          contact of `pressed`: that table along a motion
-modal_press.py, harmonic.py    contact with inertia of `modal`, in time and by frequency
-sliding.py, dragged.py      contact under a path or with friction, at small and finite strain
+modal_press.py, frequency_response.py
+                            contact with inertia of `modal`, in time and by frequency
+moving_contact.py, dragged.py
+                            contact under a path or with friction, at small and finite strain
 axisymmetric.py             `hertz` and `layered`: contacts and fields of closed formulas
 layer_press.py              `layered` of any object, on a grid: its gaps in layer_gap.py, its
                             compliance and strain in layer_grid.py

@@ -21,7 +21,7 @@ from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import modal_press, operator, problem, tabulated_press
 from fefinger.mechanics.press.fields import interpolation, small_strain_fields
-from fefinger.mechanics.press.harmonic import Vibrating, about
+from fefinger.mechanics.press.frequency_response import Vibrating, about
 from fefinger.mechanics.press.modal_body import stiffened
 from fefinger.mechanics.press.modal_press import ModalHistory, TimeGrid
 from fefinger.mechanics.press.notes import stiffens

@@ -27,7 +27,7 @@ from fefinger.fem.contact.travel import Travel
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.geometry.profiles import frame
-from fefinger.mechanics.press import limits, operator, placement, problem, sliding
+from fefinger.mechanics.press import limits, moving_contact, operator, placement, problem
 from fefinger.mechanics.press.discretization import needs_continuation
 from fefinger.mechanics.press.modal_body import (
     FingerModes,
@@ -207,10 +207,10 @@ def slid(
     path, mu = _disc(reach), indenter.friction
 
     def candidates(within: float, rings: int) -> Patch:
-        return sliding.candidates(solid, obstacle, path, within / problem.REACH, rings)
+        return moving_contact.candidates(solid, obstacle, path, within / problem.REACH, rings)
 
     def reduce(on: Patch) -> Reduced:
-        loaded = sliding.with_tractions(solid, on, obstacle.axis) if mu else on
+        loaded = moving_contact.with_tractions(solid, on, obstacle.axis) if mu else on
         return replace(operator.reduced(finger, solid, loaded, chosen.points, probe), patch=on)
 
     reduced = _on_candidates(solid, deepest, candidates, reduce)

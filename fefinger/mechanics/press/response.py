@@ -10,7 +10,7 @@ from fefinger.fem.body import Body, Solid
 from fefinger.fem.contact.contact_area import CandidateSurface
 from fefinger.geometry import mirror
 from fefinger.geometry.voigt import tensor_from_voigt
-from fefinger.mechanics.press import dragged, sliding
+from fefinger.mechanics.press import dragged, moving_contact
 from fefinger.mechanics.press.fields import finite_strain_fields, small_strain_fields
 from fefinger.mechanics.press.placement import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import (
@@ -40,7 +40,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         displacement = contact.elastic_pressure @ history.reduced.normal_displacement.T
         displacement += history.reduced.object.recession(contact.pressure)
         if press.motion.slides:
-            on_pad = replace(on_pad, distance=sliding.distances(press, on_pad))
+            on_pad = replace(on_pad, distance=moving_contact.distances(press, on_pad))
         gap = on_pad.clearance(contact.depth, displacement)[:, column]
         quantities = {}
         if press.pressure:
@@ -55,14 +55,14 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         if press.sites is not None:
             components = contact.elastic_pressure @ history.reduced.strain_operator.T
             strain = press.unfolded(tensor_from_voigt(components.reshape(len(press.time), -1, 6)))
-        lateral = sliding.lateral(press, history, pad, column) if press.tangential else None
+        lateral = moving_contact.lateral(press, history, pad, column) if press.tangential else None
     penetration = deepest_penetration(gap)
     return make_response(
         press,
         stages,
         len(on_pad.vertices),
         penetration,
-        notes=sliding.notes(press),
+        notes=moving_contact.notes(press),
         time=press.time,
         depth=contact.depth,
         force=force,

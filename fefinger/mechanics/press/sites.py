@@ -63,9 +63,10 @@ def end_organ_sites(
     if ask.population is None:
         return central_sites(ask, pulp, origin, axis)
     # Here, as a scene without a population loads none of the afferents.
-    from fefinger.mechanics.press import population
+    from fefinger.mechanics.press import unit_placement
 
-    return population.of_population(population.place_units(ask, skin(), direction(STANDARD)))
+    units = unit_placement.place_units(ask, skin(), direction(STANDARD))
+    return unit_placement.of_population(units)
 
 
 def meshed(points: Array, triangles: Integers, normals: Array, *, half: bool) -> "Surface":

@@ -17,7 +17,7 @@ from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.travel import Travel
 from fefinger.fem.elements.recovery import recovered_strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import limits, placement, problem, sliding
+from fefinger.mechanics.press import limits, moving_contact, placement, problem
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.materials import fixed_facets, tissues, with_nail
 from fefinger.mechanics.press.problem import (
@@ -127,7 +127,7 @@ def _on_candidates(
     with stages.stage("unit loads") as report:
         where = press.site_points
         probe = recovered_strain_at(body.space, where, body.planes)
-        reduced = sliding.reduce_to_patch(press, candidates, where, probe, report)
+        reduced = moving_contact.reduce_to_patch(press, candidates, where, probe, report)
     with stages.stage("contact") as report:
         value = press.load_unit * motion.value(press.time)
         shift = motion.shift(press.time) if press.tangential else None
@@ -157,7 +157,7 @@ def _candidates(press: Press, reach: float, rings: int) -> Patch:
         return patch(body.space, body.pad, body.normals, obstacle, reach, rings, body.loadable)
     path = press.motion.shift(press.time)
     deepest = reach / problem.REACH
-    return sliding.candidates(body, obstacle, path, deepest, rings, inclines=press.inclines)
+    return moving_contact.candidates(body, obstacle, path, deepest, rings, inclines=press.inclines)
 
 
 def quasistatic(

@@ -9,7 +9,7 @@ from fefinger.validation.evidence import afferent_cost, cost_table
 import fefinger as ff
 from fefinger import plan
 from fefinger.mechanics import get
-from fefinger.mechanics.evidence import costs, units
+from fefinger.mechanics.evidence import costs, unit_counts
 from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -116,5 +116,5 @@ LAYOUTS = {
 def test_end_organs_are_counted_before_they_are_placed(kind) -> None:
     layout, expected = LAYOUTS[kind]
     ask = ff.Ask(spikes=("SAI", "FAI"), population=layout)
-    assert units.organs(ask) == pytest.approx(expected, rel=0.02)
-    assert units.organs(replace(ask, population=None)) == pytest.approx(2)
+    assert unit_counts.organs(ask) == pytest.approx(expected, rel=0.02)
+    assert unit_counts.organs(replace(ask, population=None)) == pytest.approx(2)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from fefinger.pages import page
-from fefinger.studies import figures
+from fefinger.studies import study_figures as figures
 from fefinger.studies.columns import ERRORS, MEASURES, Row
 from fefinger.studies.force_depth import POINTS, WINDOW
 from fefinger.studies.grid import remarks
