@@ -9,8 +9,6 @@ Where the kinetic coefficient is less than the static one, a vertex has the kine
 step after its first slip to the step in which it sticks again, or leaves contact.
 """
 
-from typing import Any
-
 import numpy as np
 
 from fefinger.contact import force_control
@@ -32,7 +30,7 @@ from fefinger.contact.prony_history import (
     prony_history,
     store_history,
 )
-from fefinger.contact.stepper import Gaps, Stepper, Target
+from fefinger.contact.stepper import Gaps, Record, Stepper, Target
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.compiled import njit
 from fefinger.support.tolerances import COMPLEMENTARITY
@@ -202,8 +200,8 @@ class FrictionalContact(Stepper):
         """Return the force (2,) mN of the pressure on inclined heights, across the axis."""
         return pushed(self.gap, self.pose, self.pressure, turns=self.turns)
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """Return the present values that a history holds, by their names."""
-        friction = {"traction": self.traction, "slip": self.slip, "sticking": self.sticking}
-        work = {"lost": float(self.lost[0]), "cone": self.coulomb.residual}
+        friction: Record = {"traction": self.traction, "slip": self.slip, "sticking": self.sticking}
+        work: Record = {"lost": float(self.lost[0]), "cone": self.coulomb.residual}
         return super().record() | {"slopes": self.push()} | friction | work

@@ -5,7 +5,7 @@ complementarity problem in p. A factor t on the elastic pressure (the thesis's m
 constant one) enters as y = t q.
 """
 
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from fefinger.contact.prony_history import (
     prony_history,
     store_history,
 )
-from fefinger.contact.stepper import Gaps, Stepper, Target
+from fefinger.contact.stepper import Gaps, Record, Stepper, Target
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.compiled import njit
 from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH
@@ -137,6 +137,17 @@ def _step(
     return failed
 
 
+FrictionlessParts = tuple[Array, Array | Gaps, Array, tuple[Array, Array], *tuple[Integers, ...]]
+"""Flexibility, gap, projected, branches and, if any, limits, as of `FrictionlessContact`."""
+
+
+class FrictionlessOptions(TypedDict, total=False):
+    """Options of a `FrictionlessContact`."""
+
+    turns: bool
+    tolerance: float
+
+
 class FrictionlessContact(Stepper):
     """Frictionless contact of a body on its candidate vertices.
 
@@ -220,7 +231,7 @@ class FrictionlessContact(Stepper):
         """Return the force (2,) mN of the pressure on inclined heights, across the axis."""
         return pushed(self.gap, self.pose, self.pressure, turns=self.turns)
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """Return the present values that a history holds, by their names."""
         slopes = {} if isinstance(self.gap, np.ndarray) else {"slopes": self.push()}
         return super().record() | slopes

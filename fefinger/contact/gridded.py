@@ -5,7 +5,6 @@ a complementarity problem in p, here of every point of the grid.
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from fefinger.contact.active_set import DONE, ENDLESS, TURNED
 from fefinger.contact.force_control import DEPTH
 from fefinger.contact.grid_solver import ITERATIONS, GridSolver, winkler
 from fefinger.contact.prony_history import load_history, prony_history, store_history
-from fefinger.contact.stepper import Stepper, Target
+from fefinger.contact.stepper import Record, Stepper, Target
 from fefinger.support.arrays import Array, Flags
 
 
@@ -127,7 +126,7 @@ class GridContact(Stepper):
             stored += float(term @ displacement(term)) / weight if weight > 0.0 else 0.0
         return stored * self.area / 2
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """Return the present values that a history holds, by their names."""
         return super().record() | {"slopes": np.zeros(2)}
 

@@ -190,6 +190,10 @@ def _store(
     store_history(m, s.x, o.moved, dt, g)
 
 
+InertialParts = tuple[Oscillators, Array, Array, Array, Array, float, *tuple[Integers, ...]]
+"""A body of modes with a pad, and the limits of its contact, if any, as of `InertialContact`."""
+
+
 class InertialContact(Stepper):
     """A body of modes with a pad, through time.
 

@@ -1,13 +1,12 @@
 """A whole motion of any kind of contact, step by step."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fefinger.contact.active_set import DONE, TURNED
-from fefinger.contact.stepper import Stepper, Target
+from fefinger.contact.stepper import Record, Stepper, Target
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import PRESS_LESS, ConvergenceError, InputError
 
@@ -103,7 +102,7 @@ def march(
 def collected(
     stepper: Stepper,
     prescribed: Prescribed,
-    record: Callable[[], Mapping[str, Any]],
+    record: Callable[[], Record],
     progress: Callable[[float], None] = lambda fraction: None,
     numbers: Integers | None = None,
 ) -> dict[str, Array]:
@@ -146,14 +145,21 @@ def failure(
 
 
 def _history(
-    rows: dict[str, Any], prescribed: Prescribed, numbers: Integers, solved: int
+    rows: dict[str, Array], prescribed: Prescribed, numbers: Integers, solved: int
 ) -> History:
     """Collect the stored rows of a motion."""
-    basic = {name: rows.pop(name) for name in ("depth", "pressure", "elastic_pressure")}
+    basic = rows["depth"], rows["pressure"], rows["elastic_pressure"], solved
     if "slopes" not in rows:
-        return History(**basic, exchanges=solved)
+        return History(*basic)
     shift = np.zeros((len(prescribed.time), 2)) if prescribed.shift is None else prescribed.shift
-    cone = float(rows.pop("cone", np.zeros(1)).max())
-    return History(
-        **basic, exchanges=solved, sliding=SlidingHistory(shift[numbers], **rows, cone=cone)
-    )
+    sliding = SlidingHistory(shift[numbers], rows["slopes"])
+    if "traction" in rows:
+        sliding = replace(
+            sliding,
+            traction=rows["traction"],
+            slip=rows["slip"],
+            sticking=rows["sticking"].astype(bool),
+            lost=rows["lost"],
+            cone=float(rows["cone"].max()),
+        )
+    return History(*basic, sliding)

@@ -6,14 +6,20 @@ g (gap - depth m) - F h; the history is of the skin alone, and needs F p.
 """
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol, Unpack
 
 import numpy as np
 
 from fefinger.contact import active_set
 from fefinger.contact.active_set import DONE, LcpState
-from fefinger.contact.frictionless import FrictionlessContact, gaps_at, press
-from fefinger.contact.inertial import InertialContact, StepFactors
+from fefinger.contact.frictionless import (
+    FrictionlessContact,
+    FrictionlessOptions,
+    FrictionlessParts,
+    gaps_at,
+    press,
+)
+from fefinger.contact.inertial import InertialContact, InertialParts, StepFactors
 from fefinger.contact.prony_history import PronyHistory, increments, load_history, store_history
 from fefinger.contact.stepper import Target
 from fefinger.support.arrays import Array, Integers
@@ -23,10 +29,12 @@ from fefinger.support.compiled import njit
 class PressingObject(Protocol):
     """What a contact asks of an object: its kind of contact, and how far its surface gives way."""
 
-    def frictionless(self, *args: Any, **options: Any) -> FrictionlessContact:
+    def frictionless(
+        self, *parts: *FrictionlessParts, **options: Unpack[FrictionlessOptions]
+    ) -> FrictionlessContact:
         """Return a frictionless contact with it; arguments as of `FrictionlessContact`."""
 
-    def inertial(self, *args: Any) -> InertialContact:
+    def inertial(self, *parts: *InertialParts) -> InertialContact:
         """Return a contact of modes with it; arguments as of `InertialContact`."""
 
     def recession(self, pressure: Array) -> Array:
@@ -40,13 +48,15 @@ class PressingObject(Protocol):
 class RigidObject:
     """An object that does not give way."""
 
-    def frictionless(self, *args: Any, **options: Any) -> FrictionlessContact:
+    def frictionless(
+        self, *parts: *FrictionlessParts, **options: Unpack[FrictionlessOptions]
+    ) -> FrictionlessContact:
         """Return a frictionless contact with it."""
-        return FrictionlessContact(*args, **options)
+        return FrictionlessContact(*parts, **options)
 
-    def inertial(self, *args: Any) -> InertialContact:
+    def inertial(self, *parts: *InertialParts) -> InertialContact:
         """Return a contact of modes with it."""
-        return InertialContact(*args)
+        return InertialContact(*parts)
 
     def recession(self, pressure: Array) -> Array:
         """Return 0 (1, 1)."""
@@ -63,13 +73,15 @@ class ElasticObject:
     flexibility: Array
     around: Array
 
-    def frictionless(self, *args: Any, **options: Any) -> FrictionlessContact:
+    def frictionless(
+        self, *parts: *FrictionlessParts, **options: Unpack[FrictionlessOptions]
+    ) -> FrictionlessContact:
         """Return a frictionless contact with it."""
-        return SoftContact(self.flexibility, *args, **options)
+        return SoftContact(self.flexibility, *parts, **options)
 
-    def inertial(self, *args: Any) -> InertialContact:
+    def inertial(self, *parts: *InertialParts) -> InertialContact:
         """Return a contact of modes with it."""
-        return SoftInertialContact(self.flexibility, *args)
+        return SoftInertialContact(self.flexibility, *parts)
 
     def recession(self, pressure: Array) -> Array:
         """Return the displacement (n_t, n_near) mm of its surface away from the skin."""
@@ -112,8 +124,11 @@ class SoftContact(FrictionlessContact):
     own: C (n, n); the rest as of `FrictionlessContact`.
     """
 
-    def __init__(self, own: Array, flexibility: Array, *args: Any, **options: Any) -> None:
-        super().__init__(flexibility, *args, **options)
+    def __init__(
+        self, own: Array, *parts: *FrictionlessParts, **options: Unpack[FrictionlessOptions]
+    ) -> None:
+        super().__init__(*parts, **options)
+        flexibility = parts[0]
         count = len(flexibility)
         self.own, self.flexibility = np.array(own), np.array(flexibility)
         self._moved, self._chosen = np.zeros(count), np.zeros(count, dtype=np.int64)
@@ -160,8 +175,8 @@ class SoftInertialContact(InertialContact):
     own: C (n, n); the rest as of `InertialContact`.
     """
 
-    def __init__(self, own: Array, *args: Any) -> None:
-        super().__init__(*args)
+    def __init__(self, own: Array, *parts: *InertialParts) -> None:
+        super().__init__(*parts)
         self.own = np.array(own)
 
     def make_factors(self, dt: float) -> StepFactors:

@@ -55,6 +55,10 @@ State = tuple[NDArray[Any], ...]
 """Copies of all arrays that a later step depends on."""
 
 
+Record = dict[str, float | NDArray[np.generic]]
+"""Present values of a contact by their names, as a history holds them."""
+
+
 class StepSolver(Protocol):
     """Solver of a step: its solution, and the arrays that a failure leaves changed.
 
@@ -169,7 +173,7 @@ class Stepper(ABC):
             now[:] = then
         self._rebuild()
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """Return the present values that a history holds, by their names."""
         return {"depth": self.depth, "pressure": self.pressure, "elastic_pressure": self.elastic}
 

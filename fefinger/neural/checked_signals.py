@@ -60,7 +60,7 @@ class UnitInput:
         depths: ArrayLike | None = None,
         since: float = -np.inf,
     ) -> Self:
-        """Check the arguments of `units.simulate_units`; InputError for those that do not fit."""
+        """Check the arguments of `simulate_units`; InputError for those that do not fit."""
         types = checked_types(types)
         n = len(types)
         columns = organ_columns(np.arange(n) if unit is None else unit, n)

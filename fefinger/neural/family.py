@@ -309,7 +309,7 @@ class Thesis(OfPackage):
         return equivalent_displacements(strain, normals, types, reference, drives=drives)
 
     def fire(self, time: Array, drive: Array, **options: Any) -> "SpikeTrains":
-        """Simulate units, as `units.simulate_units`."""
+        """Simulate units, as `afferent_units.simulate_units`."""
         from fefinger.neural.afferent_units import simulate_units
 
         return simulate_units(time, drive, **options)

@@ -238,7 +238,7 @@ def simulate_recorded(
     Parameters
     ----------
     time, drive, types, unit, delays, names, positions, depths
-        As in `units.simulate_units`; by default each unit has one end organ.
+        As in `afferent_units.simulate_units`; by default each unit has one end organ.
     lengths
         (n_organs,) or one number: mm of x_in per unit of drive. x_in is the displacement of a round
         pin 1 mm wide that strains the end organ below it as much.
@@ -252,12 +252,12 @@ def simulate_recorded(
     step
         Longest integration step in s; default LONGEST.
     check, exact, since
-        As in `units.simulate_units`.
+        As in `afferent_units.simulate_units`.
 
     Raises
     ------
     InputError
-        As in `units.simulate_units`.
+        As in `afferent_units.simulate_units`.
     """
     given = UnitInput.of(
         time,

@@ -1,7 +1,7 @@
 """Afferent units in real time: strain in, spikes out, one time step at a time.
 
-Drives, end organs and generators as in `units`; membranes are integrate-and-fire or Hodgkin-Huxley.
-The steps are compiled and allocate no array.
+Drives, end organs and generators as in `afferent_units`; membranes are integrate-and-fire or
+Hodgkin-Huxley. The steps are compiled and allocate no array.
 """
 
 import math
@@ -113,7 +113,9 @@ class Afferents(SteppedUnits):
         self.membranes = _stepped(membrane or IntegrateAndFire(), n, method, dt)
         at_rest, share, pole = modes_of([END_ORGANS[kind] for kind in types])
         integer("substeps", substeps, at_least=1)
-        codes = [drive_code(f"drives.{kind}", chosen[kind], "neural.units") for kind in types]
+        codes = [
+            drive_code(f"drives.{kind}", chosen[kind], "neural.afferent_units") for kind in types
+        ]
         self.state = compiled.State(
             drive=np.array(codes),
             across=across,
@@ -165,7 +167,7 @@ def _stepped(membrane: object, n: int, method: str, dt: float | None) -> _Leaky 
         return _Axons(membrane, n, method, dt)
     raise InputError(
         "membrane: expected IntegrateAndFire or HodgkinHuxley for stepped units, received "
-        f"{type(membrane).__name__}; use neural.units on the whole strain"
+        f"{type(membrane).__name__}; use neural.afferent_units on the whole strain"
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,10 @@ from fefinger.view import figures, film, frames, quantities, renderer, surfaces
 from fefinger.view.drawing import colors, drawing, highest_rate, titles
 from fefinger.view.plot3d import FingerActor, Prop, Scales
 from fefinger.view.quantities import round_up
+
+
+if TYPE_CHECKING:
+    from pyvista import Plotter
 
 
 BARS = 260  # pixels of width of the color bars
@@ -46,7 +50,7 @@ REGIONS = {SKIN: "#e8b89a", SUBCUTANEOUS: "#f4dc8c", BONE: figures.BONE}  # thei
 
 
 def compose(
-    plotter: Any,
+    plotter: "Plotter",
     results: Sequence[ResultRecord],
     field: str,
     limits: tuple[float, float] | None = None,
@@ -73,7 +77,7 @@ def compose(
     return actors
 
 
-def _add_bars(plotter: Any, actors: Sequence[FingerActor]) -> None:
+def _add_bars(plotter: "Plotter", actors: Sequence[FingerActor]) -> None:
     """Add a color bar for each quantity that any actor is colored by; the last actor owns them."""
     keys = {label: key for actor in reversed(actors) for label, key in actor.keys.items()}
     plotter.subplot(0, len(actors))
@@ -186,7 +190,7 @@ def _actors(
     field: str,
     limits: tuple[float, float] | None,
     folders: Sequence[str],
-) -> tuple[Any, list[FingerActor]]:
+) -> "tuple[Plotter, list[FingerActor]]":
     """Return a plotter off-screen with an actor for each result."""
     renderer.require()
     plotter = renderer.plotter(size(len(results)), len(results), aside=BARS)
@@ -206,6 +210,7 @@ def draw_mesh(mesh: FingerMesh, path: str | PathLike[str]) -> None:
     body: Any = pv.UnstructuredGrid({pv.CellType.TETRA: mesh.cells[behind]}, mesh.points)
     body["region"] = mesh.region[behind]
     kinds = [kind for kind in REGIONS if kind in body["region"]]
+    bar: Any = BAR | LEGEND
     plotter.add_mesh(
         body.extract_surface(algorithm=None),
         scalars="region",
@@ -215,18 +220,18 @@ def draw_mesh(mesh: FingerMesh, path: str | PathLike[str]) -> None:
         n_colors=len(kinds),
         show_edges=True,
         edge_color="#6b5d52",
-        scalar_bar_args=BAR | LEGEND,
+        scalar_bar_args=bar,
         ambient=0.6,
         diffuse=0.45,
     )
     title = f"{mesh.name}: {len(mesh.points)} points, {len(mesh.cells)} tetrahedra"
     plotter.add_text(title, font_size=16, color=figures.INK)
-    plotter.view_vector((0.55, -1.0, 0.35), viewup=(0, 0, 1))
+    plotter.view_vector((0.55, -1.0, 0.35), viewup=(0, 0, 1))  # type: ignore[arg-type]  # pyvista's decorator loses self
     _fit(plotter, mesh.points[mesh.cells[behind]].reshape(-1, 3))
     _finish(plotter, path)
 
 
-def _fit(plotter: Any, points: Array) -> None:
+def _fit(plotter: "Plotter", points: Array) -> None:
     """Zoom and shift the camera so that points (n, 3) mm fill ROOM."""
     import pyvista as pv
 
@@ -241,7 +246,7 @@ def _fit(plotter: Any, points: Array) -> None:
     camera.SetWindowCenter(*(zoom * middle - ROOM.mean(axis=0)))
 
 
-def _finish(plotter: Any, path: str | PathLike[str]) -> None:
+def _finish(plotter: "Plotter", path: str | PathLike[str]) -> None:
     """Write the picture to a PNG file and close the plotter."""
     try:
         with moved(Path(path)) as new:

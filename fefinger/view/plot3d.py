@@ -2,7 +2,7 @@
 
 import textwrap
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,10 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import choice
 from fefinger.view import figures, frames, indenter_pose, quantities, surfaces
 from fefinger.view.drawing import Drawing, Marks, leader_order
+
+
+if TYPE_CHECKING:
+    from pyvista import DataSet, DataSetMapper, Plotter, PolyData
 
 
 PARTS = ("skin", "subcutaneous tissue", "bone", "pressure", "end organs", "rates", "indenter")
@@ -54,7 +58,7 @@ class FingerActor:
     `keys`: by the title of each color bar, the field first, its mapper and the parts that it needs.
     """
 
-    def __init__(self, plotter: Any, shown: Drawing, field: str, scales: Scales) -> None:
+    def __init__(self, plotter: "Plotter", shown: Drawing, field: str, scales: Scales) -> None:
         self.plotter, self.shown, self.field, self.scales = plotter, shown, field, scales
         self.where = tuple(plotter.renderers.index_to_loc(plotter.renderers.active_index))
         self.props: list[Prop] = []
@@ -75,7 +79,7 @@ class FingerActor:
     def look(self) -> None:
         """Point the camera at the cut, or at the pad of a whole finger."""
         place, closer = (BELOW, 1.2) if self.shown.whole else (BEHIND, 1.35)
-        self.plotter.view_vector(place, viewup=(0, 0, 1))
+        self.plotter.view_vector(place, viewup=(0, 0, 1))  # type: ignore[arg-type]  # pyvista's decorator loses self
         width, height = self._size()
         self.plotter.camera.zoom(closer * min(1.0, width / height / WIDE))
 
@@ -178,7 +182,7 @@ class FingerActor:
 
     def _add_colored(
         self,
-        mesh: Any,
+        mesh: "PolyData",
         name: str,
         needs: tuple[str, ...],
         without: str | None = None,
@@ -260,7 +264,7 @@ class FingerActor:
         if len(types) <= FEW:
             self._add_labels(marks, shown.labels)
 
-    def _add_labels(self, marks: Any, labels: tuple[str, ...]) -> None:
+    def _add_labels(self, marks: "PolyData", labels: tuple[str, ...]) -> None:
         """Add the labels of a few end organs, in a column above the finger, with leader lines."""
         import pyvista as pv
 
@@ -294,8 +298,10 @@ class FingerActor:
 
         low, high = self.shown.fields.points.min(axis=0), self.shown.fields.points.max(axis=0)
         start = np.array([low[0] + 1.0, 0.0, low[2] - 0.12 * (high[2] - low[2])])
-        end, look = start + np.array([LENGTH, 0.0, 0.0]), {"color": figures.INK, "line_width": 3}
-        line = self.plotter.add_mesh(pv.Line(start, end), lighting=False, **look)
+        end = start + np.array([LENGTH, 0.0, 0.0])
+        line = self.plotter.add_mesh(
+            pv.Line(start, end), lighting=False, color=figures.INK, line_width=3
+        )
         words = [f"   {LENGTH:g} mm"]
         written = self.plotter.add_point_labels(end[None], words, margin=8, **WRITTEN)
         self.props += [Prop(actor, ()) for actor in (line, written)]
@@ -308,7 +314,8 @@ class FingerActor:
         shape = _shape(drawn).translate(-CLEAR * touch.axis)
         if not self.shown.whole:
             shape = shape.clip("-y", origin=(0.0, 0.0, 0.0))
-        added, line = [], {"color": "#51606e", "line_width": 2}
+        added = []
+        line: dict[str, Any] = {"color": "#51606e", "line_width": 2}
         if drawn.profile.plane:
             rim = shape.extract_surface(algorithm=None).extract_feature_edges(
                 feature_edges=False, manifold_edges=False
@@ -331,14 +338,14 @@ class FingerActor:
         self.moves.append(move)
 
 
-def _bring_forward(mapper: Any) -> None:
+def _bring_forward(mapper: "DataSetMapper") -> None:
     """Draw what a mapper draws in front of everything, so that end organs show through tissue."""
     mapper.SetResolveCoincidentTopologyToPolygonOffset()
     mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0, -66000)
     mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -66000)
 
 
-def _shape(pose: indenter_pose.Pose) -> Any:
+def _shape(pose: indenter_pose.Pose) -> "DataSet":
     """Return the surface of an indenter."""
     import pyvista as pv
 

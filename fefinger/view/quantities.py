@@ -5,7 +5,7 @@ mechanics at finite strain. Color maps are even to the eye, also of people who a
 """
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -54,8 +54,10 @@ SYNONYMS = {
     "p": ("pressure",),
 }
 """Other names of fields, for suggestions in messages."""
-EVEN, DIVERGING, SKIN_DEEP, RATES = "viridis", "coolwarm", "OrRd", "plasma"
-"""Color maps: of fields from 0, fields of both signs, the pressure on the skin, spike rates."""
+EVEN, DIVERGING, SKIN_DEEP = "viridis", "coolwarm", "OrRd"
+"""Color maps: of fields from 0, of fields of both signs, of the pressure on the skin."""
+RATES: Final = "plasma"
+"""Color map of spike rates."""
 STEPS = (1.0, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2, 3.6, 4.0, 4.8, 5.6, 6.4, 7.2, 8.0, 10.0)
 """Ends of color bars, of two digits, as are their quarters."""
 SHADES = 256  # of a color bar

@@ -5,10 +5,14 @@ import os
 import subprocess
 import sys
 from contextlib import suppress
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fefinger.support import processes
 from fefinger.support.checks import InputError, address_space
+
+
+if TYPE_CHECKING:
+    from pyvista import Plotter
 
 
 PROBE = """
@@ -55,21 +59,21 @@ def require() -> None:
 
 def plotter(
     size: tuple[int, int], columns: int = 1, *, aside: int = 0, off_screen: bool | None = True
-) -> Any:
+) -> "Plotter":
     """Return a white pyvista.Plotter, `size` pixels, equal columns and one of `aside` pixels."""
     import pyvista as pv
     from vtkmodules.vtkCommonCore import vtkLogger
 
     # Else VTK warns on every start that there is no X server, before it takes EGL.
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
-    made: Any = pv.Plotter(
+    made = pv.Plotter(
         off_screen=off_screen,
         window_size=list(size),
         shape=(1, columns + (aside > 0)),
         col_weights=[(size[0] - aside) // columns] * columns + [aside] * (aside > 0),
         border=False,
     )
-    made.set_background("white", all_renderers=True)
+    made.set_background("white", all_renderers=True)  # type: ignore[arg-type]  # pyvista's decorator loses self
     return made
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,6 +10,10 @@ from fefinger.results.result_record import ResultRecord
 from fefinger.support.checks import InputError
 from fefinger.view import figures, frames, pictures, quantities, renderer
 from fefinger.view.plot3d import FingerActor
+
+
+if TYPE_CHECKING:
+    from pyvista import Plotter
 
 
 SIZE, MORE = (1300, 900), 500  # pixels, and pixels of width of a further result
@@ -29,7 +33,7 @@ class Controls:
 
     def __init__(
         self,
-        plotter: Any,
+        plotter: "Plotter",
         results: Sequence[ResultRecord],
         field: str,
         *,
@@ -84,12 +88,13 @@ class Controls:
         if len(times) > 1:
             now = 1 + int(np.argmin(np.abs(times - self.time)))
             self.plotter.add_slider_widget(
-                self.step, (1, len(times)), value=now, fmt="%.0f",
+                self.step, (1, len(times)),  # type: ignore[arg-type]  # pyvista's decorator loses self
+                value=now, fmt="%.0f",
                 title=f"stored time, 1 to {len(times)}",
                 pointa=(0.2, 0.08), pointb=(0.48, 0.08), **SLIDER,
             )  # fmt: skip
         slider = self.plotter.add_text_slider_widget(
-            self.color, list(quantities.FIELDS),
+            self.color, list(quantities.FIELDS),  # type: ignore[arg-type]  # pyvista's decorator loses self
             value=quantities.FIELDS.index(self.actors[0].field),
             pointa=(0.54, 0.08), pointb=(0.82, 0.08), color=figures.INK, style="modern",
         )  # fmt: skip
@@ -100,7 +105,8 @@ class Controls:
         for row, part in enumerate(reversed(self.actors[0].parts)):
             at = 20.0 + row * (BOX + 10)
             self.plotter.add_checkbox_button_widget(
-                partial(self.toggle, part), value=True, position=(14.0, at), size=BOX,
+                partial(self.toggle, part),  # type: ignore[arg-type]  # pyvista's decorator loses self
+                value=True, position=(14.0, at), size=BOX,
                 border_size=2, color_on="#0072B2", color_off="#dfe5ea", background_color="white",
             )  # fmt: skip
             self.plotter.add_text(

@@ -15,6 +15,7 @@ from scipy.interpolate import CubicSpline
 
 from fefinger.contact.gridded import GridContact
 from fefinger.contact.march import Prescribed, collected
+from fefinger.contact.stepper import Record
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press.axisymmetric import Touch
 from fefinger.mechanics.press.layer_gap import LayerGap, first_touch, pad_of, window
@@ -102,19 +103,19 @@ class LayerPress:
             size += 1
         return size
 
-    def _reader(self, contact: GridContact, count: int) -> Callable[[], Mapping[str, Any]]:
+    def _reader(self, contact: GridContact, count: int) -> Callable[[], Record]:
         """Return what reads a contact after each of `count` steps."""
         n, sites, block = self.grid.points, self.sites, self.block(count)
         places, edge = self.grid.places.reshape(-1, 2), border(n).ravel()
         probe = None if sites is None else StrainProbe(self.grid, *placed(self.first, sites))
         looked = np.zeros(2)  # the largest force, and what images leave there
 
-        def read() -> dict[str, Any]:
+        def read() -> Record:
             p, area = contact.pressure, contact.area
             if contact.force > RISEN * looked[0]:
                 looked[:] = contact.force, self._images(contact)
             total = float(p.sum())
-            row: dict[str, Any] = {
+            row: Record = {
                 "depth": contact.depth,
                 "force": contact.force,
                 "area": np.count_nonzero(p) * area,

@@ -150,8 +150,8 @@ def contact_of(body: ModalBody, longest: float, *limits: Integers) -> InertialCo
     """Return the contact of a body at rest; `limits` as of `InertialContact`."""
     on_pad = body.static.patch
     modes = body.oscillators, body.participation, body.residual_flexibility
-    parts = *modes, on_pad.gap, on_pad.projected, longest, *limits
-    return body.static.object.inertial(*parts)
+    pad = on_pad.gap, on_pad.projected, longest
+    return body.static.object.inertial(*modes, *pad, *limits)
 
 
 def operator_of(press: Press) -> Operator:
