@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from fefinger import shapes as shapes
     from fefinger.calibration.calibrate import calibrate as calibrate
     from fefinger.calibration.record import Calibration as Calibration
+    from fefinger.calibration.rig import Rig as Rig
     from fefinger.fem.hyperelastic.check import check_law as check_law
     from fefinger.laws import Law as Law
     from fefinger.mechanics import Mechanics as Mechanics
@@ -100,6 +101,7 @@ _HOMES = {
     "scene.ask": ("Ask",),
     "calibration.calibrate": ("calibrate",),
     "calibration.record": ("Calibration",),
+    "calibration.rig": ("Rig",),
     "fem.hyperelastic.check": ("check_law",),
     "laws": ("Law",),
     "mechanics": ("Mechanics",),

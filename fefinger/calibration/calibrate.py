@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fefinger.calibration import array_sensor, targets
+from fefinger.calibration import array_sensor, record_file
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration.array_sensor import Frames
 from fefinger.calibration.curve import Family, family
@@ -23,6 +23,7 @@ from fefinger.calibration.inverse import solve
 from fefinger.calibration.outcome import AGREES, FitResult, checked, outcome, refuse_gross
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
+from fefinger.calibration.rig import Rig
 from fefinger.calibration.slow_press import PART
 from fefinger.calibration.targets import Target
 from fefinger.mesh.store import mesh_problem
@@ -83,6 +84,7 @@ def calibrate(
     frames: str | Path | None = None,
     check: str | Path | None = None,
     columns: Mapping[str, str] | None = None,
+    rig: Rig | None = None,
     progress: Progress | None = None,
 ) -> Calibration:
     """Fit a finger to the record of a user.
@@ -106,6 +108,9 @@ def calibrate(
     columns
         Header of time, position or force, where a file does not tell it, such as {"force":
         "channel 2 in mN"}.
+    rig
+        What the rig does to the record, by default that of usual rigs: a force late by 0 +- 2 ms,
+        with an offset of 0 +- 50 mN and a drift of 0 +- 5 mN/s, which are fitted.
     progress
         Called with the name of a stage and the fraction of it that is done.
 
@@ -129,10 +134,10 @@ def calibrate(
         raise InputError(problem)
     # All files are read before the first fit, which takes seconds.
     measured = None if frames is None else array_sensor.frames(frames)
-    predicted = None if check is None else targets.unloading(check, columns)
+    predicted = None if check is None else record_file.unloading(check, columns)
     with work.stage("lumped") as misfit:
-        record = targets.record(source, resolution, columns)
-        targets.check_depth(record, finger)
+        record = record_file.record(source, resolution, columns, rig)
+        record_file.check_depth(record, finger)
         misfit(record.lumped_misfit)
     calibration = Search(work, record, measured).calibration(mechanics)
     refuse_gross(calibration, record)
@@ -190,7 +195,7 @@ class Search:
                 misfit(result.solution.misfit)
         shape = {} if self.frames is None else self._array(result)
         adapted = replace(work.finger, pad_radius=radius)
-        return outcome(self.wanted, adapted, result, work.stages, "condensed", shape, linear.ripple)
+        return outcome(adapted, result, work.stages, "condensed", shape, linear.ripple)
 
     def solid(self) -> Calibration:
         """Fit stiffening tissue, at the pad radius that agrees with the frames."""
@@ -221,9 +226,7 @@ class Search:
             shape = self._array(result) if has_frames else {}
         adapted, ripple = replace(start, pad_radius=radius), trial.curves.ripple
         fit_remarks = (*work.ended(result.law.curve.deepest), *_undetermined(radius, power))
-        return outcome(
-            self.wanted, adapted, result, work.stages, "solid", shape, ripple, fit_remarks
-        )
+        return outcome(adapted, result, work.stages, "solid", shape, ripple, fit_remarks)
 
     def _wide_enough(self, radius: float) -> Family:
         """Make the coarse family, with more exponents where the best one does not suffice.
@@ -259,11 +262,18 @@ class Search:
         near: FitResult | None = None,
         radius_sd: float | None = None,
     ) -> FitResult:
-        """Fit the target at a pad radius in mm, from several starts or `near` a fit."""
+        """Fit the target at a pad radius in mm, from several starts or `near` a fit.
+
+        The covariance of the data depends on the fit, which is therefore made twice.
+        """
         forces = self._forces(curves, radius, radius_sd)
+        if near is not None:
+            forces = replace(forces, target=near.target)
         starts = forces.starts() if near is None else [near.solution.values]
-        solution = solve(forces.residual, forces.unknowns, starts)
-        return FitResult(solution, forces.law(solution.values))
+        rough = solve(forces.residual, forces.unknowns, starts)
+        forces = forces.weighed(rough.values)
+        solution = solve(forces.residual, forces.unknowns, [rough.values])
+        return FitResult(solution, forces.law(solution.values), forces.target)
 
     def _radius(
         self, curves: Family, radii: tuple[float, float], last: FitResult
@@ -289,7 +299,7 @@ class Search:
 
     def _reach(self, result: FitResult) -> float:
         """Largest depth in mm of the target."""
-        return self.wanted.reach(result.law, result.solution.values)
+        return result.target.reach(result.law, result.solution.values)
 
     def _spread(self, result: FitResult, radius: float, power: float) -> float:
         """Estimate the standard deviation in mm of a pad radius from frames.
@@ -347,7 +357,7 @@ class Search:
     def _deep_enough(self, curves: Family, radius: float, result: FitResult) -> float:
         """Depth in mm of a press that covers the fitted data, at most the family's deepest."""
         whole = self._forces(replace(curves, reached=math.inf), radius)
-        unlimited = FitResult(result.solution, whole.law(result.solution.values))
+        unlimited = replace(result, law=whole.law(result.solution.values))
         frames = pad.slow_press(unlimited.law)[-1]
         deep = max(float(frames), self._reach(unlimited))
         return min(round(DEEPER * deep, 2), curves.deepest)

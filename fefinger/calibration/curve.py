@@ -152,6 +152,10 @@ class ForceLaw:
         """Compute the relaxed force (n,) in N at depths (n,) in mm."""
         return self.factor * self.curve.force(depth)
 
+    def slope(self, depth: ArrayLike) -> Array:
+        """Compute the derivative (n,) in N/mm of the relaxed force at depths (n,) above 0 mm."""
+        return self.factor * self.curve.stiffness(depth)
+
     def array_pressure(self, depth: ArrayLike) -> Array:
         """Compute the relaxed readings (n, 64) in kPa of the array at depths (n,) in mm."""
         return self.factor * self.curve.array_pressure(depth)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -130,6 +131,10 @@ class Forces:
     def residual(self, values: Values) -> Array:
         """Compute the residuals (n_residuals,) in standard deviations of the data."""
         return self.target.residual(self.law(values), values)
+
+    def weighed(self, values: Values) -> Self:
+        """Return the residual with the covariance of the data about the values of a fit."""
+        return replace(self, target=self.target.weighed(self.law, self.unknowns, values))
 
     def _curve(self, values: Values) -> tuple[Curve, float]:
         """Evaluate the relaxed curve of the values, and the factor on its force."""

@@ -12,7 +12,8 @@ from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.force import MODULUS, RADIUS, SHAPE
 from fefinger.calibration.inverse import Solution
 from fefinger.calibration.record import LENGTHS, Calibration, Stage, parameters_of, tissue
-from fefinger.calibration.targets import TOUCH, RecordTarget, Target, errors
+from fefinger.calibration.record_target import RecordTarget
+from fefinger.calibration.targets import TOUCH, Target, errors
 from fefinger.results.candidate import MECHANICS
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
@@ -32,10 +33,11 @@ AGREES = 0.05
 
 @dataclass(frozen=True)
 class FitResult:
-    """Result of a fit: the solution, and the force law of its values."""
+    """Result of a fit: the solution, the force law of its values, and the target as weighed."""
 
     solution: Solution
     law: ForceLaw
+    target: Target
 
 
 def layer(tissue: Tissue, exponent: float) -> Tissue:
@@ -58,7 +60,6 @@ def stiffening(finger: Finger, exponent: float | None, factor: float = 1.0) -> F
 
 
 def outcome(
-    wanted: Target,
     finger: Finger,
     result: FitResult,
     stages: Sequence[Stage],
@@ -72,7 +73,7 @@ def outcome(
     array: results of the thesis's fit, by name; ripple: distance of the last press from its curve;
     fit_remarks: on presses that ended early, where the curve ends, and on the pad radius.
     """
-    solution = result.solution
+    solution, wanted = result.solution, result.target
     factor, exponent = 1.0, None
     finite, values = MECHANICS[mechanics].finite, solution.values
     if finite:
@@ -90,7 +91,7 @@ def outcome(
         parameters=parameters,
         correlations=correlations,
         residuals=residuals,
-        unidentified=(*_unidentified(wanted, result, array), *own, *fit_remarks),
+        unidentified=(*_unidentified(result, array), *own, *fit_remarks),
         stages=tuple(stages),
         status=_status(wanted, solution, residuals, stages),
         skin=tissue(fitted.skin),
@@ -137,14 +138,14 @@ def line(force: ArrayLike, stiffness: ArrayLike) -> tuple[float, float]:
     return float(slope), float(start)
 
 
-def _unidentified(wanted: Target, result: FitResult, array: dict[str, float]) -> tuple[str, ...]:
+def _unidentified(result: FitResult, array: dict[str, float]) -> tuple[str, ...]:
     sentences = list(result.solution.weak)
     sentences += [
         f"{name}: at its bound, the data favor values beyond it"
         for name in result.solution.at_bounds
     ]
     deepest = result.law.curve.deepest
-    deep = wanted.reach(result.law, result.solution.values)
+    deep = result.target.reach(result.law, result.solution.values)
     if deep > deepest:
         sentences.append(
             f"the presses reach {deepest:.3g} mm, the target {deep:.3g} mm: beyond "

@@ -1,6 +1,7 @@
 """Record of a calibration: parameters with uncertainty and prior, misfits, and its files."""
 
 import json
+import math
 import os
 from collections.abc import Mapping
 from contextlib import suppress
@@ -25,6 +26,9 @@ from fefinger.support.text import table
 from fefinger.theory.relaxation import Prony
 
 
+LIMIT = 1.96
+"""Standard deviations of a normal distribution to the limits that hold 95 % of it."""
+
 FILE, TISSUE_FILE = "calibration.json", "tissue.toml"
 
 LENGTHS = ("width", "thickness", "pad_radius", "tip_radius", "tip_tissue")
@@ -37,7 +41,7 @@ class Parameter:
 
     value and standard deviation in `unit`; prior: center, and its standard deviation (see
     `Unknown`), with the source; bounds; how: "fitted", or "held" where the data do not determine
-    it.
+    it; scale: "linear", "log" or "logit", on which its error is nearly normal.
     """
 
     name: str
@@ -48,6 +52,37 @@ class Parameter:
     source: str
     bounds: tuple[float, float]
     how: str
+    scale: str = "linear"
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Limits that hold the parameter with a probability of 95 %."""
+        middle, sd = self._scaled(self.value), self._scaled_sd
+        low, high = middle - LIMIT * sd, middle + LIMIT * sd
+        if self.scale == "log":
+            return math.exp(low), math.exp(high)
+        if self.scale == "logit":
+            return 1 / (1 + math.exp(-low)), 1 / (1 + math.exp(-high))
+        return low, high
+
+    def score(self, value: float) -> float:
+        """Return by how many standard deviations the parameter is above another value."""
+        return (self._scaled(self.value) - self._scaled(value)) / self._scaled_sd
+
+    @property
+    def _scaled_sd(self) -> float:
+        if self.scale == "log":
+            return self.sd / self.value
+        if self.scale == "logit":
+            return self.sd / (self.value * (1 - self.value))
+        return self.sd
+
+    def _scaled(self, value: float) -> float:
+        if self.scale == "log":
+            return math.log(value)
+        if self.scale == "logit":
+            return math.log(value / (1 - value))
+        return value
 
 
 @dataclass(frozen=True)
@@ -274,6 +309,7 @@ def parameters_of(
             each.source,
             (each.low, each.high),
             "held" if each.held else "fitted",
+            "log" if each.log else "linear",
         )
         for each in (solution.unknowns[i] for i in unchanged)
     ]
@@ -284,7 +320,7 @@ def parameters_of(
     source = "the weights sum to 1; priors of their ratios from Table 3.1 of Pawluk (1997)"
     of_weights = zip(weights.tolist(), deviation[len(unchanged) :].tolist(), strict=True)
     parameters += [
-        Parameter(f"c{i}", c, sd, "1", None, source, (0.0, 1.0), "fitted")
+        Parameter(f"c{i}", c, sd, "1", None, source, (0.0, 1.0), "fitted", "logit")
         for i, (c, sd) in enumerate(of_weights)
     ]
     correlations = (covariance / np.outer(deviation, deviation)).tolist()

@@ -1,5 +1,6 @@
 """`fefinger calibrate` and `fefinger fit`: a tissue or a lumped model from records of presses."""
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -46,6 +47,8 @@ def _named(context: object, option: object, given: tuple[str, ...]) -> dict[str,
 @click.option("--frames", metavar="FILE", help="CSV of a slow press: time, position, p1 to p64.")
 @click.option("--check", metavar="FILE", help="Record of a motion to predict, not to fit.")
 @column_option
+@click.option("--rig", metavar="FILE", help="TOML file of what the rig does, such as its delay.")
+@click.option("--delay", type=float, help="Time in ms by which the force is late; else fitted.")
 @click.option(
     "--mechanics",
     default="solid",
@@ -65,6 +68,8 @@ def calibrate(
     frames: str | None,
     check: str | None,
     columns: dict[str, str],
+    rig: str | None,
+    delay: float | None,
     mechanics: str,
     resolution: str,
     output: str | None,
@@ -80,6 +85,7 @@ def calibrate(
     """
     from fefinger.calibration import calibrate as calibration
     from fefinger.calibration.record import keep_others
+    from fefinger.calibration.rig import Rig
     from fefinger.calibration.targets import finger_of
     from fefinger.results.candidate import MECHANICS
     from fefinger.support import outputs
@@ -94,7 +100,15 @@ def calibrate(
             "--width and --thickness, or --subject"
         )
     finger = finger_of(subject, **size)
-    how: dict[str, Any] = {"mechanics": mechanics, "resolution": resolution, "columns": columns}
+    of_rig = Rig() if rig is None else Rig.from_toml(rig)
+    if delay is not None:
+        of_rig = replace(of_rig, delay=(delay, 0.0))
+    how: dict[str, Any] = {
+        "rig": of_rig,
+        "mechanics": mechanics,
+        "resolution": resolution,
+        "columns": columns,
+    }
     with outputs.output(output) as folder:
         if folder is not None:
             keep_others(folder)

@@ -2,14 +2,13 @@
 
 import json
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from fefinger.validation.calibration.subject_target import target_of
 from fefinger.validation.oracles import synthetic
 
-from fefinger.calibration import array_sensor, inverse, targets
+from fefinger.calibration import array_sensor, inverse, record_file, record_target
 from fefinger.calibration.array_sensor import ArraySensor
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.force import Forces, prony_of
@@ -18,7 +17,7 @@ from fefinger.scene import pawluk1997
 from fefinger.scene.finger import Finger
 from fefinger.support import inputs
 from fefinger.support.checks import InputError
-from fefinger.theory.lumped.spring import Spring, force
+from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
 
@@ -90,10 +89,6 @@ BAD = {
         lambda t: changed(t, 2, lambda f: np.minimum(f, 0.6 * f.max())),
         r"expected a peak, received .* N in \d+ successive samples, as from a sensor at the end",
     ),
-    "not tared": (
-        lambda t: changed(t, 2, lambda f: f - 0.3),
-        r"expected 0 N before touch, received -0\.3.* tare the force",
-    ),
     "a force that is late": (
         lambda t: changed(t, 2, lambda f: np.interp(t[:, 0] - 0.05, t[:, 0], f)),
         "expected a force that rises with the position, received one that does not",
@@ -112,29 +107,29 @@ BAD = {
 def test_a_record_that_cannot_be_used_gets_a_sentence(tmp_path, spoil, message, write):
     file = write(tmp_path / "bad.csv", spoil(trial()))
     with pytest.raises(InputError, match=message):
-        targets.record(file, "coarse")
+        record_file.record(file, "coarse")
 
 
 def test_a_force_that_is_read_in_steps_is_of_a_sensor_within_its_range(tmp_path, write):
     """Its peak stays on one step for many samples, and so does all else."""
     table = changed(trial(), 2, lambda f: np.round(f / 0.3) * 0.3)
-    assert targets.record(write(tmp_path / "steps.csv", table), "coarse").force.max() > 1
+    assert record_file.record(write(tmp_path / "steps.csv", table), "coarse").force.max() > 1
 
 
 def test_a_press_as_deep_as_the_tissue_is_refused(tmp_path, write):
-    found = targets.record(write(tmp_path / "press.csv", trial()), "coarse")
+    found = record_file.record(write(tmp_path / "press.csv", trial()), "coarse")
     deep = found.position.max() - found.lumped.spring.x0
-    targets.check_depth(found, Finger(width=14, thickness=2.1 * deep, tissue="maeno1998"))
+    record_file.check_depth(found, Finger(width=14, thickness=2.1 * deep, tissue="maeno1998"))
     with pytest.raises(InputError, match=r"press of less than .* mm, the tissue under the pad"):
-        targets.check_depth(found, Finger(width=14, thickness=1.9 * deep, tissue="maeno1998"))
+        record_file.check_depth(found, Finger(width=14, thickness=1.9 * deep, tissue="maeno1998"))
 
 
 def test_a_record_to_be_predicted_has_to_unload(tmp_path, write):
     with pytest.raises(InputError, match="expected a record with unloading"):
-        targets.unloading(write(tmp_path / "a.csv", trial()))
+        record_file.unloading(write(tmp_path / "a.csv", trial()))
     back = trial()
     back[:, 1] = 1.5 - 0.5 * np.cos(4 * back[:, 0]) * (back[:, 0] > 0.2) - 1.5 * (back[:, 0] <= 0.2)
-    assert len(targets.unloading(write(tmp_path / "b.csv", back))) == 3
+    assert len(record_file.unloading(write(tmp_path / "b.csv", back))) == 3
 
 
 HEADS = "time,position," + ",".join(f"p{i}" for i in range(1, 65))
@@ -171,38 +166,19 @@ def test_frames_that_cannot_be_used_get_a_sentence(tmp_path, spoil, message, for
         array_sensor.frames(write(tmp_path / "g.csv", np.ones((5, 4)), "time,position,p1,p2"))
 
 
-def test_what_is_missed_is_taken_apart_into_independent_errors():
-    """Drawn by steps: an Ornstein-Uhlenbeck process over the depth, times the force, and noise."""
-    trial = synthetic.ramp_and_hold(Spring(ROW.b, ROW.m, 0.5), ROW.prony, seed=0, hold=4.0)
-    found = targets.made("twin", trial.time, trial.position, trial.force, "coarse")
-    found = replace(found, force_sd=found.force_sd / 10)  # so that the mesh's error is seen
-    rng, draws = np.random.default_rng(0), 2000
-    model = force(found.lumped.spring, found.lumped.prony, found.time, found.position)
-    field = rng.normal(size=(draws, len(model)))
-    for before, at in pairwise(np.argsort(found.position)):
-        kept = np.exp((found.position[before] - found.position[at]) / targets.LENGTH)
-        field[:, at] = kept * field[:, before] + np.sqrt(1 - kept**2) * field[:, at]
-    noise = found.force_sd * rng.normal(size=field.shape)
-    off = targets.MESH["coarse"] * model * field + noise
-    errors = np.array([found.residuals(found.force + each) for each in off])
-    spread = errors.T @ errors / draws
-    assert np.diag(spread) == pytest.approx(np.ones(len(model)), abs=0.2)
-    assert np.abs(spread - np.diag(np.diag(spread))).max() < 0.15
-
-
 def test_what_a_mesh_makes_is_that_of_its_report():
     rows = json.loads(inputs.read_report("mesh-curves.json"))["rows"]
     for mesh, row in rows.items():
-        assert targets.MESH[mesh] >= row["rms"]
-        assert row["length_mm"] / 3 < targets.LENGTH < 3 * row["length_mm"]
-    assert targets.MESH["coarse"] == pytest.approx(rows["coarse"]["rms"], rel=0.1)
-    assert targets.MESH["fine"] == targets.MESH["standard"] < targets.MESH["coarse"]
+        assert record_target.MESH[mesh] >= row["rms"]
+        assert row["length_mm"] / 3 < record_target.LENGTH < 3 * row["length_mm"]
+    assert record_target.MESH["coarse"] == pytest.approx(rows["coarse"]["rms"], rel=0.1)
+    assert record_target.MESH["standard"] < record_target.MESH["coarse"]
 
 
 def test_the_misfit_of_the_lumped_model_is_measured_like_all_others():
     """One where all is noise, or less: what is allowed for the mesh is not in this record."""
     trial = synthetic.ramp_and_hold(Spring(ROW.b, ROW.m, 0.5), ROW.prony, seed=0)
-    found = targets.made("twin", trial.time, trial.position, trial.force, "coarse")
+    found = record_file.made("twin", trial.time, trial.position, trial.force, "coarse")
     assert 0.1 < found.lumped_misfit < 1.2
-    bent = replace(found, force=found.force + 5 * found.force_sd)
-    assert bent.lumped_misfit == pytest.approx(25.0, rel=0.2)
+    bent = replace(found.trace, force=found.force + 5 * np.sqrt((found.factor**2).sum(axis=1)))
+    assert replace(found, trace=bent).lumped_misfit == pytest.approx(25.0, rel=0.2)

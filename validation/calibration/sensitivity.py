@@ -159,7 +159,7 @@ def fit(finger: Finger, law: Laws, exponents: tuple[float, ...] = EXPONENTS) -> 
     forces = Forces(wanted, curves, modulus, 1.0, finger.pad_radius)
     free = [replace(each, prior=None) for each in forces.unknowns if not each.held]
     solution = solve(forces.residual, free, forces.starts())
-    return FitResult(solution, forces.law(solution.values))
+    return FitResult(solution, forces.law(solution.values), wanted)
 
 
 def _pressed(

@@ -5,7 +5,9 @@ printed VAF leave, and the pad radius from R of Table 3.2.
 """
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -82,6 +84,12 @@ class SubjectTarget:
         stiffnesses = law.stiffness(self.force) - self.stiffness
         relaxation = law.prony.relaxation(self.time) - self.relaxation
         return np.concatenate([stiffnesses / self.stiffness_sd, relaxation / self.relaxation_sd])
+
+    def weighed(
+        self, law: Callable[[Values], ForceLaw], unknowns: Sequence[Unknown], values: Values
+    ) -> Self:
+        """Return the same target: the printed scatter is not known better from a fit."""
+        return self
 
     def reach(self, law: ForceLaw, values: Values) -> float:
         """Depth in mm at the largest force."""

@@ -203,18 +203,27 @@ def averages(record: RampHold) -> tuple[Array, Array, Array, Array]:
     the time since its start (an exponential then changes by less than 5e-5 within one); before the
     hold equal groups, at most 400 from touch on.
     """
-    starts = _even(0, record.touch, RAMP_POINTS) + _even(record.touch, record.hold, RAMP_POINTS)
-    since = record.time[record.hold :] - record.time[record.hold]
-    at = 0
-    while at < len(since):
-        starts.append(record.hold + at)
-        at = max(at + 1, int(np.searchsorted(since, since[at] * HOLD_RATIO, "right")) - 1)
+    starts = group_starts(record, RAMP_POINTS, RAMP_POINTS)
     size = np.diff([*starts, len(record.time)]).astype(float)
     time, position, force = (
         np.add.reduceat(values, starts) / size
         for values in (record.time, smooth_position(record), record.force)
     )
     return time, position, force, size
+
+
+def group_starts(record: RampHold, free: int, ramp: int) -> list[int]:
+    """Return first samples of groups: at most `free` before touch, at most `ramp` until the hold.
+
+    In the hold a group lasts 3 % of the time since its start.
+    """
+    starts = _even(0, record.touch, free) + _even(record.touch, record.hold, ramp)
+    since = record.time[record.hold :] - record.time[record.hold]
+    at = 0
+    while at < len(since):
+        starts.append(record.hold + at)
+        at = max(at + 1, int(np.searchsorted(since, since[at] * HOLD_RATIO, "right")) - 1)
+    return starts
 
 
 def smooth_position(record: RampHold) -> Array:

@@ -1,0 +1,179 @@
+"""Reading and checking of records: a ramp and hold to fit, and a motion to predict."""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from fefinger.calibration import lumped_fit
+from fefinger.calibration.record_target import MESH, ONE_G, RecordTarget
+from fefinger.calibration.rig import Rig
+from fefinger.calibration.trace import trace
+from fefinger.scene.finger import Finger
+from fefinger.support.arrays import Array
+from fefinger.support.checks import InputError
+from fefinger.theory.lumped.identify import TERMS, Identification, joint
+from fefinger.theory.lumped.ramp_hold import SMOOTHING, RampHold, smooth, split
+
+
+LIVELY = 1e-3
+"""Smallest relative fall of the force in a hold that counts as relaxation."""
+
+STIFFNESS = (0.02, 100.0)
+"""Range in N/mm of a fingertip's stiffness at half of its largest force, with a wide margin."""
+
+RETURN = 0.1
+"""Smallest return of the indenter over its travel for a record to count as unloading."""
+
+FEWEST = 4
+"""Fewest samples of a motion to predict."""
+
+FREE = 5
+"""Fewest samples before contact by which the offset of the force is known."""
+
+LEFT = 0.01
+"""Part of the range of a force above its reading before touch from which it is in contact."""
+
+
+def record(
+    file: str | Path,
+    mesh: str,
+    columns: Mapping[str, str] | None = None,
+    rig: Rig | None = None,
+    press: str = "",
+) -> RecordTarget:
+    """Read and check the target in a file of time, position and force.
+
+    `mesh` is the resolution of the model to be fitted; `columns` as of `lumped_fit.read`; press:
+    as of RecordTarget.
+
+    Raises InputError if the file has no usable ramp and hold, other units, or a response unlike a
+    finger's.
+    """
+    return made(str(file), *lumped_fit.read(file, columns=columns), mesh, rig or Rig(), press)
+
+
+def made(
+    name: str,
+    time: Array,
+    position: Array,
+    force: Array,
+    mesh: str,
+    rig: Rig | None = None,
+    press: str = "",
+) -> RecordTarget:
+    """Make the target of a record (n_t,) s, mm, N, called `name` in messages."""
+    rig = rig or Rig()
+    free = free_samples(force)
+    tare = float(force[:free].mean()) if free >= FREE else 0.0
+    try:
+        parts = split(time, position, force - tare)
+        lumped = _lumped(time, position, force - tare)
+    except ValueError as error:
+        raise InputError(f"{name}: {error}") from None
+    except RuntimeError:
+        raise InputError(
+            f"{name}: expected a force that rises on the ramp and falls in the hold, received one "
+            "for which the fit of the lumped law of the thesis does not converge; check that this "
+            f"is a finger, and that its hold of {parts.hold_seconds:.3g} s is long enough to relax"
+        ) from None
+    _check_finger(name, parts, lumped)
+    noise = _noise_of(parts, free, rig)
+    reduced = trace(parts, parts.force + tare, noise[1])
+    sd = np.maximum(noise[0], 1e-3 * np.ptp(reduced.force)) / np.sqrt(reduced.size)
+    first = np.diag(np.hypot(sd, 5e-3 * np.abs(reduced.force)))
+    return RecordTarget(
+        name, parts, lumped, reduced, tare, noise, rig, mesh, press, (MESH[mesh], ONE_G), first
+    )
+
+
+def free_samples(force: Array) -> int:
+    """Return a number of samples certainly before contact, by which a force (n_t,) N is tared.
+
+    Half of those up to the first that reads more: the first contact is faint.
+    """
+    smoothed = smooth(force)
+    level = float(np.median(smoothed[:SMOOTHING]))
+    noise = float(np.median(np.abs(np.diff(force)))) / (0.6745 * np.sqrt(2))
+    limit = max(2 * noise, LEFT * float(np.ptp(smoothed)))
+    above = np.flatnonzero(np.abs(smoothed - level) > limit)
+    return max(int(above[0]) - SMOOTHING, 0) // 2 if above.size else len(force)
+
+
+def _noise_of(record: RampHold, free: int, rig: Rig) -> tuple[float, float]:
+    """Return the noise of one sample in N and mm: given, or of the hold and the rest before."""
+    force = record.force_noise
+    if rig.force_noise is not None:
+        force = 1e-3 * rig.force_noise
+    elif free >= 4 * SMOOTHING:
+        time = record.time[:free]
+        line = np.polynomial.polynomial.polyfit(time, record.force[:free], 1)
+        rest = record.force[:free] - np.polynomial.polynomial.polyval(time, line)
+        force = max(force, float(np.std(rest)))
+    position = record.position_noise if rig.position_noise is None else rig.position_noise
+    return force, position
+
+
+def _lumped(time: Array, position: Array, force: Array) -> Identification:
+    """Fit the lumped law to a record, with fewer terms where a slow ramp does not show them all."""
+    for terms in range(TERMS, 1, -1):
+        with suppress(RuntimeError):
+            return joint(time, position, force, terms=terms)
+    return joint(time, position, force, terms=1)
+
+
+def check_depth(wanted: RecordTarget, finger: Finger) -> None:
+    """Raise InputError for a record that is deeper than the soft tissue of the finger."""
+    deep = float(wanted.position.max()) - wanted.lumped.spring.x0
+    if deep >= finger.pulp:
+        raise InputError(
+            f"{wanted.name}: position: expected a press of less than {finger.pulp:.3g} mm, the "
+            f"tissue under the pad (half of the thickness, {finger.thickness:g} mm), received one "
+            f"that goes {deep:.3g} mm beyond touch; check the size of the finger and the unit"
+        )
+
+
+def unloading(
+    file: str | Path, columns: Mapping[str, str] | None = None
+) -> tuple[Array, Array, Array]:
+    """Read time s, position mm and force N, each (n,), of a record with unloading, for prediction.
+
+    Raises InputError as `lumped_fit.read`, or if the indenter does not return.
+    """
+    time, position, force = lumped_fit.read(
+        file, fewest=FEWEST, of="a motion to predict", columns=columns
+    )
+    top = int(np.argmax(position))
+    way = float(position[top] - position[0])
+    back = float(position[top] - position[top:].min())
+    if back < RETURN * way:
+        raise InputError(
+            f"{file}: expected a record with unloading, such as a sinusoid or a retraction, as "
+            f"loading was fitted, received one that returns {back:.3g} of {way:.3g} mm"
+        )
+    return time, position, force
+
+
+def _check_finger(name: str, parts: RampHold, lumped: Identification) -> None:
+    """Raise InputError for a response unlike a finger's: no relaxation, or another stiffness.
+
+    The stiffness comes from the fit `lumped`.
+    """
+    hold = parts.force[parts.hold :]
+    early = float(hold[: max(5, len(hold) // 50)].mean())
+    late = float(hold[-len(hold) // 5 :].mean())
+    if late > (1 - LIVELY) * early:
+        raise InputError(
+            f"{name}: expected a force that falls in the hold, because a finger relaxes, received "
+            f"{early:.4g} N at its start and {late:.4g} N at its end; check that this is a finger "
+            "and that the force is the right column"
+        )
+    half = float(lumped.spring.stiffness(0.5 * parts.force.max()))
+    low, high = STIFFNESS
+    if not low <= half <= high:
+        raise InputError(
+            f"{name}: expected a stiffness of {low:g} to {high:g} N/mm at half of the largest "
+            f"force, received {half:.3g} N/mm, which no fingertip has; check what was pressed, and "
+            "the units"
+        )

@@ -1,0 +1,115 @@
+"""The rig of a record: its file, its low-pass, the noise of both channels, and model errors."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from refusals import refused
+
+from fefinger.calibration import discrepancy, record_file, trace
+from fefinger.calibration.curve import ForceLaw
+from fefinger.calibration.rig import Rig, lagged
+from fefinger.support.checks import InputError
+from fefinger.theory.relaxation import Prony
+
+
+PRONY = Prony((0.3, 0.42, 0.16, 0.12), (220.0, 9.0, 0.6))
+
+
+def test_a_rig_is_read_from_its_file(tmp_path):
+    file = tmp_path / "rig.toml"
+    file.write_text("delay = [0.4, 0.1]\nlag = 1.5\nforce_noise = 12\n")
+    rig = Rig.from_toml(file)
+    assert rig == Rig(delay=(0.4, 0.1), lag=(1.5, 0.0), force_noise=12)
+    assert [each.name for each in rig.unknowns()] == ["delay", "offset", "drift"]
+    assert [each.name for each in rig.unknowns(" 2")] == ["delay", "offset 2", "drift 2"]
+    assert rig.at({"delay": 0.5, "offset 2": 3.0}, " 2") == {
+        **{"delay": 0.5, "lag": 1.5, "compliance": 0.0, "offset": 3.0, "drift": 0.0}
+    }
+
+
+BAD = {
+    "a name": ("dely = 1", "dely"),
+    "a text": ("delay = 'late'", "rig.delay"),
+    "three": ("delay = [1, 2, 3]", "rig.delay"),
+    "below 0": ("drift = [0, -1]", "rig.drift"),
+    "no give": ("compliance = -0.1", "rig.compliance"),
+    "no noise": ("force_noise = 0", "rig.force_noise"),
+    "no TOML": ("delay =", "--rig"),
+}
+
+
+@pytest.mark.parametrize(("text", "field"), BAD.values(), ids=BAD)
+def test_a_rig_that_is_none_is_refused(tmp_path, text, field):
+    file = tmp_path / "rig.toml"
+    file.write_text(text)
+    with pytest.raises(InputError) as caught:
+        Rig.from_toml(file)
+    assert field in str(caught.value)
+    with refused("--rig"):
+        Rig.from_toml(tmp_path / "none.toml")
+
+
+def test_a_low_pass_answers_a_ramp_as_in_its_closed_form():
+    time = np.linspace(0, 0.05, 51)
+    lag = 0.007
+    exact = time - lag * (1 - np.exp(-time / lag))
+    np.testing.assert_allclose(lagged(time, time, lag), exact, atol=1e-12)
+    assert lagged(time, time, 0.0) is time
+
+
+def test_a_path_is_smoothed_as_far_as_its_noise_hides_and_no_further():
+    rng, at = np.random.default_rng(0), np.linspace(0, 1, 120)
+    sd = np.full(120, 0.01)
+    for exact, freedom in ((at, 6), (at**3 - at, 12), (np.minimum(at, 0.5), 80)):
+        smoother = trace.smoothing(at, exact + sd * rng.normal(size=120), sd)
+        assert np.trace(smoother) < freedom
+        np.testing.assert_allclose(smoother.sum(axis=1), 1.0, atol=1e-9)
+        assert np.abs(smoother @ exact - exact).max() < 4 * sd[0]
+
+
+def press(law, noise=0.0, seed=0):
+    """Return time s, position mm and force N of a ramp and hold at 2 kHz, with position noise."""
+    time = np.arange(0.0, 1.0, 5e-4)
+    path = np.clip(60 * (time - 0.02), 0.0, 1.8)
+    force = ForceLaw(law.at(2.4, 14.0), PRONY, 0.7).loading(time, path - 0.4)
+    rng = np.random.default_rng(seed)
+    measured = force + 3e-3 * rng.normal(size=len(time))
+    return time, path + noise * rng.normal(size=len(time)), measured
+
+
+def test_noise_of_the_position_has_the_covariance_that_draws_have(law):
+    """Through smoothing, the slope of the force, and the memory of the tissue: 300 draws."""
+    one = ForceLaw(law.at(2.4, 14.0), PRONY, 0.7)
+    target = record_file.made("twin", *press(law, 0.01), "coarse", Rig(delay=(1.0, 0.0)))
+    values = {"x0": 0.4}
+    found = target._noise(one, values) - np.diag(target.noise[0] ** 2 / target.trace.size)
+    spread = np.linalg.cholesky(target.trace.spread + 1e-14 * np.eye(len(target.trace.path)))
+    rng, here = np.random.default_rng(1), target.model(one, values)
+    draws = []
+    for _ in range(300):
+        moved = target.trace.path + spread @ rng.normal(size=len(spread))
+        draws.append(target_at(target, moved).model(one, values) - here)
+    drawn = np.cov(np.array(draws).T)
+    scale = float(np.abs(drawn).max())
+    assert scale > (2 * target.noise[0] ** 2 / target.trace.size).min()
+    assert np.abs(found - drawn).max() < 0.35 * scale
+
+
+def target_at(target, path):
+    return replace(target, trace=replace(target.trace, path=path))
+
+
+@pytest.mark.parametrize("sizes", [(0.02, 1e-3), (1e-3, 0.02)])
+def test_the_size_of_a_model_error_is_found_from_what_it_leaves(sizes):
+    """Drawn, with a line fitted through: 400 data, whose line is no error of the model."""
+    rng, at = np.random.default_rng(3), np.linspace(0, 1, 400)
+    apart = np.abs(np.subtract.outer(at, at))
+    kernels = [np.exp(-apart / 0.1), np.exp(-apart / 0.02)]
+    base = 1e-6 * np.eye(400)
+    whole = base + sum(s**2 * k for s, k in zip(sizes, kernels, strict=True))
+    line = np.column_stack([np.ones(400), at])
+    data = np.linalg.cholesky(whole) @ rng.normal(size=400) + line @ [0.0, 3.0]
+    none = np.zeros(2)
+    found = discrepancy.sizes(data, line, none, none, base, kernels, (1e-3, 1e-3))
+    np.testing.assert_allclose(np.log(found), np.log(sizes), atol=0.3)  # 1 / sqrt(2 x 10)
