@@ -13,7 +13,7 @@ to the next, so that an object of mass m on a pad of stiffness k needs a time st
 """
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -144,7 +144,7 @@ def couple(
     return Coupling(model, body, geoms, finger, rotation, place)
 
 
-def _number(model: Any, kind: str, name: str) -> int:
+def _number(model: "mujoco.MjModel", kind: str, name: str) -> int:
     """Return the number of a named part of a model; InputError if there is none."""
     try:
         return int(getattr(model, kind)(name).id)

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import polynomial
@@ -20,6 +20,10 @@ from fefinger.calibration.slow_press import SlowPress
 from fefinger.support.arrays import Array
 from fefinger.theory.contact.ting import press_by_depth, radius_nodes
 from fefinger.theory.relaxation import Prony, exprel, hereditary_integral
+
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 
 DEGREE = 4
@@ -56,7 +60,7 @@ class Curve:
     growth: float | None = None
 
     @cached_property
-    def _spline(self) -> Any:
+    def _spline(self) -> "CubicSpline":
         from scipy.interpolate import CubicSpline
 
         return CubicSpline(np.linspace(0.0, self.deepest, len(self.q)), self.q)

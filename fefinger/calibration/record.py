@@ -191,11 +191,11 @@ class Calibration:
         """
         return self.law.predicted(np.asarray(time, float), np.asarray(depth, float))
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> dict[str, object]:
         """Convert the calibration to plain values."""
         return asdict(self)
 
-    def tissue_set(self) -> dict[str, Any]:
+    def tissue_set(self) -> dict[str, object]:
         """Make the tables of a tissue file, as read by `[finger] tissue = "tissue.toml"`."""
         values: dict[str, Any] = {
             "source": f"fefinger calibrate: {self.target}, through {self.mechanics}; a fit of a "
@@ -267,7 +267,7 @@ def keep_others(folder: Path) -> None:
     keep(present, folder, "calibration")
 
 
-def _is_of_type(value: Any, hint: Any) -> bool:
+def _is_of_type(value: object, hint: Any) -> bool:
     """Say whether a value read from JSON is of a type; whole numbers are floats too."""
     origin, parts = get_origin(hint), get_args(hint)
     if hint is Any:
@@ -286,7 +286,7 @@ def _is_of_type(value: Any, hint: Any) -> bool:
     return isinstance(value, hint)
 
 
-def _tuples(value: Any) -> Any:
+def _tuples(value: object) -> Any:
     """Convert nested lists to tuples."""
     return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
@@ -338,7 +338,7 @@ def _weights(solution: Solution) -> tuple[Array, Array]:
     return weights, jacobian
 
 
-def tissue(law: Tissue) -> dict[str, Any]:
+def tissue(law: Tissue) -> dict[str, object]:
     """Convert a layer to plain values, without fields that are None and empty tables."""
     return {
         name: dict(value) if isinstance(value, Mapping) else value

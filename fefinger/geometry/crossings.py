@@ -1,13 +1,17 @@
 """Places where a triangulated surface crosses itself."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fefinger.support.arrays import Array, Flags, Integers
 
 
-def crossings(mesh: Any) -> Array | None:
+if TYPE_CHECKING:
+    from trimesh import Trimesh
+
+
+def crossings(mesh: "Trimesh") -> Array | None:
     """Find a self-intersection: a point (3,) where an edge passes through a triangle, or None.
 
     Triangles that share a vertex, and nearly coplanar ones, do not count.

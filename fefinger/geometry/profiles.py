@@ -9,12 +9,18 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, Self, final
+from typing import TYPE_CHECKING, ClassVar, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.support.arrays import Array, Flags
+
+
+if TYPE_CHECKING:
+    from scipy.interpolate import RectBivariateSpline
+
+    from fefinger.geometry.raster import Raster
 
 
 Heights = tuple[Array, Array, Array]
@@ -227,13 +233,13 @@ class Relief(Profile):
         return cls(u, v, np.asarray(heights, dtype=np.float64))
 
     @cached_property
-    def _spline(self) -> Any:
+    def _spline(self) -> "RectBivariateSpline":
         from scipy.interpolate import RectBivariateSpline
 
         return RectBivariateSpline(self.u, self.v, self.heights.max() - self.heights)
 
     @cached_property
-    def _raster(self) -> Any:
+    def _raster(self) -> "Raster | None":
         from fefinger.geometry.raster import Raster
 
         return Raster.through(self.u, self.v, self.heights.max() - self.heights)

@@ -6,7 +6,7 @@ The file is in mm with x distal, y radial and z dorsal, wherever its origin.
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +14,11 @@ from fefinger.geometry.crossings import crossings
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.inputs import check_input
+
+
+if TYPE_CHECKING:
+    from pyvista import DataSet
+    from trimesh import Trimesh
 
 
 WIDTHS = (6.0, 40.0)
@@ -82,7 +87,7 @@ CELL = 0.1
 class SurfaceFile:
     """A closed surface: `mesh` (trimesh), width and thickness in mm, notes on size and repairs."""
 
-    mesh: Any
+    mesh: "Trimesh"
     width: float
     thickness: float
     notes: tuple[str, ...]
@@ -117,7 +122,7 @@ def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
     return SurfaceFile(mesh, width, thickness, (stated, *notes))
 
 
-def _loaded(file: Path, field: str) -> Any:
+def _loaded(file: Path, field: str) -> "Trimesh":
     """Load the triangles of a file; raise InputError if it has none."""
     import trimesh
 
@@ -146,7 +151,7 @@ def _loaded(file: Path, field: str) -> Any:
     return mesh
 
 
-def _read_vtk(file: Path) -> Any:
+def _read_vtk(file: Path) -> "DataSet":
     """Read a VTK file; what VTK prints about a bad one besides its exception is left out."""
     import pyvista as pv
 
@@ -160,7 +165,7 @@ def _read_vtk(file: Path) -> Any:
         vtk.SetGlobalWarningDisplay(shown)
 
 
-def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
+def read_closed(path: str | Path, field: str) -> "tuple[Trimesh, tuple[str, ...]]":
     """Read a surface in one piece, closed and oriented outward; also return notes on repairs.
 
     Raises InputError for a file that is no such surface and cannot safely be repaired.
@@ -195,7 +200,7 @@ def read_closed(path: str | Path, field: str) -> tuple[Any, tuple[str, ...]]:
     return mesh, tuple(notes)
 
 
-def _face_outward(mesh: Any) -> bool:
+def _face_outward(mesh: "Trimesh") -> bool:
     """Orient all triangles outward, in place; return whether some were not."""
     import pyvista as pv
 
@@ -209,7 +214,7 @@ def _face_outward(mesh: Any) -> bool:
     return True
 
 
-def _holes(mesh: Any, file: Path, field: str) -> list[Integers]:
+def _holes(mesh: "Trimesh", file: Path, field: str) -> list[Integers]:
     """Rims of the holes that may be filled: small ones, and the open proximal end.
 
     A rim holds the edges (n, 2) in the direction of their triangles.
@@ -252,13 +257,13 @@ def _open_end(rim: Array, bounds: Array) -> str | None:
     return None
 
 
-def _unit(mesh: Any) -> str:
+def _unit(mesh: "Trimesh") -> str:
     """Return the unit of lengths in messages: mm where the box has the size of a finger in mm."""
     smaller = float(np.sort(mesh.extents)[1])
     return " mm" if WIDTHS[0] <= smaller <= WIDTHS[1] else " units"
 
 
-def _filled(mesh: Any, loop: Integers) -> str:
+def _filled(mesh: "Trimesh", loop: Integers) -> str:
     """Close a hole by rings of triangles about its center; return a note on it.
 
     In the skin they follow the surface around it: a flat lid of a hole in the pad leaves an edge,
@@ -325,7 +330,7 @@ def _check_size(extents: Array, name: str) -> str:
     )
 
 
-def _check_frame(mesh: Any, width: float, thickness: float, name: str) -> None:
+def _check_frame(mesh: "Trimesh", width: float, thickness: float, name: str) -> None:
     """Raise InputError where box or center of mass do not fit a finger along x.
 
     width, thickness: of the LENGTH behind the tip, in mm. Whether the nail is up is not checked.
@@ -346,7 +351,7 @@ def _check_frame(mesh: Any, width: float, thickness: float, name: str) -> None:
         raise InputError(message)
 
 
-def tilt(mesh: Any, axis: str) -> tuple[str, str] | None:
+def tilt(mesh: "Trimesh", axis: str) -> tuple[str, str] | None:
     """Describe a tilt of the long axis of a closed surface about y or z, and the turn back, if any.
 
     The long axis is the principal one with the least moment of inertia.
@@ -361,7 +366,7 @@ def tilt(mesh: Any, axis: str) -> tuple[str, str] | None:
     return seems, f"{axis} by about {-angle:.0f} degrees"
 
 
-def _check_round(mesh: Any, name: str) -> None:
+def _check_round(mesh: "Trimesh", name: str) -> None:
     """Raise InputError where much of the skin is flat, as the sides of a box: no mesh follows it.
 
     The proximal end face is no skin.

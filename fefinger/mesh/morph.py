@@ -7,7 +7,6 @@ the harmonic extension. Nothing is random, so that a recipe has one mesh.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -222,7 +221,7 @@ def _feet(source: Shape, target: Shape, number: int, points: Array) -> tuple[flo
     return float(one), float(other)
 
 
-def _laplacian(points: Array, cells: Integers) -> Any:
+def _laplacian(points: Array, cells: Integers) -> sparse.csr_array:
     """Stiffness of the Laplacian by linear tetrahedra, (n, n) sparse."""
     corners = np.concatenate([np.ones((len(cells), 4, 1)), points[cells]], axis=2)
     gradients = np.linalg.inv(corners)[:, 1:]

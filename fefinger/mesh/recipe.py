@@ -6,10 +6,14 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib.resources import files as package_files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.units import MESHED
+
+
+if TYPE_CHECKING:
+    from fefinger.scene.finger import Finger
 
 
 RESOLUTIONS = ("coarse", "standard", "fine")
@@ -66,13 +70,15 @@ class Recipe:
         choice("finger.resolution", self.resolution, RESOLUTIONS)
 
     @classmethod
-    def of(cls, finger: Any, touch: Touch = None) -> "Recipe":
-        """Return the recipe of a scene's finger (any record with the same fields)."""
+    def of(cls, finger: "Finger", touch: Touch = None) -> "Recipe":
+        """Return the recipe of a scene's finger."""
+        skin = finger.skin.thickness
+        assert skin is not None  # a finger has been checked to have one
         return cls(
             finger.width,
             finger.thickness,
             pad_radius=finger.pad_radius,
-            skin_thickness=finger.skin.thickness,
+            skin_thickness=skin,
             resolution=finger.mesh,
             surface=finger.surface,
             bone_surface=finger.bone_surface,
@@ -81,7 +87,7 @@ class Recipe:
             touch=touch,
         )
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, object]:
         """Return the recipe as plain values, without the optional ones that are None."""
         values = asdict(self)
         for name in ("touch", "bone_surface", "tip_tissue", "tip_radius"):

@@ -7,7 +7,7 @@ The skin has the given thickness, the bone is the parametric one for the given w
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,6 +29,10 @@ from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shell import Shell, Table, Triangles, offset
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
 
 
 SIZE_ERROR = 0.35
@@ -245,7 +249,7 @@ def _profiles(cloud: Cloud, cut: float) -> tuple[float, dict[str, Table]]:
     return float(middle), tables
 
 
-def _refined(closed: Any, *, open_behind: bool = False) -> Any:
+def _refined(closed: "Trimesh", *, open_behind: bool = False) -> "Trimesh":
     """Refine a surface to edges of at most SPACING; optionally remove its proximal end face.
 
     The end face, all faces of the proximal quarter with a normal toward -x, is not skin.
@@ -272,7 +276,7 @@ def _read(recipe: Recipe) -> SurfaceFile:
     return file
 
 
-def _cloud(mesh: Any, origin: Array) -> Cloud:
+def _cloud(mesh: "Trimesh", origin: Array) -> Cloud:
     """Return the smooth surface through the vertices of a mesh, seen from an origin (3,) mm."""
     points = np.asarray(mesh.vertices, dtype=float) - origin
     return smoothed(points, np.asarray(mesh.vertex_normals, dtype=float))

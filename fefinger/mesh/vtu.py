@@ -9,7 +9,7 @@ import hashlib
 import json
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,10 @@ from fefinger.geometry.finger_mesh import FACETS, FingerMesh
 from fefinger.support import VERSION
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import InputError
+
+
+if TYPE_CHECKING:
+    from meshio import Mesh
 
 
 LAYOUT = 1
@@ -113,7 +117,7 @@ def _sidecar(path: Path) -> dict[str, Any]:
     return dict(sidecar)
 
 
-def _mesh(content: Any, sidecar: dict[str, Any]) -> FingerMesh:
+def _mesh(content: "Mesh", sidecar: dict[str, Any]) -> FingerMesh:
     """Make the mesh record from a meshio mesh and its sidecar."""
     cells = np.asarray(content.cells_dict["tetra"], dtype=np.int64)
     triangles = np.asarray(content.cells_dict["triangle"], dtype=np.int64)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -98,8 +98,8 @@ class PoleZero:
 
 def respond_modes(
     at_rest: float,
-    c: NDArray[Any],
-    p: NDArray[Any],
+    c: NDArray[np.inexact],
+    p: NDArray[np.inexact],
     time: ArrayLike,
     x_in: ArrayLike,
     at: ArrayLike | None = None,
@@ -164,7 +164,7 @@ def chord_steps(
     return np.sqrt(8.0 * error / np.maximum(most, 1e-300))
 
 
-def _memory(time: Array, columns: Array, p: NDArray[Any]) -> NDArray[Any]:
+def _memory(time: Array, columns: Array, p: NDArray[np.inexact]) -> NDArray[np.inexact]:
     """Integrals of exp(-p (t - s)) dx(s) up to every time, (n_t, n_poles, n_units)."""
     from fefinger.neural.endorgans_compiled import remember
 

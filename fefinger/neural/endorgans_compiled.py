@@ -1,7 +1,5 @@
 """Compiled filter of an end organ, at and between the samples; imported at its first use."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,8 +7,12 @@ from fefinger.support.arrays import Array, Integers
 from fefinger.support.compiled import njit
 
 
+Modes = NDArray[np.inexact]
+"""Numbers of modes: complex where poles are."""
+
+
 @njit(cache=True, nogil=True)
-def remember(decay: NDArray[Any], ramp: NDArray[Any], columns: Array, out: NDArray[Any]) -> None:
+def remember(decay: Modes, ramp: Modes, columns: Array, out: Modes) -> None:
     """Compute the modes `out` (n_t, n_poles, n) at all samples from those at the first.
 
     decay, ramp (n_t - 1, n_poles): factors of an interval on a mode and on the change of its input;
@@ -26,11 +28,11 @@ def remember(decay: NDArray[Any], ramp: NDArray[Any], columns: Array, out: NDArr
 @njit(cache=True, nogil=True, error_model="numpy")
 def between(
     at_rest: float,
-    weights: NDArray[Any],
-    poles: NDArray[Any],
+    weights: Modes,
+    poles: Modes,
     columns: Array,
     slopes: Array,
-    memory: NDArray[Any],
+    memory: Modes,
     interval: Integers,
     since: Array,
 ) -> Array:

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 from zipfile import BadZipFile
 
@@ -25,7 +26,7 @@ PER_UNIT = ("peak_mV", "block_seconds", "stimulus_driven")
 LISTS = ("types", "names", "notes")
 
 
-def read_npz(path: str | PathLike[str]) -> dict[str, NDArray[Any]]:
+def read_npz(path: str | PathLike[str]) -> dict[str, NDArray[np.generic]]:
     """Read the arrays of a file that `to_npz` wrote."""
     check_input(str(path), path, "an NPZ file of spike trains")
     try:
@@ -43,7 +44,7 @@ def read_npz(path: str | PathLike[str]) -> dict[str, NDArray[Any]]:
     return data
 
 
-def fields_of(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
+def fields_of(data: dict[str, NDArray[np.generic]]) -> dict[str, Any]:
     """Convert stored arrays to the fields of SpikeTrains; KeyError where one is missing."""
     fields: dict[str, Any] = {name: data[name] for name in ("time", *SIGNALS, *PER_UNIT)}
     fields |= {name: tuple(data[name].tolist()) for name in LISTS}
@@ -55,7 +56,7 @@ def fields_of(data: dict[str, NDArray[Any]]) -> dict[str, Any]:
     return fields
 
 
-def of_extra(module: str, extra: str) -> Any:
+def of_extra(module: str, extra: str) -> ModuleType:
     """Import a module of an extra; InputError explains how to install it."""
     try:
         return import_module(module)
@@ -78,11 +79,12 @@ def in_place(path: str | PathLike[str]) -> Iterator[Path]:
         raise InputError(msg) from None
 
 
-def equal(one: Any, other: Any) -> bool:
+def equal(one: object, other: object) -> bool:
     """Whether two values of a field are equal; tuples and arrays element by element."""
     if isinstance(one, tuple) and isinstance(other, tuple):
         return len(one) == len(other) and all(map(equal, one, other))
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        return np.array_equal(one, other, equal_nan=True)
     if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
-        both = one is not None and other is not None
-        return both and np.array_equal(one, other, equal_nan=True)
+        return False
     return bool(one == other)

@@ -277,7 +277,7 @@ class SpikeTrains:
         """
         import xarray as xr
 
-        def variable(name: str, dims: tuple[str, ...], values: object) -> Any:
+        def variable(name: str, dims: tuple[str, ...], values: object) -> "xr.Variable":
             return xr.Variable(dims, values, {"units": UNITS[name]})
 
         data = {name: variable(name, ("time", "unit"), getattr(self, name)) for name in SIGNALS}
@@ -386,9 +386,9 @@ class SpikeTrains:
             io.write(file)
 
 
-def _provenance(trains: SpikeTrains) -> dict[str, Any]:
+def _provenance(trains: SpikeTrains) -> dict[str, object]:
     """Version of the program, seed, trial and notes."""
-    source: dict[str, Any] = {"source": f"fefinger {version('fefinger')}"}
+    source: dict[str, object] = {"source": f"fefinger {version('fefinger')}"}
     source["trial"] = _whole(trains.trial)
     if trains.seed is not None:
         source["seed"] = _whole(trains.seed)

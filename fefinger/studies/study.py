@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from fefinger.mechanics import names
 from fefinger.plan import choose
@@ -165,7 +165,7 @@ def study(
     columns = {field: column(field, one["motion"]["kind"]) for field in request.over}
     failed = {**unusable, **{i: each["error"] for i, each in answers.items() if "error" in each}}
 
-    def rows(i: int) -> Iterator[dict[str, Any]]:
+    def rows(i: int) -> Iterator[dict[str, object]]:
         values = {
             columns[field]: str(value) if isinstance(value, list | tuple | dict) else value
             for field, value in points[i].items()

@@ -1,7 +1,7 @@
 """Figures of a study: every measure against a field, and spikes."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
@@ -59,7 +59,14 @@ def _value(row: Row, name: str) -> str:
     return f"{text} {split(name)[1]}".strip()
 
 
-def _look(number: int) -> dict[str, Any]:
+class Look(TypedDict):
+    """Color and marker of a series."""
+
+    color: str
+    marker: str
+
+
+def _look(number: int) -> Look:
     """Return the color and marker of a series; series of the same color differ in marker."""
     turn, color = divmod(number, len(PALETTE))
     return {"color": PALETTE[color], "marker": MARKERS[turn % len(MARKERS)]}

@@ -150,7 +150,7 @@ def dataset(study: StudyRows) -> "xr.Dataset":
     return xr.Dataset(arrays, coordinates, table.attrs)
 
 
-def _plain(column: "pd.Series") -> NDArray[Any]:
+def _plain(column: "pd.Series") -> NDArray[np.generic]:
     """Return a column as an array of numbers or of texts."""
     from pandas.api.types import is_numeric_dtype
 

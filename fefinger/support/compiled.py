@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar, cast
+from typing import Any, ParamSpec, TypedDict, TypeVar, Unpack, cast
 
 
 P = ParamSpec("P")
@@ -17,7 +17,18 @@ IMPORTS = re.compile(r"^(?:from|import) +([\w.]+)(?: +import +(\([^)]*\)|.*))?",
 _not_kept: list[Any] = []
 
 
-def njit(**options: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:
+class NumbaOptions(TypedDict, total=False):
+    """The options of `numba.njit` that the package uses."""
+
+    cache: bool
+    nogil: bool
+    inline: str
+    forceinline: bool
+    fastmath: bool | set[str]
+    error_model: str
+
+
+def njit(**options: Unpack[NumbaOptions]) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Return a decorator that compiles a function with options of `numba.njit`.
 
     To type checkers it is the function as before.
@@ -28,12 +39,14 @@ def njit(**options: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """
     import numba
 
+    decorator: Any = numba.njit  # whose stubs do not know all of its options
+
     def compiled(function: Callable[P, R]) -> Callable[P, R]:
         try:
-            kept = numba.njit(**options)(function)
+            kept = decorator(**options)(function)
         except RuntimeError:  # "cannot cache function"
             _not_kept.append(function)
-            return cast(Callable[P, R], numba.njit(**(options | {"cache": False}))(function))
+            return cast(Callable[P, R], decorator(**(options | {"cache": False}))(function))
         if options.get("cache"):
             # numba looks at the file of the function alone, and not at what it calls: after an
             # update of the package old code of an imported function would go on in silence.
@@ -69,7 +82,7 @@ def _module(name: str) -> tuple[str, list[str]]:
     return sha256(text.encode()).hexdigest(), [one for one in imported if one in sys.modules]
 
 
-def callback(function: Callable[..., Any], numbers: int, results: int) -> Any:
+def callback(function: Callable[..., object], numbers: int, results: int) -> Any:
     """Compile a function that compiled loops take as an argument.
 
     Its arguments are so many `numbers` and an array (n,), and it returns so many `results`.

@@ -63,7 +63,7 @@ def running(words: Sequence[str], **options: Any) -> "Iterator[subprocess.Popen[
             end(*started)
 
 
-def end(*processes: "subprocess.Popen[Any]") -> None:
+def end(*processes: "subprocess.Popen[bytes] | subprocess.Popen[str]") -> None:
     """Send SIGTERM, so that processes can clean up, and SIGKILL after GRACE seconds."""
     for process in processes:
         with suppress(OSError):
@@ -101,7 +101,7 @@ class Worker:
         self._opened, self._threads = ExitStack(), threads
         self._process = self._started()
 
-    def start(self, function: Callable[[Any], Any], item: object) -> None:
+    def start(self, function: Callable[[Item], object], item: Item) -> None:
         """Start the evaluation of `function(item)` in the child; `wait` returns its value.
 
         The function must be picklable, as in a module.

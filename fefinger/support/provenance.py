@@ -3,7 +3,6 @@
 import subprocess
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 
 PACKAGES = ("numpy", "scipy", "scikit-fem", "numba")
@@ -33,7 +32,7 @@ def _git(tree: Path, *arguments: str) -> str:
     return done.stdout.strip()
 
 
-def software() -> dict[str, Any]:
+def software() -> dict[str, object]:
     """Return version, commit, Python, system and libraries, and the date in UTC."""
     import platform
     from datetime import UTC, datetime

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
 from fefinger.support.checks import InputError, choice
 
@@ -93,7 +93,7 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
             return False
         return hasattr(thing, self.mark) and (isinstance(thing, type) or not self.classes)
 
-    def add(self, thing: Any) -> None:
+    def add(self, thing: object) -> None:
         """Register a thing under its name; InputError for a name that is invalid, or taken.
 
         A new definition of the same class or function, as by a cell of a notebook that is run
@@ -113,7 +113,7 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
             raise InputError(
                 f"{self.what}.{self.key}: {name!r} is the name of {owner}; expected another name"
             )
-        self._things[name] = made
+        self._things[name] = cast(Thing, made)
 
     def origin(self, thing: object) -> tuple[str, str]:
         """Return the module and the name of the class or function that defines a thing."""
@@ -143,10 +143,10 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
             self._places[each.name] = each
         return self._places
 
-    def _loaded(self, place: EntryPoint) -> Any:
+    def _loaded(self, place: EntryPoint) -> Thing:
         """Import a thing; InputError where that fails or it is not of this kind."""
         if place.name in self.shipped:
-            return place.load()
+            return cast(Thing, place.load())
         try:
             thing = place.load()
         except Exception as error:

@@ -22,7 +22,7 @@ def strict_json(record: object) -> str:
     return json.dumps(finite(record), indent=2, allow_nan=False)
 
 
-def finite(value: Any) -> Any:
+def finite(value: object) -> Any:
     """Return nested values for JSON, with None for numbers that are not finite."""
     if isinstance(value, Mapping):
         return {key: finite(entry) for key, entry in value.items()}

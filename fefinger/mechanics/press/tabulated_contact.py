@@ -17,10 +17,7 @@ from fefinger.results.records import Sites
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
-from fefinger.theory.contact.ting import NestedContact, node_weights
-
-
-State = tuple[Array | float, ...]
+from fefinger.theory.contact.ting import NestedContact, State, node_weights
 
 
 class TabulatedContact:

@@ -29,7 +29,6 @@ import math
 from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,6 +36,9 @@ from numpy.typing import ArrayLike
 from fefinger.theory.contact.elastic import Array
 from fefinger.theory.relaxation import Prony, checked_signal, exprel
 
+
+State = tuple[Array, Array, Array, Array, float, float]
+"""What the next step of nested contacts depends on."""
 
 SAME = 1e-9
 """Relative difference of depths or forces that counts as none."""
@@ -122,12 +124,12 @@ class NestedContact:
         self.stressed, self.strained = np.zeros(count), np.zeros(count)
         self.depth = self.edge = 0.0
 
-    def state(self) -> tuple[Any, ...]:
+    def state(self) -> State:
         """Return the state that the next step depends on; no copies, as a step makes new arrays."""
         arrays = self._terms, self._share, self.stressed, self.strained
         return (*arrays, self.depth, self.edge)
 
-    def restore(self, state: tuple[Any, ...]) -> None:
+    def restore(self, state: State) -> None:
         """Return to a state of this contact."""
         self._terms, self._share, self.stressed, self.strained, self.depth, self.edge = state
 
