@@ -3,9 +3,13 @@
 F x + b >= 0, x >= 0, x . (F x + b) = 0, with F by Fourier transform; or, under a prescribed sum of
 x, the same with b + d for an unknown number d. Conjugate gradients on the points in contact with
 projections (Polonsky and Keer, Wear 231:206, 1999), preconditioned by the inverse of the compliance
-of every wave (after Vollebregt, J. Optim. Theory Appl. 162:931, 2014). That preconditioner is
-computed in single precision: it changes the path to the solution, not the solution.
+of every wave (after Vollebregt, J. Optim. Theory Appl. 162:931, 2014).
+
+They run on a window about the contact, in single precision: what a step adds to F x is small. The
+solution is judged in double precision on the whole grid, and gone on with where it falls short.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from scipy import fft
@@ -18,6 +22,26 @@ from fefinger.support.compiled import njit
 
 ITERATIONS = 500
 """Most iterations of a solution. Ridges under dots take 12 to 20, a first touch 50."""
+
+ROUNDS = 20
+"""Most windows of a solution; nearly all take one."""
+
+AROUND = 3
+"""Grid points about the contact that a window has."""
+
+STRICTER = 0.5
+"""Tolerance in single precision, over that of the solution."""
+
+
+class Window(NamedTuple):
+    """A part of a grid, with what is sought there, by rows: x, F x and b (m,)."""
+
+    rows: slice
+    columns: slice
+    shape: tuple[int, int]
+    x: Array
+    moved: Array
+    offset: Array
 
 
 class GridSolver:
@@ -49,6 +73,7 @@ class GridSolver:
         stiffness = 1.0 / np.abs(self.compliance.ravel()[1:])
         # The mean is as stiff as the longest wave: without it that compliance may be 0.
         least = np.append(stiffness.min(), stiffness).reshape(self.compliance.shape)
+        self._single = self.compliance.astype(np.float32)
         self._stiffness = least.astype(np.float32)
         self.x, self.moved, self.rigid = np.zeros(count), np.zeros(count), 0.0
         self.place, self.counts = np.full(count, -1, dtype=np.int64), np.zeros(2, dtype=np.int64)
@@ -64,56 +89,84 @@ class GridSolver:
         waves *= self.compliance
         return np.asarray(fft.irfft2(waves, self.points)).ravel()
 
-    def _softened(self, residual: Array) -> Array:
-        """Return the preconditioned residual (n,)."""
-        waves = fft.rfft2(residual.reshape(self.points).astype(np.float32))
-        waves *= self._stiffness
-        return np.asarray(fft.irfft2(waves, self.points), dtype=np.float64).ravel()
-
     def solve(self, offset: Array, start: Array, tolerance: float, total: float = 0.0) -> int:
         """Solve for x from a start (n,) >= 0 with b = `offset` (n,) mm; return DONE or a failure.
 
         Gaps are closed, and open, to `tolerance` times the largest displacement. With a `total`
         above 0 that is the sum of x, and the gaps are those at the depth `rigid`.
         """
-        p, free = self.x, total <= 0.0
-        p[:] = start if free else start * (total / start.sum())
-        self.moved[:] = self.displacement(p)
-        way, before = np.zeros_like(p), np.zeros_like(p)
-        product = 0.0
-        self.counts[1] += 1
-        for count in range(ITERATIONS):
-            self.counts[0] = count
-            rigid = 0.0 if free else rigid_gap(p, self.moved, offset)
-            rest, active, worst, scale = residual(p, self.moved, offset, rigid)
+        x, moved, free = self.x, self.moved, total <= 0.0
+        x[:] = start if free else start * (total / start.sum())
+        self.counts[:] = 0, self.counts[1] + 1
+        for _ in range(ROUNDS):
+            moved[:] = self.displacement(x)
+            rigid = 0.0 if free else rigid_gap(x, moved, offset)
+            _, active, worst, scale = residual(x, moved, offset, rigid)
             if worst <= tolerance * scale:
-                self.place[:] = np.where(p > 0.0, 0, -1)
+                self.place[:] = np.where(x > 0.0, 0, -1)
                 self.rigid = rigid
                 return DONE
+            outcome = self._descend(self._window(active, offset), STRICTER * tolerance, total)
+            if outcome != DONE:
+                return outcome
+        return ENDLESS
+
+    def _window(self, active: Flags, offset: Array) -> Window:
+        """Return the window about active points (n,)."""
+        touched = active.reshape(self.points)
+        rows, columns = (bounds(touched.any(axis=axis)) for axis in (1, 0))
+        part, shape = (rows, columns), (rows.stop - rows.start, columns.stop - columns.start)
+        each = [v.reshape(self.points)[part].ravel() for v in (self.x, self.moved, offset)]
+        return Window(rows, columns, shape, *each)
+
+    def _descend(self, w: Window, tolerance: float, total: float) -> int:
+        """Solve in a window, as `solve`; other points have no pressure."""
+        free, product, outcome = total <= 0.0, 0.0, ENDLESS
+        way, before, clipped = np.zeros((3, len(w.x)))
+        while self.counts[0] < ITERATIONS:
+            rigid = 0.0 if free else rigid_gap(w.x, w.moved, w.offset)
+            rest, active, worst, scale = residual(w.x, w.moved, w.offset, rigid)
+            if worst <= tolerance * scale:
+                outcome = DONE
+                break
+            self.counts[0] += 1
             if not free:
                 leveled(rest, active)
-            z = self._softened(rest)
-            masked(z, active)
-            if not free:
-                leveled(z, active)
-            change, now = products(z, rest, before)
+            z = self._convolved(rest, w.shape, self._stiffness)
+            change, now = masked(z, active, rest, before, level=not free)
             part = max(0.0, change / product) if product > 0.0 else 0.0
-            turn(way, z, part, active)
-            if not free:
-                leveled(way, active)
-            moved = self.displacement(way)
-            stiff, slope = float(way @ moved), float(way @ rest)
+            turn(way, z, part, active, level=not free)
+            moved = self._convolved(way, w.shape, self._single)
+            stiff, slope = products(way, moved, rest)
             if not stiff > 0.0:
-                return SINGULAR if now > 0.0 else ENDLESS
-            clipped = step(p, way, slope / stiff)
-            if clipped:
-                if not free:
-                    p *= total / p.sum()
-                self.moved[:] = self.displacement(p)
-            else:
-                self.moved -= slope / stiff * moved
-            before[:], product = rest, now
-        return ENDLESS
+                outcome = SINGULAR if now > 0.0 else ENDLESS
+                break
+            if step(w.x, w.moved, way, moved, slope / stiff, clipped):
+                lifted = self._convolved(clipped, w.shape, self._single)
+                share = 1.0 if free else total / w.x.sum()
+                w.moved[:] = share * (w.moved + lifted)
+                w.x[:] *= share
+            before, product = rest, now
+        self.x.reshape(self.points)[w.rows, w.columns] = w.x.reshape(w.shape)
+        return outcome
+
+    def _convolved(self, values: Array, shape: tuple[int, int], spectrum: Array) -> Array:
+        """Return values (m,) of a window times a spectrum, in single precision.
+
+        All are moved to the corner of the grid, where what is empty need not be transformed.
+        """
+        rows, columns = self.points
+        single = values.reshape(shape).astype(np.float32)
+        waves = fft.fft(fft.rfft(single, columns, axis=1), rows, axis=0, overwrite_x=True)
+        waves *= spectrum
+        back = fft.ifft(waves, axis=0, overwrite_x=True)[: shape[0]]
+        return np.asarray(fft.irfft(back, columns, axis=1)[:, : shape[1]], np.float64).ravel()
+
+
+def bounds(touched: Flags) -> slice:
+    """Return the slice about the lines (n,) that are touched, and AROUND more."""
+    at = np.flatnonzero(touched)
+    return slice(max(int(at[0]) - AROUND, 0), min(int(at[-1]) + AROUND + 1, len(touched)))
 
 
 @njit(cache=True)
@@ -159,40 +212,54 @@ def leveled(values: Array, active: Flags) -> None:
 
 
 @njit(cache=True)
-def masked(values: Array, active: Flags) -> None:
-    """Set the values that are not active to 0."""
-    for i in range(len(values)):
-        if not active[i]:
-            values[i] = 0.0
+def masked(z: Array, active: Flags, rest: Array, before: Array, level: bool) -> tuple[float, float]:
+    """Set values that are not active to 0, the mean of the others too if to `level`.
 
-
-@njit(cache=True)
-def products(z: Array, rest: Array, before: Array) -> tuple[float, float]:
-    """Compute z . (rest - before) and z . rest."""
+    Return z . (rest - before) and z . rest.
+    """
+    if level:
+        leveled(z, active)
     change, now = 0.0, 0.0
     for i in range(len(z)):
+        if not active[i]:
+            z[i] = 0.0
         now += z[i] * rest[i]
         change += z[i] * (rest[i] - before[i])
     return change, now
 
 
 @njit(cache=True)
-def turn(way: Array, z: Array, part: float, active: Flags) -> None:
+def turn(way: Array, z: Array, part: float, active: Flags, level: bool) -> None:
     """Set the next direction: z and a part of the last one, on the active points."""
     for i in range(len(way)):
         way[i] = z[i] + part * way[i] if active[i] else 0.0
+    if level:
+        leveled(way, active)
 
 
 @njit(cache=True)
-def step(p: Array, way: Array, size: float) -> bool:
-    """Go back along a direction, to 0 at most; return whether a point has come to 0."""
-    clipped = False
-    for i in range(len(p)):
-        p[i] -= size * way[i]
-        if p[i] < 0.0:
-            p[i] = 0.0
-            clipped = True
-    return clipped
+def products(way: Array, moved: Array, rest: Array) -> tuple[float, float]:
+    """Compute way . moved and way . rest."""
+    stiff, slope = 0.0, 0.0
+    for i in range(len(way)):
+        stiff += way[i] * moved[i]
+        slope += way[i] * rest[i]
+    return stiff, slope
+
+
+@njit(cache=True)
+def step(x: Array, moved: Array, way: Array, turned: Array, size: float, clipped: Array) -> bool:
+    """Go back along a direction, to 0 at most; return whether a point would go beyond.
+
+    turned (m,): F times the direction; clipped (m,): what is added to stay at 0.
+    """
+    beyond = False
+    for i in range(len(x)):
+        after = x[i] - size * way[i]
+        moved[i] -= size * turned[i]
+        x[i], clipped[i] = max(after, 0.0), max(-after, 0.0)
+        beyond = beyond or after < 0.0
+    return beyond
 
 
 def winkler(offset: Array, total: float, stiffness: float) -> Array:

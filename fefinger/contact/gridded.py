@@ -61,39 +61,26 @@ class GridContact(Stepper):
         self.solver, self.gap = GridSolver(compliance, points), gap
         self.area, self.tolerance = spacing**2, tolerance
         count = points[0] * points[1]
-        self._before, self._last = np.zeros(count), np.zeros(1)
-        super().__init__(
-            self.solver,
-            prony_history(branches, count),
-            np.full(count, DONE, dtype=np.int64),
-            (self._before, self._last),
-            moves=True,
-        )
+        history = prony_history(branches, count)
+        limits = np.full(count, DONE, dtype=np.int64)
+        super().__init__(self.solver, history, limits, moves=True)
 
     def _advance(self, dt: float, target: Target) -> int:
         here = self.gap(target.shift)
         ended = ~np.isfinite(here)
         free = np.where(ended, FAR, here).ravel()
-        now = self.pressure.copy()
         g = load_history(self.history, dt)
-        outcome = self._balance(g, g * free - self.history.moved_past, self._start(dt), target)
+        outcome = self._balance(g, g * free - self.history.moved_past, target)
         if outcome != DONE:
             return outcome
         if ended.any() and (self.pressure.reshape(ended.shape)[beside(ended)] > 0.0).any():
             return TURNED
         store_history(self.history, self.solver.x, self.solver.moved, dt, g)
-        self._before[:], self._last[0] = now, dt
         return DONE
 
-    def _start(self, dt: float) -> Array:
-        """Return the pressure (n,) kPa that the last two steps lead to expect."""
-        if not self._last[0] > 0.0:
-            return self.pressure.copy()
-        ahead = dt / self._last[0]
-        return np.asarray(np.maximum((1.0 + ahead) * self.pressure - ahead * self._before, 0.0))
-
-    def _balance(self, g: float, offset: Array, start: Array, target: Target) -> int:
+    def _balance(self, g: float, offset: Array, target: Target) -> int:
         """Solve at a depth or under a force; offset (n,) mm: g gap - F h at a depth of 0."""
+        start = self.pressure.copy()
         if not target.by_force:
             self.search[DEPTH] = target.value
             return self.solver.solve(offset - g * target.value, start, self.tolerance)

@@ -34,8 +34,14 @@ from fefinger.support.progress import Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-HELD = 20_000_000
-"""Pressures that are held while a motion is solved; of more the means of blocks of points are."""
+HELD = 30_000_000
+"""Pressures that a response holds, 240 MB; of more the means of blocks of points are."""
+
+WIDER = 2.2
+"""Width of the skin under a motion, over the radius of the contact."""
+
+CHUNK = 256
+"""Times or components that are interpolated at once."""
 
 EDGE = 2
 """Grid points at the border of a grid that contact must not reach."""
@@ -83,29 +89,37 @@ class LayerPress:
         skin = partial(spherical, finger.pad_radius, direction(STANDARD))
         return end_organ_sites(ask, finger.pulp, self.first.origin, self.first.axis, skin)
 
+    @cached_property
+    def time(self) -> Array:
+        """Times (n_t,) s of the response."""
+        return self._times(fast="FAII" in self.scene.ask.spikes)
+
+    def _times(self, *, fast: bool, refine: int = 1) -> Array:
+        motion = self.scene.motion
+        feature = self.scene.indenter.feature if motion.slides else math.inf
+        return time_grid(motion, fast=fast, feature=feature, refine=refine)
+
     def solve(self, stages: Stages, *, refine: int = 1) -> "Solved":
         """March the contact through the motion; `refine` divides every step."""
         motion, branches = self.scene.motion, self.scene.finger.prony.branches
-        feature = self.scene.indenter.feature if motion.slides else math.inf
-        time = time_grid(motion, fast=False, feature=feature, refine=refine)
+        time = self._times(fast=False, refine=refine)
         shape = (self.grid.points, self.grid.points)
         contact = GridContact(self.grid.compliance, shape, self.grid.spacing, self.gap, branches)
         value = motion.value(time) / (NEWTON_PER_MILLINEWTON if motion.by_force else 1.0)
         prescribed = Prescribed(motion.control, time, value, motion.shift(time))
-        read = self._reader(contact, len(time))
+        read = self._reader(contact)
         with stages.stage("contact") as report:
             return Solved(time, collected(contact, prescribed, read, report))
 
-    def block(self, count: int) -> int:
-        """Return the side in points of a block whose mean pressure is kept at `count` times."""
-        size = 1
-        while count * math.ceil(self.grid.points / size) ** 2 > HELD:
-            size += 1
-        return size
+    @cached_property
+    def block(self) -> int:
+        """Side in points of a block whose mean pressure is kept."""
+        side = min(self.grid.period, WIDER * 2 * self.grid.width) / self.grid.spacing
+        return max(1, math.ceil(side * math.sqrt(len(self.time) / HELD)))
 
-    def _reader(self, contact: GridContact, count: int) -> Callable[[], Record]:
-        """Return what reads a contact after each of `count` steps."""
-        n, sites, block = self.grid.points, self.sites, self.block(count)
+    def _reader(self, contact: GridContact) -> Callable[[], Mapping[str, Any]]:
+        """Return what reads a contact after each step."""
+        n, sites, block = self.grid.points, self.sites, self.block
         places, edge = self.grid.places.reshape(-1, 2), border(n).ravel()
         probe = None if sites is None else StrainProbe(self.grid, *placed(self.first, sites))
         looked = np.zeros(2)  # the largest force, and what images leave there
@@ -146,15 +160,23 @@ class Solved:
     time: Array
     rows: Mapping[str, Array]
 
-    def smooth(self, name: str, time: Array) -> Array:
+    def smooth(self, values: Array, time: Array) -> Array:
         """Return values at times (n_t,) s by a cubic spline, whose second derivative is smooth."""
-        values = self.rows[name]
-        return values if self._same(time) else np.asarray(CubicSpline(self.time, values)(time))
+        if self._same(time):
+            return values
+        flat = values.reshape(len(values), -1)
+        out = np.empty((len(time), flat.shape[1]))
+        for start in range(0, flat.shape[1], CHUNK):
+            part = slice(start, start + CHUNK)
+            out[:, part] = CubicSpline(self.time, flat[:, part])(time)
+        return out.reshape(-1, *values.shape[1:])
 
     def joined(self, name: str, time: Array) -> Array:
         """Return values at times (n_t,) s by lines."""
         values = self.rows[name]
-        return values if self._same(time) else linear(self.time, values, time)
+        if self._same(time):
+            return np.asarray(values, dtype=np.float64)
+        return linear(self.time, values, time)
 
     def _same(self, time: Array) -> bool:
         # exact: both are made by `time_grid`, and are the same without FAII
@@ -165,8 +187,12 @@ def linear(at: Array, values: Array, time: Array) -> Array:
     """Join values (n, ...) at times (n,) by lines, at times (n_t,)."""
     after = np.clip(np.searchsorted(at, time), 1, len(at) - 1)
     part = (time - at[after - 1]) / (at[after] - at[after - 1])
-    part = part.reshape(-1, *(1,) * (values.ndim - 1)).astype(values.dtype)
-    return np.asarray(values[after - 1] * (1 - part) + values[after] * part)
+    part = part.reshape(-1, *(1,) * (values.ndim - 1))
+    out = np.empty((len(time), *values.shape[1:]))
+    for start in range(0, len(time), CHUNK):
+        k = slice(start, start + CHUNK)
+        out[k] = values[after[k] - 1] * (1 - part[k]) + values[after[k]] * part[k]
+    return out
 
 
 def blocks(values: Array, size: int) -> Array:
@@ -221,16 +247,15 @@ def respond(
     solved = press.solve(stages, refine=refine)
     rows = solved.rows
     _check(scene, grid, rows)
-    feature = scene.indenter.feature if motion.slides else math.inf
-    time = time_grid(motion, fast="FAII" in scene.ask.spikes, feature=feature)
+    time = press.time
     parts: dict[str, Any] = {}
     if scene.ask.pressure:
         with stages.stage("pressure"):
             parts |= _pressure(press, solved, time)
     if press.sites is not None:
         with stages.stage("strain"):
-            strain = turned(solved.smooth("strain", time), press.first, press.sites)
-            parts |= {"sites": press.sites, "strain": strain}
+            strain = turned(rows["strain"], press.first, press.sites)
+            parts |= {"sites": press.sites, "strain": solved.smooth(strain, time)}
     if motion.slides:
         push = solved.joined("push", time) * NEWTON_PER_MILLINEWTON
         parts["lateral"] = Lateral(motion.shift(time), push)
@@ -268,9 +293,9 @@ def _pressure(press: LayerPress, solved: Solved, time: Array) -> dict[str, Any]:
     kept, across = solved.rows["pressure"], frame(press.first.axis)[:2]
     part = window(kept)
     inside = Solved(solved.time, {"pressure": kept[:, part[0], part[1]]})
-    pressure = inside.joined("pressure", time).reshape(len(time), -1).astype(np.float64)
+    pressure = inside.joined("pressure", time).reshape(len(time), -1)
     return {
-        "pad": pad_of(press.first, press.grid, press.gap, press.block(len(solved.time)), part),
+        "pad": pad_of(press.first, press.grid, press.gap, press.block, part),
         "pressure": pressure,
         "contact_area": solved.joined("area", time),
         "centroid": (press.first.origin + solved.joined("center", time) @ across)[:, :2],

@@ -23,6 +23,9 @@ from fefinger.theory.contact.elastic import Array
 
 Base = Literal["bonded", "sliding"]
 
+PRESSURE, SHEAR = (-1.0, 0.0), (0.0, 1.0)
+"""Stresses sigma_z and tau_rz of unit loads on the surface."""
+
 
 @dataclass(frozen=True)
 class Layer:
@@ -112,14 +115,47 @@ class Stack:
         """
         return self.depths(xi, [z])[0]
 
-    def depths(self, xi: ArrayLike, z: ArrayLike) -> Array:
-        """Compute the `kernels` (n_z, 4, n) at several depths z (n_z,) mm by one recursion."""
-        xi, z = np.atleast_1d(np.asarray(xi, np.float64)), np.asarray(z, np.float64)
-        if not (np.all(xi > 0) and np.all(np.isfinite(xi))):
-            raise ValueError("Stack: expected wavenumbers above 0 1/mm")
-        if not (np.all(z >= 0) and np.all(z <= self.thickness)):
-            raise ValueError(f"Stack: expected depths in 0 to {self.thickness:g} mm")
-        waves = self._waves(xi)
+    def sheared(self, xi: ArrayLike, z: float) -> Array:
+        """Amplitudes (4, n) as `kernels`, per unit shear stress tau_rz on the surface instead.
+
+        A traction on the skin is -tau_rz, as z points into the body.
+        """
+        return self.depths(xi, [z], load=SHEAR)[0]
+
+    def aside(self, xi: ArrayLike, z: float) -> Array:
+        """Amplitudes (2, n) at the depth z mm of waves that move across their own direction.
+
+        xi times the displacement, and its derivative in z, in 1/kPa, per unit traction on the skin
+        at wavenumbers xi (n,). ValueError as `kernels`.
+        """
+        xi, z = self._checked(xi, z)
+        below = np.full_like(xi, math.inf if self.base == "bonded" else 0.0)
+        turned = []  # of every layer, bottom up: the wave that rises at its bottom over the other
+        for layer in reversed(self.layers):
+            part = below / layer.shear
+            back = np.where(np.isinf(part), -1.0, (1 - part) / (1 + np.minimum(part, 1e300)))
+            back = np.zeros_like(xi) if layer.thickness == math.inf else back
+            turned.append(back)
+            echo = back * np.exp(-2 * xi * layer.thickness)
+            below = layer.shear * (1 - echo) / (1 + echo)
+        moved = 1 / below
+        for layer, back in zip(self.layers, reversed(turned), strict=True):
+            down = moved / (1 + back * np.exp(-2 * xi * layer.thickness))
+            if z <= layer.thickness or layer is self.layers[-1]:
+                sink = down * np.exp(-xi * z)
+                rise = down * back * np.exp(-xi * (2 * layer.thickness - z))
+                return np.stack([sink + rise, rise - sink])
+            moved = down * np.exp(-xi * layer.thickness) * (1 + back)
+            z = z - layer.thickness
+        raise AssertionError
+
+    def depths(self, xi: ArrayLike, z: ArrayLike, load: tuple[float, float] = PRESSURE) -> Array:
+        """Compute the `kernels` (n_z, 4, n) at several depths z (n_z,) mm by one recursion.
+
+        load: sigma_z and tau_rz on the surface.
+        """
+        xi, z = self._checked(xi, z)
+        waves = self._waves(xi, load)
         out = np.empty((len(z), 4, len(xi)))
         for i, depth in enumerate(z):
             index, local = self.locate(float(depth))
@@ -133,6 +169,15 @@ class Stack:
         out[:, :2] /= 2 * self.layers[0].shear
         return out
 
+    def _checked(self, xi: ArrayLike, z: ArrayLike) -> tuple[Array, Array]:
+        """Return wavenumbers and depths as arrays; ValueError as `kernels`."""
+        xi, z = np.atleast_1d(np.asarray(xi, np.float64)), np.asarray(z, np.float64)
+        if not (np.all(xi > 0) and np.all(np.isfinite(xi))):
+            raise ValueError("Stack: expected wavenumbers above 0 1/mm")
+        if not (np.all(z >= 0) and np.all(z <= self.thickness)):
+            raise ValueError(f"Stack: expected depths in 0 to {self.thickness:g} mm")
+        return xi, z
+
     def locate(self, z: float) -> tuple[int, float]:
         """Find the index of the layer at the depth z mm and the depth below its top."""
         for index, layer in enumerate(self.layers[:-1]):
@@ -141,15 +186,14 @@ class Stack:
             z -= layer.thickness
         return len(self.layers) - 1, min(z, self.layers[-1].thickness)
 
-    def _waves(self, xi: Array) -> list[tuple[Array, Array]]:
-        """Compute the waves of each layer, top first, under unit pressure on the surface.
+    def _waves(self, xi: Array, stress: tuple[float, float]) -> list[tuple[Array, Array]]:
+        """Compute the waves of each layer, top first, under a stress on the surface.
 
         They are the amplitudes (n, 2) of those that decay downward, and of those upward.
         """
         carried, steps = self._join(xi)
-        load = np.zeros((len(xi), 2, 1))
-        # Rows 2 and 3 of the surface state are its stresses: a unit pressure and no shear.
-        load[:, 0] = -1.0
+        # Rows 2 and 3 of the surface state are its stresses.
+        load = np.tile(np.reshape(stress, (2, 1)), (len(xi), 1, 1))
         down = np.asarray(np.linalg.solve(carried[:, 2:], load), np.float64)
         waves = []
         for step in reversed(steps):
