@@ -9,12 +9,11 @@ They run on a window about the contact, in single precision: what a step adds to
 solution is judged in double precision on the whole grid, and gone on with where it falls short.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from scipy import fft
 
 from fefinger.contact.active_set import DONE, ENDLESS, SINGULAR
+from fefinger.contact.grid_waves import Window
 from fefinger.contact.stepper import State
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.compiled import njit
@@ -26,22 +25,8 @@ ITERATIONS = 500
 ROUNDS = 20
 """Most windows of a solution; nearly all take one."""
 
-AROUND = 3
-"""Grid points about the contact that a window has."""
-
 STRICTER = 0.5
 """Tolerance in single precision, over that of the solution."""
-
-
-class Window(NamedTuple):
-    """A part of a grid, with what is sought there, by rows: x, F x and b (m,)."""
-
-    rows: slice
-    columns: slice
-    shape: tuple[int, int]
-    x: Array
-    moved: Array
-    offset: Array
 
 
 class GridSolver:
@@ -106,67 +91,42 @@ class GridSolver:
                 self.place[:] = np.where(x > 0.0, 0, -1)
                 self.rigid = rigid
                 return DONE
-            outcome = self._descend(self._window(active, offset), STRICTER * tolerance, total)
+            window = Window.about(active, self.points)
+            outcome = self._descend(window, offset, STRICTER * tolerance, total)
             if outcome != DONE:
                 return outcome
         return ENDLESS
 
-    def _window(self, active: Flags, offset: Array) -> Window:
-        """Return the window about active points (n,)."""
-        touched = active.reshape(self.points)
-        rows, columns = (bounds(touched.any(axis=axis)) for axis in (1, 0))
-        part, shape = (rows, columns), (rows.stop - rows.start, columns.stop - columns.start)
-        each = [v.reshape(self.points)[part].ravel() for v in (self.x, self.moved, offset)]
-        return Window(rows, columns, shape, *each)
-
-    def _descend(self, w: Window, tolerance: float, total: float) -> int:
+    def _descend(self, w: Window, offset: Array, tolerance: float, total: float) -> int:
         """Solve in a window, as `solve`; other points have no pressure."""
+        x, moved, b = w.part(self.x), w.part(self.moved), w.part(offset)
         free, product, outcome = total <= 0.0, 0.0, ENDLESS
-        way, before, clipped = np.zeros((3, len(w.x)))
+        way, before, clipped = np.zeros((3, len(x)))
         while self.counts[0] < ITERATIONS:
-            rigid = 0.0 if free else rigid_gap(w.x, w.moved, w.offset)
-            rest, active, worst, scale = residual(w.x, w.moved, w.offset, rigid)
+            rigid = 0.0 if free else rigid_gap(x, moved, b)
+            rest, active, worst, scale = residual(x, moved, b, rigid)
             if worst <= tolerance * scale:
                 outcome = DONE
                 break
             self.counts[0] += 1
             if not free:
                 leveled(rest, active)
-            z = self._convolved(rest, w.shape, self._stiffness)
+            z = w.product(rest, self._stiffness)
             change, now = masked(z, active, rest, before, level=not free)
             part = max(0.0, change / product) if product > 0.0 else 0.0
             turn(way, z, part, active, level=not free)
-            moved = self._convolved(way, w.shape, self._single)
-            stiff, slope = products(way, moved, rest)
+            turned = w.product(way, self._single)
+            stiff, slope = products(way, turned, rest)
             if not stiff > 0.0:
                 outcome = SINGULAR if now > 0.0 else ENDLESS
                 break
-            if step(w.x, w.moved, way, moved, slope / stiff, clipped):
-                lifted = self._convolved(clipped, w.shape, self._single)
-                share = 1.0 if free else total / w.x.sum()
-                w.moved[:] = share * (w.moved + lifted)
-                w.x[:] *= share
+            if step(x, moved, way, turned, slope / stiff, clipped):
+                share = 1.0 if free else total / x.sum()
+                moved[:] = share * (moved + w.product(clipped, self._single))
+                x *= share
             before, product = rest, now
-        self.x.reshape(self.points)[w.rows, w.columns] = w.x.reshape(w.shape)
+        w.put(self.x, x)
         return outcome
-
-    def _convolved(self, values: Array, shape: tuple[int, int], spectrum: Array) -> Array:
-        """Return values (m,) of a window times a spectrum, in single precision.
-
-        All are moved to the corner of the grid, where what is empty need not be transformed.
-        """
-        rows, columns = self.points
-        single = values.reshape(shape).astype(np.float32)
-        waves = fft.fft(fft.rfft(single, columns, axis=1), rows, axis=0, overwrite_x=True)
-        waves *= spectrum
-        back = fft.ifft(waves, axis=0, overwrite_x=True)[: shape[0]]
-        return np.asarray(fft.irfft(back, columns, axis=1)[:, : shape[1]], np.float64).ravel()
-
-
-def bounds(touched: Flags) -> slice:
-    """Return the slice about the lines (n,) that are touched, and AROUND more."""
-    at = np.flatnonzero(touched)
-    return slice(max(int(at[0]) - AROUND, 0), min(int(at[-1]) + AROUND + 1, len(touched)))
 
 
 @njit(cache=True)
