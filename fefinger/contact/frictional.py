@@ -49,7 +49,9 @@ UNSOLVED = (
 
 
 @njit(cache=True)
-def _begin(m: PronyHistory, areas: Array, offset: Array, dt: float, x: float, y: float) -> float:
+def begin_step(
+    m: PronyHistory, areas: Array, offset: Array, dt: float, x: float, y: float
+) -> float:
     """Set the offset (3n,) of the tractions, where the object moves by (x, y) mm; return g."""
     n, g = len(areas), load_history(m, dt)
     for j in range(n):
@@ -60,7 +62,7 @@ def _begin(m: PronyHistory, areas: Array, offset: Array, dt: float, x: float, y:
 
 
 @njit(cache=True)
-def _finish(
+def finish_step(
     m: PronyHistory,
     x: Array,
     moved: Array,
@@ -155,13 +157,13 @@ class FrictionalContact(Stepper):
     def _advance(self, dt: float, target: Target) -> int:
         gap, limits = gaps_at(self.gap, target, self.limits, turns=self.turns)
         x, y = target.shift[0] - self.pose[0], target.shift[1] - self.pose[1]
-        g = _begin(self.history, self.projected, self._offset, dt, float(x), float(y))
+        g = begin_step(self.history, self.projected, self._offset, dt, float(x), float(y))
         outcome = int(limit(self.pressure, limits, self._press(gap, g, target)))
         if outcome == DONE:
             solver = self.coulomb
             self.bounds[:] = solver.mu
             state = solver.x, solver.moved, solver.mu, self.mu, self._slip, self.lost
-            _finish(self.history, *state, self._offset, dt, g)
+            finish_step(self.history, *state, self._offset, dt, g)
         return outcome
 
     def _press(self, gap: Array, g: float, target: Target) -> int:

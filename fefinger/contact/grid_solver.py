@@ -46,8 +46,6 @@ class GridSolver:
         Pressure (n,) kPa, and F times it in mm, by rows of the grid.
     place
         (n,): 0 of points in contact, else -1.
-    rigid
-        The depth in mm at which x has the prescribed sum, over the one of `offset`.
     counts
         (2,): iterations of the last solution, solutions so far.
     """
@@ -60,8 +58,13 @@ class GridSolver:
         least = np.append(stiffness.min(), stiffness).reshape(self.compliance.shape)
         self._single = self.compliance.astype(np.float32)
         self._stiffness = least.astype(np.float32)
-        self.x, self.moved, self.rigid = np.zeros(count), np.zeros(count), 0.0
+        self.x, self.moved, self._rigid = np.zeros(count), np.zeros(count), 0.0
         self.place, self.counts = np.full(count, -1, dtype=np.int64), np.zeros(2, dtype=np.int64)
+
+    @property
+    def rigid(self) -> float:
+        """The depth in mm at which x has the prescribed sum, over the one of `offset`."""
+        return self._rigid
 
     @property
     def volatile(self) -> State:
@@ -74,14 +77,20 @@ class GridSolver:
         waves *= self.compliance
         return np.asarray(fft.irfft2(waves, self.points)).ravel()
 
-    def solve(self, offset: Array, start: Array, tolerance: float, total: float = 0.0) -> int:
-        """Solve for x from a start (n,) >= 0 with b = `offset` (n,) mm; return DONE or a failure.
+    def clear(self) -> None:
+        """Return to no contact."""
+        self.x[:], self.moved[:], self.place[:] = 0.0, 0.0, -1
+
+    def solve(self, offset: Array, tolerance: float, total: float = 0.0) -> int:
+        """Solve for x from the last one with b = `offset` (n,) mm; return DONE or a failure.
 
         Gaps are closed, and open, to `tolerance` times the largest displacement. With a `total`
         above 0 that is the sum of x, and the gaps are those at the depth `rigid`.
         """
         x, moved, free = self.x, self.moved, total <= 0.0
-        x[:] = start if free else start * (total / start.sum())
+        if not (free or x.any()):
+            x[:] = winkler(offset, total, 1.0 / float(np.abs(self.compliance).max()))
+        x *= 1.0 if free else total / x.sum()
         self.counts[:] = 0, self.counts[1] + 1
         for _ in range(ROUNDS):
             moved[:] = self.displacement(x)
@@ -89,7 +98,7 @@ class GridSolver:
             _, active, worst, scale = residual(x, moved, offset, rigid)
             if worst <= tolerance * scale:
                 self.place[:] = np.where(x > 0.0, 0, -1)
-                self.rigid = rigid
+                self._rigid = rigid
                 return DONE
             window = Window.about(active, self.points)
             outcome = self._descend(window, offset, STRICTER * tolerance, total)

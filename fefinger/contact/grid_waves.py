@@ -18,6 +18,8 @@ AROUND = 3
 
 Waves = NDArray[np.complex64]
 
+Spectrum = NDArray[np.float32]
+
 
 class Window(NamedTuple):
     """A part of a grid of `points`, by rows."""
@@ -30,7 +32,7 @@ class Window(NamedTuple):
     def about(cls, touched: Flags, points: tuple[int, int]) -> "Window":
         """Return the window about the points (n,) that are touched, at least one."""
         grid = touched.reshape(points)
-        rows, columns = (_bounds(grid.any(axis=axis)) for axis in (1, 0))
+        rows, columns = (_bounds(np.any(grid, axis=axis, keepdims=True).ravel()) for axis in (1, 0))
         return cls(points, rows, columns)
 
     @property
@@ -62,7 +64,7 @@ class Window(NamedTuple):
         grid = fft.irfft(back, self.points[1], axis=-1)[..., :columns]
         return np.asarray(grid, np.float64).reshape(*waves.shape[:-2], -1)
 
-    def product(self, part: Array, spectrum: Array) -> Array:
+    def product(self, part: Array, spectrum: Spectrum) -> Array:
         """Return values (..., m) of the window, convolved with what has a spectrum."""
         waves = self.waves(part)
         waves *= spectrum

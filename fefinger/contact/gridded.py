@@ -1,18 +1,24 @@
-"""Frictionless contact of a body whose compliance is known by wavenumber, on a periodic grid.
+"""Contact of a body whose compliance is known by wavenumber, on a periodic grid: one step.
 
 As `frictionless.py`, where the flexibility is a matrix: p = g y + h, and gap - depth + F y >= 0 is
 a complementarity problem in p, here of every point of the grid.
 """
 
 from collections.abc import Callable
+from typing import Any, Protocol
 
 import numpy as np
 
 from fefinger.contact.active_set import DONE, ENDLESS, TURNED
 from fefinger.contact.force_control import DEPTH
-from fefinger.contact.grid_solver import ITERATIONS, GridSolver, winkler
-from fefinger.contact.prony_history import load_history, prony_history, store_history
-from fefinger.contact.stepper import Record, Stepper, Target
+from fefinger.contact.grid_solver import ITERATIONS, GridSolver
+from fefinger.contact.prony_history import (
+    PronyHistory,
+    load_history,
+    prony_history,
+    store_history,
+)
+from fefinger.contact.stepper import State, Stepper, StepSolver, Target
 from fefinger.support.arrays import Array, Flags
 
 
@@ -26,22 +32,27 @@ Heights = Callable[[tuple[float, float]], Array]
 has ended."""
 
 
-class GridContact(Stepper):
-    """Frictionless contact of a body on a periodic grid.
+class GridSolution(StepSolver, Protocol):
+    """Solver of a step on a grid; `solve` starts from its last solution."""
 
-    Parameters
-    ----------
-    compliance, points
-        As of `GridSolver`.
-    spacing
-        Distance in mm of the grid points.
-    gap
-        `Heights`.
-    branches
-        Weights and rates (m,) of the Prony terms, over the long-time modulus.
-    tolerance
-        Gap or penetration, over the largest displacement, that counts as none.
-    """
+    moved: Array
+
+    @property
+    def rigid(self) -> float:
+        """The depth in mm at which x has the prescribed sum, over the one of the offset."""
+
+    def solve(self, offset: Array, tolerance: float, total: float = 0.0) -> int:
+        """Solve with an offset in mm, or under a total of pressures; return DONE or a failure."""
+
+    def displacement(self, x: Array) -> Array:
+        """Return the displacements in mm of stresses."""
+
+    def clear(self) -> None:
+        """Return to no contact."""
+
+
+class GridStepper(Stepper):
+    """Contact of a body on a periodic grid, `spacing` mm apart; see `GridContact`."""
 
     failures = dict(Stepper.failures) | {
         ENDLESS: f"contact: expected the gaps on the grid to close within {ITERATIONS} iterations, "
@@ -50,51 +61,55 @@ class GridContact(Stepper):
 
     def __init__(
         self,
-        compliance: Array,
-        points: tuple[int, int],
+        solver: GridSolution,
+        history: PronyHistory,
         spacing: float,
         gap: Heights,
-        branches: tuple[Array, Array],
-        *,
-        tolerance: float = CLOSED,
+        tolerance: float,
+        kept: State = (),
     ) -> None:
-        self.solver, self.gap = GridSolver(compliance, points), gap
+        self.solver, self.gap = solver, gap
         self.area, self.tolerance = spacing**2, tolerance
-        count = points[0] * points[1]
-        history = prony_history(branches, count)
-        limits = np.full(count, DONE, dtype=np.int64)
-        super().__init__(self.solver, history, limits, moves=True)
+        self._offset = np.zeros_like(history.elastic)
+        limits = np.full(len(solver.place), DONE, dtype=np.int64)
+        super().__init__(solver, history, limits, kept, moves=True)
 
     def _advance(self, dt: float, target: Target) -> int:
         here = self.gap(target.shift)
-        ended = ~np.isfinite(here)
+        ended, n = ~np.isfinite(here), here.size
         free = np.where(ended, FAR, here).ravel()
-        g = load_history(self.history, dt)
-        outcome = self._balance(g, g * free - self.history.moved_past, target)
+        g = self._begin(dt, target)
+        self._offset[:n] = g * free - self.history.moved_past[:n]
+        outcome = self._balance(g, target)
         if outcome != DONE:
             return outcome
         if ended.any() and (self.pressure.reshape(ended.shape)[beside(ended)] > 0.0).any():
             return TURNED
-        store_history(self.history, self.solver.x, self.solver.moved, dt, g)
+        self._finish(dt, g)
         return DONE
 
-    def _balance(self, g: float, offset: Array, target: Target) -> int:
-        """Solve at a depth or under a force; offset (n,) mm: g gap - F h at a depth of 0."""
-        start = self.pressure.copy()
+    def _begin(self, dt: float, target: Target) -> float:
+        """Load the history of a step; return the stiffness g over that of the relaxed body."""
+        return load_history(self.history, dt)
+
+    def _finish(self, dt: float, g: float) -> None:
+        """Add a step that is solved to the history."""
+        store_history(self.history, self.solver.x, self.solver.moved, dt, g)
+
+    def _balance(self, g: float, target: Target) -> int:
+        """Solve at a depth or under a force, from an offset at a depth of 0."""
+        solver, n = self.solver, len(self.pressure)
         if not target.by_force:
             self.search[DEPTH] = target.value
-            return self.solver.solve(offset - g * target.value, start, self.tolerance)
+            self._offset[:n] -= g * target.value
+            return solver.solve(self._offset, self.tolerance)
         if target.value <= 0.0:
-            self.search[DEPTH] = min(self.search[DEPTH], float(offset.min()) / g)
-            self.solver.x[:] = 0.0
-            self.solver.moved[:] = 0.0
-            self.solver.place[:] = -1
+            touch = float(self._offset[:n].min()) / g
+            self.search[DEPTH] = min(self.search[DEPTH], touch)
+            solver.clear()
             return DONE
-        total = target.value / self.area
-        if not start.any():
-            start = winkler(offset, total, 1.0 / float(np.abs(self.solver.compliance).max()))
-        outcome = self.solver.solve(offset, start, self.tolerance, total)
-        self.search[DEPTH] = self.solver.rigid / g
+        outcome = solver.solve(self._offset, self.tolerance, target.value / self.area)
+        self.search[DEPTH] = solver.rigid / g
         return outcome
 
     def _rebuild(self) -> None:
@@ -116,6 +131,37 @@ class GridContact(Stepper):
     def record(self) -> Record:
         """Return the present values that a history holds, by their names."""
         return super().record() | {"slopes": np.zeros(2)}
+
+
+class GridContact(GridStepper):
+    """Frictionless contact of a body on a periodic grid.
+
+    Parameters
+    ----------
+    compliance, points
+        As of `GridSolver`.
+    spacing
+        Distance in mm of the grid points.
+    gap
+        `Heights`.
+    branches
+        Weights and rates (m,) of the Prony terms, over the long-time modulus.
+    tolerance
+        Gap or penetration, over the largest displacement, that counts as none.
+    """
+
+    def __init__(
+        self,
+        compliance: Array,
+        points: tuple[int, int],
+        spacing: float,
+        gap: Heights,
+        branches: tuple[Array, Array],
+        *,
+        tolerance: float = CLOSED,
+    ) -> None:
+        history = prony_history(branches, points[0] * points[1])
+        super().__init__(GridSolver(compliance, points), history, spacing, gap, tolerance)
 
 
 def beside(ended: Flags) -> Flags:

@@ -9,6 +9,7 @@ what is left.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -18,8 +19,9 @@ from numpy.typing import NDArray
 from scipy import fft, sparse
 from scipy.interpolate import CubicSpline
 
+from fefinger.contact.grid_coulomb import Flexibility
 from fefinger.support.arrays import Array, Flags
-from fefinger.theory.contact.stack import Stack
+from fefinger.theory.contact.stack import PRESSURE, SHEAR, Stack
 
 
 UNIFORM = 1e-3
@@ -75,29 +77,46 @@ class LayerGrid:
     def compliance(self) -> Array:
         """Displacement in mm of the surface per kPa of every wave (n, n // 2 + 1)."""
         _, sink, _, _ = amplitudes(self.layers, wavenumbers(self.points, self.spacing), 0.0)
-        sink[0, 0] -= self.of_images(0.0)[0] * self.period**2
+        sink[0, 0] -= self.of_images(0.0).sink * self.period**2
         return sink
 
-    def of_images(self, z: float) -> tuple[float, float, float]:
-        """Return what the images of a load of 1 mN add to its own mean fields at the depth z mm.
+    @cached_property
+    def flexibility(self) -> Flexibility:
+        """Displacements of the surface under pressure and traction of every wave."""
+        first, second = along_axes(self.points, self.spacing)
+        xi = np.maximum(np.hypot(first, second), UNIFORM)
+        c, s = first / xi, second / xi
+        slide = amplitudes(self.layers, xi, 0.0)[0] / xi
+        along = -amplitudes(self.layers, xi, 0.0, SHEAR)[0] / xi
+        aside = asides(self.layers, xi, 0.0)[0] / xi
+        one, two = (c**2 * along + s**2 * aside, s**2 * along + c**2 * aside)
+        # The mean has no direction.
+        one[0, 0] = two[0, 0] = aside[0, 0] - self.of_images(0.0).slide * self.period**2
+        # Waves of two points have no other side: what is odd in them has none.
+        c[self.points // 2], s[:, -1] = 0.0, 0.0
+        coupled, tangential = [c * slide, s * slide], [one, two, c * s * (along - aside)]
+        return Flexibility(self.compliance, np.stack(coupled), np.stack(tangential))
 
-        Displacement in mm, strain in the plane (the sum of both) and across it.
-        """
-        here, away = self._seen(z, 1), self._seen(z, FREE)
-        return here[0] - away[0], here[1] - away[1], here[2] - away[2]
+    def of_images(self, z: float) -> "Means":
+        """Return what the images of a load of 1 mN add to its own mean fields at the depth z mm."""
+        both = zip(self._seen(z, 1), self._seen(z, FREE), strict=True)
+        return Means(*(here - away for here, away in both))
 
-    def _seen(self, z: float, periods: int) -> tuple[float, float, float]:
+    def _seen(self, z: float, periods: int) -> "Means":
         """Return the mean fields under a Gaussian load of 1 mN, and under its images."""
         side = periods * self.period
         points = 2 * math.ceil(SMOOTH / self.width * side / (2 * np.pi)) + 2
         xi = wavenumbers(points, side / points)
         slide, sink, stretch, _ = amplitudes(self.layers, xi, z)
+        along, _, _, shear = amplitudes(self.layers, xi, z, SHEAR)
+        aside, bend = asides(self.layers, xi, z)
         plane = np.where(xi > 0, slide, 0.0)
+        across = (aside - along) / 2 / np.maximum(xi, UNIFORM)
         # Columns of waves that are not stored are those of the others, but of the ends.
         load = np.exp(-((xi * self.width) ** 2)) / side**2
         load[:, 1:-1] *= 2
-        first, second, third = (float((load * each).sum()) for each in (sink, plane, stretch))
-        return first, second, third
+        fields = (sink, plane, stretch, across, (bend - shear) / 4)
+        return Means(*(float((load * each).sum()) for each in fields))
 
     def images(self, pressure: Array, displacement: Array) -> float:
         """Return the largest displacement in mm that images leave in a contact.
@@ -115,9 +134,9 @@ class LayerGrid:
     def _wider(self) -> "LayerGrid":
         return LayerGrid(self.layers, 2 * self.points, self.spacing, self.width)
 
-    def waves(self, pressure: Array) -> Waves:
-        """Return the Fourier transform (n, n // 2 + 1) of a pressure (n, n) or (n²,) kPa."""
-        return np.asarray(fft.rfft2(np.reshape(pressure, (self.points, self.points))))
+    def waves(self, stress: Array) -> Waves:
+        """Return the Fourier transforms (k, n, n // 2 + 1) of stresses, k times (n, n) or (n²,)."""
+        return np.asarray(fft.rfft2(np.reshape(stress, (-1, self.points, self.points))))
 
 
 def wavenumbers(points: int, spacing: float) -> Array:
@@ -135,27 +154,53 @@ def along_axes(points: int, spacing: float) -> tuple[Array, Array]:
     return first, second
 
 
-def amplitudes(layers: Stack, xi: Array, z: float) -> Array:
+class Means(NamedTuple):
+    """Mean fields of a load: of a pressure, then of a traction.
+
+    sink: displacement in mm into the body; plane: strain in the plane, the sum of both; stretch:
+    strain across it; slide: displacement along the traction; shear: shear strain along it.
+    """
+
+    sink: float
+    plane: float
+    stretch: float
+    slide: float
+    shear: float
+
+
+def amplitudes(layers: Stack, xi: Array, z: float, load: tuple[float, float] = PRESSURE) -> Array:
     """Return fields (4, ...) at the depth z mm per kPa of waves with wavenumbers of any shape.
 
     Strain along the wave, displacement in mm into the body, strain across the plane, and twice the
-    shear strain; of the first and the last the amplitude a quarter of a wave aside.
+    shear strain; of the first and the last the amplitude a quarter of a wave aside. load: that of
+    the waves, as of `Stack.depths`.
     """
+    slide, sink, axial, shear = _tabulated(lambda at: layers.depths(at, [z], load)[0], xi)
     xi = np.maximum(xi, UNIFORM)
-    lines = np.linspace(np.log(UNIFORM), np.log(float(xi.max())), TABULATED)
-    table = layers.kernels(np.maximum(np.exp(lines), UNIFORM), z)
-    slide, sink, axial, shear = CubicSpline(lines, table, axis=1)(np.log(xi))
     layer = layers.layers[layers.locate(z)[0]]
     nu, twice = layer.poisson, 2 * layer.shear
     stretch = ((1 - 2 * nu) * axial / twice - nu * slide) / (1 - nu)
     return np.stack([slide, sink / xi, stretch, 2 * shear / twice])
 
 
+def asides(layers: Stack, xi: Array, z: float) -> Array:
+    """Return `Stack.aside` (2, ...) at wavenumbers of any shape."""
+    return _tabulated(lambda at: layers.aside(at, z), xi)
+
+
+def _tabulated(kernel: Callable[[Array], Array], xi: Array) -> Array:
+    """Return a kernel (k, ...) at wavenumbers of any shape, from a table of it."""
+    xi = np.maximum(xi, UNIFORM)
+    lines = np.linspace(np.log(UNIFORM), np.log(float(xi.max())), TABULATED)
+    table = kernel(np.maximum(np.exp(lines), UNIFORM))
+    return np.asarray(CubicSpline(lines, table, axis=1)(np.log(xi)))
+
+
 class _Level(NamedTuple):
     """End organs at one depth: which, a coarser grid, its transfer functions, and interpolation.
 
-    chosen (n_sites,); points of the coarser grid; transfer (6, m, m // 2 + 1): of strain xx, yy,
-    zz, xy, yz, xz per kPa; at (k, m²): the spline at the sites.
+    chosen (n_sites,); points of the coarser grid; transfer (k, 6, m, m // 2 + 1): of strain xx, yy,
+    zz, xy, yz, xz per kPa of each stress; at (n, m²): the spline at the sites.
     """
 
     chosen: Flags
@@ -182,23 +227,31 @@ class StrainProbe:
         (n_sites, 2) mm below the grid.
     depths
         (n_sites,) mm, above 0.
+    friction
+        Whether there is traction beside the pressure.
     """
 
-    def __init__(self, grid: LayerGrid, places: Array, depths: Array) -> None:
+    def __init__(
+        self, grid: LayerGrid, places: Array, depths: Array, *, friction: bool = False
+    ) -> None:
         self.grid, self.count = grid, len(places)
         at = np.round(np.asarray(depths), 9)
-        self._levels = [_level(grid, places, at == z, float(z)) for z in np.unique(at)]
+        self._levels = [
+            _level(grid, places, at == z, float(z), friction=friction) for z in np.unique(at)
+        ]
 
-    def strain(self, pressure: Array) -> Array:
-        """Return the strain (n_sites, 3, 3) of a pressure (n, n) or (n²,) kPa.
+    def strain(self, stress: Array) -> Array:
+        """Return the strain (n_sites, 3, 3) of a pressure in kPa, with friction and traction.
 
-        In the frame of the grid, z into the body; positive in tension.
+        stress: (n, n) or (n²,), with friction (3, n, n) or (3n²,). In the frame of the grid, z into
+        the body; positive in tension.
         """
-        waves, out = self.grid.waves(pressure), np.empty((self.count, 3, 3))
+        waves, out = self.grid.waves(stress), np.empty((self.count, 3, 3))
         for level in self._levels:
-            kept = cropped(waves, self.grid.points, level.points)
+            kept = [cropped(each, self.grid.points, level.points) for each in waves]
             shape = (level.points, level.points)
-            fields = fft.irfft2(kept * level.transfer, shape, axes=(1, 2))
+            moved = sum(each * to for each, to in zip(kept, level.transfer, strict=True))
+            fields = fft.irfft2(moved, shape, axes=(1, 2))
             values = level.at @ fields.reshape(6, -1).T
             for (i, j), value in zip(COMPONENTS, values.T, strict=True):
                 out[level.chosen, i, j] = out[level.chosen, j, i] = value
@@ -216,37 +269,65 @@ def cropped(waves: Waves, points: int, fewer: int) -> Waves:
     return np.asarray(kept * (fewer / points) ** 2)
 
 
-def _level(grid: LayerGrid, places: Array, chosen: Flags, z: float) -> _Level:
+def _level(grid: LayerGrid, places: Array, chosen: Flags, z: float, *, friction: bool) -> _Level:
     """Prepare the strain at one depth."""
     needed = 2 * math.ceil(DECAYED / z * grid.period / (2 * np.pi)) + 2
     points = min(grid.points, max(FEWEST, fft.next_fast_len(needed + needed % 2)))
     points = grid.points if points % 2 else points
     step = grid.period / points
     first, second = along_axes(points, step)
-    xi = np.maximum(np.hypot(first, second), UNIFORM)
-    slide, _, stretch, shear = amplitudes(grid.layers, xi, z)
-    transfer = np.stack(
-        [
-            first**2 / xi**2 * slide,
-            second**2 / xi**2 * slide,
-            stretch,
-            first * second / xi**2 * slide,
-            -1j * second / xi * shear / 2,
-            -1j * first / xi * shear / 2,
-        ]
-    )
-    _, plane, across = grid.of_images(z)
-    area = grid.period**2
-    transfer[:3, 0, 0] -= np.array([plane / 2, plane / 2, across]) * area
+    mean, area = grid.of_images(z), grid.period**2
+    transfer = [of_pressure(grid.layers, first, second, z)]
+    transfer[0][:3, 0, 0] -= np.array([mean.plane / 2, mean.plane / 2, mean.stretch]) * area
+    if friction:
+        transfer += of_tractions(grid.layers, first, second, z)
+        for each, component in zip(transfer[1:], (5, 4), strict=True):
+            each[component, 0, 0] -= mean.shear * area
     # The coefficients of the cubic spline through the points of a wave are it over this.
     spline = np.multiply(*((2 + np.cos(k * step)) / 3 for k in (first, second)))
     first_line = float(grid.lines[0])
     return _Level(
         chosen,
         points,
-        np.asarray(transfer / spline, np.complex128),
+        np.asarray(np.stack(transfer) / spline, np.complex128),
         splines((places[chosen] - first_line) / step, points),
     )
+
+
+def of_pressure(layers: Stack, first: Array, second: Array, z: float) -> Waves:
+    """Return the strain (6, ...) at the depth z mm per kPa of waves of pressure."""
+    xi = np.maximum(np.hypot(first, second), UNIFORM)
+    c, s = first / xi, second / xi
+    slide, _, stretch, shear = amplitudes(layers, xi, z)
+    slanted = -0.5j * shear
+    return np.stack([c**2 * slide, s**2 * slide, stretch, c * s * slide, s * slanted, c * slanted])
+
+
+def of_tractions(layers: Stack, first: Array, second: Array, z: float) -> list[Waves]:
+    """Return the strains (6, ...) as `of_pressure`, of tractions along each axis.
+
+    A traction is the sum of one along the wave and one across it.
+    """
+    xi = np.maximum(np.hypot(first, second), UNIFORM)
+    c, s = first / xi, second / xi
+    c[0, 0], s[0, 0] = 1.0, 0.0  # the mean has no direction
+    slide, _, stretch, shear = amplitudes(layers, xi, z, SHEAR)
+    aside, bend = asides(layers, xi, z)
+    aside[0, 0] = slide[0, 0] = stretch[0, 0] = 0.0
+    out = []
+    for along, across in ((c, -s), (s, c)):
+        one, turn = -1j * along * slide, 0.5j * across * aside
+        slanted, beside = -0.5 * along * shear, 0.5 * across * bend
+        strain = [
+            c**2 * one - 2 * c * s * turn,
+            s**2 * one + 2 * c * s * turn,
+            -1j * along * stretch,
+            c * s * one + (c**2 - s**2) * turn,
+            s * slanted + c * beside,
+            c * slanted - s * beside,
+        ]
+        out.append(np.stack(strain))
+    return out
 
 
 def splines(at: Array, points: int) -> sparse.csr_matrix:

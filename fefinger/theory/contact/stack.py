@@ -128,7 +128,7 @@ class Stack:
         xi times the displacement, and its derivative in z, in 1/kPa, per unit traction on the skin
         at wavenumbers xi (n,). ValueError as `kernels`.
         """
-        xi, z = self._checked(xi, z)
+        xi, _ = self._checked(xi, [z])
         below = np.full_like(xi, math.inf if self.base == "bonded" else 0.0)
         turned = []  # of every layer, bottom up: the wave that rises at its bottom over the other
         for layer in reversed(self.layers):

@@ -2,15 +2,18 @@
 
 import numpy as np
 import pytest
+from fefinger.validation.oracles.mindlin import cerruti
 
 import fefinger as ff
 from fefinger.contact.active_set import DONE
+from fefinger.contact.grid_coulomb import GridCoulomb
 from fefinger.contact.gridded import GridContact
 from fefinger.contact.stepper import Target
 from fefinger.mechanics import layered
 from fefinger.mechanics.press.layer_grid import LayerGrid, StrainProbe
 from fefinger.theory.contact.contact_table import tabulate_to
 from fefinger.theory.contact.indentation import paraboloid
+from fefinger.theory.contact.stack import Layer, Stack
 from fefinger.theory.contact.subsurface import subsurface_field
 
 
@@ -89,3 +92,42 @@ def test_depths_below_a_plate_agree_with_the_table_of_contacts():
     press = GridContact(grid.compliance, (120, 120), 0.1, lambda shift: gap, ELASTIC)
     press.advance(0.0, Target(0.333))
     assert press.force == pytest.approx(float(table.force(np.array([0.333]))[0]), rel=3e-3)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_the_strain_below_tractions_is_that_of_cerruti(axis):
+    """On a layer so thick that it is a half-space; no force and no moment, so no image counts."""
+    poisson, shear = 0.3, 20.0
+    thick = Stack((Layer(60.0, 2 * shear * (1 + poisson), poisson),))
+    grid = LayerGrid(thick, 96, 0.125)
+    x, y = np.moveaxis(grid.places, -1, 0)
+    traction = np.zeros((3, 96, 96))
+    for middle, part in ((-0.9, 1.0), (0.0, -2.0), (0.9, 1.0)):
+        traction[1 + axis] += part * np.exp(-2 * ((x - middle) ** 2 + (y - 0.3) ** 2))
+    at = np.array([[0.9, 0.4], [-0.3, 0.9], [1.8, -0.7]])
+    got = StrainProbe(grid, at, np.full(3, 1.1), friction=True).strain(traction)
+
+    def moved(place):
+        apart = [place[k] - grid.places[..., k] for k in (0, 1)]
+        u = cerruti(*apart[:: 1 - 2 * axis], place[2], shear=shear, poisson=poisson)
+        u = u[[1, 0, 2]] if axis else u
+        return np.sum(u * traction[1 + axis], axis=(1, 2)) * grid.spacing**2
+
+    for place, strain in zip(at, got, strict=True):
+        here, h = np.append(place, 1.1), 1e-3
+        slope = np.array([(moved(here + e) - moved(here - e)) / (2 * h) for e in h * np.eye(3)]).T
+        wanted = (slope + slope.T) / 2
+        assert strain == pytest.approx(wanted, abs=0.01 * np.abs(wanted).max())
+
+
+def test_the_flexibility_of_layers_is_symmetric_and_stiff_in_every_wave():
+    """Pressure moves along what traction moves down, and no stress does negative work."""
+    grid = LayerGrid(STACK, 12, 0.5, width=1.0)
+    body = GridCoulomb(grid.flexibility, (12, 12), 0.5)
+    matrix = np.array([body.displacement(unit) for unit in np.eye(3 * 144)])
+    assert matrix == pytest.approx(matrix.T, abs=1e-12 * np.abs(matrix).max())
+    assert np.abs(matrix[:144, 144:]).max() > 0.02 * matrix.max()
+    own = np.diag(matrix)[[0, 144, 288]]
+    assert body.own == pytest.approx(own[1], rel=1e-5)
+    # But the mean, from which images are taken away.
+    assert np.sort(np.linalg.eigvalsh(matrix))[3] > 0.0
