@@ -26,7 +26,7 @@ from fefinger.support.arrays import Array, Flags, Integers
 ROUNDS = 40
 """Most times that pressure and traction are solved in turn; four to six are usual."""
 
-FIRST, FALLING = 1e-3, 0.1
+FIRST, FALLING = 1e-3, 0.03
 """Tolerance of the first turn, if larger than that of the solution, and of a turn over the last."""
 
 NEWTON = 60
@@ -206,8 +206,9 @@ class GridCoulomb:
         for _ in range(NEWTON):
             aim = t - slip / self.own
             size = np.hypot(*aim)
-            rest = self.own * np.hypot(*(t - within(aim, bound)))
-            if rest.max() <= close:
+            projected = within(aim, bound)
+            if self.own * np.hypot(*(t - projected)).max() <= close:
+                t[:] = projected  # what slips is at its bound, but for rounding
                 return True
             slips = size > bound
             s = _Slip(
@@ -221,12 +222,12 @@ class GridCoulomb:
             way = within(edge + self._solved(w, s, -s.free(turned)), bound) - t
             falls = -float(np.sum(slip * way))
             if not falls > 0.0:  # along the slip the energy falls
-                way = within(aim, bound) - t
+                way = projected - t
                 falls = -float(np.sum(slip * way))
             moved = self._product(w, way)
             bends = float(np.sum(moved * way))
             if not (falls > 0.0 and bends > 0.0):
-                return False
+                return True  # as close as single precision sees; the next turn has exact slips
             part = min(1.0, falls / bends)
             t += part * way
             slip += part * moved
@@ -241,14 +242,16 @@ class GridCoulomb:
     def _solved(self, w: Window, s: _Slip, right: Array) -> Array:
         """Return the change (2, m) that a Newton step asks for, by conjugate gradients."""
         held = s.stiff[s.on & s.slips]
-        typical = np.median(held) if len(held) else 0.0
+        typical = float(np.median(held)) if len(held) else 0.0
         inverse = 1.0 / (self._mean + np.float32(typical))
+        # Where little pressure is, much holds the traction: all that is held is scaled to the same.
+        even = np.sqrt(typical / np.maximum(s.stiff, typical)) if typical > 0.0 else 1.0
         out, rest, way = np.zeros_like(right), right.copy(), np.zeros_like(right)
         enough, product = FORCING * float(np.linalg.norm(right)), 0.0
         for _ in range(PRODUCTS):
             if float(np.linalg.norm(rest)) <= enough:
                 break
-            z = s.free(w.product(rest, inverse))
+            z = s.free(even * w.product(even * rest, inverse))
             now = float(np.sum(z * rest))
             way = z + (now / product if product > 0.0 else 0.0) * way
             turned = s.free(self._product(w, way)) + s.stiff * way

@@ -6,7 +6,7 @@ first press of a stack takes a quarter of a second, another one some 30 ms
 (`reports/afferent-cost.json`).
 
 That is for plates, balls and ellipsoids, which only press a smooth pad. Every other object, a path
-and a pad with ridges are solved on a grid (`press/layer_press.py`), without friction.
+and a pad with ridges are solved on a grid (`press/layer_press.py`), and so is friction.
 """
 
 import math
@@ -68,20 +68,25 @@ NOTES = (
 ON_GRID = (
     "The finger is a flat stack of skin and subcutaneous tissue bonded to rigid bone; the sides, "
     "the tip and the nail are left out, and the bone is flat. The pad is a paraboloid.",
-    "Small strain, a rigid object without friction; the pressure acts along the travel, not along "
-    "the slopes of the object, and the skin meets the heights ahead of its undeformed points.",
+    "Small strain, a rigid object; the pressure acts along the travel, not along the slopes of the "
+    "object, and the skin meets the heights ahead of its undeformed points.",
     "The whole stress relaxes with one function G(t).",
     notes.QUASISTATIC,
 )
 
 SMOOTH = (
-    "The skin is smooth: its ridges ([finger.ridges]), friction and inertia are left out. Over "
-    "textures FAII fire because of such causes."
+    "The skin is smooth: its ridges ([finger.ridges]) and {others} are left out. Over textures "
+    "FAII fire because of such causes."
 )
 
 RIDGED = (
     "The skin has {shape} ridges, sinusoidal heights of {height:g} mm every {pitch:g} mm; they do "
-    "not bend aside; the papillae of the dermis below are left out, as are friction and inertia."
+    "not bend aside; the papillae of the dermis below are left out, as are {others}."
+)
+
+COULOMB = (
+    "Friction: Coulomb's law at every point of the grid, of {static:g} where it sticks and "
+    "{kinetic:g} where it slips."
 )
 
 UNKNOWN = "not known: no press on a grid was compared with finite strain"
@@ -169,8 +174,9 @@ def deepest(case: Situation, enough: float) -> float:
 
 
 def on_grid(finger: Finger, indenter: Indenter, motion: Motion) -> bool:
-    """Return whether a press takes a grid: all but a round object on a smooth pad."""
-    return indenter.hertzian is None or motion.slides or _ridges(finger) is not None
+    """Return whether a press takes a grid: all but a round object on a smooth pad, which slips."""
+    round_ = indenter.hertzian is not None and not indenter.friction
+    return not round_ or motion.slides or _ridges(finger) is not None
 
 
 def _ridges(finger: Finger) -> Ridges | None:
@@ -222,7 +228,6 @@ def _grid_refusals(case: Situation) -> list[Reason]:
     from fefinger.mechanics.press import layer_gap
 
     unable = [*notes.own_relaxation_reasons(case.finger), *case.too_long]
-    unable += notes.friction_reasons(case.indenter)
     if case.motion.turns_plate:
         reason = f"motion.kind = {case.motion.kind!r}: its plate does not turn along a path"
         unable.append(Reason("motion.angle", reason))
@@ -308,19 +313,28 @@ def _plate(finger: Finger) -> "ContactTable":
     return tabulate_to(stack(finger), finger.pad_radius, depth=REFERENCE_DEPTH, levels=PLATE_LEVELS)
 
 
+def causes(finger: Finger, indenter: Indenter) -> list[str]:
+    """Return in words which causes of spikes over textures an answer on a grid has."""
+    ridges, others = _ridges(finger), "inertia" if indenter.friction else "friction and inertia"
+    if ridges is None:
+        found = [SMOOTH.format(others=others)]
+    else:
+        form = {"shape": ridges.shape, "height": ridges.height, "pitch": ridges.pitch}
+        found = [RIDGED.format(**form, others=others)]
+    if indenter.friction:
+        found.append(COULOMB.format(static=indenter.friction, kinetic=indenter.kinetic))
+    return found
+
+
 def _respond_on_grid(scene: Scene, progress: Progress | None) -> Response:
     from fefinger.mechanics.press import layer_press
 
-    finger, ridges = scene.finger, _ridges(scene.finger)
-    if ridges is None:
-        skin = SMOOTH
-    else:
-        skin = RIDGED.format(shape=ridges.shape, height=ridges.height, pitch=ridges.pitch)
+    finger, indenter = scene.finger, scene.indenter
     return layer_press.respond(
         scene,
-        grid(finger, scene.indenter, scene.motion, scene.ask),
+        grid(finger, indenter, scene.motion, scene.ask),
         lambda: axisymmetric.small_press(scene.ask, finger.pulp, _plate(finger)),
         Stages(progress),
         mechanics=name,
-        notes=(*ON_GRID, skin, *notes.normalization_notes(finger.prony)),
+        notes=(*ON_GRID, *causes(finger, indenter), *notes.normalization_notes(finger.prony)),
     )

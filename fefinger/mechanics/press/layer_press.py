@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from fefinger.contact.gridded import GridContact
+from fefinger.contact.gridded import GridContact, GridStepper
+from fefinger.contact.gridded_friction import GridFriction
 from fefinger.contact.march import Prescribed, collected
 from fefinger.contact.stepper import Record
 from fefinger.geometry.profiles import frame
@@ -22,6 +23,7 @@ from fefinger.mechanics.press.layer_gap import LayerGap, first_touch, pad_of, wi
 from fefinger.mechanics.press.layer_grid import LayerGrid, StrainProbe
 from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.sites import end_organ_sites, spherical
+from fefinger.mechanics.press.slip import told
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.neural.drives import Reference
 from fefinger.results.records import Lateral, Response, Sites
@@ -101,15 +103,20 @@ class LayerPress:
 
     def solve(self, stages: Stages, *, refine: int = 1) -> "Solved":
         """March the contact through the motion; `refine` divides every step."""
-        motion, branches = self.scene.motion, self.scene.finger.prony.branches
-        time = self._times(fast=False, refine=refine)
-        shape = (self.grid.points, self.grid.points)
-        contact = GridContact(self.grid.compliance, shape, self.grid.spacing, self.gap, branches)
+        motion, time = self.scene.motion, self._times(fast=False, refine=refine)
+        contact = self._contact()
         value = motion.value(time) / (NEWTON_PER_MILLINEWTON if motion.by_force else 1.0)
         prescribed = Prescribed(motion.control, time, value, motion.shift(time))
         read = self._reader(contact)
         with stages.stage("contact") as report:
             return Solved(time, collected(contact, prescribed, read, report))
+
+    def _contact(self) -> GridStepper:
+        grid, indenter, branches = self.grid, self.scene.indenter, self.scene.finger.prony.branches
+        shape, rest = (grid.points, grid.points), (grid.spacing, self.gap, branches)
+        if not indenter.friction:
+            return GridContact(grid.compliance, shape, *rest)
+        return GridFriction(grid.flexibility, shape, (indenter.friction, indenter.kinetic), *rest)
 
     @cached_property
     def block(self) -> int:
@@ -117,11 +124,13 @@ class LayerPress:
         side = min(self.grid.period, WIDER * 2 * self.grid.width) / self.grid.spacing
         return max(1, math.ceil(side * math.sqrt(len(self.time) / HELD)))
 
-    def _reader(self, contact: GridContact) -> Callable[[], Mapping[str, Any]]:
+    def _reader(self, contact: GridStepper) -> Callable[[], Mapping[str, Any]]:
         """Return what reads a contact after each step."""
         n, sites, block = self.grid.points, self.sites, self.block
         places, edge = self.grid.places.reshape(-1, 2), border(n).ravel()
-        probe = None if sites is None else StrainProbe(self.grid, *placed(self.first, sites))
+        friction, probe = isinstance(contact, GridFriction), None
+        if sites is not None:
+            probe = StrainProbe(self.grid, *placed(self.first, sites), friction=friction)
         looked = np.zeros(2)  # the largest force, and what images leave there
 
         def read() -> Record:
@@ -138,6 +147,8 @@ class LayerPress:
                 "bordering": bool(p[edge].any()),
                 "images": looked[1],
             }
+            if isinstance(contact, GridFriction):
+                row |= gripped(contact, places, row["center"])
             if self.scene.ask.pressure:
                 row["pressure"] = blocks(p.reshape(n, n), block).astype(np.float32)
             if probe is not None:
@@ -146,11 +157,29 @@ class LayerPress:
 
         return read
 
-    def _images(self, contact: GridContact) -> float:
+    def _images(self, contact: GridStepper) -> float:
         """Return what periodic images leave, over the largest displacement in the contact."""
         shape = (self.grid.points, self.grid.points)
-        pressure, moved = contact.pressure.reshape(shape), contact.solver.moved.reshape(shape)
+        pressure = contact.pressure.reshape(shape)
+        moved = contact.solver.moved[: pressure.size].reshape(shape)
         return self.grid.images(pressure, moved) / float(np.abs(moved[pressure > 0]).max())
+
+
+def gripped(contact: GridFriction, places: Array, center: Array) -> dict[str, Any]:
+    """Return the friction of a contact.
+
+    Pull (2,) mN, its torque in mN mm about the center (2,) mm of pressure, the area that sticks in
+    mm², the work lost in µJ, and the distance from Coulomb's law.
+    """
+    (first, second), area = contact.traction, contact.area
+    x, y = (places - np.nan_to_num(center)).T
+    return {
+        "pull": contact.traction.sum(axis=1) * area,
+        "torque": float(x @ second - y @ first) * area,
+        "stick": np.count_nonzero(contact.sticking) * area,
+        "lost": contact.lost,
+        "cone": contact.coulomb.residual,
+    }
 
 
 @dataclass(frozen=True)
@@ -256,9 +285,8 @@ def respond(
         with stages.stage("strain"):
             strain = turned(rows["strain"], press.first, press.sites)
             parts |= {"sites": press.sites, "strain": solved.smooth(strain, time)}
-    if motion.slides:
-        push = solved.joined("push", time) * NEWTON_PER_MILLINEWTON
-        parts["lateral"] = Lateral(motion.shift(time), push)
+    if motion.slides or scene.indenter.friction:
+        parts["lateral"] = _lateral(scene, solved, time)
     return Response(
         mechanics=mechanics,
         time=time,
@@ -275,6 +303,24 @@ def respond(
             "images_over_displacement": float(rows["images"].max()),
         },
         **parts,
+    )
+
+
+def _lateral(scene: Scene, solved: Solved, time: Array) -> Lateral:
+    """Return path, lateral force, and friction where there is any; of traction only its sum."""
+    motion, unit = scene.motion, NEWTON_PER_MILLINEWTON
+    shift, push = motion.shift(time), solved.joined("push", time) * unit
+    if not scene.indenter.friction:
+        return Lateral(shift, push)
+    rows, moving = solved.rows, np.linalg.norm(motion.velocity(solved.time), axis=-1) > 0
+    path, cone = motion.shift(solved.time), float(rows["cone"].max())
+    return Lateral(
+        shift,
+        push + solved.joined("pull", time) * unit,
+        torque=solved.joined("torque", time) * unit,
+        stick_area=solved.joined("stick", time),
+        work=solved.joined("lost", time) * 1e-3,  # mJ from µJ
+        outcome=told(solved.time, rows["area"], rows["stick"], path, moving, cone),
     )
 
 

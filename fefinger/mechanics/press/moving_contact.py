@@ -16,6 +16,7 @@ from fefinger.mechanics.press import operator, problem
 from fefinger.mechanics.press.placement import on_neighborhood
 from fefinger.mechanics.press.pressing_object import pressing_object
 from fefinger.mechanics.press.problem import Press, SmallStrainHistory
+from fefinger.mechanics.press.slip import told
 from fefinger.results.records import Lateral, Pad
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
@@ -167,30 +168,9 @@ def notes(press: Press) -> tuple[str, ...]:
 def outcome(press: Press, history: SmallStrainHistory) -> str:
     """Return in words whether the contact stuck, slipped in part, or slid, and since when."""
     contact, areas = history.contact, history.reduced.patch.areas
-    assert contact.sliding is not None
-    assert contact.sliding.sticking is not None
-    area, stick = (contact.pressure > 0) @ areas, contact.sliding.sticking @ areas
-    touching = area > 0
-    law = f"with a residual of {contact.sliding.cone:.1g} of the highest pressure"
+    sliding, area = contact.sliding, (contact.pressure > 0) @ areas
+    assert sliding is not None
+    assert sliding.sticking is not None
     moving = np.linalg.norm(press.motion.velocity(press.time), axis=-1) > 0
-    if moving.any():
-        touching &= moving
-        slips = stick[touching] == 0
-        onsets = np.flatnonzero(touching)[slips & ~np.append(False, slips[:-1])]
-        if len(onsets):
-            start, reached = contact.sliding.shift[[0, onsets[0]]]
-            path = np.linalg.norm(reached - start)
-            first, last = press.time[onsets[[0, -1]]]
-            often = f"; {len(onsets)} times in all, as some stick in between"
-            held = f"{often}, last from {last:.4g} s on" if len(onsets) > 1 else ""
-            end = "" if slips[-1] else "; at the end of the path some stick"
-            return (
-                f"Gross slip: from {first:.4g} s on, with the indenter moved by {path:.3g} mm, "
-                f"no vertex sticks{held}{end}, {law}."
-            )
-    if not touching.any():
-        return f"Friction: no contact while the indenter moves, {law}."
-    share = float((stick[touching] / area[touching]).min())
-    if share < 1:
-        return f"Partial slip: at least {100 * share:.0f} % of the contact area sticks, {law}."
-    return f"Sticking: no part of the contact slips, {law}."
+    stick = sliding.sticking @ areas
+    return told(press.time, area, stick, sliding.shift, moving, sliding.cone)

@@ -86,6 +86,30 @@ def test_a_texture_that_has_moved_by_its_period_repeats():
     assert np.abs(push[:, 1]).max() < 1e-6 * force[start]
 
 
+def test_a_plate_with_friction_sticks_then_slides_and_its_work_is_lost():
+    """Full slip pulls by mu times the force, and strain at the end organs leans with the pull."""
+    grid = LayerGrid(STACK, 64, 0.21, width=1.5)
+    slide = ff.Slide(20, 0.4, distance=1.5, settle=0.1, approach=20, corner=0.0)
+    free, held = (on(grid, scene(motion=slide, indenter=ff.Flat(friction=mu))) for mu in (0.0, 0.4))
+    pull = held.lateral.force[:, 0] / held.force
+    assert pull[-1] == pytest.approx(0.4, abs=1e-4)
+    assert pull[slide_start(held)] == pytest.approx(0.0, abs=0.02)
+    assert held.lateral.stick_area[slide_start(held)] > 0.5 * held.contact_area[-1]
+    assert held.lateral.stick_area[-1] == 0.0  # exact: a count of points
+    assert held.lateral.outcome.startswith("Gross slip: from ")
+    work = np.trapezoid(held.lateral.force[:, 0], held.lateral.shift[:, 0])
+    assert 0.5 * work < held.lateral.work[-1] < work
+    assert not free.lateral.force.any()
+    leaning = np.abs(held.strain - free.strain)[-1]
+    assert leaning.max() > 0.1 * np.abs(free.strain).max()
+    assert "Coulomb" in layered.causes(FINGER, ff.Flat(friction=0.4))[-1]
+    assert "friction and inertia are left out" in layered.causes(FINGER, ff.Flat())[0]
+
+
+def slide_start(answer):
+    return int(np.searchsorted(answer.lateral.shift[:, 0], 1e-9)) - 1
+
+
 def test_ridges_soften_the_first_touch_and_hardly_change_a_press():
     asked = scene(motion=ff.Ramp(40, 0.6))
     smooth, ridged = (
@@ -104,9 +128,7 @@ def test_what_a_grid_cannot_answer_is_refused_in_a_sentence():
 
     dots = builtin.load("slide-dots")
     assert field(dots) == []
-    assert field(replace(dots, indenter=replace(dots.indenter, friction=0.3))) == [
-        "indenter.friction"
-    ]
+    assert field(replace(dots, indenter=replace(dots.indenter, friction=0.3))) == []
     wide = scene(finger=replace(FINGER, ridges=ff.Ridges(pitch=2.0)), motion=ff.Ramp(20, 0.05))
     assert field(wide) == ["finger.ridges.pitch"]
     sharp = scene(indenter=ff.Pin(0.2, corner=0.002))

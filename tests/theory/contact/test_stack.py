@@ -296,3 +296,33 @@ def test_points_and_contacts_that_do_not_belong_are_refused():
         subsurface_field(FINGER, [contact], [0.0], z=[5.2])
     with pytest.raises(ValueError, match="at least one contact"):
         subsurface_field(FINGER, [], [0.0], z=[1.0])
+
+
+def test_traction_on_a_half_space_moves_it_as_in_closed_form():
+    """Along a wave by (1 - nu) / (G xi), across it by 1 / (G xi); down as pressure moves along."""
+    xi, poisson, shear = np.array([0.3, 1.0, 5.0]), 0.3, 40.0
+    half = Stack((Layer(math.inf, 2 * shear * (1 + poisson), poisson),))
+    along, down, _, stress = half.sheared(xi, 0.0)
+    assert -along * shear == pytest.approx(np.full(3, 1 - poisson))
+    assert down * 2 * shear == pytest.approx(np.full(3, 1 - 2 * poisson))
+    assert stress == pytest.approx(np.ones(3))
+    aside, bend = half.aside(xi, 0.7)
+    assert aside * shear == pytest.approx(np.exp(-0.7 * xi))
+    assert bend * shear == pytest.approx(-np.exp(-0.7 * xi))
+
+
+def test_traction_moves_layers_down_as_pressure_moves_them_along():
+    """Betti's theorem; and a stack cut where nothing changes is the same, held by its base."""
+    xi = np.array([0.1, 0.8, 4.0])
+    stack = Stack((Layer(0.5, 80.0, 0.48), Layer(4.0, 34.0, 0.45)))
+    assert stack.sheared(xi, 0.0)[1] == pytest.approx(-stack.kernels(xi, 0.0)[0], rel=1e-9)
+    one = Stack((Layer(4.5, 80.0, 0.4),))
+    cut = Stack((Layer(0.5, 80.0, 0.4), Layer(4.0, 80.0, 0.4)))
+    for z in (0.2, 1.3, 4.5):
+        assert cut.sheared(xi, z) == pytest.approx(one.sheared(xi, z), abs=1e-12)
+        assert cut.aside(xi, z) == pytest.approx(one.aside(xi, z), abs=1e-12)
+    assert one.aside(xi, 4.5)[0] == pytest.approx(np.zeros(3), abs=1e-15)
+    # Far below the layers' thickness a traction shears all of them alike.
+    slow = stack.aside(np.array([1e-4]), 0.0)[0] / 1e-4
+    shear = 0.5 / stack.layers[0].shear + 4.0 / stack.layers[1].shear
+    assert slow == pytest.approx(np.array([shear]), rel=1e-4)
