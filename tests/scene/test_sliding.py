@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.mechanics import hertz, layered, lumped
+from fefinger.mechanics import hertz, lumped
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import builtin
@@ -154,7 +154,6 @@ def test_a_path_from_beside_the_object_has_no_shorter_one():
     [
         (lumped, {"motion.kind", "indenter.friction"}),
         (hertz, {"motion.kind", "indenter.friction"}),
-        (layered, {"indenter.friction"}),
     ],
 )
 def test_the_other_mechanics_name_the_field_that_they_have_no_answer_for(mechanics, lacking):
