@@ -5,7 +5,7 @@ a complementarity problem in p, here of every point of the grid.
 """
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from fefinger.contact.prony_history import (
     prony_history,
     store_history,
 )
-from fefinger.contact.stepper import State, Stepper, StepSolver, Target
+from fefinger.contact.stepper import Record, State, Stepper, StepSolver, Target
 from fefinger.support.arrays import Array, Flags
 
 

@@ -4,8 +4,6 @@ As `frictional.py`, where the flexibility is a matrix: history, slip, work of fr
 kinetic coefficient are the same, here of every point of the grid.
 """
 
-from typing import Any
-
 import numpy as np
 
 from fefinger.contact.active_set import ENDLESS
@@ -13,7 +11,7 @@ from fefinger.contact.frictional import STUCK, UNSOLVED, begin_step, finish_step
 from fefinger.contact.grid_coulomb import Flexibility, GridCoulomb
 from fefinger.contact.gridded import CLOSED, GridStepper, Heights
 from fefinger.contact.prony_history import prony_history
-from fefinger.contact.stepper import Target
+from fefinger.contact.stepper import Record, Target
 from fefinger.support.arrays import Array, Flags
 
 
@@ -92,7 +90,8 @@ class GridFriction(GridStepper):
         super().reset()
         self.coulomb.mu[:] = self.bounds[:] = self.mu[0]
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """Return the present values that a history holds, by their names."""
-        friction = {"traction": self.traction, "slip": self.slip, "sticking": self.sticking}
-        return super().record() | friction | {"lost": self.lost, "cone": self.coulomb.residual}
+        friction: Record = {"traction": self.traction, "slip": self.slip, "sticking": self.sticking}
+        friction |= {"lost": self.lost, "cone": self.coulomb.residual}
+        return super().record() | friction

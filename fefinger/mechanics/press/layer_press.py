@@ -124,7 +124,7 @@ class LayerPress:
         side = min(self.grid.period, WIDER * 2 * self.grid.width) / self.grid.spacing
         return max(1, math.ceil(side * math.sqrt(len(self.time) / HELD)))
 
-    def _reader(self, contact: GridStepper) -> Callable[[], Mapping[str, Any]]:
+    def _reader(self, contact: GridStepper) -> Callable[[], Record]:
         """Return what reads a contact after each step."""
         n, sites, block = self.grid.points, self.sites, self.block
         places, edge = self.grid.places.reshape(-1, 2), border(n).ravel()
@@ -138,17 +138,18 @@ class LayerPress:
             if contact.force > RISEN * looked[0]:
                 looked[:] = contact.force, self._images(contact)
             total = float(p.sum())
+            center = p @ places / total if total else np.full(2, np.nan)
             row: Record = {
                 "depth": contact.depth,
                 "force": contact.force,
                 "area": np.count_nonzero(p) * area,
-                "center": p @ places / total if total else np.full(2, np.nan),
+                "center": center,
                 "push": self.gap.push((contact.pose[0], contact.pose[1]), p) * area,
                 "bordering": bool(p[edge].any()),
                 "images": looked[1],
             }
             if isinstance(contact, GridFriction):
-                row |= gripped(contact, places, row["center"])
+                row |= gripped(contact, places, center)
             if self.scene.ask.pressure:
                 row["pressure"] = blocks(p.reshape(n, n), block).astype(np.float32)
             if probe is not None:
@@ -165,7 +166,7 @@ class LayerPress:
         return self.grid.images(pressure, moved) / float(np.abs(moved[pressure > 0]).max())
 
 
-def gripped(contact: GridFriction, places: Array, center: Array) -> dict[str, Any]:
+def gripped(contact: GridFriction, places: Array, center: Array) -> Record:
     """Return the friction of a contact.
 
     Pull (2,) mN, its torque in mN mm about the center (2,) mm of pressure, the area that sticks in
