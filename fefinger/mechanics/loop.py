@@ -257,7 +257,7 @@ class Loop:
         self._readout.summary[[X, Y]] = state.center
         return self._read(strain=True)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         """Pickle and copy by recipe: the finger is prepared again from the cache."""
         return partial(again, type(self)), (self.options,), self.state()
 

@@ -364,7 +364,7 @@ class TactileFinger:
             now[:] = then
         self._kept = False
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         """Pickle and copy by recipe: the pad is read again from the cache."""
         return again, (self.finger, self._options), self.state()
 

@@ -1,7 +1,6 @@
 """Units of the fields of a scene in names of columns, which end in them."""
 
 from collections.abc import Iterator
-from typing import Any
 
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -50,10 +49,10 @@ def _keys(field: str, kind: str) -> Iterator[Key]:
         yield from _keys(table, kind)
 
 
-def _records(table: str) -> Iterator[type[Any]]:
+def _records(table: str) -> Iterator[type[object]]:
     """Yield the records that a table of the finger or of `ask` is read to."""
     path = table.split(".")
-    here: list[type[Any]] = [each for each in (Finger, Ask) if each.table == path[0]]
+    here: list[type[object]] = [each for each in (Finger, Ask) if each.table == path[0]]
     for name in path[1:]:
         hints = [keys_of(each)[name].hint for each in here if name in keys_of(each)]
         here = [each for hint in hints for each in records(hint)]

@@ -103,7 +103,7 @@ def keys_of(record: type[object]) -> Mapping[str, KeyField]:
     return _KEYS[record]
 
 
-_KEYS: dict[type[Any], Mapping[str, KeyField]] = {}
+_KEYS: dict[type[object], Mapping[str, KeyField]] = {}
 
 
 def _read_keys(record: type[Any]) -> Mapping[str, KeyField]:
@@ -126,7 +126,7 @@ def _read_keys(record: type[Any]) -> Mapping[str, KeyField]:
     return found
 
 
-def keys_of_kind(record: type[Any], kind: str = "") -> Mapping[str, KeyField]:
+def keys_of_kind(record: type[object], kind: str = "") -> Mapping[str, KeyField]:
     """Return the keys that a scene has for a record of a `kind`: what the kind says is no key."""
     control, found = Control.of_kind(kind), {}
     for name, each in keys_of(record).items():
@@ -179,12 +179,12 @@ def forms(hint: object) -> list[Any]:
     return [each for each in either if each is not NoneType]
 
 
-def records(hint: object) -> list[type[Any]]:
+def records(hint: object) -> list[type[object]]:
     """Return the records among the types that a field may have."""
     return [each for each in forms(hint) if isinstance(each, type) and is_dataclass(each)]
 
 
-def _plain(name: str, value: object, hint: object, key: Key) -> Any:
+def _plain(name: str, value: object, hint: object, key: Key) -> object:
     """Return a value of a type that is no record."""
     if hint is bool:
         return boolean(name, value)
@@ -221,7 +221,7 @@ def _whole(name: str, value: Any, key: Key) -> int:
     raise InputError(f"{name}: {expected}, received {value!r}")
 
 
-def _listed(name: str, value: object, parts: tuple[object, ...], key: Key) -> tuple[Any, ...]:
+def _listed(name: str, value: object, parts: tuple[object, ...], key: Key) -> tuple[object, ...]:
     """Return a list as a tuple: of words, of numbers, or of lists of numbers."""
     item, count = parts[0], None if parts[-1] is Ellipsis else len(parts)
     if item is str:
@@ -235,14 +235,14 @@ def _listed(name: str, value: object, parts: tuple[object, ...], key: Key) -> tu
     return tuple(rows)
 
 
-def by_type(name: str, given: object, key: Key) -> Mapping[str, Any]:
+def by_type(name: str, given: object, key: Key) -> Mapping[str, object]:
     """Return a table by afferent type; InputError for other keys, or no table."""
     found = table(name, given, "SAI = ..." if key.words else "SAI = 1.0")
     reject_unknown(name, found, TYPES)
     return found
 
 
-def table(name: str, given: object, example: str = "name = 1.0") -> Mapping[str, Any]:
+def table(name: str, given: object, example: str = "name = 1.0") -> Mapping[str, object]:
     """Return a table; InputError for another value."""
     if not isinstance(given, Mapping):
         msg = f"{name}: expected a table such as {{{example}}}, received {given!r}"

@@ -1,7 +1,7 @@
 """Reader of relief files: heights on a rectangular grid, as CSV, NPZ, PNG or STL."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,6 +10,10 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 from fefinger.support.csv_columns import is_numeric, read_columns, read_matrix, read_table
 from fefinger.support.inputs import check_input
+
+
+if TYPE_CHECKING:
+    from numpy.lib.npyio import NpzFile
 
 
 MEANING = {
@@ -109,8 +113,9 @@ def _archive(file: Path) -> tuple[Array, ...]:
     return x.ravel(), y.ravel(), height
 
 
-def _numbers(archive: Any, name: str) -> Array:
+def _numbers(archive: "NpzFile", name: str) -> Array:
     """Read an array of real numbers; zeros of any number are a small file."""
+    assert archive.zip is not None  # it is open
     if archive.zip.getinfo(f"{name}.npy").file_size > LARGEST * MOST:
         raise ValueError(f"{name} has more than {MOST} numbers")
     values = archive[name]

@@ -180,7 +180,7 @@ def parts(table: Mapping[str, object], folder: Path | None) -> dict[str, Any]:
     return arguments | {key: table[key] for key in ("name", PLUGINS) if key in table}
 
 
-def tables(finger: Finger, indenter: Indenter, motion: Motion, ask: Ask) -> dict[str, Any]:
+def tables(finger: Finger, indenter: Indenter, motion: Motion, ask: Ask) -> dict[str, object]:
     """Convert the parts of a scene to the tables that `parts` reads."""
     plain = _plain(finger)
     if "subject_name" in plain:
@@ -348,7 +348,9 @@ def _motion(table: dict[str, object], folder: Path) -> Motion:
     return cast(Motion, _of_kind("motion", kind, MOTIONS[kind], table, folder))
 
 
-def _of_kind(part: str, kind: str, cls: type[Any], table: dict[str, Any], folder: Path) -> Any:
+def _of_kind(
+    part: str, kind: str, cls: type[object], table: dict[str, object], folder: Path
+) -> Any:
     """Construct `cls` from the table of a part, or from the file that the table names."""
     reader = FROM_FILE.get(kind)
     if reader is None or "file" not in table:
@@ -373,12 +375,12 @@ def _record(cls: type[object], name: str, table: dict[str, object], kind: str = 
     return cls(**table, **by_kind)
 
 
-def _plain(record: object) -> dict[str, Any]:
+def _plain(record: object) -> dict[str, object]:
     """Convert the fields of a record to TOML values; fields that are None or empty are left out.
 
     So are newer ones at their default, so that a scene keeps its text and what is stored under it.
     """
-    table: dict[str, Any] = {}
+    table: dict[str, object] = {}
     for name, known in keys_of_kind(type(record), getattr(record, "kind", "")).items():
         value = getattr(record, name)
         if isinstance(value, Tissue | Hard | Prony | Ridges):
@@ -395,13 +397,15 @@ def _plain(record: object) -> dict[str, Any]:
     return table
 
 
-def keys_beside_file(kind: Any) -> tuple[str, ...]:
+def keys_beside_file(kind: object) -> tuple[str, ...]:
     """List the keys of the table of an indenter or motion of a kind that is read from a file."""
-    reader = FROM_FILE.get(kind)
+    reader = FROM_FILE.get(kind) if isinstance(kind, str) else None
     return () if reader is None else ("kind", "file", *reader.keys)
 
 
-def keys(part: str, kind: Any) -> tuple[str, ...]:
+def keys(part: str, kind: object) -> tuple[str, ...]:
     """List the keys that a table ("indenter", "motion", "ask.population") takes for `kind`."""
-    record = KINDS.get(part, {}).get(kind) if isinstance(kind, str) else None
+    if not isinstance(kind, str):
+        return ()
+    record = KINDS.get(part, {}).get(kind)
     return () if record is None else ("kind", *keys_of_kind(record, kind))

@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 from fefinger.fem.body import Body, Solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
@@ -171,7 +172,9 @@ class _EndedError(Exception):
 class _Recorder:
     """Records every step for the response, and whole states at some; stops at a rim."""
 
-    def __init__(self, body: Solid, contact: ContactSurface, probe: Any, course: "Course") -> None:
+    def __init__(
+        self, body: Solid, contact: ContactSurface, probe: sparse.csr_matrix, course: "Course"
+    ) -> None:
         self.contact, self.probe, self.course = contact, probe, course
         self.places = body.space.node_points
         on = contact.on

@@ -89,7 +89,11 @@ def read(place: Path) -> Compliance:
 
 
 def reduced(
-    finger: Finger, solid: Operator, patch: Patch, points: Array, probe: Callable[[], Any]
+    finger: Finger,
+    solid: Operator,
+    patch: Patch,
+    points: Array,
+    probe: Callable[[], sparse.csr_matrix],
 ) -> Reduced:
     """Return the operator reduced to a patch and to the strain at `points`, cached likewise.
 

@@ -145,7 +145,7 @@ def _check_tissue(tables: Mapping[str, object], overrides: Mapping[str, object])
         )
 
 
-def changed(tables: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+def changed(tables: Mapping[str, Any], overrides: Mapping[str, object]) -> dict[str, Any]:
     """Copy `tables` with the values of `overrides`, by dotted path: kinds, files, then others."""
     result = deepcopy(dict(tables))
     order = {"kind": 0, "file": 1}
